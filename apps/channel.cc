@@ -1,0 +1,61 @@
+#include "apps/channel.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+
+#include "apps/console.h"
+#include "core/error.h"
+#include "transport/dds.h"
+#include "transport/in_process.h"
+
+namespace strandcast {
+namespace {
+
+// A rival's status reaches a newcomer within discovery plus one status interval.
+constexpr auto kRivalWait = std::chrono::milliseconds(1500);
+
+DdsOptions ddsOptions(const Settings& settings, uint64_t session) {
+  return {settings.domain, settings.groom_id, session};
+}
+
+}  // namespace
+
+std::unique_ptr<Subscriber> subscribe(const Settings& settings) { return makeDdsSubscriber(ddsOptions(settings, 0)); }
+
+std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session) {
+  std::unique_ptr<Publisher> publisher = makeDdsPublisher(ddsOptions(settings, session));
+  const auto deadline = std::chrono::steady_clock::now() + kRivalWait;
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (const auto rival = publisher->rivalSession())
+      throw Error(fmt::format("another daemon already casts groom {}", settings.groom_id),
+                  fmt::format("domain {}, session {:016x}", settings.domain, *rival),
+                  "stop it (`strandcast ctl stop`) or choose another --groom-id");
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return publisher;
+}
+
+Scene makeSceneAloud(const SceneOptions& options) {
+  Scene scene;
+  {
+    ProgressBar bar;
+    scene = makeScene(options, [&](const std::string& what, double part) { bar.show(what, part); });
+  }
+  for (const std::string& note : scene.notes) spdlog::info("{}: {}", scene.name, note);
+  return scene;
+}
+
+EmbeddedDaemon::EmbeddedDaemon(const Settings& settings) {
+  std::tie(publisher_, subscriber_) = makeInProcessChannel(settings.groom_id);
+  daemon_ = std::make_unique<Daemon>(settings, makeSceneAloud(settings.scene), *publisher_, newSession());
+  thread_ = std::thread([this] { daemon_->run(stop_); });
+}
+
+EmbeddedDaemon::~EmbeddedDaemon() {
+  stop_ = true;
+  thread_.join();
+}
+
+}  // namespace strandcast

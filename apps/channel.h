@@ -1,0 +1,37 @@
+#pragma once
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "apps/daemon.h"
+#include "apps/settings.h"
+#include "transport/subscriber.h"
+
+namespace strandcast {
+
+/// Joins the network as a reader of settings.groom_id.
+std::unique_ptr<Subscriber> subscribe(const Settings& settings);
+/// Joins the network as the daemon of settings.groom_id; an Error when another daemon has that id.
+std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session);
+
+/// A daemon in a thread of this process, cast over the in-process channel: what `strandcast view --scene` runs on.
+/// The renderer's side sees no difference.
+class EmbeddedDaemon {
+ public:
+  /// Makes the scene first, with a progress bar; throws Error.
+  explicit EmbeddedDaemon(const Settings& settings);
+  ~EmbeddedDaemon();
+  Subscriber& subscriber() { return *subscriber_; }
+
+ private:
+  std::unique_ptr<Publisher> publisher_;
+  std::unique_ptr<Subscriber> subscriber_;
+  std::unique_ptr<Daemon> daemon_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// makeScene with a progress bar, its notes logged.
+Scene makeSceneAloud(const SceneOptions& options);
+
+}  // namespace strandcast

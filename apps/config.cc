@@ -1,0 +1,213 @@
+#define TOML_HEADER_ONLY 1
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <set>
+#include <sstream>
+#include <toml++/toml.h>
+
+#include "apps/settings.h"
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+/// One table of a configuration file: hands out its values, checks their types, and in the end complains of whatever
+/// nobody asked for.
+class Section {
+ public:
+  Section(const toml::table& table, std::string path, const std::string& file)
+      : table_(table), path_(std::move(path)), file_(file) {}
+
+  void number(const char* key, double low, double high, const std::function<void(double)>& set) {
+    read(key, [&](const toml::node& node) {
+      const std::optional<double> value = node.value<double>();
+      if (!value || !std::isfinite(*value) || *value < low || *value > high)
+        fail(node, key, fmt::format("give a number from {:g} to {:g}", low, high));
+      set(*value);
+    });
+  }
+  void text(const char* key, const std::function<void(const std::string&)>& set) {
+    read(key, [&](const toml::node& node) {
+      const std::optional<std::string> value = node.value_exact<std::string>();
+      if (!value) fail(node, key, "give a text in quotes");
+      set(*value);
+    });
+  }
+  void numbers(const char* key, size_t count, const std::function<void(const std::vector<double>&)>& set) {
+    read(key, [&](const toml::node& node) { set(components(node, key, count)); });
+  }
+  void texts(const char* key, const std::function<void(const std::string&)>& add) {
+    read(key, [&](const toml::node& node) {
+      if (const auto one = node.value_exact<std::string>()) return add(*one);
+      const toml::array* array = node.as_array();
+      if (array == nullptr) fail(node, key, "give a text or a list of texts");
+      for (const toml::node& element : *array) {
+        const auto value = element.value_exact<std::string>();
+        if (!value) fail(element, key, "give texts in quotes");
+        add(*value);
+      }
+    });
+  }
+  void section(const char* key, const std::function<void(Section&)>& body) {
+    read(key, [&](const toml::node& node) {
+      if (!node.is_table()) fail(node, key, fmt::format("write it as a table: [{}]", key));
+      Section inner(*node.as_table(), path_ + key + ".", file_);
+      body(inner);
+      inner.refuseRest();
+    });
+  }
+  void sections(const char* key, const std::function<void(Section&)>& body) {
+    read(key, [&](const toml::node& node) {
+      const toml::array* array = node.as_array();
+      if (array == nullptr) fail(node, key, fmt::format("write it as tables: [[{}{}]]", path_, key));
+      for (const toml::node& element : *array) {
+        if (!element.is_table()) fail(element, key, fmt::format("write it as tables: [[{}{}]]", path_, key));
+        Section inner(*element.as_table(), path_ + key + ".", file_);
+        body(inner);
+        inner.refuseRest();
+      }
+    });
+  }
+  /// Every key nobody asked for goes to `set` with its components.
+  void remaining(const std::function<void(const std::string&, const std::vector<double>&, const std::string& where)>& set) {
+    for (const auto& [key, node] : table_)
+      if (!known_.contains(std::string(key.str()))) {
+        known_.insert(std::string(key.str()));
+        set(std::string(key.str()), components(node, std::string(key.str()), 0), place(node));
+      }
+  }
+  void refuseRest() const {
+    for (const auto& [key, node] : table_) {
+      if (known_.contains(std::string(key.str()))) continue;
+      std::string names;
+      for (const std::string& name : known_) names += (names.empty() ? "" : ", ") + name;
+      throw Error(fmt::format("unknown key '{}{}'", path_, key.str()), place(node), "known here: " + names);
+    }
+  }
+  [[noreturn]] void fail(const toml::node& node, const std::string& key, const std::string& remedy) const {
+    throw Error(fmt::format("'{}{}' has a wrong value", path_, key), place(node), remedy);
+  }
+  std::string place(const toml::node& node) const { return fmt::format("{} line {}", file_, node.source().begin.line); }
+  std::string place(const char* key) const {
+    const toml::node* node = table_.get(key);
+    return node != nullptr ? place(*node) : file_;
+  }
+
+ private:
+  void read(const char* key, const std::function<void(const toml::node&)>& body) {
+    known_.insert(key);
+    if (const toml::node* node = table_.get(key)) body(*node);
+  }
+  std::vector<double> components(const toml::node& node, const std::string& key, size_t count) const {
+    std::vector<double> values;
+    if (const auto one = node.value<double>()) {
+      values.push_back(*one);
+    } else if (const toml::array* array = node.as_array()) {
+      for (const toml::node& element : *array) {
+        const auto value = element.value<double>();
+        if (!value) fail(element, key, "give numbers");
+        values.push_back(*value);
+      }
+    } else {
+      fail(node, key, "give a number or a list of numbers");
+    }
+    for (double value : values)
+      if (!std::isfinite(value)) fail(node, key, "give finite numbers");
+    if (count > 0 && values.size() != count) fail(node, key, fmt::format("give {} numbers", count));
+    return values;
+  }
+
+  const toml::table& table_;
+  std::string path_;
+  const std::string& file_;
+  std::set<std::string> known_;
+};
+
+ContactPrimitive readPrimitive(Section& section) {
+  ContactPrimitive out;
+  auto vector = [](const std::vector<double>& v) { return Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()); };
+  section.text("kind", [&](const std::string& kind) {
+    if (kind == "sphere") out.kind = PrimitiveKind::kSphere;
+    else if (kind == "capsule") out.kind = PrimitiveKind::kCapsule;
+    else if (kind == "plane") out.kind = PrimitiveKind::kPlane;
+    else throw Error("unknown primitive '" + kind + "'", section.place("kind"), "choose one of sphere, capsule, plane");
+  });
+  section.numbers("a", 3, [&](const std::vector<double>& v) { out.a = vector(v); });
+  section.numbers("b", 3, [&](const std::vector<double>& v) { out.b = vector(v); });
+  section.number("radius", 0, 10, [&](double v) { out.radius = static_cast<float>(v); });
+  section.number("friction", 0, 10, [&](double v) { out.friction = static_cast<float>(v); });
+  if (out.kind == PrimitiveKind::kPlane) {
+    if (!(out.b.norm() > 0)) throw Error("a plane's normal b is zero", section.place("b"), "give a direction");
+    out.b.normalize();
+  }
+  return out;
+}
+
+void readSections(Section& root, const std::filesystem::path& folder, Settings& s) {
+  auto path = [&](const std::string& text) { return folder / text; };  // relative to the file that names it
+  root.text("scene", [&](const std::string& v) { s.scene.name = v; });
+  root.text("motion", [&](const std::string& v) { s.scene.motion = v.ends_with(".bvh") ? path(v).string() : v; });
+  root.number("seed", 0, 1e15, [&](double v) { s.scene.seed = static_cast<uint64_t>(v); });
+  root.section("groom", [&](Section& groom) {
+    groom.texts("files", [&](const std::string& v) { s.scene.groom.push_back(path(v)); });
+    groom.number("unit_meters", 1e-6, 1000, [&](double v) { s.scene.units.unit_meters = static_cast<float>(v); });
+    groom.text("up", [&](const std::string& v) { s.scene.units.up = upAxisOf(v, groom.place("up")); });
+    groom.number("strands", 1, 1e6, [&](double v) { s.scene.strands = static_cast<int>(v); });
+    groom.number("vertices", 2, 128, [&](double v) { s.scene.vertices = static_cast<int>(v); });
+    groom.number("length", 0.01, 2, [&](double v) { s.scene.length = static_cast<float>(v); });
+  });
+  root.section("body", [&](Section& body) {
+    body.text("file", [&](const std::string& v) { s.scene.body = path(v); });
+    body.number("fitted_spheres", 0, 64, [&](double v) { s.scene.body_primitives = static_cast<int>(v); });
+    body.sections("primitives", [&](Section& primitive) { s.scene.primitives.push_back(readPrimitive(primitive)); });
+  });
+  root.section("daemon", [&](Section& daemon) {
+    daemon.text("backend", [&](const std::string& v) { s.backend = v; });
+    daemon.number("threads", 0, 1024, [&](double v) { s.threads = static_cast<int>(v); });
+    daemon.number("rate", 1, 1000, [&](double v) { s.rate = v; });
+    daemon.number("duration", 0, 1e9, [&](double v) { s.duration = v; });
+  });
+  root.section("transport", [&](Section& transport) {
+    transport.text("kind", [&](const std::string& v) { s.transport = v; });
+    transport.number("domain", 0, 232, [&](double v) { s.domain = static_cast<int>(v); });
+    transport.number("groom_id", 1, 4294967295.0, [&](double v) { s.groom_id = static_cast<uint32_t>(v); });
+  });
+  root.section("parameters", [&](Section& parameters) {
+    parameters.remaining([&](const std::string& name, const std::vector<double>& value, const std::string& where) {
+      Parameters check;
+      setParameter(check, name, value, where);
+      s.parameters.emplace_back(name, value);
+    });
+  });
+}
+
+}  // namespace
+
+void readConfigText(const std::string& text, const std::string& name, Settings& settings) {
+  try {
+    const toml::table table = toml::parse(text, name);
+    Section root(table, "", name);
+    readSections(root, std::filesystem::path(name).parent_path(), settings);
+    root.refuseRest();
+  } catch (const toml::parse_error& error) {
+    throw Error("not valid TOML: " + std::string(error.description()),
+                fmt::format("{} line {}", name, error.source().begin.line), "");
+  }
+}
+
+void readConfig(const std::filesystem::path& file, Settings& settings) {
+  constexpr uintmax_t kMaxBytes = 1 << 20;
+  std::error_code failed;
+  const uintmax_t bytes = std::filesystem::file_size(file, failed);
+  std::ifstream stream(file, std::ios::binary);
+  if (failed || !stream) throw Error("the configuration file cannot be read", file.string(), "check the path given to --config");
+  if (bytes > kMaxBytes) throw Error("the configuration file is larger than 1 MiB", file.string(), "is it the right file?");
+  std::stringstream text;
+  text << stream.rdbuf();
+  readConfigText(text.str(), file.string(), settings);
+}
+
+}  // namespace strandcast

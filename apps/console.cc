@@ -1,0 +1,68 @@
+#include "apps/console.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+
+namespace strandcast {
+
+ProgressBar::ProgressBar() : terminal_(isatty(STDERR_FILENO) == 1) {}
+
+ProgressBar::~ProgressBar() {
+  if (shown_) std::fputs("\r\033[K", stderr);
+}
+
+void ProgressBar::show(const std::string& what, double part) {
+  if (!terminal_) return;
+  constexpr int kWidth = 30;
+  const int full = static_cast<int>(std::lround(std::clamp(part, 0.0, 1.0) * kWidth));
+  const std::string bar = std::string(full, '#') + std::string(kWidth - full, '-');
+  std::fputs(fmt::format("\r\033[K[{}] {:3.0f} %  {}", bar, 100 * part, what).c_str(), stderr);
+  std::fflush(stderr);
+  shown_ = true;
+}
+
+void Report::add(const std::string& key, const std::string& label, const std::string& text) {
+  rows_.push_back({key, label, text, nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)});
+}
+
+void Report::add(const std::string& key, const std::string& label, double value, const std::string& unit, int digits) {
+  rows_.push_back({key, label, fmt::format("{:.{}f} {}", value, digits, unit), nlohmann::json(value).dump()});
+}
+
+void Report::addCount(const std::string& key, const std::string& label, uint64_t value) {
+  rows_.push_back({key, label, fmt::format("{}", value), fmt::format("{}", value)});
+}
+
+void Report::print(bool json) const {
+  if (json) {
+    std::string object;
+    for (const Row& row : rows_)
+      object += fmt::format("{}{}: {}", object.empty() ? "" : ", ", nlohmann::json(row.key).dump(), row.json);
+    std::puts(fmt::format("{{{}}}", object).c_str());
+  } else {
+    size_t width = 0;
+    for (const Row& row : rows_) width = std::max(width, row.label.size());
+    for (const Row& row : rows_) std::puts(fmt::format("  {:<{}}  {}", row.label, width, row.text).c_str());
+  }
+  std::fflush(stdout);
+}
+
+int runProgram(const std::function<int()>& body) {
+  try {
+    return body();
+  } catch (const Error& error) {
+    std::fputs(fmt::format("error: {}\n", error.what()).c_str(), stderr);
+  } catch (const std::exception& error) {
+    std::fputs(fmt::format("error: {}\n", error.what()).c_str(), stderr);
+  }
+  return kExitBadInput;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,44 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace strandcast {
+
+/// Exit codes of every program: 0 done, and
+constexpr int kExitCheckFailed = 1;
+constexpr int kExitBadInput = 2;
+constexpr int kExitInterrupted = 130;
+
+/// A progress bar on standard error; quiet when that is not a terminal.
+class ProgressBar {
+ public:
+  ProgressBar();
+  ~ProgressBar();
+  void show(const std::string& what, double part);
+
+ private:
+  bool shown_ = false;
+  bool terminal_ = false;
+};
+
+/// Named values, printed as a table for people or as one JSON object.
+class Report {
+ public:
+  void add(const std::string& key, const std::string& label, const std::string& text);
+  void add(const std::string& key, const std::string& label, double value, const std::string& unit, int digits);
+  void addCount(const std::string& key, const std::string& label, uint64_t value);
+  void print(bool json) const;  ///< on standard output
+
+ private:
+  struct Row {
+    std::string key, label, text, json;
+  };
+  std::vector<Row> rows_;
+};
+
+/// Runs a program's body: an Error or a stray exception becomes one line on standard error and exit code 2.
+int runProgram(const std::function<int()>& body);
+
+}  // namespace strandcast

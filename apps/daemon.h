@@ -1,0 +1,52 @@
+#pragma once
+#include <atomic>
+#include <functional>
+
+#include "apps/settings.h"
+#include "core/simulation.h"
+#include "transport/publisher.h"
+
+namespace strandcast {
+
+/// What a daemon has to say when it ends.
+struct DaemonSummary {
+  Status status;
+  double seconds = 0;          ///< of wall time
+  uint64_t late_frames = 0;    ///< frames that came after their time, because the machine was too slow
+};
+
+/// Simulates one scene at a steady rate and publishes it: commands in, steps, frames and status out. Simulation time
+/// follows wall time; when the machine is too slow it falls behind rather than taking longer steps.
+class Daemon {
+ public:
+  /// Announces the groom and body on `publisher`. Throws Error.
+  Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint64_t session);
+
+  /// Until `stop`, a shutdown command, or settings.duration.
+  DaemonSummary run(const std::atomic<bool>& stop);
+
+ private:
+  void obey(const Command& command);
+  void apply(const Command& command);
+  void advance();
+  void publishFrame();
+  void publishStatus();
+
+  Settings settings_;
+  Publisher& publisher_;
+  HeadMotion motion_;
+  Vec3 head_pivot_;          ///< m, the joint that procedural motions turn about
+  double motion_start_ = 0;  ///< s of simulation time
+  Simulation simulation_;
+  GuideFrame frame_;
+  Status status_;
+  std::vector<double> step_ms_;  ///< of the newest steps, a ring
+  size_t step_count_ = 0;
+  uint64_t acknowledged_ = 0;    ///< the newest command that a status has told of
+  bool shutdown_ = false;
+};
+
+/// A number that names one start of a daemon: never 0, different each time.
+uint64_t newSession();
+
+}  // namespace strandcast

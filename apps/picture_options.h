@@ -1,0 +1,26 @@
+#pragma once
+#include <vector>
+
+#include "render/renderer.h"
+
+namespace CLI {
+class App;
+}
+
+namespace strandcast {
+
+/// What `render` and `view` have in common: how the picture looks and from where.
+struct PictureOptions {
+  RenderSettings settings;
+  double azimuth = 25, elevation = 5;  ///< degrees; 0 looks at the face
+  double zoom = 1;
+  std::vector<float> hair_color;       ///< red green blue, linear; empty = the settings' own
+};
+void addPictureOptions(CLI::App& app, PictureOptions& options);
+/// The settings with every option laid over them.
+RenderSettings renderSettings(const PictureOptions& options);
+
+/// The box that pictures frame: of the hair, and of the body around it.
+Box pictureBox(const GroomDescription& groom, const BodyDescription& body);
+
+}  // namespace strandcast

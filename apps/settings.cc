@@ -1,0 +1,128 @@
+#include "apps/settings.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+std::string parameterHelp() {
+  std::string text = "set a simulation parameter, NAME=VALUE or NAME=X,Y,Z; may be repeated. Names:";
+  for (const ParameterInfo& info : parameterList())
+    text += fmt::format("\n  {} {}({}): {}", info.name, info.unit.empty() ? "" : "[" + info.unit + "] ", info.range, info.help);
+  return text;
+}
+
+std::string sceneHelp() {
+  std::string text = "procedural scene:";
+  for (const SceneInfo& info : sceneList()) text += fmt::format("\n  {}: {}", info.name, info.description);
+  return text;
+}
+
+std::pair<std::string, std::vector<double>> parseAssignment(const std::string& text) {
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos) throw Error("not NAME=VALUE", "--set " + text, "e.g. --set air_drag=2");
+  std::vector<double> values;
+  std::stringstream rest(text.substr(equals + 1));
+  for (std::string part; std::getline(rest, part, ',');) {
+    try {
+      size_t used = 0;
+      values.push_back(std::stod(part, &used));
+      if (used != part.size()) throw std::invalid_argument(part);
+    } catch (const std::exception&) {
+      throw Error("'" + part + "' is not a number", "--set " + text, "e.g. --set wind=3,0,0");
+    }
+  }
+  return {text.substr(0, equals), values};
+}
+
+}  // namespace
+
+UpAxis upAxisOf(const std::string& name, const std::string& where) {
+  if (name == "auto" || name.empty()) return UpAxis::kAuto;
+  if (name == "x") return UpAxis::kX;
+  if (name == "y") return UpAxis::kY;
+  if (name == "z") return UpAxis::kZ;
+  throw Error("unknown axis '" + name + "'", where, "choose one of auto, x, y, z");
+}
+
+void addNetworkOptions(CLI::App& app, Settings& settings) {
+  app.add_option("--transport", settings.transport, "how frames travel: dds")
+      ->check(CLI::IsMember({"dds"}))
+      ->capture_default_str();
+  app.add_option("--domain", settings.domain, "DDS domain; programs on different domains do not see each other")
+      ->check(CLI::Range(0, 232))
+      ->capture_default_str();
+  app.add_option("--groom-id", settings.groom_id, "number of the groom on the network; one daemon each")
+      ->check(CLI::Range(1u, 4294967295u))
+      ->capture_default_str();
+}
+
+SettingsOptions::SettingsOptions(CLI::App& app) : app_(app) {
+  auto* scene = app.add_option_group("Scene", "what is simulated");
+  scene->add_option("--config", config_, "TOML file with any of these settings; options win over it");
+  scene->add_option("--scene", given_.scene.name, sceneHelp());
+  scene->add_option("--groom", groom_, "groom files (.tfx, .hair, .obj), separated by commas")->delimiter(',');
+  scene->add_option("--body", given_.scene.body, "body mesh (.obj, .gltf, .glb) that the hair grows on and collides with");
+  scene->add_option("--unit-meters", given_.scene.units.unit_meters, "metres per unit of groom and body files; guessed if not given")
+      ->check(CLI::Range(1e-6, 1000.0));
+  scene->add_option("--up", up_, "up axis of groom and body files")->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  scene->add_option("--motion", given_.scene.motion, "head motion: still, nod, shake, turn, joined by +, or a .bvh clip");
+  scene->add_option("--strands", given_.scene.strands, "guides: grown (procedural) or chosen evenly (files)")
+      ->check(CLI::Range(1, 1000000));
+  scene->add_option("--vertices", given_.scene.vertices, "vertices per strand: grown or resampled to")
+      ->check(CLI::Range(2, 128));
+  scene->add_option("--length", given_.scene.length, "length of procedural hair, m")->check(CLI::Range(0.01, 2.0));
+  scene->add_option("--seed", given_.scene.seed, "of everything random")->capture_default_str();
+
+  auto* simulation = app.add_option_group("Simulation", "how it is computed");
+  simulation->add_option("--backend", given_.backend, "auto, gpu, simd or reference; see `strandcast info --backends`")
+      ->check(CLI::IsMember({"auto", "gpu", "simd", "reference"}))
+      ->capture_default_str();
+  simulation->add_option("--threads", given_.threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
+  simulation->add_option("--set", set_, parameterHelp());
+  simulation->add_option("--rate", given_.rate, "frames per second")->check(CLI::Range(1.0, 1000.0))->capture_default_str();
+  simulation->add_option("--duration", given_.duration, "seconds to run; 0 = until interrupted")->check(CLI::Range(0.0, 1e9));
+  addNetworkOptions(app, given_);
+}
+
+bool SettingsOptions::namesScene() const {
+  return app_.count("--scene") + app_.count("--groom") + app_.count("--config") > 0;
+}
+
+Settings SettingsOptions::resolve() const {
+  Settings out;
+  if (!config_.empty()) readConfig(config_, out);
+  auto lay = [&](const char* option, auto& to, const auto& from) {
+    if (app_.count(option) > 0) to = from;
+  };
+  lay("--scene", out.scene.name, given_.scene.name);
+  if (app_.count("--scene") > 0 && app_.count("--groom") == 0) out.scene.groom.clear();
+  if (app_.count("--groom") > 0) out.scene.groom.assign(groom_.begin(), groom_.end());
+  lay("--body", out.scene.body, given_.scene.body);
+  lay("--unit-meters", out.scene.units.unit_meters, given_.scene.units.unit_meters);
+  if (app_.count("--up") > 0) out.scene.units.up = upAxisOf(up_);
+  lay("--motion", out.scene.motion, given_.scene.motion);
+  lay("--strands", out.scene.strands, given_.scene.strands);
+  lay("--vertices", out.scene.vertices, given_.scene.vertices);
+  lay("--length", out.scene.length, given_.scene.length);
+  lay("--seed", out.scene.seed, given_.scene.seed);
+  lay("--backend", out.backend, given_.backend);
+  lay("--threads", out.threads, given_.threads);
+  lay("--rate", out.rate, given_.rate);
+  lay("--duration", out.duration, given_.duration);
+  lay("--transport", out.transport, given_.transport);
+  lay("--domain", out.domain, given_.domain);
+  lay("--groom-id", out.groom_id, given_.groom_id);
+  for (const std::string& text : set_) {
+    out.parameters.push_back(parseAssignment(text));
+    Parameters check;
+    setParameter(check, out.parameters.back().first, out.parameters.back().second, "--set " + text);
+  }
+  return out;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,50 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <utility>
+#include <vector>
+
+#include "apps/console.h"
+#include "apps/interrupt.h"
+#include "apps/verbs.h"
+
+int main(int argc, char** argv) {
+  using namespace strandcast;
+  CLI::App app(
+      "strandcast draws, inspects, converts and steers simulated hair.\n\n"
+      "Examples:\n"
+      "  strandcast view --scene curly              simulation and window in one process, no daemon\n"
+      "  strandcast render --frames 60 --out out    draw what a daemon casts, as PNG files\n"
+      "  strandcast info bob.tfx --json\n"
+      "  strandcast ctl wind 3 0 0");
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+  app.set_help_all_flag("--help-all", "print the help of every verb");
+  std::vector<std::pair<CLI::App*, Verb>> verbs;
+  auto add = [&](const char* name, const char* description, Verb (*declare)(CLI::App&)) {
+    CLI::App* verb = app.add_subcommand(name, description);
+    verbs.emplace_back(verb, declare(*verb));
+  };
+  add("info", "What a groom file holds, or which backends run here", addInfo);
+  add("convert", "Rewrite a groom in another format", addConvert);
+#ifdef STRANDCAST_HAS_RENDER
+  add("render", "Draw frames into PNG files, with or without a daemon", addRender);
+#endif
+#ifdef STRANDCAST_HAS_VIEW
+  add("view", "Draw in a window, with or without a daemon", addView);
+#endif
+  add("ctl", "Steer a running daemon", addCtl);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kExitBadInput;
+  }
+  spdlog::set_default_logger(spdlog::stderr_color_mt("strandcast"));
+  for (const auto& [verb, run] : verbs)
+    if (verb->parsed()) {
+      catchInterrupts();
+      return runProgram(run);
+    }
+  return kExitBadInput;
+}

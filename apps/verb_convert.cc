@@ -1,0 +1,54 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "apps/settings.h"
+#include "apps/verbs.h"
+#include "groom/clean.h"
+#include "groom/groom_file.h"
+
+namespace strandcast {
+namespace {
+
+struct Options {
+  std::string in, out, up = "auto";
+  float unit_meters = 0;
+  int vertices = 0;
+  bool clean = false;
+};
+
+int convert(const Options& o) {
+  StrandSet strands;
+  if (o.clean || o.unit_meters > 0 || o.up != "auto") {
+    GroomReadOptions read;
+    read.unit_meters = o.unit_meters;
+    read.up = upAxisOf(o.up);
+    strands = loadGroom({o.in}, read).strands;
+  } else {
+    strands = readRawGroom(o.in).strands;
+  }
+  if (o.vertices > 0) strands = resample(strands, o.vertices);
+  writeGroom(o.out, strands);
+  fmt::print("{}: {} strands, {} vertices\n", o.out, strands.strands(), strands.vertices());
+  return 0;
+}
+
+}  // namespace
+
+Verb addConvert(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.footer(
+      "Positions pass through bit for bit unless --clean, --unit-meters, --up or --vertices asks for a change.\n"
+      "Example: strandcast convert bob.tfx bob.hair");
+  app.add_option("IN", o->in, "groom to read: .tfx (3 and 4), .hair, .obj polylines")->required();
+  app.add_option("OUT", o->out, "groom to write: .tfx (4) or .hair, by extension")->required();
+  app.add_flag("--clean", o->clean, "convert to metres and Y up, drop degenerate strands, merge duplicate vertices");
+  app.add_option("--unit-meters", o->unit_meters, "metres per unit of IN (implies --clean)")->check(CLI::Range(1e-6, 1000.0));
+  app.add_option("--up", o->up, "up axis of IN (implies --clean)")->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  app.add_option("--vertices", o->vertices, "resample every strand to this many vertices, equally spaced")
+      ->check(CLI::Range(2, 128));
+  return [o] { return convert(*o); };
+}
+
+}  // namespace strandcast

@@ -1,0 +1,164 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "apps/channel.h"
+#include "apps/console.h"
+#include "apps/interrupt.h"
+#include "apps/verbs.h"
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+struct Options {
+  Settings network;
+  bool json = false;
+  double timeout = 5;  // s
+  std::string name;
+  std::vector<double> values;
+};
+
+/// Polls until `ready` gives true; false on timeout or interrupt.
+bool waitUntil(double seconds, const std::function<bool()>& ready) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (!ready()) {
+    if (g_interrupted || std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+
+int sendCommand(const Options& o, CommandKind kind, const std::string& name, const std::vector<double>& values) {
+  const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
+  Command command;
+  command.groom_id = o.network.groom_id;
+  command.id = newSession();
+  command.kind = kind;
+  command.name = name;
+  command.values = values;
+  subscriber->send(command);
+  std::optional<Status> status;
+  const bool answered = waitUntil(o.timeout, [&] {
+    status = subscriber->status();
+    return status && status->last_command == command.id;
+  });
+  if (!answered)
+    throw Error("the daemon did not answer", fmt::format("groom {} on domain {}", o.network.groom_id, o.network.domain),
+                "see `strandcast ctl list`");
+  if (!status->last_command_error.empty()) throw Error("the daemon refused", status->last_command_error, "");
+  if (o.json) fmt::print("{}\n", nlohmann::json({{"command", command.id}, {"accepted", true}}).dump());
+  return 0;
+}
+
+nlohmann::json toJson(const Status& s) {
+  return {{"groom_id", s.groom_id},
+          {"session", fmt::format("{:016x}", s.session)},
+          {"groom", s.groom_name},
+          {"backend", s.backend},
+          {"device", s.device},
+          {"strands", s.strands},
+          {"vertices", s.vertices},
+          {"frames", s.frames},
+          {"simulation_time", s.simulation_time},
+          {"step_ms_median", s.step_ms_median},
+          {"step_ms_p95", s.step_ms_p95},
+          {"mean_stretch", s.mean_stretch},
+          {"max_stretch", s.max_stretch},
+          {"max_penetration_m", s.max_penetration},
+          {"non_finite", s.non_finite},
+          {"readers", s.readers},
+          {"last_command_error", s.last_command_error}};
+}
+
+int list(const Options& o) {
+  const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
+  waitUntil(std::min(o.timeout, 1.5), [] { return false; });  // every daemon speaks twice a second
+  const std::vector<Status> all = subscriber->allStatuses();
+  if (o.json) {
+    nlohmann::json out = nlohmann::json::array();
+    for (const Status& s : all) out.push_back(toJson(s));
+    fmt::print("{}\n", nlohmann::json({{"daemons", out}}).dump());
+    return 0;
+  }
+  if (all.empty()) fmt::print("no daemon on DDS domain {}\n", o.network.domain);
+  for (const Status& s : all)
+    fmt::print("  groom {:<4} {:<16} {:<10} {} strands, {} vertices, step {:.2f} ms, {} readers\n", s.groom_id, s.groom_name,
+               s.backend, s.strands, s.vertices, s.step_ms_median, s.readers);
+  return 0;
+}
+
+int printStatus(const Options& o) {
+  const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
+  std::optional<Status> status;
+  if (!waitUntil(o.timeout, [&] { return (status = subscriber->status()).has_value(); }))
+    throw Error("no daemon", fmt::format("groom {} on domain {}", o.network.groom_id, o.network.domain),
+                "see `strandcast ctl list`");
+  const nlohmann::json object = toJson(*status);
+  if (o.json) {
+    fmt::print("{}\n", object.dump());
+  } else {
+    for (const auto& [key, value] : object.items())
+      fmt::print("  {:<20} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+  }
+  return 0;
+}
+
+std::vector<double> headPose(const std::vector<double>& v) {
+  const auto radians = [&](size_t i) { return v.size() > i ? v[i] * kPi / 180 : 0.0; };
+  const Eigen::Quaterniond turn = Eigen::AngleAxisd(radians(3), Eigen::Vector3d::UnitY()) *
+                                  Eigen::AngleAxisd(radians(4), Eigen::Vector3d::UnitX()) *
+                                  Eigen::AngleAxisd(radians(5), Eigen::Vector3d::UnitZ());
+  return {v[0], v[1], v[2], turn.x(), turn.y(), turn.z(), turn.w()};
+}
+
+}  // namespace
+
+Verb addCtl(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  const auto run = std::make_shared<Verb>();
+  app.require_subcommand(1);
+  app.fallthrough();
+  addNetworkOptions(app, o->network);
+  app.add_option("--timeout", o->timeout, "seconds to wait for the daemon")->check(CLI::Range(0.1, 3600.0));
+  app.add_flag("--json", o->json, "print one JSON object");
+  app.footer(
+      "Every command waits until the daemon has carried it out.\n"
+      "Examples:\n"
+      "  strandcast ctl wind 3 0 0\n"
+      "  strandcast ctl set air_drag 2\n"
+      "  strandcast ctl head 0 0 0 30         turn the head 30 degrees to its left\n"
+      "  strandcast ctl motion nod+turn");
+  const auto verb = [&](const char* name, const char* help, Verb body) {
+    CLI::App* sub = app.add_subcommand(name, help);
+    sub->callback([run, body = std::move(body)] { *run = body; });
+    return sub;
+  };
+  verb("list", "daemons on the domain", [o] { return list(*o); });
+  verb("status", "what the daemon says of itself", [o] { return printStatus(*o); });
+  verb("wind", "set the velocity of the air, m/s", [o] {
+    return sendCommand(*o, CommandKind::kSetParameter, "wind", o->values);
+  })->add_option("XYZ", o->values, "velocity, m/s")->expected(3)->required();
+  CLI::App* set = verb("set", "set a parameter (names: strandcastd --help)", [o] {
+    return sendCommand(*o, CommandKind::kSetParameter, o->name, o->values);
+  });
+  set->add_option("NAME", o->name, "parameter")->required();
+  set->add_option("VALUE", o->values, "1 or 3 numbers")->expected(1, 3)->required();
+  verb("head", "move the head to a pose", [o] {
+    return sendCommand(*o, CommandKind::kHeadPose, "", headPose(o->values));
+  })->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "offset from rest in m, angles in degrees")->expected(3, 6)->required();
+  verb("motion", "give the head a motion", [o] {
+    return sendCommand(*o, CommandKind::kHeadMotion, o->name, {});
+  })->add_option("NAME", o->name, "still, nod, shake, turn, joined by +")->required();
+  verb("reset", "put the hair back to its rest shape", [o] { return sendCommand(*o, CommandKind::kReset, "", {}); });
+  verb("stop", "end the daemon", [o] { return sendCommand(*o, CommandKind::kShutdown, "", {}); });
+  return [run] { return (*run)(); };
+}
+
+}  // namespace strandcast

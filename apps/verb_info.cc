@@ -1,0 +1,106 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/backends.h"
+#include "apps/console.h"
+#include "apps/verbs.h"
+#include "core/error.h"
+#include "apps/settings.h"
+#include "groom/axes_and_units.h"
+#include "groom/groom_file.h"
+#include "transport/dds.h"
+
+namespace strandcast {
+namespace {
+
+struct Options {
+  std::string file, up = "auto";
+  float unit_meters = 0;
+  bool backends = false, json = false;
+};
+
+int printBackends(bool json) {
+  nlohmann::json list = nlohmann::json::array();
+  std::string why_no_dds;
+  const bool dds = ddsAvailable(&why_no_dds);
+  for (const BackendInfo& info : knownBackends()) {
+    list.push_back({{"name", info.name}, {"available", info.available}, {"score", info.score},
+                    {info.available ? "device" : "reason", info.reason}});
+    if (!json)
+      fmt::print("  {:<10} {:<4} score {:>3}  {}\n", info.name, info.available ? "yes" : "no", info.score, info.reason);
+  }
+  if (json) fmt::print("{}\n", nlohmann::json({{"backends", list}, {"dds", dds}}).dump());
+  else fmt::print("  {:<10} {:<4}            {}\n", "dds", dds ? "yes" : "no", dds ? "Fast DDS" : why_no_dds);
+  return 0;
+}
+
+nlohmann::json toJson(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
+
+int printGroom(const Options& options) {
+  const std::filesystem::path file(options.file);
+  const RawGroom raw = readRawGroom(file);
+  GroomReadOptions read;
+  read.unit_meters = options.unit_meters;
+  read.up = upAxisOf(options.up);
+  const Groom groom = loadGroom({file}, read);
+  // Counts are of the file as it is; lengths and box in metres.
+  const float unit = groom.report.unit_meters;
+  StrandSet meters = raw.strands;
+  turnYUp(meters.positions, read.up == UpAxis::kAuto ? raw.native_up : read.up);
+  scaleToMeters(meters.positions, unit, options.file);
+  const GroomSummary s = summarize(meters);
+  if (options.json) {
+    fmt::print("{}\n", nlohmann::json({{"file", options.file},
+                                       {"format", raw.format},
+                                       {"strands", s.strands},
+                                       {"vertices", s.vertices},
+                                       {"vertices_min", s.min_vertices},
+                                       {"vertices_max", s.max_vertices},
+                                       {"unit_meters", unit},
+                                       {"bounds_min", toJson(s.bounds.min())},
+                                       {"bounds_max", toJson(s.bounds.max())},
+                                       {"length_min", s.min_length},
+                                       {"length_median", s.median_length},
+                                       {"length_max", s.max_length},
+                                       {"degenerate_strands", s.degenerate_strands},
+                                       {"warnings", groom.report.warnings}})
+                           .dump());
+    return 0;
+  }
+  Report out;
+  out.add("format", "format", raw.format);
+  out.addCount("strands", "strands", s.strands);
+  out.add("vertices", "vertices", fmt::format("{} ({} to {} per strand)", s.vertices, s.min_vertices, s.max_vertices));
+  out.add("unit", "unit", fmt::format("{:g} m{}", unit, options.unit_meters > 0 ? "" : ", guessed"));
+  const Eigen::Vector3f low = s.bounds.min(), high = s.bounds.max();
+  out.add("bounds", "bounding box", fmt::format("{:.3f} {:.3f} {:.3f} to {:.3f} {:.3f} {:.3f} m, Y up", low.x(), low.y(),
+                                                low.z(), high.x(), high.y(), high.z()));
+  out.add("lengths", "strand length", fmt::format("{:.4f} to {:.4f} m, median {:.4f} m", s.min_length, s.max_length,
+                                                  s.median_length));
+  out.addCount("degenerate", "degenerate strands", s.degenerate_strands);
+  for (const std::string& warning : groom.report.warnings) out.add("warning", "warning", warning);
+  out.print(false);
+  return 0;
+}
+
+}  // namespace
+
+Verb addInfo(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.add_option("FILE", o->file, "groom file: .tfx, .hair or .obj");
+  app.add_option("--unit-meters", o->unit_meters, "metres per unit of the file; guessed if not given")
+      ->check(CLI::Range(1e-6, 1000.0));
+  app.add_option("--up", o->up, "up axis of the file")->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  app.add_flag("--backends", o->backends, "list the backends, whether they run here, and why not");
+  app.add_flag("--json", o->json, "print one JSON object");
+  return [o] {
+    if (o->backends) return printBackends(o->json);
+    if (o->file.empty()) throw Error("nothing to tell of", "strandcast info", "give a FILE or --backends");
+    return printGroom(*o);
+  };
+}
+
+}  // namespace strandcast

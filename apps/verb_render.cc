@@ -1,0 +1,220 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "apps/channel.h"
+#include "apps/console.h"
+#include "apps/interrupt.h"
+#include "apps/picture_options.h"
+#include "apps/verbs.h"
+#include "core/error.h"
+#include "gl/context.h"
+
+namespace strandcast {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+struct Options {
+  std::unique_ptr<SettingsOptions> settings;
+  PictureOptions picture;
+  std::filesystem::path out = "out";
+  std::filesystem::path movie;
+  int frames = 60;
+  double fps = 30;
+  double skip = 0;     // s
+  double timeout = 20; // s
+  bool json = false;
+};
+
+/// Picks frames off the stream in its own thread, evenly in simulation time, so that drawing as slowly as it likes
+/// loses none.
+class FrameCapture {
+ public:
+  FrameCapture(Subscriber& subscriber, int frames, double fps, double skip, double timeout)
+      : subscriber_(subscriber), frames_(frames), fps_(fps), skip_(skip), timeout_(timeout), thread_([this] { run(); }) {}
+  ~FrameCapture() {
+    stop_ = true;
+    thread_.join();
+  }
+  /// The next frame to draw; null when there will be no more.
+  std::shared_ptr<const GuideFrame> next() {
+    for (;;) {
+      {
+        const std::lock_guard lock(mutex_);
+        if (!queue_.empty()) {
+          auto frame = queue_.front();
+          queue_.pop_front();
+          return frame;
+        }
+        if (done_) return nullptr;
+      }
+      if (g_interrupted) return nullptr;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  }
+
+ private:
+  void run() {
+    uint64_t newest = 0;
+    int captured = 0;
+    double due = -1;
+    auto heard = std::chrono::steady_clock::now();
+    while (captured < frames_ && !stop_ && !g_interrupted) {
+      const auto frame = subscriber_.waitForFrame(newest, std::chrono::milliseconds(100));
+      const auto now = std::chrono::steady_clock::now();
+      if (!frame) {
+        if (std::chrono::duration<double>(now - heard).count() > timeout_) break;
+        continue;
+      }
+      heard = now;
+      if (frame->frame < newest) due = -1;  // another daemon took over
+      newest = frame->frame;
+      if (due < 0) due = frame->simulation_time + skip_;
+      if (frame->simulation_time < due - 1e-9) continue;
+      due += 1 / fps_;
+      ++captured;
+      const std::lock_guard lock(mutex_);
+      queue_.push_back(frame);
+    }
+    const std::lock_guard lock(mutex_);
+    done_ = true;
+  }
+
+  Subscriber& subscriber_;
+  const int frames_;
+  const double fps_, skip_, timeout_;
+  std::mutex mutex_;
+  std::deque<std::shared_ptr<const GuideFrame>> queue_;
+  bool done_ = false;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+void makeMovie(const Options& o) {
+  const std::string pattern = (o.out / "frame_%04d.png").string(), rate = fmt::format("{:g}", o.fps);
+  const pid_t child = fork();
+  if (child == 0) {
+    execlp("ffmpeg", "ffmpeg", "-y", "-loglevel", "error", "-framerate", rate.c_str(), "-i", pattern.c_str(), "-pix_fmt",
+           "yuv420p", "-crf", "18", o.movie.c_str(), static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) < 0) throw Error("ffmpeg cannot be started", o.movie.string(), "");
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
+    throw Error("ffmpeg is not installed", o.movie.string(), "install it or leave out --movie; the pictures are written");
+  if (status != 0) throw Error("ffmpeg failed", o.movie.string(), "is the folder writable and the extension known?");
+}
+
+void report(const Options& o, Subscriber& subscriber, int drawn, double draw_ms) {
+  const ReceiveStatistics r = subscriber.statistics();
+  Report out;
+  if (const auto s = subscriber.status()) {
+    out.add("groom", "groom", s->groom_name);
+    out.add("backend", "backend", s->backend);
+    out.add("device", "device", s->device);
+    out.addCount("strands", "strands", s->strands);
+    out.addCount("vertices", "vertices", s->vertices);
+    out.add("step_ms_median", "step, median", s->step_ms_median, "ms", 3);
+    out.add("step_ms_p95", "step, 95th percentile", s->step_ms_p95, "ms", 3);
+    out.addCount("frames_published", "frames published", s->frames);
+    out.add("mean_stretch", "mean stretch", s->mean_stretch, "", 6);
+    out.add("max_stretch", "max stretch", s->max_stretch, "", 6);
+    out.add("max_penetration_m", "max penetration", s->max_penetration, "m", 6);
+  }
+  out.addCount("frames_received", "frames received", r.frames_received);
+  out.addCount("frames_lost", "frames lost", r.frames_lost);
+  out.add("latency_ms_p50", "latency, median", r.latency_ms_p50, "ms", 3);
+  out.add("latency_ms_p99", "latency, 99th percentile", r.latency_ms_p99, "ms", 3);
+  out.addCount("frames_drawn", "frames drawn", static_cast<uint64_t>(drawn));
+  out.add("draw_ms", "drawing, mean", drawn > 0 ? draw_ms / drawn : 0, "ms per frame", 1);
+  out.add("out", "pictures", (o.out / "frame_*.png").string());
+  out.print(o.json);
+}
+
+int render(const Options& o) {
+  const Settings settings = o.settings->resolve();
+  std::error_code failed;
+  std::filesystem::create_directories(o.out, failed);
+  if (failed) throw Error("the folder cannot be made", o.out.string(), failed.message());
+  gl::HeadlessContext context;
+  std::unique_ptr<EmbeddedDaemon> embedded;
+  std::unique_ptr<Subscriber> remote;
+  if (o.settings->namesScene()) embedded = std::make_unique<EmbeddedDaemon>(settings);
+  else remote = subscribe(settings);
+  Subscriber& subscriber = embedded ? embedded->subscriber() : *remote;
+  context.makeCurrent();
+
+  if (!subscriber.waitForGroom(std::chrono::milliseconds(static_cast<int>(1000 * o.timeout))))
+    throw Error("no daemon casts this groom", fmt::format("groom {} on domain {}", settings.groom_id, settings.domain),
+                "start strandcastd, or name a --scene or --groom to simulate here");
+  FrameCapture capture(subscriber, o.frames, o.fps, o.skip, o.timeout);
+  Renderer renderer(renderSettings(o.picture));
+  std::shared_ptr<const GroomDescription> groom;
+  Box box;
+  int drawn = 0;
+  double draw_ms = 0;
+  {
+    ProgressBar bar;
+    while (const std::shared_ptr<const GuideFrame> frame = capture.next()) {
+      if (subscriber.groom() != groom) {
+        groom = subscriber.groom();
+        const auto body = subscriber.body();
+        renderer.setGroom(*groom);
+        renderer.setBody(*body);
+        box = pictureBox(*groom, *body);
+      }
+      const auto start = std::chrono::steady_clock::now();
+      const auto radians = [](double degrees) { return static_cast<float>(degrees * kPi / 180); };
+      renderer.draw(*frame, orbit(box, radians(o.picture.azimuth), radians(o.picture.elevation),
+                                  static_cast<float>(o.picture.zoom)));
+      const Image image = renderer.read();
+      draw_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+      writePng(o.out / fmt::format("frame_{:04d}.png", drawn), image);
+      ++drawn;
+      bar.show(fmt::format("frame {} of {}", drawn, o.frames), static_cast<double>(drawn) / o.frames);
+    }
+  }
+  if (!o.movie.empty() && drawn > 0) makeMovie(o);
+  report(o, subscriber, drawn, draw_ms);
+  if (g_interrupted) return kExitInterrupted;
+  if (drawn < o.frames) {
+    spdlog::warn("the stream ended after {} of {} frames", drawn, o.frames);
+    return kExitCheckFailed;
+  }
+  return 0;
+}
+
+}  // namespace
+
+Verb addRender(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.footer(
+      "With --scene, --groom or --config the simulation runs inside this process; without, a daemon's stream is drawn.\n"
+      "Examples:\n"
+      "  strandcast render --frames 60 --out out\n"
+      "  strandcast render --scene curly --frames 90 --out out --movie curly.mp4");
+  app.add_option("--out", o->out, "folder for frame_0000.png and on")->capture_default_str();
+  app.add_option("--frames", o->frames, "pictures to draw")->check(CLI::Range(1, 1000000))->capture_default_str();
+  app.add_option("--fps", o->fps, "pictures per second of simulated time")->check(CLI::Range(0.1, 1000.0))->capture_default_str();
+  app.add_option("--skip", o->skip, "seconds of simulated time before the first picture")->check(CLI::Range(0.0, 1e6));
+  app.add_option("--movie", o->movie, "also join the pictures into this file, with ffmpeg");
+  app.add_option("--timeout", o->timeout, "seconds to wait for a daemon, and for its next frame")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  app.add_flag("--json", o->json, "print the closing summary as one JSON object");
+  addPictureOptions(app, o->picture);
+  o->settings = std::make_unique<SettingsOptions>(app);
+  return [o] { return render(*o); };
+}
+
+}  // namespace strandcast

@@ -1,0 +1,20 @@
+#pragma once
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace strandcast {
+
+/// Runs a parsed verb and gives its exit code.
+using Verb = std::function<int()>;
+
+/// Each declares its verb and options on `app` and gives what runs it.
+Verb addInfo(CLI::App& app);
+Verb addConvert(CLI::App& app);
+Verb addRender(CLI::App& app);
+Verb addView(CLI::App& app);
+Verb addCtl(CLI::App& app);
+
+}  // namespace strandcast

@@ -1,0 +1,148 @@
+// strandbench step: how long a step takes, and in the same run what it computed.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "apps/backends.h"
+#include "apps/console.h"
+#include "core/backend_registry.h"
+#include "core/simulation.h"
+#include "scenes/scene.h"
+
+using namespace strandcast;
+
+namespace {
+
+struct Options {
+  std::string backend = "auto", scene = "straight";
+  int strands = 2000, vertices = 32, substeps = 4, iterations = 6, threads = 0, warmup = 20, steps = 60;
+  uint64_t seed = 1;
+  bool json = false, csv = false;
+};
+
+struct Result {
+  std::string backend, device;
+  double ms_min, ms_median, ms_p95, ns_per_vertex_substep, vertices_per_s;
+  Measurement measured;
+  uint64_t hash;
+};
+
+Result run(const Options& o, const Scene& scene, const std::string& backend) {
+  Parameters parameters = scene.parameters;
+  parameters.substeps = o.substeps;
+  parameters.iterations = o.iterations;
+  Simulation simulation(makeStrandModel(scene.groom.strands), scene.bodies, parameters,
+                        createBackend(knownBackends(), backend, o.threads));
+  std::vector<double> ms;
+  for (int step = 0; step < o.warmup + o.steps; ++step) {
+    simulation.setHeadPose(scene.motion(simulation.time() + parameters.time_step));
+    const auto start = std::chrono::steady_clock::now();
+    simulation.step();
+    simulation.guides();
+    if (step >= o.warmup)
+      ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+  }
+  std::sort(ms.begin(), ms.end());
+  const double median = ms[ms.size() / 2];
+  const double vertices = static_cast<double>(simulation.model().vertices());
+  return {simulation.backend().name(),
+          simulation.backend().device(),
+          ms.front(),
+          median,
+          ms[std::min(ms.size() - 1, ms.size() * 95 / 100)],
+          1e6 * median / (vertices * o.substeps),
+          1000 * vertices / median,
+          simulation.measure(),
+          stateHash(simulation.state())};
+}
+
+nlohmann::json toJson(const Result& r) {
+  return {{"case", r.backend},
+          {"device", r.device},
+          {"ms_min", r.ms_min},
+          {"ms_median", r.ms_median},
+          {"ms_p95", r.ms_p95},
+          {"ns_per_vertex_substep", r.ns_per_vertex_substep},
+          {"vertices_per_s", r.vertices_per_s},
+          {"mean_stretch", r.measured.mean_stretch},
+          {"max_stretch", r.measured.max_stretch},
+          {"max_penetration_m", r.measured.max_penetration},
+          {"state_hash", fmt::format("{:016x}", r.hash)}};
+}
+
+int step(const Options& o) {
+  SceneOptions make;
+  make.name = o.scene;
+  make.strands = o.strands;
+  make.vertices = o.vertices;
+  make.seed = o.seed;
+  const Scene scene = makeScene(make);
+  nlohmann::json results = nlohmann::json::array();
+  if (o.csv)
+    fmt::print("backend,device,strands,vertices,substeps,iterations,ms_min,ms_median,ms_p95,ns_per_vertex_substep,mean_stretch,max_stretch,max_penetration_m\n");
+  else if (!o.json)
+    fmt::print("scene {}, {} x {}, {} substeps of {} iterations, Gauss-Seidel\n  {:<10} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12} {:>10}  {}\n", o.scene, o.strands,
+               o.vertices, o.substeps, o.iterations, "backend", "ms min", "median", "p95", "ns/vtx/sub", "mean stretch",
+               "max stretch", "depth mm", "device");
+  for (const BackendInfo& info : knownBackends()) {
+    if (o.backend != "all" && o.backend != info.name && !(o.backend == "auto")) continue;
+    if (!info.available && o.backend == "all") continue;
+    const Result r = run(o, scene, o.backend == "auto" ? "auto" : info.name);
+    results.push_back(toJson(r));
+    if (o.csv)
+      fmt::print("{},\"{}\",{},{},{},{},{:.4f},{:.4f},{:.4f},{:.3f},{:.3e},{:.3e},{:.3e}\n", r.backend, r.device, o.strands,
+                 o.vertices, o.substeps, o.iterations, r.ms_min, r.ms_median, r.ms_p95, r.ns_per_vertex_substep,
+                 r.measured.mean_stretch, r.measured.max_stretch, r.measured.max_penetration);
+    else if (!o.json)
+      fmt::print("  {:<10} {:>9.3f} {:>9.3f} {:>9.3f} {:>12.2f} {:>12.2e} {:>12.2e} {:>10.3f}  {}\n", r.backend, r.ms_min,
+                 r.ms_median, r.ms_p95, r.ns_per_vertex_substep, r.measured.mean_stretch, r.measured.max_stretch,
+                 1000 * r.measured.max_penetration, r.device);
+    std::fflush(stdout);
+    if (o.backend == "auto") break;
+  }
+  if (o.json)
+    fmt::print("{}\n", nlohmann::json({{"name", "step"},
+                                       {"backend", o.backend},
+                                       {"threads", o.threads},
+                                       {"params",
+                                        {{"scene", o.scene},
+                                         {"strands", o.strands},
+                                         {"vertices", o.vertices},
+                                         {"substeps", o.substeps},
+                                         {"iterations", o.iterations},
+                                         {"seed", o.seed}}},
+                                       {"results", results}})
+                           .dump());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("strandbench measures Strandcast, and beside each time says what was computed in it.");
+  app.require_subcommand(1);
+  Options o;
+  CLI::App* verb = app.add_subcommand("step", "time of a simulation step");
+  verb->add_option("--backend", o.backend, "auto, gpu, simd, reference or all")
+      ->check(CLI::IsMember({"auto", "gpu", "simd", "reference", "all"}))
+      ->capture_default_str();
+  verb->add_option("--scene", o.scene, "procedural scene")->capture_default_str();
+  verb->add_option("--strands", o.strands)->check(CLI::Range(1, 1000000))->capture_default_str();
+  verb->add_option("--vertices", o.vertices, "per strand")->check(CLI::Range(2, 128))->capture_default_str();
+  verb->add_option("--substeps", o.substeps)->check(CLI::Range(1, 64))->capture_default_str();
+  verb->add_option("--iterations", o.iterations)->check(CLI::Range(1, 64))->capture_default_str();
+  verb->add_option("--threads", o.threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
+  verb->add_option("--steps", o.steps, "steps timed, after a warm-up")->check(CLI::Range(1, 100000))->capture_default_str();
+  verb->add_option("--seed", o.seed)->capture_default_str();
+  verb->add_flag("--json", o.json, "print one JSON object");
+  verb->add_flag("--csv", o.csv, "print comma-separated values");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kExitBadInput;
+  }
+  return runProgram([&] { return step(o); });
+}

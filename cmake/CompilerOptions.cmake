@@ -1,0 +1,16 @@
+# Every target of the project links strandcast_options: warnings, sanitizers and the rounding rule.
+add_library(strandcast_options INTERFACE)
+target_compile_options(strandcast_options INTERFACE
+  -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wpedantic
+  -ffp-contract=off)   # fused multiply-adds are asked for by name (madd), so rounding is a choice
+if(STRANDCAST_WERROR)
+  target_compile_options(strandcast_options INTERFACE -Werror)
+endif()
+if(STRANDCAST_SANITIZE)
+  target_compile_options(strandcast_options INTERFACE -fsanitize=${STRANDCAST_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(strandcast_options INTERFACE -fsanitize=${STRANDCAST_SANITIZE})
+endif()
+if(STRANDCAST_FUZZ)
+  target_compile_options(strandcast_options INTERFACE -fsanitize=fuzzer-no-link,address,undefined)
+  target_link_options(strandcast_options INTERFACE -fsanitize=address,undefined)
+endif()

@@ -1,0 +1,25 @@
+# strandcast_embed_shaders(TARGET HEADER SHADER...): writes HEADER (included as "<folder>/<HEADER>") with one string
+# constant per shader, its #include "..." lines replaced by the files they name, relative to the project's root. There is
+# no shader search at run time. With glslangValidator each shader is also checked by a test; a line
+# `// variants: A=1 B=2 | A=2` in a shader lists the #defines it is checked with.
+function(strandcast_embed_shaders target header)
+  set(out ${CMAKE_CURRENT_BINARY_DIR}/embedded)
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  file(GLOB kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${CMAKE_CURRENT_SOURCE_DIR}/shaders/*)
+  add_custom_command(
+    OUTPUT ${out}/${folder}/${header}
+    COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -DOUT=${out}/${folder}/${header} "-DSHADERS=${ARGN}"
+            -DFOLDER=${CMAKE_CURRENT_SOURCE_DIR} -P ${PROJECT_SOURCE_DIR}/cmake/EmbedShadersScript.cmake
+    DEPENDS ${kernels} ${ARGN} ${PROJECT_SOURCE_DIR}/cmake/EmbedShadersScript.cmake
+    VERBATIM)
+  target_sources(${target} PRIVATE ${out}/${folder}/${header})
+  target_include_directories(${target} PRIVATE ${out})
+  if(GLSLANG_VALIDATOR)
+    foreach(shader ${ARGN})
+      get_filename_component(name ${shader} NAME)
+      add_test(NAME glsl_${folder}_${name}
+        COMMAND ${CMAKE_COMMAND} -DVALIDATOR=${GLSLANG_VALIDATOR} -DSHADER=${out}/${folder}/${name}
+                -P ${PROJECT_SOURCE_DIR}/cmake/ValidateShader.cmake)
+    endforeach()
+  endif()
+endfunction()

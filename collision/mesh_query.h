@@ -1,0 +1,37 @@
+#pragma once
+#include <memory>
+
+#include "core/triangle_mesh.h"
+
+namespace strandcast {
+
+struct MeshPoint {
+  Vec3 position = Vec3::Zero();  ///< m
+  uint32_t triangle = 0;
+  Vec3 barycentric{1, 0, 0};
+  float distance = 0;  ///< m, unsigned
+};
+
+/// Closest points and insideness of a mesh; FCL's bounding volume hierarchy underneath. Thread-safe for
+/// queries.
+class MeshQuery {
+ public:
+  /// Keeps a copy of the mesh. Throws Error on an empty mesh, an index out of range or a vertex that is not
+  /// finite.
+  explicit MeshQuery(const TriangleMesh& mesh);
+  ~MeshQuery();
+  MeshQuery(MeshQuery&&) noexcept;
+
+  MeshPoint closest(const Vec3& point) const;
+  /// Generalised winding number (Jacobson 2013): about 1 inside, 0 outside, in between near holes of an open
+  /// mesh.
+  float windingNumber(const Vec3& point) const;
+  /// Negative inside.
+  float signedDistance(const Vec3& point) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace strandcast

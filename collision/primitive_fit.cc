@@ -1,0 +1,179 @@
+#include "collision/primitive_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <string>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+struct Sample {
+  Vec3 position;
+  Vec3 inward;
+};
+
+constexpr size_t kCoverSamples = 2000;  // what coverage is measured on
+constexpr size_t kSeeds = 2000;         // where candidate spheres touch the surface
+constexpr float kReach = 0.04f;  // of the mesh's diagonal: a place farther from every sphere is not covered
+constexpr float kTouch = 1e-4f;  // m: a place this near to a candidate adds no other
+
+// `count` places spread over the surface by area; the barycentric coordinates follow a golden-ratio sequence.
+std::vector<Sample> sampleSurface(const TriangleMesh& mesh, size_t count) {
+  std::vector<double> cumulative;
+  double volume = 0, area = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    area += 0.5 * static_cast<double>((b - a).cross(c - a).norm());
+    volume += static_cast<double>(a.dot(b.cross(c)));
+    cumulative.push_back(area);
+  }
+  std::vector<Sample> samples;
+  if (!(area > 0)) return samples;
+  const float inward = volume < 0 ? 1.0f : -1.0f;  // a mesh turned inside out is taken as it is meant
+  size_t triangle = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const double target = area * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+    while (cumulative[triangle] < target && triangle + 1 < cumulative.size()) ++triangle;
+    const auto& t = mesh.triangles[triangle];
+    const Vec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    const double turn = 0.7548776662466927 * static_cast<double>(i + 1);
+    const double other = 0.5698402909980532 * static_cast<double>(i + 1);
+    const float u = std::sqrt(static_cast<float>(turn - std::floor(turn)));
+    const float v = static_cast<float>(other - std::floor(other));
+    const Vec3 normal = (b - a).cross(c - a);
+    if (normal.norm() <= 0) continue;
+    samples.push_back({a * (1 - u) + b * (u * (1 - v)) + c * (u * v), normal.normalized() * inward});
+  }
+  return samples;
+}
+
+struct Sphere {
+  Vec3 centre;
+  float radius;
+};
+
+float gap(const Sphere& sphere, const Vec3& p) {
+  return std::fabs((p - sphere.centre).norm() - sphere.radius);
+}
+
+// The largest sphere inside the mesh that touches it at `seed`: a ball is shrunk until nothing lies in it
+// (Ma, Bae, Choi 2012, "3D medial axis point approximation using nearest neighbors and the normal field").
+Sphere largestBall(const MeshQuery& query, const Sample& seed, float start) {
+  float radius = start;
+  Vec3 centre = seed.position + seed.inward * radius;
+  for (int i = 0; i < 30; ++i) {
+    const MeshPoint nearest = query.closest(centre);
+    if (nearest.distance >= radius * 0.999f) break;
+    const Vec3 chord = nearest.position - seed.position;
+    const float along = chord.dot(seed.inward);
+    const float squared = chord.squaredNorm();
+    if (along <= 1e-9f || squared <= 1e-12f) break;
+    const float shrunk = squared / (2 * along);
+    if (shrunk >= radius) break;
+    radius = shrunk;
+    centre = seed.position + seed.inward * radius;
+  }
+  return {centre, query.closest(centre).distance};
+}
+
+// The mesh without what lies within it (teeth, eyes, overlapping parts): triangles with inside on both sides.
+TriangleMesh outerSurface(const TriangleMesh& mesh) {
+  const MeshQuery query(mesh);
+  const float away = 1e-3f * mesh.bounds().diagonal().norm();
+  const auto inside = [&](const Vec3& p) { return std::fabs(query.windingNumber(p)) > 0.5f; };
+  TriangleMesh outer;
+  outer.name = mesh.name;
+  outer.positions = mesh.positions;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    const Vec3 normal = (b - a).cross(c - a), centre = (a + b + c) / 3;
+    if (!(normal.norm() > 0)) continue;
+    const Vec3 step = normal.normalized() * away;
+    if (!inside(centre + step) || !inside(centre - step)) outer.triangles.push_back(t);
+  }
+  return outer.triangles.empty() ? mesh : outer;
+}
+
+std::vector<Sphere> candidateSpheres(const TriangleMesh& mesh, const PrimitiveFitOptions& options) {
+  const MeshQuery query(mesh);
+  const float start = 0.5f * mesh.bounds().sizes().maxCoeff();
+  std::vector<Sphere> spheres;
+  for (const Sample& seed : sampleSurface(mesh, kSeeds)) {
+    if (std::any_of(spheres.begin(), spheres.end(),
+                    [&](const Sphere& s) { return gap(s, seed.position) < options.skin + kTouch; }))
+      continue;
+    Sphere sphere = largestBall(query, seed, start);
+    sphere.radius -= options.skin;
+    if (sphere.radius < options.min_radius || std::fabs(query.windingNumber(sphere.centre)) <= 0.5f) continue;
+    spheres.push_back(sphere);
+  }
+  return spheres;
+}
+
+// Whether the sphere leaves the mesh: through the hole of an open one, as its surface alone would not tell.
+bool leaves(const MeshQuery& query, const Sphere& sphere) {
+  constexpr int kPlaces = 200;
+  constexpr float kWithin =
+      0.6f;  // winding number; a little more than a half, for what lies between the places
+  for (int i = 0; i < kPlaces; ++i) {
+    const float y = 1 - (2 * static_cast<float>(i) + 1) / kPlaces, ring = std::sqrt(1 - y * y);
+    const float turn = 2.3999632f * static_cast<float>(i);
+    const Vec3 p = sphere.centre + sphere.radius * Vec3(ring * std::cos(turn), y, ring * std::sin(turn));
+    if (std::fabs(query.windingNumber(p)) < kWithin && query.closest(p).distance > kTouch) return true;
+  }
+  return false;
+}
+
+float gain(const Sphere& sphere, const std::vector<Sample>& samples, const std::vector<float>& gaps) {
+  float sum = 0;
+  for (size_t i = 0; i < samples.size(); ++i)
+    sum += std::max(0.0f, gaps[i] - gap(sphere, samples[i].position));
+  return sum;
+}
+
+}  // namespace
+
+std::vector<ContactPrimitive> fitSpheres(const TriangleMesh& whole, const PrimitiveFitOptions& options) {
+  const TriangleMesh mesh = outerSurface(whole);
+  const std::vector<Sphere> spheres = candidateSpheres(mesh, options);
+  if (spheres.empty())
+    throw Error("no sphere fits inside", mesh.name.empty() ? "mesh" : "mesh " + mesh.name,
+                "check its unit, or that it is closed; smallest radius is " +
+                    std::to_string(options.min_radius) + " m");
+  const std::vector<Sample> samples = sampleSurface(mesh, kCoverSamples);
+  std::vector<float> gaps(samples.size(), kReach * mesh.bounds().diagonal().norm());
+
+  // Greedy with a queue of stale gains: a gain only falls as spheres are added, so the first that is up to
+  // date and still on top is the best (Minoux 1978). Ties go to the first candidate.
+  using Entry = std::pair<float, int64_t>;  // gain, minus the candidate's index
+  std::priority_queue<Entry> queue;
+  for (size_t i = 0; i < spheres.size(); ++i)
+    queue.emplace(std::numeric_limits<float>::max(), -static_cast<int64_t>(i));
+  const MeshQuery query(whole);
+  std::vector<ContactPrimitive> fitted;
+  while (!queue.empty() && fitted.size() < static_cast<size_t>(std::max(options.max_primitives, 0))) {
+    const int64_t index = queue.top().second;
+    queue.pop();
+    const Sphere& sphere = spheres[static_cast<size_t>(-index)];
+    const float now = gain(sphere, samples, gaps);
+    if (!queue.empty() && Entry(now, index) < queue.top()) {
+      queue.emplace(now, index);
+      continue;
+    }
+    if (now <= 0) break;
+    if (leaves(query, sphere)) continue;
+    ContactPrimitive primitive;
+    primitive.kind = PrimitiveKind::kSphere;
+    primitive.a = sphere.centre;
+    primitive.radius = sphere.radius;
+    fitted.push_back(primitive);
+    for (size_t i = 0; i < samples.size(); ++i) gaps[i] = std::min(gaps[i], gap(sphere, samples[i].position));
+  }
+  return fitted;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,59 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/contact_primitive.h"
+#include "core/parameters.h"
+#include "core/strand_model.h"
+
+namespace strandcast {
+
+/// What one step is given. All spans live until step() returns.
+struct StepInput {
+  const Parameters* parameters = nullptr;
+  std::span<const Pose> roots_begin;            ///< strands: root pose at the start of the step, world
+  std::span<const Pose> roots_end;              ///< strands: root pose at the end of the step, world
+  std::span<const MovingPrimitive> primitives;  ///< any number, world
+};
+
+/// Simulates the strands of one model. One implementation per way of computing; all keep the same state and give the
+/// same step to rounding. Not thread-safe: one caller at a time.
+class Backend {
+ public:
+  virtual ~Backend() = default;
+
+  virtual std::string name() const = 0;    ///< "reference", "simd" or "gpu"
+  virtual std::string device() const = 0;  ///< e.g. "AVX3, 2 threads" or the GL renderer string
+
+  /// Takes a copy of what it needs from `model` and sets the state. Throws Error when it does not fit the device.
+  virtual void load(const StrandModel& model, const StrandState& state) = 0;
+  /// Replaces the state: reset, teleport, tests.
+  virtual void upload(const StrandState& state) = 0;
+  /// Copies the whole state out. Waits for pending steps.
+  virtual void download(StrandState& state) = 0;
+
+  /// Advances by parameters.time_step. May return before the work is done; neither throws nor allocates.
+  virtual void step(const StepInput& input) = 0;
+  /// Positions after the newest step, natural order, valid until the next step(). Waits for it.
+  virtual std::span<const Vec3> guides() = 0;
+};
+
+/// A way of computing that this program knows of.
+struct BackendInfo {
+  std::string name;
+  bool available = false;
+  std::string reason;  ///< the device when available, else why not and what to do
+  int score = 0;       ///< `auto` takes the highest available
+  std::function<std::unique_ptr<Backend>(int threads)> create;  ///< threads: 0 = all; may throw Error
+};
+
+/// The reference backend: float, scalar, one thread. Simple enough to read; the others are held against it.
+std::unique_ptr<Backend> makeReferenceBackend();
+/// The same text in double precision: the oracle of tests.
+std::unique_ptr<Backend> makeOracleBackend();
+BackendInfo referenceBackendInfo();
+
+}  // namespace strandcast

@@ -1,0 +1,134 @@
+// One step of a block of strands by the course's scheme, over any lane type: included inside a namespace that
+// has the lane vocabulary and the kernel text. The formulas are in kernels/; here is only their order along
+// the strand. A lane is a strand and the loops run along it.
+
+using Block = BlockView<Scalar>;
+
+inline real3 load3(const Block& b, const Scalar* planes, int i) {
+  return {load(planes + b.at(0, i)), load(planes + b.at(1, i)), load(planes + b.at(2, i))};
+}
+inline void store3(const real3& value, const Block& b, Scalar* planes, int i) {
+  store(value.x, planes + b.at(0, i));
+  store(value.y, planes + b.at(1, i));
+  store(value.z, planes + b.at(2, i));
+}
+inline real3 fill3(const float* v) { return {lit(v[0]), lit(v[1]), lit(v[2])}; }
+inline real3 fill3(const Vec3& v) { return fill3(v.data()); }
+
+struct RootFrame {
+  real3 position;
+  quat rotation;
+};
+inline RootFrame loadRoot(const Block& b, int first_plane) {
+  const Scalar* p = b.root + static_cast<size_t>(first_plane) * b.lanes;
+  const size_t next = b.lanes;
+  return {{load(p), load(p + next), load(p + 2 * next)},
+          {load(p + 3 * next), load(p + 4 * next), load(p + 5 * next), load(p + 6 * next)}};
+}
+
+inline real inverseMass(const Block& b, int i) { return load(b.inverse_mass + b.at(0, i)); }
+
+// One body pushes every free vertex out; `time` is the part of the step that has passed, 0 to 1, `start` the
+// positions at the start of the substep. A vector of lanes that the body does not touch is left as it is.
+inline void resolveContacts(const Block& block, const Scalar* start, const MovingPrimitive& p,
+                            const StepInput& input, double time) {
+  const real part = lit(1.0 / input.parameters->substeps);
+  const real substep = lit(static_cast<double>(input.parameters->time_step) / input.parameters->substeps);
+  const real radius = lit(p.radius), hair_radius = lit(input.parameters->hair_radius),
+             friction = lit(p.friction);
+  const real3 spin = fill3(p.angular_velocity);
+  const real3 a_step = fill3(p.a_end) - fill3(p.a_begin), b_step = fill3(p.b_end) - fill3(p.b_begin);
+  const real3 a = madd(a_step, lit(time), fill3(p.a_begin)), b = madd(b_step, lit(time), fill3(p.b_begin));
+  for (int i = 0; i < block.vertices; ++i) {
+    const real3 x = load3(block, block.position, i);
+    real3 normal, axis_point = a, axis_step = a_step;
+    real distance;
+    if (p.kind == static_cast<uint32_t>(PrimitiveKind::kSphere)) {
+      distance = sphereDistance(x, a, radius, normal);
+    } else if (p.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule)) {
+      real along;
+      distance = capsuleDistance(x, a, b, radius, normal, along);
+      axis_point = madd(b - a, along, a);
+      axis_step = madd(b_step - a_step, along, a_step);
+    } else {
+      distance = planeDistance(x, a, b, normal);
+    }
+    const mask touches = (distance - hair_radius < lit(0)) && (inverseMass(block, i) > lit(0.5));
+    if (!anyTrue(touches)) continue;
+    const real3 motion = surfaceMotion(x, axis_point, axis_step * part, spin, substep);
+    const real3 outside =
+        resolveContact(x, load3(block, start, i), motion, normal, distance - hair_radius, friction);
+    store3(select(touches, outside, x), block, block.position, i);
+  }
+}
+
+// scratch: 6 planes of the block's vertices (start positions, then edge targets).
+inline void stepBlock(const Block& b, const StepInput& input, Scalar* scratch) {
+  const Parameters& p = *input.parameters;
+  const int n = b.vertices;
+  const double h = p.time_step / p.substeps;
+  const real3 gravity = fill3(p.gravity), wind = fill3(p.wind);
+  const real keep = lit(std::exp(-p.air_drag * h));
+  const double strength_root = 1 - std::exp(-p.shape_rate * h / p.iterations);
+  const double strength_tip = 1 - std::exp(-p.shape_rate_tip * h / p.iterations);
+  const RootFrame root_begin = loadRoot(b, 0), root_end = loadRoot(b, kRootPlanes / 2);
+  const real3 forward = makeReal3(lit(0), lit(0), lit(1));
+  Scalar* start = scratch;
+  Scalar* target = scratch + b.at(3, 0);
+
+  for (int substep = 0; substep < p.substeps; ++substep) {
+    const double time = (substep + 1.0) / p.substeps;
+    const RootFrame root{madd(root_end.position - root_begin.position, lit(time), root_begin.position),
+                         interpolateRotation(root_begin.rotation, root_end.rotation, lit(time))};
+
+    for (int i = 0; i < n; ++i) {  // predict; pinned vertices ride on the root frame
+      const real3 x = load3(b, b.position, i);
+      store3(x, b, start, i);
+      const real3 free = predictPosition(x, load3(b, b.velocity, i), gravity, wind, keep, lit(h));
+      const real3 held = rotate(root.rotation, load3(b, b.rest_local, i)) + root.position;
+      store3(select(inverseMass(b, i) < lit(0.5), held, free), b, b.position, i);
+    }
+
+    for (int iteration = 0; iteration < p.iterations; ++iteration) {
+      quat frame = root.rotation;  // the rest edge, as the frame of the edge before it holds it now
+      const real3 root_tangent = rotate(frame, forward);
+      real3 tangent = root_tangent;
+      real3 x = load3(b, b.position, 0);
+      for (int i = 0; i + 1 < n; ++i) {
+        store3(rotate(frame, load3(b, b.rest_edge, i)), b, target, i);
+        const real3 next_x = load3(b, b.position, i + 1);
+        const real3 next_tangent = normalizeOrZero(next_x - x);
+        frame = multiply(transportFrame(tangent, next_tangent), frame);
+        tangent = next_tangent;
+        x = next_x;
+      }
+      for (int color = 0; color < 3; ++color) {  // what is solved in one colour shares no vertex
+        for (int i = color; i + 1 < n; i += 3) {
+          const double along = n > 2 ? static_cast<double>(i) / (n - 2) : 0.0;
+          real3 a = load3(b, b.position, i), c = load3(b, b.position, i + 1);
+          real3 before = a - root_tangent;  // the root frame stands before the first edge
+          if (i > 0) before = load3(b, b.position, i - 1);
+          solveAngular(before, a, c, i > 0 ? inverseMass(b, i - 1) : lit(0), inverseMass(b, i),
+                       inverseMass(b, i + 1), load3(b, target, i),
+                       lit(strength_root + along * (strength_tip - strength_root)));
+          if (i > 0) store3(before, b, b.position, i - 1);
+          store3(a, b, b.position, i);
+          store3(c, b, b.position, i + 1);
+        }
+      }
+      for (int color = 0; color < 2; ++color) {
+        for (int i = color; i + 1 < n; i += 2) {
+          real3 a = load3(b, b.position, i), c = load3(b, b.position, i + 1);
+          solveDistance(a, c, inverseMass(b, i), inverseMass(b, i + 1), load(b.rest_length + b.at(0, i)));
+          store3(a, b, b.position, i);
+          store3(c, b, b.position, i + 1);
+        }
+      }
+      for (const MovingPrimitive& primitive : input.primitives)
+        resolveContacts(b, start, primitive, input, time);
+    }
+
+    for (int i = 0; i < n; ++i)
+      store3((load3(b, b.position, i) - load3(b, start, i)) * lit(1 / h), b, b.velocity, i);
+  }
+}

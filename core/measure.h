@@ -1,0 +1,19 @@
+#pragma once
+#include <span>
+
+#include "core/contact_primitive.h"
+#include "core/strand_model.h"
+
+namespace strandcast {
+
+/// How well the hair keeps what it must keep.
+struct Measurement {
+  double mean_stretch = 0;     ///< mean over edges of |length / rest length - 1|
+  double max_stretch = 0;      ///< the largest of the same
+  double max_penetration = 0;  ///< m, deepest free vertex below any primitive's surface; 0 when none is
+  size_t non_finite = 0;       ///< vertices with a NaN or an infinity
+};
+Measurement measure(const StrandModel& model, std::span<const Vec3> positions,
+                    std::span<const MovingPrimitive> primitives);
+
+}  // namespace strandcast

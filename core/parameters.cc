@@ -1,0 +1,119 @@
+#include "core/parameters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+struct Entry {
+  ParameterInfo info;
+  double low, high;
+  bool whole;
+  std::function<double(const Parameters&, int)> get;
+  std::function<void(Parameters&, int, double)> set;
+};
+
+template <class T>
+Entry scalar(const char* name, const char* unit, double low, double high, const char* range, const char* help,
+             T Parameters::*member) {
+  return {{name, unit, range, help, 1},
+          low,
+          high,
+          std::is_integral_v<T>,
+          [=](const Parameters& p, int) { return static_cast<double>(p.*member); },
+          [=](Parameters& p, int, double v) { p.*member = static_cast<T>(v); }};
+}
+
+Entry vector(const char* name, const char* unit, const char* help, double limit, Vec3 Parameters::*member) {
+  return {{name, unit, fmt::format("each within +-{:g}", limit), help, 3},
+          -limit,
+          limit,
+          false,
+          [=](const Parameters& p, int c) { return static_cast<double>((p.*member)[c]); },
+          [=](Parameters& p, int c, double v) { (p.*member)[c] = static_cast<float>(v); }};
+}
+
+const std::vector<Entry>& entries() {
+  using P = Parameters;
+  static const std::vector<Entry> list = {
+      scalar("time_step", "s", 1.0 / 2000, 1.0 / 30, "1/2000 to 1/30", "length of a simulation step", &P::time_step),
+      scalar("substeps", "", 1, 64, "1 to 64", "solver passes per step", &P::substeps),
+      scalar("iterations", "", 1, 64, "1 to 64", "constraint sweeps per substep", &P::iterations),
+      vector("gravity", "m/s^2", "acceleration of everything", 1000, &P::gravity),
+      vector("wind", "m/s", "uniform velocity of the air", 100, &P::wind),
+      scalar("air_drag", "1/s", 0, 1000, "0 to 1000", "rate at which hair takes on the air's velocity", &P::air_drag),
+      scalar("shape_rate", "1/s", 0, 1e6, "0 to 1e6", "rate at which the groomed shape is restored at the root",
+             &P::shape_rate),
+      scalar("shape_rate_tip", "1/s", 0, 1e6, "0 to 1e6", "the same at the tip", &P::shape_rate_tip),
+      scalar("hair_radius", "m", 0, 0.01, "0 to 0.01", "distance kept between a hair's axis and every body",
+             &P::hair_radius),
+  };
+  return list;
+}
+
+size_t editDistance(const std::string& a, const std::string& b) {
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row.back();
+}
+
+const Entry& entry(const std::string& name, const std::string& where) {
+  const auto& list = entries();
+  for (const Entry& e : list)
+    if (e.info.name == name) return e;
+  const auto nearest = std::min_element(list.begin(), list.end(), [&](const Entry& a, const Entry& b) {
+    return editDistance(a.info.name, name) < editDistance(b.info.name, name);
+  });
+  throw Error("unknown parameter '" + name + "'", where, "did you mean '" + nearest->info.name + "'?");
+}
+
+}  // namespace
+
+const std::vector<ParameterInfo>& parameterList() {
+  static const std::vector<ParameterInfo> list = [] {
+    std::vector<ParameterInfo> infos;
+    for (const Entry& e : entries()) infos.push_back(e.info);
+    return infos;
+  }();
+  return list;
+}
+
+std::vector<double> parameter(const Parameters& parameters, const std::string& name) {
+  const Entry& e = entry(name, "parameter list");
+  std::vector<double> value(e.info.components);
+  for (int c = 0; c < e.info.components; ++c) value[c] = e.get(parameters, c);
+  return value;
+}
+
+void setParameter(Parameters& parameters, const std::string& name, const std::vector<double>& value,
+                  const std::string& where) {
+  const Entry& e = entry(name, where);
+  if (value.size() != static_cast<size_t>(e.info.components))
+    throw Error(fmt::format("'{}' takes {} number{}, not {}", name, e.info.components,
+                            e.info.components == 1 ? "" : "s", value.size()),
+                where, "");
+  for (double v : value) {
+    if (!std::isfinite(v) || v < e.low * (1 - 1e-6) - 1e-12 || v > e.high * (1 + 1e-6) || (e.whole && v != std::floor(v)))
+      throw Error(fmt::format("'{}' = {} is out of range", name, v), where,
+                  fmt::format("give {}{} {}", e.whole ? "a whole number, " : "", e.info.range, e.info.unit));
+  }
+  for (int c = 0; c < e.info.components; ++c) e.set(parameters, c, value[c]);
+}
+
+}  // namespace strandcast

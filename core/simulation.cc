@@ -1,0 +1,70 @@
+#include "core/simulation.h"
+
+namespace strandcast {
+
+Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
+                       std::unique_ptr<Backend> backend)
+    : model_(std::move(model)),
+      bodies_(std::move(bodies)),
+      parameters_(parameters),
+      backend_(std::move(backend)),
+      roots_begin_(model_.rest_roots),
+      roots_end_(model_.rest_roots) {
+  size_t primitives = 0;
+  for (const RigidBody& body : bodies_) primitives += body.primitives.size();
+  primitives_.resize(primitives);
+  backend_->load(model_, restState(model_, roots_begin_));
+  placePrimitives();
+}
+
+void Simulation::placeRoots(const Pose& head, std::vector<Pose>& roots) const {
+  for (size_t s = 0; s < roots.size(); ++s) roots[s] = head * model_.rest_roots[s];
+}
+
+void Simulation::placePrimitives() {
+  size_t next = 0;
+  for (const RigidBody& body : bodies_) {
+    const Pose begin = body.follows_head ? head_begin_ : Pose{};
+    const Pose end = body.follows_head ? head_end_ : Pose{};
+    for (const ContactPrimitive& primitive : body.primitives)
+      primitives_[next++] = moved(primitive, begin, end, parameters_.time_step);
+  }
+}
+
+void Simulation::step() {
+  placeRoots(head_end_, roots_end_);
+  placePrimitives();
+  backend_->step({&parameters_, roots_begin_, roots_end_, primitives_});
+  std::swap(roots_begin_, roots_end_);
+  head_begin_ = head_end_;
+  time_ += parameters_.time_step;
+  ++steps_;
+}
+
+void Simulation::reset() { teleport(head_begin_, restState(model_, roots_begin_)); }
+
+void Simulation::teleport(const Pose& head) {
+  StrandState state;
+  backend_->download(state);
+  const Pose carry = head * head_begin_.inverse();
+  for (Vec3& position : state.positions) position = carry.apply(position);
+  for (Vec3& velocity : state.velocities) velocity = carry.rotate(velocity);
+  teleport(head, state);
+}
+
+void Simulation::teleport(const Pose& head, const StrandState& state) {
+  head_begin_ = head_end_ = head;
+  placeRoots(head, roots_begin_);
+  placePrimitives();
+  backend_->upload(state);
+}
+
+Measurement Simulation::measure() { return strandcast::measure(model_, guides(), primitives_); }
+
+StrandState Simulation::state() {
+  StrandState state;
+  backend_->download(state);
+  return state;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,152 @@
+#include "core/strand_block.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace strandcast {
+namespace {
+
+// Planes of a block, in this order.
+enum Plane { kPosition = 0, kVelocity = 3, kRestLocal = 6, kRestEdge = 9, kRestLength = 12, kInverseMass = 13, kPlanes = 14 };
+
+}  // namespace
+
+void restEdges(std::span<const Vec3> rest_local, std::span<Vec3> edges) {
+  Eigen::Quaterniond frame = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d tangent = Eigen::Vector3d::UnitZ();
+  for (size_t i = 0; i + 1 < rest_local.size(); ++i) {
+    const Eigen::Vector3d edge = (rest_local[i + 1] - rest_local[i]).cast<double>();
+    edges[i] = (frame.conjugate() * edge).cast<float>();
+    const Eigen::Vector3d next = edge.norm() > 0 ? Eigen::Vector3d(edge.normalized()) : tangent;
+    frame = (shortestRotation<double>(tangent, next) * frame).normalized();
+    tangent = next;
+  }
+  edges[rest_local.size() - 1].setZero();
+}
+
+template <class Scalar>
+Scalar* BlockStore<Scalar>::planes(const Block& block, int plane) const {
+  return memory_.data() + block.memory + static_cast<size_t>(plane) * block.vertices * lanes_;
+}
+
+template <class Scalar>
+void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
+  lanes_ = lanes;
+  offsets_ = model.offsets;
+  blocks_.clear();
+  max_vertices_ = 0;
+  order_.resize(model.strands());
+  std::iota(order_.begin(), order_.end(), 0u);
+  std::stable_sort(order_.begin(), order_.end(),
+                   [&](uint32_t a, uint32_t b) { return model.verticesOf(a) < model.verticesOf(b); });
+  size_t memory = 0;
+  for (size_t first = 0; first < order_.size();) {
+    const int vertices = static_cast<int>(model.verticesOf(order_[first]));
+    size_t count = 0;
+    while (count < static_cast<size_t>(lanes) && first + count < order_.size() &&
+           model.verticesOf(order_[first + count]) == static_cast<size_t>(vertices))
+      ++count;
+    blocks_.push_back({vertices, first, count, memory});
+    memory += static_cast<size_t>(kPlanes * vertices + kRootPlanes) * lanes;
+    memory = (memory + 15) / 16 * 16;
+    max_vertices_ = std::max(max_vertices_, vertices);
+    first += count;
+  }
+  memory_.assign(memory, Scalar(0));
+
+  std::array<Vec3, kMaxVerticesPerStrand> edges;
+  for (const Block& block : blocks_) {
+    for (int lane = 0; lane < lanes_; ++lane) {
+      const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
+      const std::span<const Vec3> rest(model.rest_local.data() + offsets_[strand], block.vertices);
+      restEdges(rest, edges);
+      for (int i = 0; i < block.vertices; ++i) {
+        auto put = [&](int plane, float value) {
+          planes(block, plane)[static_cast<size_t>(i) * lanes_ + lane] = static_cast<Scalar>(value);
+        };
+        for (int c = 0; c < 3; ++c) put(kRestLocal + c, rest[i][c]);
+        for (int c = 0; c < 3; ++c) put(kRestEdge + c, edges[i][c]);
+        put(kRestLength, i + 1 < block.vertices ? (rest[i + 1] - rest[i]).norm() : 0.0f);
+        put(kInverseMass, model.inverse_mass[offsets_[strand] + i]);
+      }
+    }
+  }
+}
+
+template <class Scalar>
+void BlockStore<Scalar>::upload(const StrandState& state) {
+  for (const Block& block : blocks_) {
+    for (int lane = 0; lane < lanes_; ++lane) {
+      const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
+      for (int i = 0; i < block.vertices; ++i) {
+        const size_t at = static_cast<size_t>(i) * lanes_ + lane;
+        for (int c = 0; c < 3; ++c) {
+          planes(block, kPosition + c)[at] = static_cast<Scalar>(state.positions[offsets_[strand] + i][c]);
+          planes(block, kVelocity + c)[at] = static_cast<Scalar>(state.velocities[offsets_[strand] + i][c]);
+        }
+      }
+    }
+  }
+}
+
+template <class Scalar>
+void BlockStore<Scalar>::download(StrandState& state) const {
+  state.positions.resize(offsets_.back());
+  state.velocities.resize(offsets_.back());
+  for (size_t b = 0; b < blocks_.size(); ++b) {
+    const Block& block = blocks_[b];
+    readPositions(b, state.positions);
+    for (size_t lane = 0; lane < block.count; ++lane) {
+      const uint32_t first = offsets_[order_[block.first + lane]];
+      for (int i = 0; i < block.vertices; ++i)
+        for (int c = 0; c < 3; ++c)
+          state.velocities[first + i][c] =
+              static_cast<float>(planes(block, kVelocity + c)[static_cast<size_t>(i) * lanes_ + lane]);
+    }
+  }
+}
+
+template <class Scalar>
+void BlockStore<Scalar>::readPositions(size_t b, std::span<Vec3> positions) const {
+  const Block& block = blocks_[b];
+  for (size_t lane = 0; lane < block.count; ++lane) {
+    Vec3* out = positions.data() + offsets_[order_[block.first + lane]];
+    for (int i = 0; i < block.vertices; ++i)
+      for (int c = 0; c < 3; ++c)
+        out[i][c] = static_cast<float>(planes(block, kPosition + c)[static_cast<size_t>(i) * lanes_ + lane]);
+  }
+}
+
+template <class Scalar>
+void BlockStore<Scalar>::setRoots(size_t b, std::span<const Pose> begin, std::span<const Pose> end) {
+  const Block& block = blocks_[b];
+  Scalar* root = planes(block, kPlanes);
+  for (int lane = 0; lane < lanes_; ++lane) {
+    const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
+    Scalar* plane = root + lane;
+    for (const Pose* pose : {&begin[strand], &end[strand]}) {
+      for (int c = 0; c < 3; ++c, plane += lanes_) *plane = static_cast<Scalar>(pose->position[c]);
+      for (int c = 0; c < 4; ++c, plane += lanes_) *plane = static_cast<Scalar>(pose->rotation.coeffs()[c]);
+    }
+  }
+}
+
+template <class Scalar>
+BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
+  const Block& block = blocks_[b];
+  return {block.vertices,
+          lanes_,
+          planes(block, kPosition),
+          planes(block, kVelocity),
+          planes(block, kRestLocal),
+          planes(block, kRestEdge),
+          planes(block, kRestLength),
+          planes(block, kInverseMass),
+          planes(block, kPlanes)};
+}
+
+template class BlockStore<float>;
+template class BlockStore<double>;
+
+}  // namespace strandcast

@@ -1,0 +1,86 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <span>
+#include <vector>
+
+#include "core/backend.h"
+
+namespace strandcast {
+
+/// Memory aligned for the widest vector loads.
+template <class T>
+struct CacheLineAllocator {
+  using value_type = T;
+  CacheLineAllocator() = default;
+  template <class U>
+  CacheLineAllocator(const CacheLineAllocator<U>&) {}
+  T* allocate(size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), std::align_val_t(64))); }
+  void deallocate(T* p, size_t) { ::operator delete(p, std::align_val_t(64)); }
+  bool operator==(const CacheLineAllocator&) const { return true; }
+};
+
+/// The planes of one block: [plane][vertex][lane] for what is per vertex, [plane][lane] for the roots. A lane is a
+/// strand; the loop runs along it. Lanes past the last strand hold copies of it and are not read back.
+template <class Scalar>
+struct BlockView {
+  int vertices;
+  int lanes;
+  Scalar* position;            ///< 3 planes, m
+  Scalar* velocity;            ///< 3 planes, m/s
+  const Scalar* rest_local;    ///< 3 planes, m, in the root frame
+  const Scalar* rest_edge;     ///< 3 planes, m: edge (i, i+1) at rest, in the Bishop frame of the edge before it
+  const Scalar* rest_length;   ///< 1 plane, m, of edge (i, i+1)
+  const Scalar* inverse_mass;  ///< 1 plane, 0 or 1
+  const Scalar* root;          ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
+
+  size_t at(int plane, int vertex) const { return (static_cast<size_t>(plane) * vertices + vertex) * lanes; }
+};
+
+constexpr int kRootPlanes = 14;
+
+/// The working store of the CPU backends: strands sorted by vertex count, cut into blocks of `lanes` strands of equal
+/// count. A block is contiguous, small enough to stay in the near caches through all substeps of a step.
+template <class Scalar>
+class BlockStore {
+ public:
+  void load(const StrandModel& model, int lanes);
+  void upload(const StrandState& state);
+  void download(StrandState& state) const;
+
+  size_t blocks() const { return blocks_.size(); }
+  int lanes() const { return lanes_; }
+  int maxVertices() const { return max_vertices_; }
+  BlockView<Scalar> block(size_t b);
+  /// Copies the roots of block b's strands into its planes.
+  void setRoots(size_t b, std::span<const Pose> begin, std::span<const Pose> end);
+  /// Copies the positions of block b's strands out, natural order.
+  void readPositions(size_t b, std::span<Vec3> positions) const;
+
+ private:
+  struct Block {
+    int vertices;
+    size_t first;   ///< in order_
+    size_t count;   ///< strands, at most lanes_
+    size_t memory;  ///< index of its first scalar in memory_
+  };
+  Scalar* planes(const Block& block, int plane) const;
+
+  int lanes_ = 1;
+  int max_vertices_ = 0;
+  std::vector<Block> blocks_;
+  std::vector<uint32_t> order_;    ///< strands, by vertex count
+  std::vector<uint32_t> offsets_;  ///< of the model
+  mutable std::vector<Scalar, CacheLineAllocator<Scalar>> memory_;
+};
+
+extern template class BlockStore<float>;
+extern template class BlockStore<double>;
+
+/// Rest edges of one strand as BlockView::rest_edge wants them: edge i in the Bishop frame of edge i - 1, whose z axis
+/// is that edge; edge 0 in the root frame. `rest_local` and `edges` have as many entries as the strand has vertices;
+/// the last of `edges` is zero.
+void restEdges(std::span<const Vec3> rest_local, std::span<Vec3> edges);
+
+}  // namespace strandcast

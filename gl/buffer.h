@@ -1,0 +1,47 @@
+#pragma once
+#include <epoxy/gl.h>
+
+#include <cstddef>
+#include <span>
+#include <utility>
+
+namespace strandcast::gl {
+
+/// A buffer object of fixed size; needs a current context for its whole life.
+class Buffer {
+ public:
+  Buffer() = default;
+  /// `flags` as for glNamedBufferStorage. A size of 0 makes a buffer of 16 bytes, so that it can always be bound.
+  Buffer(size_t bytes, const void* data, GLbitfield flags) : bytes_(bytes < 16 ? 16 : bytes) {
+    glCreateBuffers(1, &id_);
+    glNamedBufferStorage(id_, static_cast<GLsizeiptr>(bytes_), bytes < 16 ? nullptr : data, flags);
+    if (bytes > 0 && bytes < 16 && data != nullptr && (flags & GL_DYNAMIC_STORAGE_BIT) != 0)
+      glNamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(bytes), data);
+  }
+  template <class T>
+  explicit Buffer(std::span<const T> data) : Buffer(data.size_bytes(), data.data(), GL_DYNAMIC_STORAGE_BIT) {}
+  ~Buffer() {
+    if (id_ != 0) glDeleteBuffers(1, &id_);
+  }
+  Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(bytes_, other.bytes_);
+    return *this;
+  }
+
+  /// Needs GL_DYNAMIC_STORAGE_BIT.
+  template <class T>
+  void write(std::span<const T> data) {
+    glNamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(data.size_bytes()), data.data());
+  }
+  void bindStorage(GLuint binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, id_); }
+  GLuint id() const { return id_; }
+  size_t bytes() const { return bytes_; }
+
+ private:
+  GLuint id_ = 0;
+  size_t bytes_ = 0;
+};
+
+}  // namespace strandcast::gl

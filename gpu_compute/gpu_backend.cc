@@ -1,0 +1,89 @@
+#include "gpu_compute/gpu_backend.h"
+
+#include "core/error.h"
+#include "gl/current.h"
+#include "gpu_compute/gpu_strands.h"
+
+namespace strandcast {
+namespace {
+
+/// Works in a context of its own, current only within a call, so that calls may come from any thread and the
+/// caller's context stays the caller's.
+class GpuBackend final : public Backend {
+ public:
+  ~GpuBackend() override {
+    if (!strands_) return;
+    try {
+      const gl::MakeCurrent current(context_);
+      strands_.reset();
+    } catch (const Error&) {  // the driver is gone, and the buffers with it
+      static_cast<void>(strands_.release());
+    }
+  }
+
+  std::string name() const override { return "gpu"; }
+  std::string device() const override { return context_.renderer(); }
+
+  void load(const StrandModel& model, const StrandState& state) override {
+    const gl::MakeCurrent current(context_);
+    strands_.reset();
+    strands_ = std::make_unique<gpu::GpuStrands>(model);
+    strands_->upload(state);
+  }
+  void upload(const StrandState& state) override {
+    const gl::MakeCurrent current(context_);
+    strands_->upload(state);
+  }
+  void download(StrandState& state) override {
+    const gl::MakeCurrent current(context_);
+    strands_->download(state);
+  }
+  void step(const StepInput& input) override {
+    const gl::MakeCurrent current(context_);
+    strands_->step(input);
+  }
+  std::span<const Vec3> guides() override {
+    if (strands_->guidesReady()) return strands_->guides();
+    const gl::MakeCurrent current(context_);
+    return strands_->guides();
+  }
+
+ private:
+  gl::HeadlessContext context_;
+  std::unique_ptr<gpu::GpuStrands> strands_;
+};
+
+struct Probe {
+  bool available = false, software = false;
+  std::string text;
+};
+
+const Probe& probe() {
+  static const Probe once = [] {
+    const gl::RestoreCurrent restore;
+    Probe found;
+    try {
+      const gl::HeadlessContext context;
+      found = {true, context.software(), context.renderer()};
+    } catch (const Error& error) {
+      found.text = error.what();
+    }
+    return found;
+  }();
+  return once;
+}
+
+}  // namespace
+
+std::unique_ptr<Backend> makeGpuBackend() {
+  const gl::RestoreCurrent restore;  // a new context is current at first
+  return std::make_unique<GpuBackend>();
+}
+
+BackendInfo gpuBackendInfo() {
+  // A software renderer does the same work as the simd backend, more slowly.
+  return {"gpu", probe().available, probe().text, probe().software ? 2 : 100,
+          [](int) { return makeGpuBackend(); }};
+}
+
+}  // namespace strandcast

@@ -1,0 +1,21 @@
+// In place of gpu_backend.cc where the program is built without OpenGL.
+#include "core/error.h"
+#include "gpu_compute/gpu_backend.h"
+
+namespace strandcast {
+namespace {
+
+constexpr const char* kReason =
+    "built without OpenGL: libepoxy-dev and libegl-dev were missing when the build was configured";
+
+}  // namespace
+
+std::unique_ptr<Backend> makeGpuBackend() {
+  throw Error("no gpu backend", kReason, "install them and build again");
+}
+
+BackendInfo gpuBackendInfo() {
+  return {"gpu", false, kReason, 0, [](int) { return makeGpuBackend(); }};
+}
+
+}  // namespace strandcast

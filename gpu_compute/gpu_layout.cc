@@ -1,0 +1,28 @@
+#include "gpu_compute/gpu_layout.h"
+
+#include <cmath>
+
+namespace strandcast::gpu {
+
+Settings settingsOf(const StepInput& input) {
+  const Parameters& p = *input.parameters;
+  const double h = static_cast<double>(p.time_step) / p.substeps;
+  Settings s{};
+  for (int c = 0; c < 3; ++c) {
+    s.gravity[c] = p.gravity[c];
+    s.wind[c] = p.wind[c];
+  }
+  s.keep = static_cast<float>(std::exp(-p.air_drag * h));
+  s.substep = static_cast<float>(h);
+  s.per_substep = static_cast<float>(1 / h);
+  s.strength_root = static_cast<float>(1 - std::exp(-p.shape_rate * h / p.iterations));
+  s.strength_tip = static_cast<float>(1 - std::exp(-p.shape_rate_tip * h / p.iterations));
+  s.hair_radius = p.hair_radius;
+  s.substeps = static_cast<uint32_t>(p.substeps);
+  s.iterations = static_cast<uint32_t>(p.iterations);
+  s.primitive_count = static_cast<uint32_t>(input.primitives.size());
+  s.strand_count = static_cast<uint32_t>(input.roots_begin.size());
+  return s;
+}
+
+}  // namespace strandcast::gpu

@@ -1,0 +1,98 @@
+#include "gpu_compute/mapped_rings.h"
+
+#include <cstring>
+
+#include "core/error.h"
+
+namespace strandcast::gpu {
+namespace {
+
+constexpr GLbitfield kWritten = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+constexpr GLbitfield kRead = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+
+// The largest offset alignment that OpenGL 4.5 allows a device to ask for.
+size_t aligned(size_t bytes) { return (bytes + 255) / 256 * 256; }
+
+void* map(const gl::Buffer& buffer, GLbitfield access) {
+  void* memory = glMapNamedBufferRange(buffer.id(), 0, static_cast<GLsizeiptr>(buffer.bytes()), access);
+  if (memory == nullptr)
+    throw Error("the GPU has no memory to share with the CPU", std::to_string(buffer.bytes()) + " bytes",
+                "use fewer strands or --backend simd");
+  return memory;
+}
+
+}  // namespace
+
+Fence::~Fence() {
+  if (sync_ != nullptr) glDeleteSync(sync_);
+}
+
+void Fence::set() {
+  if (sync_ != nullptr) glDeleteSync(sync_);
+  sync_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+}
+
+void Fence::wait() {
+  if (sync_ == nullptr) return;
+  constexpr GLuint64 kTenth = 100'000'000;  // ns
+  while (glClientWaitSync(sync_, GL_SYNC_FLUSH_COMMANDS_BIT, kTenth) == GL_TIMEOUT_EXPIRED) {
+  }
+  glDeleteSync(sync_);
+  sync_ = nullptr;
+}
+
+UploadRing::UploadRing(size_t strands, size_t primitives)
+    : primitives_(primitives),
+      primitives_at_(aligned(sizeof(Settings))),
+      roots_at_(primitives_at_ + aligned(std::max<size_t>(primitives, 1) * sizeof(MovingPrimitive))),
+      roots_bytes_(2 * strands * sizeof(Pose)) {
+  for (size_t i = 0; i < kSlots; ++i) {
+    buffers_[i] = gl::Buffer(roots_at_ + std::max<size_t>(roots_bytes_, 16), nullptr, kWritten);
+    memory_[i] = static_cast<char*>(map(buffers_[i], kWritten));
+  }
+}
+
+void UploadRing::write(const StepInput& input) {
+  slot_ = (slot_ + 1) % kSlots;
+  fences_[slot_].wait();
+  char* memory = memory_[slot_];
+  const Settings settings = settingsOf(input);
+  std::memcpy(memory, &settings, sizeof settings);
+  if (!input.primitives.empty())
+    std::memcpy(memory + primitives_at_, input.primitives.data(), input.primitives.size_bytes());
+  char* roots = memory + roots_at_;
+  std::memcpy(roots, static_cast<const void*>(input.roots_begin.data()), roots_bytes_ / 2);
+  std::memcpy(roots + roots_bytes_ / 2, static_cast<const void*>(input.roots_end.data()), roots_bytes_ / 2);
+
+  const GLuint id = buffers_[slot_].id();
+  glBindBufferRange(GL_UNIFORM_BUFFER, 0, id, 0,
+                    sizeof(Settings) + 8);  // std140 rounds a block up to 16 bytes
+  glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 6, id, static_cast<GLintptr>(roots_at_),
+                    static_cast<GLsizeiptr>(roots_bytes_));
+  glBindBufferRange(
+      GL_SHADER_STORAGE_BUFFER, 7, id, static_cast<GLintptr>(primitives_at_),
+      static_cast<GLsizeiptr>(std::max<size_t>(input.primitives.size(), 1) * sizeof(MovingPrimitive)));
+}
+
+Readback::Readback(size_t vertices) : vertices_(vertices) {
+  for (size_t i = 0; i < 2; ++i) {
+    buffers_[i] = gl::Buffer(vertices * sizeof(Vec3), nullptr, kRead | GL_CLIENT_STORAGE_BIT);
+    memory_[i] = static_cast<const Vec3*>(map(buffers_[i], kRead));
+  }
+}
+
+void Readback::copyFrom(const gl::Buffer& guides) {
+  slot_ = 1 - slot_;
+  glCopyNamedBufferSubData(guides.id(), buffers_[slot_].id(), 0, 0,
+                           static_cast<GLsizeiptr>(vertices_ * sizeof(Vec3)));
+  fences_[slot_].set();
+  ready_ = false;
+}
+
+std::span<const Vec3> Readback::newest() {
+  if (!ready_) fences_[slot_].wait();
+  ready_ = true;
+  return {memory_[slot_], vertices_};
+}
+
+}  // namespace strandcast::gpu

@@ -1,0 +1,68 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "gl/buffer.h"
+#include "gpu_compute/gpu_layout.h"
+
+namespace strandcast::gpu {
+
+/// A point in the command stream that can be waited for.
+class Fence {
+ public:
+  Fence() = default;
+  ~Fence();
+  Fence(const Fence&) = delete;
+  Fence& operator=(const Fence&) = delete;
+  void set();   ///< after the commands given so far
+  void wait();  ///< returns at once when not set
+
+ private:
+  GLsync sync_ = nullptr;
+};
+
+/// What a step is told (settings, bodies, roots), in memory that the GPU reads while the CPU writes the next.
+class UploadRing {
+ public:
+  UploadRing(size_t strands, size_t primitives);
+
+  /// Whether a step with so many primitives fits.
+  bool holds(size_t primitives) const { return primitives <= primitives_; }
+  /// Takes the next slot, waiting while the GPU may still read it, copies `input` and binds the shader's
+  /// blocks to it.
+  void write(const StepInput& input);
+  /// Marks the slot as in use by the commands given so far.
+  void finish() { fences_[slot_].set(); }
+
+ private:
+  static constexpr size_t kSlots = 3;
+  size_t primitives_, primitives_at_, roots_at_;  ///< capacity; bytes from the start of a slot
+  size_t roots_bytes_;
+  std::array<gl::Buffer, kSlots> buffers_;
+  std::array<char*, kSlots> memory_{};
+  std::array<Fence, kSlots> fences_;
+  size_t slot_ = 0;
+};
+
+/// Positions on their way back: while one slot is read, the GPU fills the other.
+class Readback {
+ public:
+  explicit Readback(size_t vertices);
+
+  /// Gives the commands that copy `guides` (3 floats per vertex) into the older slot.
+  void copyFrom(const gl::Buffer& guides);
+  /// Waits for the newest copy.
+  std::span<const Vec3> newest();
+  /// What newest() would return is there already.
+  bool ready() const { return ready_; }
+
+ private:
+  size_t vertices_;
+  std::array<gl::Buffer, 2> buffers_;
+  std::array<const Vec3*, 2> memory_{};
+  std::array<Fence, 2> fences_;
+  size_t slot_ = 0;
+  bool ready_ = false;
+};
+
+}  // namespace strandcast::gpu

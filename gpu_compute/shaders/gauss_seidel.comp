@@ -1,0 +1,179 @@
+#version 450
+// variants: THREADS=4 WORKGROUP=32 | THREADS=32 WORKGROUP=32 | THREADS=128 WORKGROUP=128
+// One step of strands of up to THREADS vertices, all substeps in one dispatch: core/gauss_seidel_sweep.inl with a vertex
+// per invocation, WORKGROUP / THREADS strands per workgroup. Edge i, from vertex i to i + 1, belongs to invocation i.
+layout(local_size_x = WORKGROUP) in;
+
+#include "kernels/lanes_glsl.h"
+#include "kernels/rotation.h"
+#include "kernels/strand.h"
+#include "kernels/contact.h"
+
+struct Primitive {  // core/contact_primitive.h
+  vec4 a_begin_radius;
+  vec3 a_end;
+  uint kind;
+  vec4 b_begin_friction;
+  vec4 b_end;
+  vec4 angular_velocity;
+};
+
+layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
+  vec4 gravity;
+  vec4 wind;
+  float keep;           // exp(-drag substep)
+  float substep;        // s
+  float per_substep;    // 1 / substep
+  float strength_root;  // of the angular constraint, per iteration
+  float strength_tip;
+  float hair_radius;
+  uint substeps;
+  uint iterations;
+  uint primitive_count;
+  uint strand_count;
+} settings;
+layout(std430, binding = 0) buffer Positions { vec4 positions[]; };             // xyz, natural order
+layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };           // xyz, natural order
+layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };   // xyz, inverse mass
+layout(std430, binding = 3) readonly buffer RestEdge { vec4 rest_edge[]; };     // xyz, rest length
+layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };        // first vertex of each strand
+layout(std430, binding = 5) readonly buffer Order { uint order[]; };            // strands by group
+layout(std430, binding = 6) readonly buffer Roots { float roots[]; };           // 7 per strand: begin poses, end poses
+layout(std430, binding = 7) readonly buffer Primitives { Primitive primitives[]; };
+layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };        // 3 per vertex
+uniform uint first_strand;     // of this group, in order[]
+uniform uint strands_in_group;
+
+shared vec4 shared_position[WORKGROUP];    // w: inverse mass
+shared vec4 shared_frame[2][WORKGROUP];    // two banks, so that a scan step needs one barrier
+
+struct Pose {
+  vec3 position;
+  vec4 rotation;
+};
+
+Pose rootPose(uint index) {
+  uint at = index * 7u;
+  return Pose(vec3(roots[at], roots[at + 1u], roots[at + 2u]),
+              vec4(roots[at + 3u], roots[at + 4u], roots[at + 5u], roots[at + 6u]));
+}
+
+// The rotation that the strand holds the rest edge of invocation k's edge with: the product of the transports over all
+// edges before it and the root's rotation, by a scan that keeps their order.
+vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
+  vec3 tangent = rotate(root, vec3(0, 0, 1)), before = tangent;
+  vec3 previous = shared_position[k >= 1 ? me - 1u : me].xyz;
+  vec3 one_more = shared_position[k >= 2 ? me - 2u : me].xyz;
+  if (k >= 1) tangent = normalizeOrZero(x - previous);
+  if (k >= 2) before = normalizeOrZero(previous - one_more);
+  vec4 frame = k >= 1 ? transportFrame(before, tangent) : root;
+  int bank = 0;
+  for (int stride = 1; stride < THREADS; stride *= 2) {
+    shared_frame[bank][me] = frame;
+    barrier();
+    vec4 other = shared_frame[bank][k >= stride ? me - uint(stride) : me];
+    if (k >= stride) frame = multiply(frame, other);
+    bank = 1 - bank;
+  }
+  return frame;
+}
+
+vec3 resolveContacts(vec3 x, vec3 start, float time) {
+  float part = 1.0 / float(settings.substeps);
+  for (uint i = 0u; i < settings.primitive_count; ++i) {
+    Primitive p = primitives[i];
+    vec3 a_step = p.a_end - p.a_begin_radius.xyz, b_step = p.b_end.xyz - p.b_begin_friction.xyz;
+    vec3 a = madd(a_step, time, p.a_begin_radius.xyz), b = madd(b_step, time, p.b_begin_friction.xyz);
+    float radius = p.a_begin_radius.w;
+    vec3 normal, axis_point = a, axis_step = a_step;
+    float distance;
+    if (p.kind == 0u) {
+      distance = sphereDistance(x, a, radius, normal);
+    } else if (p.kind == 1u) {
+      float along;
+      distance = capsuleDistance(x, a, b, radius, normal, along);
+      axis_point = madd(b - a, along, a);
+      axis_step = madd(b_step - a_step, along, a_step);
+    } else {
+      distance = planeDistance(x, a, b, normal);
+    }
+    vec3 motion = surfaceMotion(x, axis_point, axis_step * part, p.angular_velocity.xyz, settings.substep);
+    vec3 outside = resolveContact(x, start, motion, normal, distance - settings.hair_radius, p.b_begin_friction.w);
+    if (distance - settings.hair_radius < 0.0) x = outside;
+  }
+  return x;
+}
+
+void main() {
+  const uint strands_per_workgroup = uint(WORKGROUP / THREADS);
+  uint me = gl_LocalInvocationID.x;
+  int k = int(me) % THREADS;
+  uint workgroup = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  uint slot = workgroup * strands_per_workgroup + me / uint(THREADS);
+  // Invocations past the last strand or the last vertex go along with copies, because every one must reach each barrier.
+  bool exists = slot < strands_in_group;
+  uint strand = order[first_strand + min(slot, strands_in_group - 1u)];
+  uint first = offsets[strand];
+  int vertices = int(offsets[strand + 1u] - first);
+  bool stores = exists && k < vertices;
+  uint vertex = first + uint(min(k, vertices - 1));
+  bool has_edge = k + 1 < vertices;
+
+  vec3 x = positions[vertex].xyz, v = velocities[vertex].xyz;
+  vec4 local = rest_local[vertex], edge = rest_edge[vertex];
+  float inverse_mass = local.w;
+  Pose root_begin = rootPose(strand), root_end = rootPose(settings.strand_count + strand);
+  float along = vertices > 2 ? float(k) / float(vertices - 2) : 0.0;
+  float strength = settings.strength_root + along * (settings.strength_tip - settings.strength_root);
+
+  for (uint substep = 0u; substep < settings.substeps; ++substep) {
+    float time = float(substep + 1u) / float(settings.substeps);
+    vec3 root_position = madd(root_end.position - root_begin.position, time, root_begin.position);
+    vec4 root = interpolateRotation(root_begin.rotation, root_end.rotation, time);
+    vec3 start = x;
+    vec3 free = predictPosition(x, v, settings.gravity.xyz, settings.wind.xyz, settings.keep, settings.substep);
+    vec3 held = rotate(root, local.xyz) + root_position;
+    x = inverse_mass < 0.5 ? held : free;
+    shared_position[me] = vec4(x, inverse_mass);
+    barrier();
+
+    for (uint iteration = 0u; iteration < settings.iterations; ++iteration) {
+      vec4 frame = frameOfEdge(k, me, x, root);  // has barriers: all have read before any writes below
+      vec3 target = rotate(frame, edge.xyz);
+      for (int color = 0; color < 3; ++color) {
+        if (has_edge && k % 3 == color) {
+          vec4 a = shared_position[me], b = shared_position[me + 1u];
+          vec4 before = vec4(a.xyz - rotate(root, vec3(0, 0, 1)), 0);  // the root frame stands before the first edge
+          if (k > 0) before = shared_position[me - 1u];
+          solveAngular(before.xyz, a.xyz, b.xyz, before.w, a.w, b.w, target, strength);
+          if (k > 0) shared_position[me - 1u] = before;
+          shared_position[me] = a;
+          shared_position[me + 1u] = b;
+        }
+        barrier();
+      }
+      for (int color = 0; color < 2; ++color) {
+        if (has_edge && (k & 1) == color) {
+          vec4 a = shared_position[me], b = shared_position[me + 1u];
+          solveDistance(a.xyz, b.xyz, a.w, b.w, edge.w);
+          shared_position[me] = a;
+          shared_position[me + 1u] = b;
+        }
+        barrier();
+      }
+      x = shared_position[me].xyz;
+      if (inverse_mass > 0.5) x = resolveContacts(x, start, time);
+      shared_position[me] = vec4(x, inverse_mass);
+      barrier();
+    }
+    v = (x - start) * settings.per_substep;
+  }
+
+  if (stores) {
+    positions[vertex] = vec4(x, 0);
+    velocities[vertex] = vec4(v, 0);
+    guides[vertex * 3u] = x.x;
+    guides[vertex * 3u + 1u] = x.y;
+    guides[vertex * 3u + 2u] = x.z;
+  }
+}

@@ -1,0 +1,21 @@
+#pragma once
+#include <span>
+#include <string>
+
+#include "core/geometry.h"
+#include "groom/groom_file.h"
+
+namespace strandcast {
+
+/// Throws Error unless `unit_meters` is 0 (guess) or a positive finite number.
+void checkUnit(float unit_meters);
+
+/// Turns points so that Y is up, by a quarter turn that keeps handedness: Z up (x, y, z) -> (x, z, -y), X up
+/// (x, y, z) -> (-y, x, z). kAuto and kY leave them.
+void turnYUp(std::span<Vec3> points, UpAxis up);
+
+/// Multiplies points by `unit_meters`. Throws Error naming `name` when one then lies further than 1000 km
+/// from the origin: no hair is there, and squares of such lengths would soon leave the range of float.
+void scaleToMeters(std::span<Vec3> points, float unit_meters, const std::string& name);
+
+}  // namespace strandcast

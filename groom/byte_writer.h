@@ -1,0 +1,26 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "core/geometry.h"
+
+namespace strandcast {
+
+/// Appends little-endian values; the counterpart of ByteReader.
+class ByteWriter {
+ public:
+  void reserve(size_t bytes) { bytes_.reserve(bytes); }
+  template <class T>
+  void put(T value) {
+    raw(&value, sizeof(T));
+  }
+  void put(const Vec3& point) { raw(point.data(), 3 * sizeof(float)); }
+  void zeros(size_t bytes);
+  void raw(const void* data, size_t bytes);
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace strandcast

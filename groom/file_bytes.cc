@@ -1,0 +1,72 @@
+#include "groom/file_bytes.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <system_error>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 32;
+
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+uint64_t regularFileSize(const std::filesystem::path& file) {
+  std::error_code failure;
+  const std::filesystem::file_status status = std::filesystem::status(file, failure);
+  if (!std::filesystem::exists(status))
+    throw Error("the file cannot be found", file.string() + ", byte 0", "check the path");
+  if (std::filesystem::is_directory(status))
+    throw Error("this is a directory", file.string() + ", byte 0", "name a file in it");
+  if (!std::filesystem::is_regular_file(status))
+    throw Error("this is not a regular file", file.string() + ", byte 0", "copy it into a file first");
+  const uint64_t size = std::filesystem::file_size(file, failure);
+  if (failure) throw Error("the file cannot be read", file.string() + ", byte 0", failure.message());
+  return size;
+}
+
+}  // namespace
+
+std::vector<std::byte> readFileBytes(const std::filesystem::path& file) {
+  const uint64_t size = regularFileSize(file);
+  if (size == 0) throw Error("the file is empty", file.string() + ", byte 0", "export or copy it again");
+  if (size > kMaxFileBytes)
+    throw Error("the file is larger than 4 GiB", file.string() + ", byte 0", "split it into several files");
+  const File stream(std::fopen(file.c_str(), "rb"), &std::fclose);
+  if (!stream)
+    throw Error("the file cannot be opened", file.string() + ", byte 0",
+                std::string(std::strerror(errno)) + ", check its permissions");
+  std::vector<std::byte> bytes(size);
+  const size_t got = std::fread(bytes.data(), 1, bytes.size(), stream.get());
+  if (got != bytes.size())
+    throw Error("the file cannot be read to its end", file.string() + ", byte " + std::to_string(got),
+                "check the disk, or whether another program is writing it");
+  return bytes;
+}
+
+void writeFileBytes(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+  File stream(std::fopen(file.c_str(), "wb"), &std::fclose);
+  if (!stream)
+    throw Error("the file cannot be written", file.string(),
+                std::string(std::strerror(errno)) + ", check the folder and its permissions");
+  const size_t put = std::fwrite(bytes.data(), 1, bytes.size(), stream.get());
+  const bool closed = std::fclose(stream.release()) == 0;
+  if (put != bytes.size() || !closed)
+    throw Error("the file cannot be written in full", file.string() + ", byte " + std::to_string(put),
+                "check the free space of the disk");
+}
+
+std::string lowerExtension(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
+  return extension;
+}
+
+}  // namespace strandcast

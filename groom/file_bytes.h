@@ -1,0 +1,20 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace strandcast {
+
+/// A whole regular file. Throws Error when it is missing, a directory, a pipe or device, unreadable, empty or
+/// larger than 4 GiB (the formats' offsets have 32 bits).
+std::vector<std::byte> readFileBytes(const std::filesystem::path& file);
+
+/// Replaces `file` with `bytes`. Throws Error when it cannot be opened or written in full.
+void writeFileBytes(const std::filesystem::path& file, std::span<const std::byte> bytes);
+
+/// The extension with its dot, in lower case.
+std::string lowerExtension(const std::filesystem::path& file);
+
+}  // namespace strandcast

@@ -1,0 +1,15 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "core/triangle_mesh.h"
+
+namespace strandcast {
+
+/// readGltfMesh() of mesh_file.h that also reads the external buffers of a .gltf out of `folder`.
+TriangleMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
+                          const std::optional<std::filesystem::path>& folder);
+
+}  // namespace strandcast

@@ -1,0 +1,32 @@
+#include "groom/groom.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "groom/strand_edit.h"
+
+namespace strandcast {
+
+GroomSummary summarize(const StrandSet& strands) {
+  GroomSummary summary;
+  summary.strands = strands.strands();
+  summary.vertices = strands.vertices();
+  if (summary.strands == 0) return summary;
+  summary.median_length = medianLength(strands);
+  summary.min_vertices = std::numeric_limits<size_t>::max();
+  summary.min_length = std::numeric_limits<float>::max();
+  for (size_t s = 0; s < strands.strands(); ++s) {
+    const size_t count = strands.verticesOf(s);
+    const float length = arcLength(strands.strand(s));
+    summary.min_vertices = std::min(summary.min_vertices, count);
+    summary.max_vertices = std::max(summary.max_vertices, count);
+    summary.min_length = std::min(summary.min_length, length);
+    summary.max_length = std::max(summary.max_length, length);
+    if (count < 2 || !(length > 0) || length < kShortestOfMedian * summary.median_length)
+      ++summary.degenerate_strands;
+  }
+  for (const Vec3& point : strands.positions) summary.bounds.extend(Eigen::Vector3f(point));
+  return summary;
+}
+
+}  // namespace strandcast

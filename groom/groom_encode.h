@@ -1,0 +1,20 @@
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/strand_set.h"
+
+namespace strandcast {
+
+/// The bytes of a .tfx file, version 4: positions and strand UVs bit for bit, w = 0 where pinned and 1
+/// elsewhere. Radii and parts have no place in it. Throws Error (naming `name`) when there are no strands or
+/// their counts differ.
+std::vector<std::byte> encodeTfx(const StrandSet& strands, const std::string& name);
+
+/// The bytes of a .hair file: positions bit for bit, thickness = twice the radius when there are radii; pins,
+/// UVs and parts have no place in it. Throws Error when there are no strands or one has more than 65,536
+/// vertices.
+std::vector<std::byte> encodeHair(const StrandSet& strands, const std::string& name);
+
+}  // namespace strandcast

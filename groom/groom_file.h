@@ -1,0 +1,68 @@
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "groom/groom.h"
+
+namespace strandcast {
+
+enum class UpAxis { kAuto, kX, kY, kZ };  ///< kAuto: Z for .hair, Y for the rest
+
+/// How a file's numbers become metres with Y up.
+struct GroomReadOptions {
+  float unit_meters =
+      0;  ///< metres per unit of the file, positive; 0 = guess from the bounding box, with a warning
+  UpAxis up = UpAxis::kAuto;  ///< Z up becomes (x, z, -y), X up (-y, x, z): quarter turns, no mirroring
+};
+
+/// Strands as the file has them, in its own units and axes: nothing converted, nothing cleaned, so that
+/// writing them again gives the same bits. `positions` and `radii` of the set are in file units here,
+/// `pinned` is:
+/// - .tfx version 4: the vertices with w = 0;
+/// - .tfx version 3, which stores none: vertices 0 and 1, and the last two when both ends are immovable;
+/// - .hair and .obj: empty, that is the root.
+/// `radii` are half of a .hair file's thickness, `uvs` the strand UVs of a .tfx file; empty where the file
+/// has none.
+struct RawGroom {
+  StrandSet strands;
+  UpAxis native_up = UpAxis::kY;
+  std::string format;  ///< "tfx3", "tfx4", "hair", "obj"
+};
+
+/// Reads .tfx (versions 3 and 4), .hair or .obj polylines by content and extension. Throws Error (file, byte
+/// offset or line, remedy) on anything truncated, oversized, out of range, not finite or empty, and on what
+/// is no regular file. Never allocates more than a small multiple of the file's size.
+RawGroom readRawGroom(const std::filesystem::path& file);
+
+/// The same from memory; `name` stands for the file in errors. The fuzzers' entry points.
+///
+/// Strands have 1 or more vertices. An OBJ polyline that starts with the vertex index that the one before it
+/// ended with continues that strand (some programs write every edge on its own).
+RawGroom readTfx(std::span<const std::byte> bytes, const std::string& name);
+RawGroom readHair(std::span<const std::byte> bytes, const std::string& name);
+RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& name);
+
+/// Writes by extension, positions bit for bit: .tfx -> .hair -> .tfx through raw grooms gives the same
+/// positions. Coordinates are copied, not turned, although a reader of .hair takes Z for up: turn them first
+/// where that matters.
+/// - .tfx (version 4) keeps pins and UVs, not radii; every strand must have the same vertex count;
+/// - .hair keeps counts and radii (thickness = twice the radius), not pins and UVs; 65,536 vertices a strand
+/// at most. `parts` are not kept. Throws Error for no strands, counts that do not fit, another extension, or
+/// a failed write.
+void writeGroom(const std::filesystem::path& file, const StrandSet& strands);
+
+/// Reads one or more files (at most 65,535) into one groom in metres, Y up, and cleans it (cleanStrands);
+/// `parts` says which file each strand came from. One unit holds for all files, the up axis is each file's
+/// own unless given. A pin of vertex 1 is dropped where vertex 0 is pinned and vertex 2 free: the root's
+/// frame is clamped instead. Throws Error as readRawGroom, and when a unit is not positive, a vertex lies
+/// 1000 km away, or no strand is left.
+Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options);
+
+/// Metres per unit guessed from a groom's bounding box in file units: 1, 0.1, 0.01, 0.001 or the 0.0025 of
+/// HAIR and TressFX files, whichever makes the longest side most nearly a head of hair (0.1 to 1 m, best
+/// 0.3). 1 for an empty box.
+float guessUnit(const Box& bounds);
+
+}  // namespace strandcast

@@ -1,0 +1,153 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cstring>
+#include <limits>
+
+#include "core/error.h"
+#include "groom/axes_and_units.h"
+#include "groom/clean.h"
+#include "groom/file_bytes.h"
+#include "groom/groom_encode.h"
+#include "groom/groom_file.h"
+
+namespace strandcast {
+namespace {
+
+template <class T>
+bool startsWith(std::span<const std::byte> bytes, const T& start) {
+  return bytes.size() >= sizeof(T) && std::memcmp(bytes.data(), &start, sizeof(T)) == 0;
+}
+
+/// TressFX pins vertices 0 and 1 to hold a strand's direction at the root. Here the root's frame is clamped,
+/// which holds the first edge's rest direction already, so vertex 1 is freed to bend with the physics of the
+/// hair. Pins elsewhere (tips) stay, and so does a longer run of pinned vertices from the root on.
+void freeSecondVertices(StrandSet& strands) {
+  if (strands.pinned.empty()) return;
+  for (size_t s = 0; s < strands.strands(); ++s) {
+    uint8_t* pinned = strands.pinned.data() + strands.offsets[s];
+    if (strands.verticesOf(s) > 2 && pinned[0] && pinned[1] && !pinned[2]) pinned[1] = 0;
+  }
+}
+
+/// Puts the strands of several files into one set. What only some files have would be undefined for the rest:
+/// pins default to the root, radii and UVs are left out with a warning.
+class GroomMerger {
+ public:
+  explicit GroomMerger(Groom& groom) : groom_(groom) {}
+
+  void add(const StrandSet& part, size_t file) {
+    StrandSet& all = groom_.strands;
+    if (all.vertices() + part.vertices() > std::numeric_limits<uint32_t>::max())
+      throw Error("the groom has more than 4294967295 vertices", fmt::format("file {}", file),
+                  "load fewer files");
+    const auto first = static_cast<uint32_t>(all.vertices());
+    for (size_t s = 1; s < part.offsets.size(); ++s) all.offsets.push_back(first + part.offsets[s]);
+    all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
+    any_pins_ |= !part.pinned.empty();
+    appendPins(part);
+    all.radii.insert(all.radii.end(), part.radii.begin(), part.radii.end());
+    all.uvs.insert(all.uvs.end(), part.uvs.begin(), part.uvs.end());
+    all.parts.insert(all.parts.end(), part.strands(), static_cast<uint16_t>(file));
+  }
+
+  void finish() {
+    StrandSet& all = groom_.strands;
+    if (!any_pins_) all.pinned.clear();
+    if (!all.radii.empty() && all.radii.size() != all.vertices()) {
+      all.radii.clear();
+      groom_.report.warnings.push_back(
+          "some of the files have no radii: the material's radius is used for all");
+    }
+    if (!all.uvs.empty() && all.uvs.size() != all.strands()) {
+      all.uvs.clear();
+      groom_.report.warnings.push_back(
+          "some of the files have no strand UVs: those of the others are left out");
+    }
+  }
+
+ private:
+  void appendPins(const StrandSet& part) {
+    std::vector<uint8_t>& pins = groom_.strands.pinned;
+    const size_t before = pins.size();
+    pins.insert(pins.end(), part.pinned.begin(), part.pinned.end());
+    if (!part.pinned.empty()) return;
+    pins.resize(before + part.vertices(), 0);
+    for (size_t s = 0; s < part.strands(); ++s) pins[before + part.offsets[s]] = 1;
+  }
+
+  Groom& groom_;
+  bool any_pins_ = false;
+};
+
+void convertUnits(Groom& groom, const GroomReadOptions& options, const std::string& name) {
+  float unit = options.unit_meters;
+  if (unit == 0) {
+    Box bounds;
+    for (const Vec3& point : groom.strands.positions) bounds.extend(Eigen::Vector3f(point));
+    unit = guessUnit(bounds);
+    const float size = bounds.sizes().maxCoeff();
+    groom.report.warnings.push_back(fmt::format(
+        "{}: the unit is guessed: {} m, which makes the groom {:.3g} m large ({:.4g} units); give "
+        "--unit-meters to be sure",
+        name, unit, size * unit, size));
+  }
+  groom.report.unit_meters = unit;
+  scaleToMeters(groom.strands.positions, unit, name);
+  for (float& radius : groom.strands.radii) {
+    radius *= unit;
+    if (!std::isfinite(radius))
+      throw Error("a radius is out of range", name, "give the file's unit (--unit-meters)");
+  }
+}
+
+}  // namespace
+
+RawGroom readRawGroom(const std::filesystem::path& file) {
+  const std::vector<std::byte> bytes = readFileBytes(file);
+  const std::string name = file.string();
+  const std::string extension = lowerExtension(file);
+  // What the file says it is counts for more than what it is called.
+  if (startsWith(bytes, std::array<char, 4>{'H', 'A', 'I', 'R'})) return readHair(bytes, name);
+  if (startsWith(bytes, 3.0f) || startsWith(bytes, 4.0f)) return readTfx(bytes, name);
+  if (extension == ".tfx") return readTfx(bytes, name);
+  if (extension == ".hair") return readHair(bytes, name);
+  if (extension == ".obj") return readObjStrands(bytes, name);
+  throw Error("this is no known groom format", name + ", byte 0", "use .tfx, .hair or .obj");
+}
+
+void writeGroom(const std::filesystem::path& file, const StrandSet& strands) {
+  const std::string extension = lowerExtension(file);
+  if (extension == ".tfx") return writeFileBytes(file, encodeTfx(strands, file.string()));
+  if (extension == ".hair") return writeFileBytes(file, encodeHair(strands, file.string()));
+  throw Error("grooms cannot be written in this format", file.string(), "use .tfx or .hair");
+}
+
+Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options) {
+  checkUnit(options.unit_meters);
+  if (files.empty())
+    throw Error("no groom file is given", "loading a groom", "name one or more files (--groom)");
+  if (files.size() > std::numeric_limits<uint16_t>::max())
+    throw Error(fmt::format("{} groom files are too many", files.size()), "loading a groom",
+                "give at most 65535");
+  Groom groom;
+  GroomMerger merger(groom);
+  for (size_t f = 0; f < files.size(); ++f) {
+    RawGroom raw = readRawGroom(files[f]);
+    turnYUp(raw.strands.positions, options.up == UpAxis::kAuto ? raw.native_up : options.up);
+    freeSecondVertices(raw.strands);
+    merger.add(raw.strands, f);
+    if (f > 0) groom.name += '+';
+    groom.name += files[f].stem().string();
+  }
+  merger.finish();
+  groom.report.strands_read = groom.strands.strands();
+  convertUnits(groom, options, files[0].string());
+  cleanStrands(groom);
+  if (groom.strands.strands() == 0)
+    throw Error("no strand is left after cleaning, all are points", files[0].string(),
+                "check the export of the hair");
+  return groom;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,28 @@
+#include "groom/mesh_file.h"
+
+#include "core/error.h"
+#include "groom/axes_and_units.h"
+#include "groom/file_bytes.h"
+#include "groom/gltf_mesh.h"
+
+namespace strandcast {
+
+TriangleMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
+                      const std::vector<std::string>& skip_groups) {
+  checkUnit(options.unit_meters);
+  const std::string extension = lowerExtension(file);
+  const bool is_gltf = extension == ".glb" || extension == ".gltf";
+  if (!is_gltf && extension != ".obj")
+    throw Error("this is no known mesh format", file.string() + ", byte 0", "use .obj, .gltf or .glb");
+  const std::vector<std::byte> bytes = readFileBytes(file);
+  TriangleMesh mesh = is_gltf ? readGltfMesh(bytes, file.string(), file.parent_path())
+                              : readObjMesh(bytes, file.string(), skip_groups);
+  turnYUp(mesh.positions, options.up);
+  float unit = options.unit_meters;
+  if (unit == 0) unit = is_gltf ? 1.0f : guessUnit(mesh.bounds());
+  scaleToMeters(mesh.positions, unit, file.string());
+  computeNormals(mesh);
+  return mesh;
+}
+
+}  // namespace strandcast

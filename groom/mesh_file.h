@@ -1,0 +1,32 @@
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "core/triangle_mesh.h"
+#include "groom/groom_file.h"
+
+namespace strandcast {
+
+/// Reads a triangle mesh from .obj or glTF 2.0 (.gltf, .glb) by extension, in metres, Y up, with normals.
+/// Throws Error (file, line, byte offset or part, remedy) on bad input. Without `unit_meters` a glTF file is
+/// in metres, as its specification says, and the unit of an .obj file is guessed as a groom's is: pass
+/// GroomReport::unit_meters to give a body the scale of its hair. The buffers that a .gltf names are read
+/// from its own folder and nowhere else.
+TriangleMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
+                      const std::vector<std::string>& skip_groups = {"helper-", "joint-"});
+
+/// The same from memory, in the file's units and axes; `name` stands for the file in errors and names the
+/// mesh. The fuzzers' entry points. Triangles with a corner twice are left out; there is at least one
+/// triangle.
+///
+/// OBJ: polygons are fanned from their first corner. Faces under a `g` or `o` name that starts with one of
+/// `skip_groups` are left out, and so are vertices that no triangle uses.
+TriangleMesh readObjMesh(std::span<const std::byte> bytes, const std::string& name,
+                         const std::vector<std::string>& skip_groups = {});
+/// glTF: all triangle lists, strips and fans of the default scene, placed by their nodes (skinned ones as
+/// their vertices are stored). External buffers, sparse accessors and compressed meshes are refused; images
+/// are never opened.
+TriangleMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name);
+
+}  // namespace strandcast

@@ -1,0 +1,26 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "core/triangle_mesh.h"
+#include "groom/groom.h"
+
+namespace strandcast {
+
+enum class HairStyle { kStraight, kWavy, kCurly, kPonytail };
+HairStyle hairStyle(const std::string& name);  ///< "straight", "wavy", "curly", "ponytail"; Error otherwise
+
+struct ProceduralGroomOptions {
+  HairStyle style = HairStyle::kStraight;
+  int strands = 2000;    ///< 1 to 1,000,000
+  int vertices = 24;     ///< per strand, 2 to 128
+  float length = 0.30f;  ///< m, 0.01 to 2, of the longest strands as if uncoiled; ponytail: from the tie on
+  uint64_t seed = 1;
+};
+
+/// Grows a groom on the procedural body's scalp. Every strand has vertices at equal distances, starts on the
+/// skin and stays outside it. A ponytail's vertices at the tie are pinned. The same options give the same
+/// bits. Throws Error on an option out of range.
+Groom makeProceduralGroom(const ProceduralGroomOptions& options);
+
+}  // namespace strandcast

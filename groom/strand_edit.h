@@ -1,0 +1,23 @@
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include "core/strand_set.h"
+
+namespace strandcast {
+
+/// Appends the chosen vertices (indices within the strand, any order) of strand `s` of `from`, with their
+/// pins and radii, and the strand's UV and part. `to` starts empty and takes strands of one set only.
+void appendStrand(StrandSet& to, const StrandSet& from, size_t s, std::span<const uint32_t> vertices);
+/// The same with all of the strand's vertices.
+void appendStrand(StrandSet& to, const StrandSet& from, size_t s);
+
+/// The median of the strands' lengths, of those with two or more vertices; 0 when there are none.
+float medianLength(const StrandSet& strands);
+
+/// Strands shorter than this part of the median length are no hair.
+constexpr float kShortestOfMedian = 0.01f;
+/// Neighbouring vertices closer than this part of the median length are one vertex.
+constexpr float kNearestOfMedian = 1e-6f;
+
+}  // namespace strandcast

@@ -1,0 +1,6 @@
+// Takes back the macros of the lane vocabulary, so that the next instantiation can make its own.
+#undef FN
+#undef IN
+#undef OUT
+#undef INOUT
+#undef STRANDCAST_SCALAR

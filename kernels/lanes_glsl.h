@@ -1,0 +1,18 @@
+// Lane vocabulary of GLSL 4.50: one float per invocation. real3 and quat are built-in vectors; dot, cross, length,
+// sqrt, abs, min, max, clamp and the operators are GLSL's own.
+#define real float
+#define real3 vec3
+#define quat vec4
+#define mask bool
+#define FN
+#define IN(type) in type
+#define OUT(type) out type
+#define INOUT(type) inout type
+#define lit(value) float(value)
+#define makeReal3(x, y, z) vec3(x, y, z)
+#define makeQuat(x, y, z, w) vec4(x, y, z, w)
+
+float madd(float a, float b, float c) { return fma(a, b, c); }
+vec3 madd(vec3 a, float s, vec3 c) { return fma(a, vec3(s), c); }
+float select(bool m, float a, float b) { return m ? a : b; }
+vec3 select(bool m, vec3 a, vec3 b) { return m ? a : b; }

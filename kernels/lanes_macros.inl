@@ -1,0 +1,5 @@
+// The macros of kernel text on the C++ side; end_lanes.inl takes them back.
+#define FN [[maybe_unused]] static inline
+#define IN(type) const type&
+#define OUT(type) type&
+#define INOUT(type) type&

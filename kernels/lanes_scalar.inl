@@ -1,0 +1,20 @@
+// Lane vocabulary over one number of type STRANDCAST_SCALAR. Included inside a namespace.
+using Scalar = STRANDCAST_SCALAR;
+using real = Scalar;
+using mask = bool;
+constexpr int kLanes = 1;
+
+inline real lit(double value) { return static_cast<real>(value); }
+inline real madd(real a, real b, real c) { return std::fma(a, b, c); }
+inline real sqrt(real a) { return std::sqrt(a); }
+inline real abs(real a) { return std::fabs(a); }
+inline real min(real a, real b) { return a < b ? a : b; }
+inline real max(real a, real b) { return a > b ? a : b; }
+inline real select(mask m, real a, real b) { return m ? a : b; }
+
+// For the backends' planes, not for kernel text.
+inline real load(const Scalar* p) { return *p; }
+inline void store(real value, Scalar* p) { *p = value; }
+inline bool anyTrue(mask m) { return m; }
+
+#include "kernels/lanes_vector.inl"

@@ -1,0 +1,47 @@
+// Kernel text: see kernels/README.md.
+
+// Unit vector along a; (0,0,0) where a is shorter than 1e-18. The square of that is still a normal float: GPUs flush
+// denormal numbers to zero.
+FN real3 normalizeOrZero(IN(real3) a) {
+  real l2 = dot(a, a);
+  mask tiny = l2 < lit(1e-36);
+  real inverse = select(tiny, lit(0), lit(1) / sqrt(select(tiny, lit(1), l2)));
+  return a * inverse;
+}
+
+// v turned by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), u = q.xyz.
+FN real3 rotate(IN(quat) q, IN(real3) v) {
+  real3 u = makeReal3(q.x, q.y, q.z);
+  real3 c = cross(u, v) * lit(2);
+  return madd(c, q.w, v) + cross(u, c);
+}
+
+// Hamilton product: first b, then a.
+FN quat multiply(IN(quat) a, IN(quat) b) {
+  return makeQuat(madd(a.w, b.x, madd(a.x, b.w, madd(a.y, b.z, lit(0) - a.z * b.y))),
+                  madd(a.w, b.y, madd(a.y, b.w, madd(a.z, b.x, lit(0) - a.x * b.z))),
+                  madd(a.w, b.z, madd(a.z, b.w, madd(a.x, b.y, lit(0) - a.y * b.x))),
+                  madd(a.w, b.w, lit(0) - madd(a.x, b.x, madd(a.y, b.y, a.z * b.z))));
+}
+
+FN quat normalizeQuat(IN(quat) q) {
+  real inverse = lit(1) / sqrt(madd(q.x, q.x, madd(q.y, q.y, madd(q.z, q.z, q.w * q.w))));
+  return makeQuat(q.x * inverse, q.y * inverse, q.z * inverse, q.w * inverse);
+}
+
+// The smallest rotation that takes the unit vector a to the unit vector b. Within 2.6 degrees of opposite directions
+// (1 + a.b < 1e-3) it stops short of them, so that it stays finite everywhere.
+FN quat rotationBetween(IN(real3) a, IN(real3) b) {
+  real3 axis = cross(a, b);
+  real w = max(lit(1) + dot(a, b), lit(1e-3));
+  return normalizeQuat(makeQuat(axis.x, axis.y, axis.z, w));
+}
+
+// Between unit quaternions, t in [0, 1]: linear, on the shorter way, normalised.
+FN quat interpolateRotation(IN(quat) a, IN(quat) b, IN(real) t) {
+  real d = madd(a.x, b.x, madd(a.y, b.y, madd(a.z, b.z, a.w * b.w)));
+  real tb = select(d < lit(0), lit(0) - t, t);
+  real ta = lit(1) - t;
+  return normalizeQuat(makeQuat(madd(a.x, ta, b.x * tb), madd(a.y, ta, b.y * tb), madd(a.z, ta, b.z * tb),
+                                madd(a.w, ta, b.w * tb)));
+}

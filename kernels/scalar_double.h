@@ -1,0 +1,14 @@
+#pragma once
+#include <cmath>
+
+// Kernel text compiled for one double per lane.
+namespace strandcast::kernels::f64 {
+#define STRANDCAST_SCALAR double
+// clang-format off
+#include "kernels/lanes_scalar.inl"
+#include "kernels/rotation.h"
+#include "kernels/strand.h"
+#include "kernels/contact.h"
+#include "kernels/end_lanes.inl"
+// clang-format on
+}  // namespace strandcast::kernels::f64

@@ -1,0 +1,14 @@
+#pragma once
+#include <cmath>
+
+// Kernel text compiled for one float per lane.
+namespace strandcast::kernels::f32 {
+#define STRANDCAST_SCALAR float
+// clang-format off
+#include "kernels/lanes_scalar.inl"
+#include "kernels/rotation.h"
+#include "kernels/strand.h"
+#include "kernels/contact.h"
+#include "kernels/end_lanes.inl"
+// clang-format on
+}  // namespace strandcast::kernels::f32

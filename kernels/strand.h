@@ -1,0 +1,45 @@
+// Kernel text: see kernels/README.md. The course's strand scheme (Yuksel and Tariq 2010, "Advanced Techniques in
+// Real-time Hair Rendering and Simulation", chapter 3): Verlet prediction, angular forces towards the rest shape in
+// the parent's frame, distance constraints, in batches that share no vertex.
+
+// Position after `dt` of free motion. keep = exp(-drag dt) is the part of the velocity that the air leaves; what it
+// takes away it replaces by wind.
+FN real3 predictPosition(IN(real3) x, IN(real3) v, IN(real3) gravity, IN(real3) wind, IN(real) keep, IN(real) dt) {
+  real3 blown = madd(v, keep, wind * (lit(1) - keep));
+  return madd(madd(gravity, dt, blown), dt, x);
+}
+
+// Distance constraint between neighbours a and b with inverse masses wa, wb (relative, 0 pinned): |b - a| = rest.
+// Moves each by its share; does nothing where both are pinned or the two coincide.
+FN void solveDistance(INOUT(real3) a, INOUT(real3) b, IN(real) wa, IN(real) wb, IN(real) rest) {
+  real3 edge = b - a;
+  real l = length(edge);
+  real w = wa + wb;
+  mask idle = (l < lit(1e-12)) || (w < lit(1e-12));
+  real scale = select(idle, lit(0), (l - rest) / (select(idle, lit(1), l * w)));
+  a = madd(edge, scale * wa, a);
+  b = madd(edge, lit(0) - scale * wb, b);
+}
+
+// Angular constraint on the edge a-b: towards `target`, the rest edge (metres) as the frame of the edge before it, p-a,
+// holds it, by the fraction `strength` in [0, 1]. What turns a-b one way turns p-a the other way: a step down the
+// gradient of |target - (b - a)|^2 with the target turning with p-a. Without that reaction the constraint feeds energy
+// into curled hair at rest until it flutters. wp, wa, wb: inverse masses (relative, 0 pinned).
+FN void solveAngular(INOUT(real3) p, INOUT(real3) a, INOUT(real3) b, IN(real) wp, IN(real) wa, IN(real) wb,
+                     IN(real3) target, IN(real) strength) {
+  real3 delta = target - (b - a);
+  real3 parent = a - p;
+  real3 reaction = cross(parent, cross(target, delta));  // times 1 / |parent|^2
+  real l2 = dot(parent, parent);
+  real w = madd(wa + wb, l2, (wp + wa) * dot(target, target));
+  mask idle = w < lit(1e-24);
+  real turn = select(idle, lit(0), strength / select(idle, lit(1), w));
+  real move = turn * l2;
+  p = madd(reaction, lit(0) - turn * wp, p);
+  a = madd(madd(reaction, turn, delta * (lit(0) - move)), wa, a);
+  b = madd(delta, move * wb, b);
+}
+
+// The rotation that carries a frame along the strand from an edge of unit direction `from` to its neighbour of unit
+// direction `to` without twist (Bishop 1975). Frames along a strand are products of these from the root outwards.
+FN quat transportFrame(IN(real3) from, IN(real3) to) { return rotationBetween(from, to); }

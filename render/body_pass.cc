@@ -1,0 +1,104 @@
+#include "render/body_pass.h"
+
+#include <cmath>
+
+#include "render/shaders.h"
+
+namespace strandcast {
+namespace {
+
+struct Vertex {
+  float position[3], normal[3], head_weight;
+};
+
+bool drawable(const TriangleMesh& mesh, const std::array<uint32_t, 3>& triangle) {
+  for (uint32_t index : triangle)
+    if (index >= mesh.positions.size() || !mesh.positions[index].allFinite()) return false;
+  return true;
+}
+
+Eigen::Matrix4f matrix(const Pose& pose) {
+  Eigen::Matrix4f m = Eigen::Matrix4f::Identity();
+  m.topLeftCorner<3, 3>() = pose.rotation.normalized().toRotationMatrix();
+  m.block<3, 1>(0, 3) = pose.position;
+  return m;
+}
+
+}  // namespace
+
+BodyPass::BodyPass()
+    : background_("background", {{GL_VERTEX_SHADER, shaders::kBackgroundVert},
+                                 {GL_FRAGMENT_SHADER, shaders::kBackgroundFrag}}),
+      ground_("ground",
+              {{GL_VERTEX_SHADER, shaders::kGroundVert}, {GL_FRAGMENT_SHADER, shaders::kGroundFrag}}),
+      body_("body", {{GL_VERTEX_SHADER, shaders::kBodyVert}, {GL_FRAGMENT_SHADER, shaders::kBodyFrag}}),
+      depth_("body depth", {{GL_VERTEX_SHADER, shaders::kBodyVert, "#define DEPTH_ONLY\n"},
+                            {GL_FRAGMENT_SHADER, shaders::kHairFrontFrag}}) {
+  glCreateVertexArrays(1, &empty_vertices_);
+  glCreateVertexArrays(1, &mesh_);
+  const GLint sizes[] = {3, 3, 1};
+  const GLuint offsets[] = {offsetof(Vertex, position), offsetof(Vertex, normal),
+                            offsetof(Vertex, head_weight)};
+  for (GLuint i = 0; i < 3; ++i) {
+    glEnableVertexArrayAttrib(mesh_, i);
+    glVertexArrayAttribFormat(mesh_, i, sizes[i], GL_FLOAT, GL_FALSE, offsets[i]);
+    glVertexArrayAttribBinding(mesh_, i, 0);
+  }
+}
+
+BodyPass::~BodyPass() {
+  glDeleteVertexArrays(1, &mesh_);
+  glDeleteVertexArrays(1, &empty_vertices_);
+}
+
+void BodyPass::setBody(const BodyDescription& body) {
+  TriangleMesh mesh = body.mesh;
+  std::erase_if(mesh.triangles, [&](const auto& triangle) { return !drawable(mesh, triangle); });
+  if (mesh.normals.size() != mesh.positions.size()) computeNormals(mesh);
+  const bool weighted = body.head_weights.size() == mesh.positions.size();
+  std::vector<Vertex> vertices;
+  vertices.reserve(mesh.positions.size());
+  bounds_ = Box();
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3 &p = mesh.positions[i], &n = mesh.normals[i];
+    vertices.push_back(
+        {{p.x(), p.y(), p.z()}, {n.x(), n.y(), n.z()}, weighted ? body.head_weights[i] : 1.0f});
+  }
+  for (const auto& triangle : mesh.triangles)
+    for (uint32_t index : triangle) bounds_.extend(Eigen::Vector3f(mesh.positions[index]));
+  vertices_ = gl::Buffer(std::span<const Vertex>(vertices));
+  indices_ = gl::Buffer(std::span<const std::array<uint32_t, 3>>(mesh.triangles));
+  index_count_ = static_cast<GLsizei>(3 * mesh.triangles.size());
+  glVertexArrayVertexBuffer(mesh_, 0, vertices_.id(), 0, sizeof(Vertex));
+  glVertexArrayElementBuffer(mesh_, indices_.id());
+}
+
+void BodyPass::drawMesh(const gl::Program& program, const Pose& head) const {
+  if (index_count_ == 0) return;
+  program.set("head", matrix(head));
+  program.use();
+  glBindVertexArray(mesh_);
+  glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+  glBindVertexArray(0);
+}
+
+void BodyPass::drawDepth(const Pose& head) const { drawMesh(depth_, head); }
+void BodyPass::drawBody(const Pose& head) const { drawMesh(body_, head); }
+
+void BodyPass::drawBackground() const {
+  background_.use();
+  glBindVertexArray(empty_vertices_);
+  glDisable(GL_DEPTH_TEST);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glEnable(GL_DEPTH_TEST);
+  glBindVertexArray(0);
+}
+
+void BodyPass::drawGround() const {
+  ground_.use();
+  glBindVertexArray(empty_vertices_);
+  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  glBindVertexArray(0);
+}
+
+}  // namespace strandcast

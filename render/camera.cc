@@ -1,0 +1,45 @@
+#include "render/camera.h"
+
+#include <algorithm>
+
+namespace strandcast {
+
+Camera orbit(const Box& box, float azimuth, float elevation, float zoom) {
+  Camera camera;
+  const bool usable = !box.isEmpty() && box.min().allFinite() && box.max().allFinite();
+  Vec3 center = Vec3::Zero();
+  if (usable) center = box.center();
+  const float radius = usable ? std::max(0.5f * box.diagonal().norm(), 1e-3f) : 0.2f;
+  const float distance = radius / std::sin(0.5f * camera.vertical_fov) / std::max(zoom, 0.05f);
+  const Vec3 direction{std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                       std::cos(azimuth) * std::cos(elevation)};
+  camera.target = center;
+  camera.eye = Vec3(camera.target + distance * direction);
+  return camera;
+}
+
+Eigen::Matrix4f viewMatrix(const Vec3& eye, const Vec3& target) {
+  Vec3 back = eye - target;
+  back = back.norm() > 1e-9f ? Vec3(back.normalized()) : Vec3(Vec3::UnitZ());
+  const Vec3 up = std::abs(back.y()) > 0.999f ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::UnitY());
+  const Vec3 right = up.cross(back).normalized();
+  Eigen::Matrix4f view = Eigen::Matrix4f::Identity();
+  view.block<1, 3>(0, 0) = right.transpose();
+  view.block<1, 3>(1, 0) = back.cross(right).transpose();
+  view.block<1, 3>(2, 0) = back.transpose();
+  view.block<3, 1>(0, 3) = -view.block<3, 3>(0, 0) * eye;
+  return view;
+}
+
+Eigen::Matrix4f perspective(float vertical_fov, float aspect, float near_plane, float far_plane) {
+  const float focal = 1 / std::tan(0.5f * vertical_fov);
+  Eigen::Matrix4f projection = Eigen::Matrix4f::Zero();
+  projection(0, 0) = focal / aspect;
+  projection(1, 1) = focal;
+  projection(2, 2) = (far_plane + near_plane) / (near_plane - far_plane);
+  projection(2, 3) = 2 * far_plane * near_plane / (near_plane - far_plane);
+  projection(3, 2) = -1;
+  return projection;
+}
+
+}  // namespace strandcast

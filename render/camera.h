@@ -1,0 +1,23 @@
+#pragma once
+#include <Eigen/Core>
+
+#include "core/geometry.h"
+
+namespace strandcast {
+
+struct Camera {
+  Vec3 eye{0.35f, 0.1f, 0.9f};  ///< m
+  Vec3 target{0, -0.08f, 0};    ///< m
+  float vertical_fov = 0.6f;    ///< rad
+};
+
+/// Orbits `box`: azimuth 0 looks at the face (towards -Z), growing towards +X; elevation above the horizon;
+/// radians. At zoom 1 the box's bounding sphere fills the picture's height; larger is nearer.
+Camera orbit(const Box& box, float azimuth, float elevation, float zoom);
+
+/// World to eye space, the eye looking along -Z with Y up.
+Eigen::Matrix4f viewMatrix(const Vec3& eye, const Vec3& target);
+/// Eye to clip space, OpenGL depth -1 to 1.
+Eigen::Matrix4f perspective(float vertical_fov, float aspect, float near_plane, float far_plane);
+
+}  // namespace strandcast

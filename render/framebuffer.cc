@@ -1,0 +1,79 @@
+#include "render/framebuffer.h"
+
+#include <algorithm>
+#include <string>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+void requireComplete(GLuint framebuffer, const char* name) {
+  const GLenum status = glCheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE)
+    throw Error("the OpenGL device refuses a framebuffer",
+                std::string(name) + ", status " + std::to_string(status),
+                "try a smaller picture or fewer samples");
+}
+
+}  // namespace
+
+Texture::Texture(GLenum format, int width, int height, GLenum filter) {
+  glCreateTextures(GL_TEXTURE_2D, 1, &id_);
+  glTextureStorage2D(id_, 1, format, width, height);
+  glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(filter));
+  glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(filter));
+  glTextureParameteri(id_, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+  glTextureParameteri(id_, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+}
+
+Framebuffer::Framebuffer(const Texture* color, const Texture* depth) {
+  glCreateFramebuffers(1, &id_);
+  if (color != nullptr) glNamedFramebufferTexture(id_, GL_COLOR_ATTACHMENT0, color->id(), 0);
+  if (depth != nullptr) glNamedFramebufferTexture(id_, GL_DEPTH_ATTACHMENT, depth->id(), 0);
+  const GLenum target = color != nullptr ? GL_COLOR_ATTACHMENT0 : GL_NONE;
+  glNamedFramebufferDrawBuffer(id_, target);
+  glNamedFramebufferReadBuffer(id_, target);
+  requireComplete(id_, "off-screen target");
+}
+
+PictureBuffer::PictureBuffer(int width, int height, int samples) : width_(width), height_(height) {
+  GLint most = 1, largest = 0;
+  glGetIntegerv(GL_MAX_SAMPLES, &most);
+  glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+  if (width > largest || height > largest)
+    throw Error("a picture is too large for the OpenGL device",
+                std::to_string(width) + " x " + std::to_string(height),
+                "at most " + std::to_string(largest) + " pixels a side");
+  const int wanted = std::clamp(samples, 1, std::max(most, 1));
+  glCreateRenderbuffers(2, renderbuffers_);
+  glNamedRenderbufferStorageMultisample(renderbuffers_[0], wanted > 1 ? wanted : 0, GL_SRGB8_ALPHA8, width,
+                                        height);
+  GLint given = 0;
+  glGetNamedRenderbufferParameteriv(renderbuffers_[0], GL_RENDERBUFFER_SAMPLES, &given);
+  samples_ = std::max(given, 1);
+  glNamedRenderbufferStorageMultisample(renderbuffers_[1], given, GL_DEPTH_COMPONENT24, width, height);
+  glCreateFramebuffers(1, &drawing_);
+  glNamedFramebufferRenderbuffer(drawing_, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, renderbuffers_[0]);
+  glNamedFramebufferRenderbuffer(drawing_, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, renderbuffers_[1]);
+  requireComplete(drawing_, "multisampled picture");
+  picture_ = Texture(GL_SRGB8_ALPHA8, width, height, GL_LINEAR);
+  resolved_ = Framebuffer(&picture_, nullptr);
+}
+
+PictureBuffer::~PictureBuffer() {
+  glDeleteFramebuffers(1, &drawing_);
+  glDeleteRenderbuffers(2, renderbuffers_);
+}
+
+void PictureBuffer::bindForDrawing() const {
+  glBindFramebuffer(GL_FRAMEBUFFER, drawing_);
+  glViewport(0, 0, width_, height_);
+}
+
+void PictureBuffer::resolve() const {
+  glBlitNamedFramebuffer(drawing_, resolved_.id(), 0, 0, width_, height_, 0, 0, width_, height_,
+                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+}  // namespace strandcast

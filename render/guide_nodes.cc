@@ -1,0 +1,99 @@
+#include "render/guide_nodes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "render/hair_growth.h"
+#include "render/scene_block.h"
+#include "render/shaders.h"
+
+namespace strandcast {
+namespace {
+
+constexpr unsigned kGroupSize = 32;  // as in guide_nodes.comp
+
+/// Rest arc length from the root as a part of the whole, per vertex; by index when there is no length.
+void appendKnots(std::span<const Vec3> points, std::vector<float>& knots) {
+  const float length = arcLength(points);
+  const bool measurable = std::isfinite(length) && length > 0;
+  float run = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (i > 0) run += measurable ? (points[i] - points[i - 1]).norm() / length : 1.0f / (points.size() - 1);
+    knots.push_back(i + 1 == points.size() ? 1.0f : std::min(run, 1.0f));
+  }
+  if (!points.empty()) knots[knots.size() - points.size()] = 0;
+}
+
+}  // namespace
+
+GuideNodes::GuideNodes(int segments)
+    : segments_(segments), program_("guide nodes", {{GL_COMPUTE_SHADER, shaders::kGuideNodesComp}}) {
+  setGroom({});
+}
+
+void GuideNodes::setGroom(const StrandSet& guides) {
+  std::vector<Guide> described(guides.strands());
+  std::vector<float> knots;
+  knots.reserve(guides.vertices());
+  for (size_t g = 0; g < guides.strands(); ++g) {
+    const auto points = guides.strand(g);
+    appendKnots(points, knots);
+    const Vec3 normal = rootFrame(points).normal;
+    described[g] = {guides.offsets[g],
+                    static_cast<uint32_t>(points.size()),
+                    0,
+                    0,
+                    {normal.x(), normal.y(), normal.z(), 0}};
+  }
+  const size_t node_bytes = guides.strands() * (segments_ + 1) * 3 * sizeof(float[4]);
+  GLint64 largest = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
+  if (node_bytes > static_cast<size_t>(largest))
+    throw Error("a groom is too large for the OpenGL device",
+                std::to_string(guides.strands()) + " guides need a buffer of " + std::to_string(node_bytes) +
+                    " bytes, the device allows " + std::to_string(largest),
+                "publish fewer guides or render with fewer segments");
+  guides_ = std::move(described);
+  vertices_ = guides.vertices();
+  position_buffer_ = gl::Buffer(vertices_ * sizeof(Vec3), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  knot_buffer_ = gl::Buffer(std::span<const float>(knots));
+  guide_buffer_ = gl::Buffer(std::span<const Guide>(guides_));
+  node_buffer_ = gl::Buffer(node_bytes, nullptr, 0);
+}
+
+size_t GuideNodes::update(std::span<const Vec3> positions, const Pose& head) {
+  if (guides_.empty() || positions.size() != vertices_) return 0;
+  size_t unusable = 0;
+  for (Guide& guide : guides_) {
+    const auto points = positions.subspan(guide.first, guide.count);
+    guide.usable = guide.count >= 2 && std::all_of(points.begin(), points.end(), [](const Vec3& p) {
+                     return p.cwiseAbs().maxCoeff() < 1e6f && p.allFinite();
+                   });
+    unusable += guide.usable == 0;
+  }
+  position_buffer_.write(positions);
+  guide_buffer_.write(std::span<const Guide>(guides_));
+  bind();
+  Eigen::Matrix4f rotation = Eigen::Matrix4f::Identity();
+  const Quat turn = head.rotation.coeffs().allFinite() && head.rotation.norm() > 1e-6f
+                        ? head.rotation.normalized()
+                        : Quat::Identity();
+  rotation.topLeftCorner<3, 3>() = turn.toRotationMatrix();
+  program_.set("head_rotation", rotation);
+  program_.set("guide_count", static_cast<unsigned>(guides_.size()));
+  program_.set("segments", static_cast<unsigned>(segments_));
+  program_.use();
+  glDispatchCompute((static_cast<unsigned>(guides_.size()) + kGroupSize - 1) / kGroupSize, 1, 1);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  return unusable;
+}
+
+void GuideNodes::bind() const {
+  position_buffer_.bindStorage(binding::kGuidePositions);
+  knot_buffer_.bindStorage(binding::kGuideKnots);
+  guide_buffer_.bindStorage(binding::kGuides);
+  node_buffer_.bindStorage(binding::kNodes);
+}
+
+}  // namespace strandcast

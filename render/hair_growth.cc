@@ -1,0 +1,178 @@
+#include "render/hair_growth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "render/root_triangles.h"
+
+namespace strandcast {
+namespace {
+
+/// SplitMix64 (Steele et al. 2014): a stream of bits from any seed.
+class RandomStream {
+ public:
+  explicit RandomStream(uint64_t seed) : state_(seed) {}
+  float uniform() {  ///< [0, 1)
+    state_ += 0x9e3779b97f4a7c15u;
+    uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    z ^= z >> 31;
+    return static_cast<float>(z >> 40) * 0x1p-24f;
+  }
+  float between(float low, float high) { return low + (high - low) * uniform(); }
+
+ private:
+  uint64_t state_;
+};
+
+std::vector<uint8_t> usableGuides(const StrandSet& guides) {
+  std::vector<uint8_t> usable(guides.strands(), 0);
+  for (size_t g = 0; g < guides.strands(); ++g) {
+    const auto points = guides.strand(g);
+    if (points.size() < 2) continue;
+    const bool finite =
+        std::all_of(points.begin(), points.end(), [](const Vec3& p) { return p.allFinite(); });
+    const float length = finite ? arcLength(points) : 0;
+    usable[g] = std::isfinite(length) && length > 0;
+  }
+  return usable;
+}
+
+/// A place to grow hair: between three guides, or around one where none fit together.
+struct Plot {
+  RootTriangle triangle;
+  bool lone;
+};
+
+std::vector<Plot> plots(const StrandSet& guides, float clump_radius) {
+  const std::vector<uint8_t> usable = usableGuides(guides);
+  std::vector<uint8_t> covered(guides.strands(), 0);
+  std::vector<Plot> found;
+  for (const RootTriangle& triangle : rootTriangles(guides, usable)) {
+    for (uint32_t g : triangle.guides) covered[g] = 1;
+    found.push_back({triangle, false});
+  }
+  // Three times the disc, as inner triangles are there three times too.
+  const float disc = 3 * std::numbers::pi_v<float> * clump_radius * clump_radius;
+  for (uint32_t g = 0; g < guides.strands(); ++g)
+    if (usable[g] != 0 && covered[g] == 0)
+      found.push_back({{{g, g, g}, std::max(disc, 1e-12f), false}, true});
+  return found;
+}
+
+void placeBetween(Hair& hair, const RootTriangle& triangle, RandomStream& random) {
+  const float s = std::sqrt(random.uniform()), t = random.uniform();
+  float weights[3] = {1 - s, s * (1 - t), s * t};
+  const int nearest = static_cast<int>(std::max_element(weights, weights + 3) - weights);
+  for (int k = 0; k < 3; ++k) {
+    hair.guides[k] = triangle.guides[(nearest + k) % 3];
+    hair.weights[k] = weights[(nearest + k) % 3];
+  }
+}
+
+void placeAround(Hair& hair, uint32_t guide) {
+  for (uint32_t& g : hair.guides) g = guide;
+  hair.weights[0] = 1;
+  hair.weights[1] = hair.weights[2] = 0;
+  hair.clump = 0;
+}
+
+void setOffset(Hair& hair, float radius, RandomStream& random) {
+  const float r = radius * std::sqrt(random.uniform());
+  const float angle = random.between(0, 2 * std::numbers::pi_v<float>);
+  hair.offset[0] = r * std::cos(angle);
+  hair.offset[1] = r * std::sin(angle);
+}
+
+/// Where guides part: the hair keeps its root, seen from the nearest guide's frame, and follows that guide
+/// alone. What lies along the guide is left out, as it would only slide the hair along itself.
+void placeBeside(Hair& hair, const StrandSet& guides) {
+  Vec3 root = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) root += hair.weights[k] * guides.strand(hair.guides[k]).front();
+  const auto points = guides.strand(hair.guides[0]);
+  const RootFrame frame = rootFrame(points);
+  const Vec3 from_guide = root - points.front();
+  placeAround(hair, hair.guides[0]);
+  hair.offset[0] += from_guide.dot(frame.normal);
+  hair.offset[1] += from_guide.dot(frame.binormal);
+}
+
+/// The same for all hairs that close in on a guide, so that locks differ.
+float lockShade(uint32_t guide, uint64_t seed) {
+  return RandomStream(seed ^ (guide * 0x2545f4914f6cdd1du)).between(-1, 1);
+}
+
+Hair growOne(const Plot& plot, const StrandSet& guides, const HairGrowth& growth, RandomStream& random) {
+  Hair hair{};
+  placeBetween(hair, plot.triangle, random);
+  const float clump = random.uniform();
+  hair.clump = 0.75f * clump * (2 - clump);
+  const bool single = plot.lone || random.uniform() < growth.single_strand_part;
+  if (single) placeAround(hair, hair.guides[0]);
+  setOffset(hair, single ? growth.clump_radius : 0.25f * growth.clump_radius, random);
+  if (plot.triangle.parted && !single) placeBeside(hair, guides);
+  const float shortness = random.uniform();
+  hair.extent = 1 - 0.22f * shortness * shortness;
+  hair.width = random.between(0.75f, 1.25f);
+  // Most hairs waver a little; a few stray well out of their lock.
+  const bool strays = random.uniform() < 0.05f;
+  hair.stray = growth.clump_radius * (strays ? random.between(0.5f, 2.5f) : random.between(0.0f, 0.25f));
+  hair.phase = random.between(0, 2 * std::numbers::pi_v<float>);
+  hair.shade = 0.65f * random.between(-1, 1) + 0.35f * lockShade(hair.guides[0], growth.seed);
+  hair.warmth = random.between(-1, 1);
+  return hair;
+}
+
+float reachKey(const Hair& hair) { return hair.width / std::max(1 - hair.dither, 1e-7f); }
+
+}  // namespace
+
+RootFrame rootFrame(std::span<const Vec3> points) {
+  Vec3 tangent = points.size() > 1 ? Vec3(points[1] - points[0]) : Vec3(Vec3::UnitY());
+  if (!tangent.allFinite() || tangent.norm() < 1e-9f) tangent = Vec3::UnitY();
+  tangent.normalize();
+  const Vec3 normal = tangent.unitOrthogonal();
+  return {normal, tangent.cross(normal)};
+}
+
+std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth) {
+  std::vector<Hair> hairs;
+  const std::vector<Plot> ground = plots(guides, growth.clump_radius);
+  if (ground.empty()) return hairs;
+  std::vector<double> area_up_to;
+  double mean = 0;
+  for (const Plot& plot : ground) mean += plot.triangle.area / static_cast<double>(ground.size());
+  // Half by area, which keeps the scalp evenly covered; half by guide, as a lock that springs from one spot
+  // (a ponytail) has many guides on little area.
+  double area = 0;
+  for (const Plot& plot : ground) area_up_to.push_back(area += 0.5 * (plot.triangle.area + mean));
+
+  RandomStream random(growth.seed);
+  const double golden = std::numbers::phi - 1;
+  const double dither_start = random.uniform();
+  hairs.reserve(growth.hairs);
+  for (size_t i = 0; i < growth.hairs; ++i) {
+    // Stratified over the area; the golden ratio spreads the dither evenly among hairs that stand together.
+    const double at = area * (static_cast<double>(i) + random.uniform()) / static_cast<double>(growth.hairs);
+    const size_t plot = std::upper_bound(area_up_to.begin(), area_up_to.end(), at) - area_up_to.begin();
+    hairs.push_back(growOne(ground[std::min(plot, ground.size() - 1)], guides, growth, random));
+    const double turns = dither_start + golden * static_cast<double>(i);
+    hairs.back().dither = std::min(static_cast<float>(turns - std::floor(turns)), 1 - 0x1p-24f);
+  }
+  std::stable_sort(hairs.begin(), hairs.end(),
+                   [](const Hair& a, const Hair& b) { return reachKey(a) > reachKey(b); });
+  return hairs;
+}
+
+size_t hairsReaching(const std::vector<Hair>& hairs, float coverage, int samples) {
+  if (!(coverage > 0)) return 0;
+  // A little below 1, so that rounding in the shader never asks for a hair that was left out.
+  const float least = 0.999f / (coverage * static_cast<float>(samples));
+  const auto end = std::partition_point(hairs.begin(), hairs.end(),
+                                        [&](const Hair& hair) { return reachKey(hair) >= least; });
+  return static_cast<size_t>(end - hairs.begin());
+}
+
+}  // namespace strandcast

@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+
+#include "core/geometry.h"
+
+namespace strandcast {
+
+/// Colours are linear, 0 to 1. Values out of range are clipped to it.
+struct RenderSettings {
+  int width = 1280, height = 720;  ///< 16 to 16384 pixels
+  int samples = 4;                 ///< multisampling, 1 to 8, as far as the device goes
+  int hairs = 40000;               ///< grown from the guides, 0 to 4,000,000
+  int segments = 32;               ///< per hair, 1 to 64
+  float clump_radius = 0.004f;     ///< m, spread of single-strand interpolation
+  float hair_width = 120e-6f;  ///< m, drawn width, more than a hair's as 40,000 stand for 100,000; narrower
+                               ///< than a pixel it covers that part of the pixel
+  Vec3 hair_color{0.30f, 0.17f, 0.08f};  ///< of light scattered once around in the hair
+  Vec3 body_color{0.62f, 0.42f, 0.33f};
+  Vec3 background{0.30f, 0.33f, 0.38f};
+  Vec3 light_direction{-0.45f, -0.75f, -0.5f};  ///< the way the light travels
+  bool shadows = true;
+  uint64_t seed = 1;
+};
+
+/// `settings` with every value in its range and not-finite ones replaced by the defaults.
+RenderSettings clipped(const RenderSettings& settings);
+
+}  // namespace strandcast

@@ -1,0 +1,242 @@
+#include "render/renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/error.h"
+#include "render/body_pass.h"
+#include "render/framebuffer.h"
+#include "render/hair_pass.h"
+#include "render/shadow_map.h"
+
+namespace strandcast {
+namespace {
+
+constexpr float kMaxCoordinate = 1e3f;  // m; a guide farther out does not widen the shadow map
+
+Box boundsOf(std::span<const Vec3> positions) {
+  Box box;
+  for (const Vec3& p : positions)
+    if (p.allFinite() && p.cwiseAbs().maxCoeff() < kMaxCoordinate) box.extend(Eigen::Vector3f(p));
+  return box;
+}
+
+Box moved(const Box& box, const Pose& pose) {
+  Box result;
+  if (box.isEmpty()) return result;
+  for (int corner = 0; corner < 8; ++corner)
+    result.extend(Eigen::Vector3f(pose.apply(box.corner(static_cast<Box::CornerType>(corner)))));
+  return result;
+}
+
+/// Time stamps of the device between passes.
+class PassClock {
+ public:
+  static constexpr int kStamps = 6;
+  PassClock() { glCreateQueries(GL_TIMESTAMP, kStamps, queries_.data()); }
+  ~PassClock() { glDeleteQueries(kStamps, queries_.data()); }
+  PassClock(const PassClock&) = delete;
+  PassClock& operator=(const PassClock&) = delete;
+  void stamp(int i) { glQueryCounter(queries_[i], GL_TIMESTAMP); }
+  double milliseconds(int from) const {
+    GLuint64 begin = 0, end = 0;
+    glGetQueryObjectui64v(queries_[from], GL_QUERY_RESULT, &begin);
+    glGetQueryObjectui64v(queries_[from + 1], GL_QUERY_RESULT, &end);
+    return end > begin ? 1e-6 * static_cast<double>(end - begin) : 0;
+  }
+
+ private:
+  std::array<GLuint, kStamps> queries_{};
+};
+
+void requireTessellation() {
+  GLint blocks = 0;
+  glGetIntegerv(GL_MAX_TESS_EVALUATION_SHADER_STORAGE_BLOCKS, &blocks);
+  if (blocks < 2)
+    throw Error("the OpenGL device cannot grow hair", "tessellation shaders read no storage buffers",
+                "use another driver, e.g. LIBGL_ALWAYS_SOFTWARE=1");
+}
+
+void setPassState() {
+  for (GLenum off : {GL_BLEND, GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_SAMPLE_ALPHA_TO_COVERAGE})
+    glDisable(off);
+  for (GLenum on : {GL_DEPTH_TEST, GL_MULTISAMPLE, GL_FRAMEBUFFER_SRGB}) glEnable(on);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_TRUE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  explicit Impl(const RenderSettings& wanted)
+      : settings(clipped(wanted)),
+        picture(settings.width, settings.height, settings.samples),
+        nodes(settings.segments),
+        scene_buffer(sizeof(SceneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT) {
+    GLfloat range[2] = {1, 1};
+    glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range);
+    widest_line = std::max(range[1], 1.0f);
+  }
+
+  Box content() const {
+    Box box = boundsOf(guides);
+    box.extend(moved(body.bounds(), head));
+    box.extend(body.bounds());  // a part of it stays
+    return box;
+  }
+
+  /// Pixels across a hair of width 1 where the hair is nearest to the eye.
+  float widestHair(const SceneBlock& block, const Box& box) const {
+    const float distance = box.isEmpty() ? 1 : box.exteriorDistance(block.eye.head<3>());
+    return block.hair_color.w() * block.eye.w() / std::max(distance, 0.02f);
+  }
+
+  void placeGround(SceneBlock& block) const {
+    const Box& base = body.bounds().isEmpty() ? rest_bounds : body.bounds();
+    if (base.isEmpty()) {
+      block.ground = {0, -0.5f, 0, 2};
+      return;
+    }
+    const float drop = body.bounds().isEmpty() ? 0.05f : 0.0f;
+    block.ground << base.center().x(), base.min().y() - drop, base.center().z(),
+        std::max(4 * base.diagonal().norm(), 0.1f);
+  }
+
+  void drawShadows(const SceneBlock& block) {
+    shadows.beginSolids();
+    body.drawDepth(head);
+    shadows.beginHairFront();
+    hair.drawFront(nodes);
+    shadows.beginHairOpacity();
+    hair.drawOpacity(nodes, block, ShadowMap::kOpacitySize);
+    shadows.end();
+  }
+
+  void accept(const GuideFrame& frame) {
+    const bool fits = frame.positions.size() == nodes.vertices() && frame.head.position.allFinite() &&
+                      frame.head.rotation.coeffs().allFinite() && frame.head.rotation.norm() > 1e-6f;
+    if (!fits) {
+      ++statistics.frames_ignored;
+      return;
+    }
+    guides = frame.positions;
+    head = frame.head;
+  }
+
+  void draw(const Camera& camera) {
+    SceneBlock block = makeSceneBlock(settings, camera);
+    ShadowMap::fit(block, content());
+    placeGround(block);
+    const float widest = widestHair(block, boundsOf(guides));
+    block.sampling.x() = static_cast<float>(picture.samples());
+    block.sampling.y() = std::clamp(1.25f * widest, 1.0f, widest_line);
+    scene_buffer.write(std::span<const SceneBlock>(&block, 1));
+    glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_buffer.id());
+
+    setPassState();
+    clock.stamp(0);
+    statistics.guides_unusable = nodes.update(guides, head);
+    clock.stamp(1);
+    if (settings.shadows) drawShadows(block);
+    clock.stamp(2);
+    picture.bindForDrawing();
+    glClear(GL_DEPTH_BUFFER_BIT);
+    shadows.bindTextures();
+    body.drawBackground();
+    body.drawBody(head);
+    body.drawGround();
+    clock.stamp(3);
+    statistics.hairs_drawn = hair.drawColor(nodes, block, widest / block.sampling.y());
+    clock.stamp(4);
+    picture.resolve();
+    clock.stamp(5);
+    glDisable(GL_FRAMEBUFFER_SRGB);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glUseProgram(0);
+    ++statistics.frames_drawn;
+  }
+
+  RenderSettings settings;
+  PictureBuffer picture;
+  ShadowMap shadows;
+  GuideNodes nodes;
+  HairPass hair;
+  BodyPass body;
+  PassClock clock;
+  gl::Buffer scene_buffer;
+  float widest_line = 1;
+  std::vector<Vec3> guides;  // of the newest frame that fitted
+  Pose head;
+  Box rest_bounds;
+  RenderStatistics statistics;
+};
+
+Renderer::Renderer(const RenderSettings& settings) {
+  requireTessellation();
+  impl_ = std::make_unique<Impl>(settings);
+}
+
+Renderer::~Renderer() = default;
+
+void Renderer::setGroom(const GroomDescription& groom) {
+  const StrandSet& guides = groom.guides;
+  if (guides.offsets.empty() || guides.offsets.back() != guides.positions.size())
+    throw Error("a groom is damaged", groom.name, "its strands and its vertices do not fit together");
+  impl_->nodes.setGroom(guides);
+  HairGrowth growth;
+  growth.hairs = static_cast<size_t>(impl_->settings.hairs);
+  growth.clump_radius = impl_->settings.clump_radius;
+  growth.seed = impl_->settings.seed;
+  impl_->hair.setHairs(growHairs(guides, growth));
+  impl_->guides = guides.positions;
+  impl_->head = Pose{};
+  impl_->rest_bounds = boundsOf(guides.positions);
+  impl_->statistics.guides = guides.strands();
+  impl_->statistics.hairs_grown = impl_->hair.hairs().size();
+}
+
+void Renderer::setBody(const BodyDescription& body) { impl_->body.setBody(body); }
+
+void Renderer::draw(const GuideFrame& frame, const Camera& camera) {
+  impl_->accept(frame);
+  impl_->draw(camera);
+}
+
+Image Renderer::read() {
+  Image image;
+  image.width = impl_->settings.width;
+  image.height = impl_->settings.height;
+  const size_t row = static_cast<size_t>(image.width) * 3;
+  std::vector<uint8_t> bottom_up(row * image.height);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glGetTextureImage(impl_->picture.resolvedTexture(), 0, GL_RGB, GL_UNSIGNED_BYTE,
+                    static_cast<GLsizei>(bottom_up.size()), bottom_up.data());
+  image.rgb.reserve(bottom_up.size());
+  for (int y = image.height - 1; y >= 0; --y)
+    image.rgb.insert(image.rgb.end(), bottom_up.begin() + row * y, bottom_up.begin() + row * (y + 1));
+  return image;
+}
+
+void Renderer::present(int window_width, int window_height) {
+  if (window_width <= 0 || window_height <= 0) return;
+  glDisable(GL_FRAMEBUFFER_SRGB);  // the picture is stored as it is shown
+  glBlitNamedFramebuffer(impl_->picture.resolvedFramebuffer(), 0, 0, 0, impl_->settings.width,
+                         impl_->settings.height, 0, 0, window_width, window_height, GL_COLOR_BUFFER_BIT,
+                         GL_LINEAR);
+}
+
+RenderStatistics Renderer::statistics() const {
+  RenderStatistics statistics = impl_->statistics;
+  if (statistics.frames_drawn == 0) return statistics;
+  statistics.guides_ms = impl_->clock.milliseconds(0);
+  statistics.shadow_ms = impl_->clock.milliseconds(1);
+  statistics.body_ms = impl_->clock.milliseconds(2);
+  statistics.hair_ms = impl_->clock.milliseconds(3);
+  statistics.resolve_ms = impl_->clock.milliseconds(4);
+  return statistics;
+}
+
+}  // namespace strandcast

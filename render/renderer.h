@@ -1,0 +1,50 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "render/camera.h"
+#include "render/image.h"
+#include "render/render_settings.h"
+#include "transport/messages.h"
+
+namespace strandcast {
+
+/// What the renderer did, since it was made unless said.
+struct RenderStatistics {
+  uint64_t frames_drawn = 0;
+  uint64_t frames_ignored =
+      0;              ///< frames that did not fit the groom; the guides of the frame before were drawn
+  size_t guides = 0;  ///< of the groom
+  size_t guides_unusable = 0;  ///< of the newest frame: not finite, so hairs that follow them are left out
+  size_t hairs_grown = 0;      ///< of the groom
+  size_t hairs_drawn = 0;      ///< in the newest picture: others stand for hairs too thin to reach a sample
+  double guides_ms = 0, shadow_ms = 0, body_ms = 0, hair_ms = 0,
+         resolve_ms = 0;  ///< newest picture, the device's clock
+};
+
+/// Grows hair from guides and draws it over the body, with a ground, one light and its shadow map. Needs a
+/// current OpenGL 4.5 context for its whole life. Work in linear light, tone mapped by 1 - exp(-x), stored as
+/// sRGB.
+class Renderer {
+ public:
+  explicit Renderer(const RenderSettings& settings);  ///< throws Error when a shader does not build
+  ~Renderer();
+  /// Chooses which guides each hair follows. Call again when the groom changes. An empty groom draws no hair.
+  void setGroom(const GroomDescription& groom);
+  /// A mesh without triangles draws no body.
+  void setBody(const BodyDescription& body);
+  /// Draws into the renderer's own framebuffer. Leaves the default framebuffer bound.
+  void draw(const GuideFrame& frame, const Camera& camera);
+  /// Copies the last picture out.
+  Image read();
+  /// Copies the last picture to the default framebuffer of a window, stretched to its size.
+  void present(int window_width, int window_height);
+  /// Waits for the newest picture.
+  RenderStatistics statistics() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace strandcast

@@ -1,0 +1,167 @@
+#include "render/root_triangles.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace strandcast {
+namespace {
+
+constexpr size_t kNeighbors = 8;
+constexpr float kMaxGap = 2.1f;    // rad between neighbours of one triangle
+constexpr float kMaxEdge = 3.5f;   // in median spacings
+constexpr float kMinAlike = 0.5f;  // cosine between directions of guides that are mixed
+constexpr float kMaxLengthRatio = 3;
+
+/// Nearest neighbours among points, by a k-d tree laid out as a balanced ordering of indices.
+class PointTree {
+ public:
+  PointTree(const std::vector<Vec3>& points, std::vector<uint32_t> members)
+      : points_(points), order_(std::move(members)) {
+    build(0, order_.size(), 0);
+  }
+
+  /// Up to `count` members nearest to point `center`, itself left out, nearest first.
+  std::vector<uint32_t> nearest(uint32_t center, size_t count) const {
+    std::vector<std::pair<float, uint32_t>> heap;
+    search(0, order_.size(), 0, center, count, heap);
+    std::sort_heap(heap.begin(), heap.end());
+    std::vector<uint32_t> found;
+    for (const auto& entry : heap) found.push_back(entry.second);
+    return found;
+  }
+
+ private:
+  void build(size_t first, size_t last, int axis) {
+    if (last - first < 2) return;
+    const size_t middle = (first + last) / 2;
+    // Ties by index, so that the tree is the same everywhere.
+    std::nth_element(
+        order_.begin() + first, order_.begin() + middle, order_.begin() + last, [&](uint32_t a, uint32_t b) {
+          return points_[a][axis] != points_[b][axis] ? points_[a][axis] < points_[b][axis] : a < b;
+        });
+    build(first, middle, (axis + 1) % 3);
+    build(middle + 1, last, (axis + 1) % 3);
+  }
+
+  void search(size_t first, size_t last, int axis, uint32_t center, size_t count,
+              std::vector<std::pair<float, uint32_t>>& heap) const {
+    if (first >= last) return;
+    const size_t middle = (first + last) / 2;
+    const uint32_t here = order_[middle];
+    if (here != center) {
+      heap.emplace_back((points_[here] - points_[center]).squaredNorm(), here);
+      std::push_heap(heap.begin(), heap.end());
+      if (heap.size() > count) {
+        std::pop_heap(heap.begin(), heap.end());
+        heap.pop_back();
+      }
+    }
+    const float offset = points_[center][axis] - points_[here][axis];
+    const int next = (axis + 1) % 3;
+    const auto near_side = offset < 0 ? std::pair{first, middle} : std::pair{middle + 1, last};
+    const auto far_side = offset < 0 ? std::pair{middle + 1, last} : std::pair{first, middle};
+    search(near_side.first, near_side.second, next, center, count, heap);
+    if (heap.size() < count || offset * offset < heap.front().first)
+      search(far_side.first, far_side.second, next, center, count, heap);
+  }
+
+  const std::vector<Vec3>& points_;
+  std::vector<uint32_t> order_;
+};
+
+struct GuideShape {
+  Vec3 start, whole;  ///< unit, from the root to a quarter of the vertices and to the tip
+  float length;
+};
+
+GuideShape shapeOf(std::span<const Vec3> points) {
+  const Vec3 start = points[std::max<size_t>(1, points.size() / 4)] - points.front();
+  const Vec3 whole = points.back() - points.front();
+  return {start.normalized(), whole.normalized(), arcLength(points)};
+}
+
+bool alike(const GuideShape& a, const GuideShape& b) {
+  return a.start.dot(b.start) > kMinAlike && a.whole.dot(b.whole) > kMinAlike &&
+         a.length < kMaxLengthRatio * b.length && b.length < kMaxLengthRatio * a.length;
+}
+
+/// Sorts neighbours by their angle around `center` in the plane that fits them best.
+void sortByAngle(const std::vector<Vec3>& roots, uint32_t center, std::vector<uint32_t>& neighbors,
+                 std::vector<float>& angles) {
+  Eigen::Matrix3f spread = Eigen::Matrix3f::Zero();
+  for (uint32_t n : neighbors) {
+    const Eigen::Vector3f d = roots[n] - roots[center];
+    spread += d * d.transpose() / std::max(d.squaredNorm(), 1e-20f);
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes;
+  axes.computeDirect(spread);
+  const Eigen::Vector3f x = axes.eigenvectors().col(2), y = axes.eigenvectors().col(1);
+  std::vector<std::pair<float, uint32_t>> sorted;
+  for (uint32_t n : neighbors) {
+    const Eigen::Vector3f d = roots[n] - roots[center];
+    sorted.emplace_back(std::atan2(d.dot(y), d.dot(x)), n);
+  }
+  std::sort(sorted.begin(), sorted.end());
+  neighbors.clear();
+  angles.clear();
+  for (const auto& [angle, n] : sorted) {
+    neighbors.push_back(n);
+    angles.push_back(angle);
+  }
+}
+
+float triangleArea(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5f * (b - a).cross(c - a).norm(); }
+
+}  // namespace
+
+std::vector<RootTriangle> rootTriangles(const StrandSet& guides, const std::vector<uint8_t>& usable) {
+  std::vector<Vec3> roots(guides.strands(), Vec3::Zero());
+  std::vector<GuideShape> shapes(guides.strands());
+  std::vector<uint32_t> members;
+  for (uint32_t g = 0; g < guides.strands(); ++g) {
+    if (usable[g] == 0) continue;
+    roots[g] = guides.strand(g).front();
+    shapes[g] = shapeOf(guides.strand(g));
+    members.push_back(g);
+  }
+  std::vector<RootTriangle> triangles;
+  if (members.size() < 3) return triangles;
+  const PointTree tree(roots, members);
+  std::vector<std::vector<uint32_t>> neighbors;
+  std::vector<float> spacing;
+  for (uint32_t g : members) {
+    neighbors.push_back(tree.nearest(g, kNeighbors));
+    spacing.push_back(
+        (roots[neighbors.back()[std::min<size_t>(2, neighbors.back().size() - 1)]] - roots[g]).norm());
+  }
+  std::vector<float> ordered = spacing;
+  std::nth_element(ordered.begin(), ordered.begin() + ordered.size() / 2, ordered.end());
+  const float longest = kMaxEdge * ordered[ordered.size() / 2];
+
+  std::vector<float> angles;
+  for (size_t m = 0; m < members.size(); ++m) {
+    const uint32_t g = members[m];
+    std::vector<uint32_t>& around = neighbors[m];
+    sortByAngle(roots, g, around, angles);
+    for (size_t i = 0; i < around.size(); ++i) {
+      const size_t j = (i + 1) % around.size();
+      const uint32_t a = around[i], b = around[j];
+      float gap = angles[j] - angles[i];
+      if (gap <= 0) gap += 2 * std::numbers::pi_v<float>;
+      if (a == b || gap > kMaxGap) continue;
+      const bool parted =
+          !alike(shapes[g], shapes[a]) || !alike(shapes[g], shapes[b]) || !alike(shapes[a], shapes[b]);
+      const float edge = std::max(
+          {(roots[a] - roots[g]).norm(), (roots[b] - roots[g]).norm(), (roots[a] - roots[b]).norm()});
+      const float area = triangleArea(roots[g], roots[a], roots[b]);
+      if (edge > longest || !(area > 1e-6f * edge * edge)) continue;
+      triangles.push_back({{g, a, b}, area, parted});
+    }
+  }
+  return triangles;
+}
+
+}  // namespace strandcast

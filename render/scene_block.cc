@@ -1,0 +1,62 @@
+#include "render/scene_block.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strandcast {
+namespace {
+
+constexpr float kNear = 0.02f, kFar = 50;  // m
+
+float inRange(float value, float low, float high, float fallback) {
+  return std::isfinite(value) ? std::clamp(value, low, high) : fallback;
+}
+
+Vec3 color(const Vec3& value, const Vec3& fallback) {
+  return value.allFinite() ? Vec3(value.cwiseMax(0.0f).cwiseMin(1.0f)) : fallback;
+}
+
+Eigen::Vector4f withW(const Vec3& v, float w) { return {v.x(), v.y(), v.z(), w}; }
+
+}  // namespace
+
+RenderSettings clipped(const RenderSettings& settings) {
+  const RenderSettings fallback;
+  RenderSettings s = settings;
+  s.width = std::clamp(s.width, 16, 16384);
+  s.height = std::clamp(s.height, 16, 16384);
+  s.samples = std::clamp(s.samples, 1, 8);
+  s.hairs = std::clamp(s.hairs, 0, 4000000);
+  s.segments = std::clamp(s.segments, 1, 64);
+  s.clump_radius = inRange(s.clump_radius, 0, 1, fallback.clump_radius);
+  s.hair_width = inRange(s.hair_width, 1e-7f, 0.1f, fallback.hair_width);
+  s.hair_color = color(s.hair_color, fallback.hair_color);
+  s.body_color = color(s.body_color, fallback.body_color);
+  s.background = color(s.background, fallback.background);
+  const float length = s.light_direction.norm();
+  const bool directed = std::isfinite(length) && length > 1e-6f;
+  s.light_direction =
+      directed ? Vec3(s.light_direction / length) : Vec3(fallback.light_direction.normalized());
+  return s;
+}
+
+SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& camera) {
+  const float fov = inRange(camera.vertical_fov, 0.01f, 3.0f, 0.6f);
+  const Vec3 eye = camera.eye.allFinite() ? camera.eye : Vec3(0, 0, 1);
+  const Vec3 target = camera.target.allFinite() ? camera.target : Vec3(0, 0, 0);
+  const float height = static_cast<float>(settings.height),
+              aspect = static_cast<float>(settings.width) / height;
+  SceneBlock block{};
+  block.view_projection = perspective(fov, aspect, kNear, kFar) * viewMatrix(eye, target);
+  block.light_view_projection = Eigen::Matrix4f::Identity();
+  block.eye = withW(eye, height / (2 * std::tan(0.5f * fov)));
+  block.light = withW(-settings.light_direction, 1);
+  block.hair_color = withW(settings.hair_color, settings.hair_width);
+  block.body_color = withW(settings.body_color, static_cast<float>(settings.width));
+  block.background = withW(settings.background, height);
+  block.ground = {0, 0, 0, 1};
+  block.sampling = {1, 1, 1, settings.shadows ? 1.0f : 0.0f};
+  return block;
+}
+
+}  // namespace strandcast

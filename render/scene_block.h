@@ -1,0 +1,34 @@
+#pragma once
+#include <Eigen/Core>
+
+#include "gl/buffer.h"
+#include "render/camera.h"
+#include "render/render_settings.h"
+
+namespace strandcast {
+
+/// Binding points shared by all programs of this folder.
+namespace binding {
+constexpr GLuint kScene = 0;                                                                 // uniform block
+constexpr GLuint kGuidePositions = 0, kGuideKnots = 1, kGuides = 2, kNodes = 3, kHairs = 4;  // storage
+constexpr GLuint kSolidDepth = 0, kHairFront = 1, kHairOpacity = 2;                          // textures
+}  // namespace binding
+
+/// What every shader knows of a picture; the std140 block of shaders/scene.glsl, field for field.
+struct SceneBlock {
+  Eigen::Matrix4f view_projection;
+  Eigen::Matrix4f light_view_projection;
+  Eigen::Vector4f eye;         ///< m; w: pixels per metre at 1 m
+  Eigen::Vector4f light;       ///< unit, towards the light; w: depth range of the shadow maps, m
+  Eigen::Vector4f hair_color;  ///< linear; w: hair width, m
+  Eigen::Vector4f body_color;  ///< linear; w: picture width, pixels
+  Eigen::Vector4f background;  ///< linear; w: picture height, pixels
+  Eigen::Vector4f ground;      ///< centre x, height y, centre z; w: radius, all m
+  Eigen::Vector4f
+      sampling;  ///< samples; line width, pixels; texels per metre of the opacity map; 1 with shadows
+};
+
+/// `light` is the orthographic view of the shadow maps and `light_range` its depth in metres.
+SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& camera);
+
+}  // namespace strandcast

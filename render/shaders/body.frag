@@ -1,0 +1,33 @@
+#version 450 core
+#include "render/shaders/scene.glsl"
+#include "render/shaders/color.glsl"
+#include "render/shaders/shadow.glsl"
+layout(location = 0) in vec3 world;
+layout(location = 1) in vec3 normal;
+layout(location = 0) out vec4 color;
+
+// Skin: diffuse light wrapped around the edge of the shadow, more so in red, as light spreads below the skin.
+vec3 wrappedDiffuse(float cosine) {
+  vec3 wrap = vec3(0.30, 0.16, 0.12);
+  vec3 lit = clamp((vec3(cosine) + wrap) / (1.0 + wrap), 0.0, 1.0);
+  return lit * lit * (3.0 - 2.0 * lit) * 0.35 + lit * 0.65;
+}
+
+void main() {
+  vec3 n = normalize(normal), e = normalize(scene.eye.xyz - world), l = scene.light.xyz;
+  if (dot(n, e) < 0.0 && !gl_FrontFacing) n = -n;
+  float lit = 1.0, hair = 0.0;
+  if (scene.sampling.w > 0.0) {
+    vec3 at = lightCoordinates(world + 0.002 * n);
+    lit = solidVisibility(at, 0.003, 1);
+    hair = hairOpticalDepth(at, 0.0);
+  }
+  vec3 direct = kSun * lit * exp(-hair * vec3(0.45, 0.55, 0.6));
+  vec3 h = normalize(l + e);
+  float facing = max(dot(n, e), 0.0);
+  float fresnel = 0.03 + 0.35 * pow(1.0 - facing, 5.0);
+  float sheen = 0.09 * pow(max(dot(n, h), 0.0), 14.0) + 0.06 * pow(max(dot(n, h), 0.0), 60.0);
+  vec3 radiance = scene.body_color.rgb * (wrappedDiffuse(dot(n, l)) * direct * 0.5 + ambient(n) * (0.35 + 0.65 * exp(-0.15 * hair)));
+  radiance += direct * max(dot(n, l), 0.0) * sheen + ambient(reflect(-e, n)) * fresnel;
+  color = vec4(toneMapped(radiance), 1);
+}

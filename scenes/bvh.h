@@ -1,0 +1,46 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/geometry.h"
+
+namespace strandcast {
+
+enum class BvhChannel : uint8_t { kXPosition, kYPosition, kZPosition, kXRotation, kYRotation, kZRotation };
+
+struct BvhJoint {
+  std::string name;                  ///< "End Site" for the ends of chains
+  int parent = -1;                   ///< index of an earlier joint; -1 for a root
+  Vec3 offset = Vec3::Zero();        ///< file units, in the parent's frame
+  std::vector<BvhChannel> channels;  ///< in the file's order, in which rotations multiply
+  size_t first_channel = 0;          ///< of a frame's values
+};
+
+/// A motion clip as its file has it: file units and axes, degrees.
+struct BvhClip {
+  std::vector<BvhJoint> joints;  ///< parents before children
+  size_t channels = 0;           ///< values per frame
+  size_t frames = 0;             ///< 1 or more
+  double frame_time = 0;         ///< s
+  std::vector<float> values;     ///< frames x channels
+
+  /// Index of the joint called `name`; with an empty name the first whose name contains "head" in any case;
+  /// -1 if none.
+  int find(const std::string& name) const;
+  /// Placement of a joint in the clip's frame at a frame. Position channels stand in place of the joint's
+  /// offset.
+  Pose pose(size_t joint, size_t frame) const;
+  /// The same with every channel at zero.
+  Vec3 restPosition(size_t joint) const;
+};
+
+/// Reads a BVH (Biovision hierarchy) clip. Throws Error with `name`, line and remedy on anything truncated,
+/// malformed, oversized or not finite. Never allocates more than the input's size justifies.
+BvhClip readBvh(std::span<const std::byte> bytes, const std::string& name);
+BvhClip readBvh(const std::filesystem::path& file);
+
+}  // namespace strandcast

@@ -1,0 +1,160 @@
+#include "scenes/head_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "core/error.h"
+#include "scenes/bvh.h"
+
+namespace strandcast {
+namespace {
+
+constexpr double kStart = 0.5;       // s, over which a motion starts from rest
+constexpr double kLoopBlend = 0.25;  // s, over which the end of a clip returns to its start
+
+// 0 to 1 over [0, 1] with two derivatives that vanish at both ends, and its integral from 0.
+double ease(double u) { return u <= 0 ? 0 : u >= 1 ? 1 : u * u * u * (10 + u * (6 * u - 15)); }
+double easeIntegral(double u) { return u <= 0 ? 0 : u >= 1 ? u - 0.5 : u * u * u * u * (2.5 + u * (u - 3)); }
+
+struct Swing {
+  const char* name;
+  Vec3 axis;
+  double degrees, hertz;
+};
+const Swing kSwings[] = {{"still", Vec3::UnitY(), 0, 0},
+                         {"nod", Vec3::UnitX(), 15, 0.8},
+                         {"shake", Vec3::UnitY(), 35, 1.0},
+                         {"turn", Vec3::UnitY(), 45, 0.2}};
+
+Quat swung(const Swing& swing, double seconds) {
+  const double turn = 2 * std::numbers::pi * swing.hertz * seconds;
+  const double angle = swing.degrees * std::numbers::pi / 180 * ease(seconds / kStart) * std::sin(turn);
+  return Quat(Eigen::AngleAxisf(static_cast<float>(angle), Eigen::Vector3f(swing.axis)));
+}
+
+// A rotation about `pivot`, then a shift.
+Pose about(const Vec3& pivot, const Quat& rotation, const Vec3& shift) {
+  return {pivot + shift - rotation * pivot, rotation};
+}
+
+// A joint's motion sampled per frame, relative to the first frame, made to loop.
+struct Track {
+  double frame_time = 0;
+  std::vector<Quat> rotations;
+  std::vector<Vec3> shifts;  // m
+
+  // Catmull-Rom through the samples round the loop: no jumps in velocity, which would shake the hair.
+  void at(double seconds, Quat& rotation, Vec3& shift) const {
+    const auto n = static_cast<double>(rotations.size());
+    double frame = std::fmod(std::max(seconds, 0.0) / frame_time, n);
+    if (!(frame >= 0 && frame < n)) frame = 0;
+    const auto i = static_cast<size_t>(frame);
+    const auto t = static_cast<float>(frame - static_cast<double>(i));
+    const float weights[4] = {t * (-0.5f + t * (1 - 0.5f * t)), 1 + t * t * (1.5f * t - 2.5f),
+                              t * (0.5f + t * (2 - 1.5f * t)), t * t * (0.5f * t - 0.5f)};
+    Eigen::Vector4f sum = Eigen::Vector4f::Zero();
+    shift = Vec3::Zero();
+    for (size_t k = 0; k < 4; ++k) {
+      const size_t j = (i + rotations.size() * 2 + k - 1) % rotations.size();
+      const float side = rotations[j].dot(rotations[i]) < 0 ? -1.0f : 1.0f;
+      sum += weights[k] * side * Eigen::Vector4f(rotations[j].coeffs());
+      shift += weights[k] * shifts[j];
+    }
+    rotation.coeffs() = sum.normalized();
+  }
+};
+
+// Clips stand along Y or Z: the axis along which the head is farther from the root tells which.
+Quat clipToYUp(const BvhClip& clip, size_t head) {
+  const Vec3 up = clip.restPosition(head) - clip.restPosition(0);
+  const bool z_up = std::fabs(up.z()) > std::fabs(up.y());
+  const float turn = z_up ? -std::numbers::pi_v<float> / 2 : 0.0f;
+  return Quat(Eigen::AngleAxisf(turn, Eigen::Vector3f::UnitX()));
+}
+
+// Metres per unit such that the skeleton is about as tall as a person.
+float guessClipUnit(const BvhClip& clip) {
+  Box box;
+  for (size_t j = 0; j < clip.joints.size(); ++j) box.extend(Eigen::Vector3f(clip.restPosition(j)));
+  const float tall = box.sizes().maxCoeff();
+  float best = 1;
+  for (float unit : {1.0f, 0.1f, 0.01f, 0.0254f, 0.001f})
+    if (std::fabs(std::log(std::max(tall * unit, 1e-9f) / 1.7f)) <
+        std::fabs(std::log(std::max(tall * best, 1e-9f) / 1.7f)))
+      best = unit;
+  return best;
+}
+
+Track trackOf(const BvhClip& clip, size_t joint, float unit_meters) {
+  const Quat up = clipToYUp(clip, joint);
+  const Pose first = clip.pose(joint, 0);
+  const Pose last = clip.pose(joint, clip.frames - 1);
+  const size_t period =
+      std::max<size_t>(clip.frames - 1, 1);  // the last frame stands for the first of the next round
+  Track track;
+  track.frame_time = clip.frame_time;
+  const double blend = std::min(kLoopBlend, 0.5 * clip.frame_time * static_cast<double>(period));
+  for (size_t f = 0; f < period; ++f) {
+    const Pose pose = clip.pose(joint, f);
+    const float share = static_cast<float>(f) / static_cast<float>(period);
+    const Vec3 travelled = pose.position - first.position - share * (last.position - first.position);
+    const double left = clip.frame_time * static_cast<double>(period - f);
+    const auto back = static_cast<float>(1 - ease(left / blend));  // rotations return to the first frame's
+    const Quat turned = (pose.rotation * first.rotation.conjugate()).normalized();
+    track.rotations.push_back(up * turned.slerp(back, Quat::Identity()) * up.conjugate());
+    track.shifts.push_back(up * travelled * unit_meters);
+  }
+  return track;
+}
+
+}  // namespace
+
+HeadMotion proceduralMotion(const std::string& name, const Vec3& pivot) {
+  std::vector<Swing> chosen;
+  for (size_t begin = 0; begin <= name.size();) {
+    const size_t end = std::min(name.find('+', begin), name.size());
+    const std::string part = name.substr(begin, end - begin);
+    const auto* found =
+        std::find_if(std::begin(kSwings), std::end(kSwings), [&](const Swing& s) { return part == s.name; });
+    if (found == std::end(kSwings))
+      throw Error("unknown motion", "'" + part + "'",
+                  "choose still, nod, shake, turn, some of them joined by '+', or a .bvh file");
+    chosen.push_back(*found);
+    begin = end + 1;
+  }
+  return [chosen, pivot](double seconds) {
+    Quat rotation = Quat::Identity();
+    for (const Swing& swing : chosen) rotation = rotation * swung(swing, seconds);
+    return about(pivot, rotation.normalized(), Vec3::Zero());
+  };
+}
+
+HeadMotion bvhMotion(const std::filesystem::path& file, float unit_meters, const Vec3& pivot,
+                     const std::string& joint) {
+  if (!(unit_meters >= 0 && unit_meters <= 1000))
+    throw Error("unit is out of range", std::to_string(unit_meters), "give metres per unit, or 0 to guess");
+  const BvhClip clip = readBvh(file);
+  const int found = clip.find(joint);
+  if (found < 0)
+    throw Error("no such joint", file.string() + ", " + (joint.empty() ? "a name with 'head'" : joint),
+                "name a joint of the clip");
+  const auto track = std::make_shared<const Track>(
+      trackOf(clip, static_cast<size_t>(found), unit_meters > 0 ? unit_meters : guessClipUnit(clip)));
+  return [track, pivot](double seconds) {
+    Quat rotation;
+    Vec3 shift;
+    track->at(kStart * easeIntegral(seconds / kStart), rotation, shift);  // time itself starts from rest
+    return about(pivot, rotation, shift);
+  };
+}
+
+HeadMotion headMotion(const std::string& description, const Vec3& pivot) {
+  if (description.size() > 4 && description.substr(description.size() - 4) == ".bvh")
+    return bvhMotion(description, 0, pivot);
+  return proceduralMotion(description, pivot);
+}
+
+}  // namespace strandcast

@@ -1,0 +1,169 @@
+#include "scenes/scene.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "collision/mesh_query.h"
+#include "collision/primitive_fit.h"
+#include "core/error.h"
+#include "groom/clean.h"
+#include "groom/mesh_file.h"
+#include "groom/procedural_body.h"
+
+namespace strandcast {
+namespace {
+
+struct NamedScene {
+  SceneInfo info;
+  ProceduralGroomOptions groom;
+  const char* motion;
+  float shape_rate, shape_rate_tip;  // 1/s
+};
+
+const std::vector<NamedScene>& namedScenes() {
+  static const std::vector<NamedScene> list = {
+      {{"straight", "long straight hair with a parting, on the procedural head"},
+       {HairStyle::kStraight, 2400, 28, 0.34f, 1},
+       "shake",
+       120,
+       15},
+      {{"wavy", "shoulder-length waves, on the procedural head"},
+       {HairStyle::kWavy, 2400, 28, 0.30f, 1},
+       "nod+turn",
+       200,
+       60},
+      {{"curly", "a full head of curls, on the procedural head"},
+       {HairStyle::kCurly, 2400, 40, 0.26f, 1},
+       "shake",
+       400,
+       200},
+      {{"ponytail", "hair combed back into a tail, on the procedural head"},
+       {HairStyle::kPonytail, 2400, 28, 0.42f, 1},
+       "shake",
+       120,
+       20},
+  };
+  return list;
+}
+
+const NamedScene& namedScene(const std::string& name) {
+  std::string names;
+  for (const NamedScene& scene : namedScenes()) {
+    if (scene.info.name == name) return scene;
+    names += (names.empty() ? "" : ", ") + scene.info.name;
+  }
+  throw Error("unknown scene", name, "choose one of " + names);
+}
+
+void report(const Progress& progress, const std::string& what, double part) {
+  if (progress) progress(what, part);
+}
+
+Scene makeProceduralScene(const SceneOptions& options, const Progress& progress) {
+  const NamedScene& named = namedScene(options.name);
+  Scene scene;
+  scene.name = named.info.name;
+  report(progress, "sculpting the body", 0.1);
+  ProceduralBody body = makeProceduralBody();
+  ProceduralGroomOptions groom = named.groom;
+  groom.seed = options.seed;
+  if (options.strands > 0) groom.strands = options.strands;
+  if (options.vertices > 0) groom.vertices = options.vertices;
+  if (options.length > 0) groom.length = options.length;
+  report(progress, "growing hair", 0.5);
+  scene.groom = makeProceduralGroom(groom);
+  scene.body = std::move(body.mesh);
+  scene.head_weights = std::move(body.head_weight);
+  scene.bodies.push_back({std::move(body.head), true});
+  scene.bodies.push_back({std::move(body.shoulders), false});
+  scene.head_pivot = body.neck_pivot;
+  scene.motion = headMotion(options.motion.empty() ? named.motion : options.motion, scene.head_pivot);
+  scene.parameters.shape_rate = named.shape_rate;
+  scene.parameters.shape_rate_tip = named.shape_rate_tip;
+  return scene;
+}
+
+void noteReport(const GroomReport& report, std::vector<std::string>& notes) {
+  auto note = [&](size_t count, const char* what) {
+    if (count > 0) notes.push_back(fmt::format("{} {}", count, what));
+  };
+  note(report.dropped_short, "strands dropped: too short to simulate");
+  note(report.duplicate_vertices, "duplicate vertices merged");
+  note(report.reversed, "strands turned round: their tip was at the scalp");
+  note(report.both_ends_pinned, "strands are pinned at both ends");
+  note(report.resampled, "strands resampled");
+  notes.insert(notes.end(), report.warnings.begin(), report.warnings.end());
+}
+
+void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
+  report(progress, "reading the body", 0.2);
+  scene.body = loadMesh(options.body, options.units);
+  report(progress, "binding roots to the body", 0.4);
+  const auto query = std::make_shared<MeshQuery>(scene.body);
+  const ClosestPoint scalp = [query](const Vec3& point) {
+    const MeshPoint found = query->closest(point);
+    return SurfacePoint{found.position, found.triangle, found.barycentric, found.distance};
+  };
+  orientRoots(scene.groom, scalp);
+  const RootBinding binding = bindRoots(scene.groom.strands, scalp);
+  scene.notes.push_back(fmt::format("roots are {:.1f} mm off the body on average, {:.1f} mm at most",
+                                    1000 * binding.mean_distance, 1000 * binding.max_distance));
+  report(progress, "fitting spheres into the body", 0.6);
+  PrimitiveFitOptions fit;
+  fit.max_primitives = options.body_primitives;
+  RigidBody body{fitSpheres(scene.body, fit), true};
+  if (body.primitives.empty()) scene.notes.push_back("the body mesh encloses no volume: hair will not collide with it");
+  else
+    scene.notes.push_back(fmt::format("{} spheres stand for the body in collisions", body.primitives.size()));
+  scene.bodies.push_back(std::move(body));
+}
+
+Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
+  Scene scene;
+  scene.name = options.groom.front().stem().string();
+  report(progress, "reading the groom", 0.1);
+  scene.groom = loadGroom(options.groom, options.units);
+  SceneOptions resolved = options;
+  if (resolved.units.unit_meters <= 0) resolved.units.unit_meters = scene.groom.report.unit_meters;
+  if (!options.body.empty()) fitBody(resolved, progress, scene);
+  StrandSet& strands = scene.groom.strands;
+  if (options.strands > 0 && static_cast<size_t>(options.strands) < strands.strands()) {
+    report(progress, "choosing guides", 0.7);
+    strands = subset(strands, chooseGuides(strands, static_cast<size_t>(options.strands)));
+  }
+  if (options.vertices > 0) {
+    strands = resample(strands, options.vertices);
+    scene.groom.report.resampled = strands.strands();
+  }
+  noteReport(scene.groom.report, scene.notes);
+
+  // The joint of head and neck is about 8 cm below the middle of the roots.
+  for (size_t s = 0; s < strands.strands(); ++s)
+    scene.head_pivot += strands.strand(s)[0] / static_cast<float>(strands.strands());
+  scene.head_pivot.y() -= 0.08f;
+  scene.motion = headMotion(options.motion.empty() ? "turn" : options.motion, scene.head_pivot);
+  return scene;
+}
+
+}  // namespace
+
+const std::vector<SceneInfo>& sceneList() {
+  static const std::vector<SceneInfo> list = [] {
+    std::vector<SceneInfo> infos;
+    for (const NamedScene& scene : namedScenes()) infos.push_back(scene.info);
+    return infos;
+  }();
+  return list;
+}
+
+Scene makeScene(const SceneOptions& options, const Progress& progress) {
+  Scene scene = options.groom.empty() ? makeProceduralScene(options, progress) : makeFileScene(options, progress);
+  if (scene.groom.strands.strands() == 0)
+    throw Error("the groom has no strand to simulate", scene.name, "see `strandcast info FILE`");
+  if (!options.primitives.empty()) scene.bodies.push_back({options.primitives, true});
+  report(progress, "ready", 1);
+  return scene;
+}
+
+}  // namespace strandcast

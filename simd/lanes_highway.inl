@@ -1,0 +1,46 @@
+// Lane vocabulary over one Highway vector of floats of the target being compiled, and the kernel text on top
+// of it. Included inside the target's namespace, once per target, after hwy/highway.h.
+namespace hn = hwy::HWY_NAMESPACE;
+using Scalar = float;
+using Tag = hn::ScalableTag<float>;
+
+// Plain aggregates without constructors: g++ does not inline user-written ones across Highway's target
+// pragmas.
+struct real {
+  hn::Vec<Tag> v;
+};
+struct mask {
+  hn::Mask<Tag> m;
+};
+
+HWY_INLINE real lit(double value) { return {hn::Set(Tag(), static_cast<float>(value))}; }
+HWY_INLINE real operator+(real a, real b) { return {hn::Add(a.v, b.v)}; }
+HWY_INLINE real operator-(real a, real b) { return {hn::Sub(a.v, b.v)}; }
+HWY_INLINE real operator*(real a, real b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE real operator/(real a, real b) { return {hn::Div(a.v, b.v)}; }
+HWY_INLINE real madd(real a, real b, real c) { return {hn::MulAdd(a.v, b.v, c.v)}; }
+HWY_INLINE real sqrt(real a) { return {hn::Sqrt(a.v)}; }
+HWY_INLINE real abs(real a) { return {hn::Abs(a.v)}; }
+HWY_INLINE real min(real a, real b) { return {hn::Min(a.v, b.v)}; }
+HWY_INLINE real max(real a, real b) { return {hn::Max(a.v, b.v)}; }
+HWY_INLINE mask operator<(real a, real b) { return {hn::Lt(a.v, b.v)}; }
+HWY_INLINE mask operator>(real a, real b) { return {hn::Gt(a.v, b.v)}; }
+HWY_INLINE mask operator<=(real a, real b) { return {hn::Le(a.v, b.v)}; }
+HWY_INLINE mask operator>=(real a, real b) { return {hn::Ge(a.v, b.v)}; }
+HWY_INLINE mask operator&&(mask a, mask b) { return {hn::And(a.m, b.m)}; }
+HWY_INLINE mask operator||(mask a, mask b) { return {hn::Or(a.m, b.m)}; }
+HWY_INLINE mask operator!(mask a) { return {hn::Not(a.m)}; }
+HWY_INLINE real select(mask m, real a, real b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
+
+// For the backends' planes, not for kernel text. Rows of lanes start at multiples of their size.
+HWY_INLINE real load(const Scalar* p) { return {hn::Load(Tag(), p)}; }
+HWY_INLINE void store(real value, Scalar* p) { hn::Store(value.v, Tag(), p); }
+HWY_INLINE bool anyTrue(mask m) { return !hn::AllFalse(Tag(), m.m); }
+
+// The order matters.
+// clang-format off
+#include "kernels/lanes_vector.inl"
+#include "kernels/rotation.h"
+#include "kernels/strand.h"
+#include "kernels/contact.h"
+// clang-format on

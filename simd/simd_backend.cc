@@ -1,0 +1,115 @@
+#include "simd/simd_backend.h"
+
+#include <fmt/format.h>
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include "core/error.h"
+#include "core/strand_block.h"
+#include "simd/simd_kernels.h"
+
+namespace strandcast {
+namespace {
+
+const std::vector<simd::SimdTarget>& targets() {
+  static const std::vector<simd::SimdTarget> list = simd::runnableTargets();
+  return list;
+}
+
+const simd::SimdTarget& chooseTarget(const std::string& name) {
+  if (targets().empty())
+    throw Error("no instruction set can run", "simd backend", "choose --backend reference");
+  if (name.empty()) return targets().front();
+  std::string names;
+  for (const simd::SimdTarget& target : targets()) {
+    if (target.name == name) return target;
+    names += (names.empty() ? "" : ", ") + target.name;
+  }
+  throw Error("the instruction set cannot run here", name, "choose one of " + names);
+}
+
+/// Blocks do not touch one another, so neither the number of threads nor their order changes a bit.
+class SimdBackend final : public Backend {
+ public:
+  SimdBackend(int threads, const simd::SimdTarget& target)
+      : target_(target),
+        threads_(threads > 0 ? threads : oneapi::tbb::info::default_concurrency()),
+        arena_(threads_) {}
+
+  std::string name() const override { return "simd"; }
+  std::string device() const override {
+    return fmt::format("{}, {} thread{}", target_.name, threads_, threads_ == 1 ? "" : "s");
+  }
+
+  void load(const StrandModel& model, const StrandState& state) override {
+    store_.load(model, target_.kernel.lanes);
+    const size_t needed = static_cast<size_t>(6) * store_.maxVertices() * store_.lanes();
+    scratch_stride_ = (needed + 15) / 16 * 16;
+    scratch_.assign(scratch_stride_ * threads_, 0.0f);
+    guides_.resize(model.vertices());
+    arena_.initialize();
+    upload(state);
+  }
+  void upload(const StrandState& state) override {
+    store_.upload(state);
+    for (size_t b = 0; b < store_.blocks(); ++b) store_.readPositions(b, guides_);
+  }
+  void download(StrandState& state) override { store_.download(state); }
+
+  void step(const StepInput& input) override {
+    if (threads_ == 1) {
+      stepBlocks(0, store_.blocks(), input, scratch_.data());
+      return;
+    }
+    arena_.execute([&] {
+      oneapi::tbb::parallel_for(
+          oneapi::tbb::blocked_range<size_t>(0, store_.blocks()), [&](const auto& range) {
+            const int thread = oneapi::tbb::this_task_arena::current_thread_index();
+            stepBlocks(range.begin(), range.end(), input, scratch_.data() + thread * scratch_stride_);
+          });
+    });
+  }
+  std::span<const Vec3> guides() override { return guides_; }
+
+ private:
+  void stepBlocks(size_t begin, size_t end, const StepInput& input, float* scratch) {
+    for (size_t b = begin; b < end; ++b) {
+      store_.setRoots(b, input.roots_begin, input.roots_end);
+      target_.kernel.step_block(store_.block(b), input, scratch);
+      store_.readPositions(b, guides_);
+    }
+  }
+
+  simd::SimdTarget target_;
+  int threads_;
+  oneapi::tbb::task_arena arena_;
+  BlockStore<float> store_;
+  size_t scratch_stride_ = 0;                              ///< floats per thread
+  std::vector<float, CacheLineAllocator<float>> scratch_;  ///< threads x scratch_stride_
+  std::vector<Vec3> guides_;
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> makeSimdBackend(int threads, const std::string& target) {
+  if (threads < 0 || threads > 4096)
+    throw Error("the number of threads is out of range", std::to_string(threads), "give 0 (all) to 4096");
+  return std::make_unique<SimdBackend>(threads, chooseTarget(target));
+}
+
+std::vector<std::string> simdTargets() {
+  std::vector<std::string> names;
+  for (const simd::SimdTarget& target : targets()) names.push_back(target.name);
+  return names;
+}
+
+BackendInfo simdBackendInfo() {
+  BackendInfo info{"simd", !targets().empty(), "", 50, [](int threads) { return makeSimdBackend(threads); }};
+  info.reason =
+      info.available ? targets().front().name : "no instruction set of this machine was compiled for";
+  return info;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,45 @@
+// Compiled once per instruction set: Highway's foreach_target includes this file again for each.
+#include "simd/simd_kernels.h"
+
+#include <cmath>
+
+#include "simd/simd_targets.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "simd/simd_kernels.cc"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace strandcast::simd::HWY_NAMESPACE {
+
+// The order matters.
+// clang-format off
+#include "simd/lanes_highway.inl"
+#include "core/gauss_seidel_sweep.inl"
+#include "kernels/end_lanes.inl"
+// clang-format on
+
+SimdKernel kernel() { return {static_cast<int>(hn::Lanes(Tag())), &stepBlock}; }
+
+}  // namespace strandcast::simd::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace strandcast::simd {
+
+HWY_EXPORT(kernel);
+
+std::vector<SimdTarget> runnableTargets() {
+  std::vector<SimdTarget> out;
+  // HWY_TARGETS is what was compiled. Lower bits are better.
+  for (int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
+    const int64_t target = left & -left;
+    hwy::ChosenTarget chosen;  // of its own: the process-wide choice stays as it is
+    chosen.Update(target);
+    out.push_back({hwy::TargetName(target), HWY_DISPATCH_TABLE(kernel)[chosen.GetIndex()]()});
+  }
+  return out;
+}
+
+}  // namespace strandcast::simd
+#endif  // HWY_ONCE

@@ -1,0 +1,122 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "apps/settings.h"
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+std::string errorOf(const std::string& text) {
+  Settings settings;
+  try {
+    readConfigText(text, "hair.toml", settings);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+constexpr const char* kFull = R"(
+scene = "curly"
+motion = "nod+turn"
+seed = 7
+[groom]
+files = ["a.tfx", "b.tfx"]
+unit_meters = 0.0025
+up = "z"
+strands = 500
+vertices = 16
+[body]
+file = "head.obj"
+fitted_spheres = 12
+[[body.primitives]]
+kind = "capsule"
+a = [0, 1, 0]
+b = [0, 2, 0]
+radius = 0.1
+friction = 0.5
+[daemon]
+backend = "reference"
+threads = 2
+rate = 120
+duration = 10
+[transport]
+kind = "dds"
+domain = 3
+groom_id = 9
+[parameters]
+wind = [1, 0, -2.5]
+substeps = 8
+)";
+
+TEST(Config, ReadsEveryKey) {
+  Settings s;
+  readConfigText(kFull, "some/hair.toml", s);
+  EXPECT_EQ(s.scene.name, "curly");
+  EXPECT_EQ(s.scene.motion, "nod+turn");
+  EXPECT_EQ(s.scene.seed, 7u);
+  ASSERT_EQ(s.scene.groom.size(), 2u);
+  EXPECT_EQ(s.scene.groom[1], "some/b.tfx") << "paths are relative to the file that names them";
+  EXPECT_FLOAT_EQ(s.scene.units.unit_meters, 0.0025f);
+  EXPECT_EQ(s.scene.units.up, UpAxis::kZ);
+  EXPECT_EQ(s.scene.strands, 500);
+  EXPECT_EQ(s.scene.vertices, 16);
+  EXPECT_EQ(s.scene.body, "some/head.obj");
+  EXPECT_EQ(s.scene.body_primitives, 12);
+  ASSERT_EQ(s.scene.primitives.size(), 1u);
+  EXPECT_EQ(s.scene.primitives[0].kind, PrimitiveKind::kCapsule);
+  EXPECT_FLOAT_EQ(s.scene.primitives[0].b.y(), 2);
+  EXPECT_EQ(s.backend, "reference");
+  EXPECT_EQ(s.threads, 2);
+  EXPECT_DOUBLE_EQ(s.rate, 120);
+  EXPECT_DOUBLE_EQ(s.duration, 10);
+  EXPECT_EQ(s.domain, 3);
+  EXPECT_EQ(s.groom_id, 9u);
+  ASSERT_EQ(s.parameters.size(), 2u);
+}
+
+TEST(Config, UnknownKeysAreRefusedWithTheirLine) {
+  EXPECT_NE(errorOf("seed = 1\ncolour = 3\n").find("hair.toml line 2"), std::string::npos);
+  EXPECT_NE(errorOf("[groom]\nfile = \"a.tfx\"\n").find("'groom.file'"), std::string::npos);
+  const std::string typo = errorOf("[parameters]\nair_darg = 1\n");
+  EXPECT_NE(typo.find("air_drag"), std::string::npos) << typo;
+  EXPECT_NE(typo.find("line 2"), std::string::npos) << typo;
+}
+
+TEST(Config, WrongTypesAndRangesAreRefused) {
+  for (const char* text : {"seed = \"one\"", "scene = 3", "groom = 3", "[groom]\nfiles = [1]", "[groom]\nunit_meters = 0",
+                           "[groom]\nup = \"w\"", "[daemon]\nrate = -1", "[daemon]\nrate = nan", "[transport]\ndomain = 233",
+                           "[parameters]\nwind = 3", "[parameters]\nsubsteps = 2.5", "[parameters]\nsubsteps = 0",
+                           "[[body.primitives]]\nkind = \"torus\"", "[[body.primitives]]\nkind = \"plane\"\nb = [0, 0, 0]",
+                           "[parameters]\ngravity = [0, inf, 0]", "a = [", "= 3", "[groom", "seed = 1\nseed = 2"}) {
+    const std::string error = errorOf(text);
+    EXPECT_NE(error.find("hair.toml"), std::string::npos) << text << ": " << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << "one line: " << error;
+  }
+}
+
+TEST(Config, AFileThatCannotBeReadSaysSo) {
+  Settings settings;
+  EXPECT_THROW(readConfig("no/such/file.toml", settings), Error);
+  EXPECT_THROW(readConfig("/", settings), Error);
+}
+
+TEST(Config, DamagedTextNeverDoesWorseThanAnError) {
+  std::mt19937 random(1);
+  for (int round = 0; round < 3000; ++round) {
+    std::string text = kFull;
+    for (int hits = 1 + static_cast<int>(random() % 4); hits > 0; --hits)
+      text[random() % text.size()] = static_cast<char>(random() % 256);
+    if (random() % 4 == 0) text.resize(random() % text.size());
+    Settings settings;
+    try {
+      readConfigText(text, "hair.toml", settings);
+    } catch (const Error&) {
+    }
+  }
+}
+
+}  // namespace
+}  // namespace strandcast

@@ -1,0 +1,14 @@
+#include <cstdint>
+#include <string>
+
+#include "apps/settings.h"
+#include "core/error.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  strandcast::Settings settings;
+  try {
+    strandcast::readConfigText(std::string(reinterpret_cast<const char*>(data), size), "fuzz.toml", settings);
+  } catch (const strandcast::Error&) {
+  }
+  return 0;
+}

@@ -1,0 +1,191 @@
+// The programs as a user runs them: exit codes, one-line errors, and daemon and renderer as two processes.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "groom/groom_file.h"
+
+namespace strandcast {
+namespace {
+
+struct Run {
+  int exit_code = -1;
+  std::string out, err;
+};
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+class Programs : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("strandcast_programs_" + std::to_string(getpid()) + "_" +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+    domain_ = std::to_string(100 + getpid() % 100);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write(const std::string& name, const std::string& bytes) {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+    return folder_ / name;
+  }
+  Run run(const std::string& command) {
+    const auto out = folder_ / "out.txt", err = folder_ / "err.txt";
+    const int status = std::system((command + " >" + out.string() + " 2>" + err.string()).c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), contents(out), contents(err)};
+  }
+  /// Starts a program without waiting for it.
+  pid_t start(std::vector<std::string> words, const std::string& out) {
+    const pid_t child = fork();
+    if (child == 0) {
+      std::vector<char*> arguments;
+      for (std::string& word : words) arguments.push_back(word.data());
+      arguments.push_back(nullptr);
+      if (freopen((folder_ / out).c_str(), "w", stdout) == nullptr) _exit(126);
+      execv(arguments[0], arguments.data());
+      _exit(127);
+    }
+    return child;
+  }
+  static int wait(pid_t child) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+  }
+
+  std::filesystem::path folder_;
+  std::string domain_;
+  const std::string daemon_ = STRANDCAST_DAEMON, program_ = STRANDCAST_PROGRAM;
+};
+
+TEST_F(Programs, HelpTeachesAndExitsWithZero) {
+  for (const char* words : {" --help", " info --help", " convert --help", " render --help", " ctl --help"}) {
+    const Run r = run(program_ + words);
+    EXPECT_EQ(r.exit_code, 0) << words << r.err;
+    EXPECT_GT(r.out.size(), 200u) << words;
+  }
+  const Run r = run(daemon_ + " --help");
+  EXPECT_EQ(r.exit_code, 0);
+  EXPECT_NE(r.out.find("air_drag"), std::string::npos) << "parameters are named with their units";
+}
+
+TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
+  write("empty.tfx", "");
+  write("short.tfx", std::string("\0\0\x80\x40", 4));
+  write("noise.hair", "HAIRHAIRHAIRHAIR");
+  write("bad.toml", "[daemon]\nspeed = 3\n");
+  for (const std::string& command :
+       {program_ + " info " + (folder_ / "empty.tfx").string(), program_ + " info " + (folder_ / "short.tfx").string(),
+        program_ + " info " + (folder_ / "noise.hair").string(), program_ + " info " + (folder_ / "absent.tfx").string(),
+        program_ + " info " + folder_.string(), program_ + " info",
+        program_ + " convert " + (folder_ / "empty.tfx").string() + " " + (folder_ / "x.hair").string(),
+        daemon_ + " --config " + (folder_ / "bad.toml").string(), daemon_ + " --scene bald",
+        daemon_ + " --groom " + (folder_ / "short.tfx").string(), daemon_ + " --set air_drag=fast",
+        daemon_ + " --set air_darg=1", daemon_ + " --motion moonwalk --duration 1"}) {
+    const Run r = run(command);
+    EXPECT_EQ(r.exit_code, 2) << command << "\n" << r.err;
+    EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << command << "\n" << r.err;
+    EXPECT_EQ(r.err.rfind("error: ", 0), 0u) << r.err;
+  }
+  EXPECT_EQ(run(program_ + " fly").exit_code, 2);
+  EXPECT_EQ(run(daemon_ + " --rate zero").exit_code, 2);
+}
+
+TEST_F(Programs, ConvertKeepsEveryBitOfThePositions) {
+  StrandSet strands;
+  for (int s = 0; s < 7; ++s) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 5; ++i) points.emplace_back(0.1f * s, -0.3f * i, std::sin(static_cast<float>(s + i)));
+    strands.append(points);
+  }
+  const auto a = folder_ / "a.tfx", b = folder_ / "b.hair", c = folder_ / "c.tfx";
+  writeGroom(a, strands);
+  ASSERT_EQ(run(program_ + " convert " + a.string() + " " + b.string()).exit_code, 0);
+  ASSERT_EQ(run(program_ + " convert " + b.string() + " " + c.string()).exit_code, 0);
+  const RawGroom back = readRawGroom(c);
+  ASSERT_EQ(back.strands.positions.size(), strands.positions.size());
+  for (size_t i = 0; i < strands.positions.size(); ++i) EXPECT_EQ(back.strands.positions[i], strands.positions[i]);
+}
+
+TEST_F(Programs, InfoTellsCountsAsJson) {
+  StrandSet strands;
+  strands.append(std::array<Vec3, 3>{Vec3(0, 0, 0), Vec3(0, -0.1f, 0), Vec3(0, -0.2f, 0)});
+  strands.append(std::array<Vec3, 3>{Vec3(1, 0, 0), Vec3(1, 0, 0), Vec3(1, 0, 0)});
+  strands.append(std::array<Vec3, 3>{Vec3(2, 0, 0), Vec3(2, -0.1f, 0), Vec3(2, -0.2f, 0)});
+  writeGroom(folder_ / "g.tfx", strands);
+  const Run r = run(program_ + " info " + (folder_ / "g.tfx").string() + " --json --unit-meters 1");
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const nlohmann::json info = nlohmann::json::parse(r.out);
+  EXPECT_EQ(info["strands"], 3);
+  EXPECT_EQ(info["vertices"], 9);
+  EXPECT_EQ(info["vertices_min"], 3);
+  EXPECT_EQ(info["vertices_max"], 3);
+  EXPECT_EQ(info["degenerate_strands"], 1);
+  EXPECT_FLOAT_EQ(info["bounds_max"][0].get<float>(), 2);
+  EXPECT_FLOAT_EQ(info["length_max"].get<float>(), 0.2f);
+  EXPECT_TRUE(nlohmann::json::parse(run(program_ + " info --backends --json").out)["backends"].is_array());
+}
+
+TEST_F(Programs, DaemonCastsToARendererAndObeys) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::vector<std::string> words{daemon_,  "--scene",     "straight", "--strands", "200",      "--domain", domain_,
+                                       "--json", "--quiet", "--duration", "120"};
+  const pid_t first = start(words, "daemon.json");
+  const std::string network = " --domain " + domain_;
+  ASSERT_EQ(run(program_ + " ctl wind 3 0 0" + network + " --timeout 20").exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl motion nod" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl head 0 0.01 0 20" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl reset" + network).exit_code, 0);
+  const Run refused = run(program_ + " ctl set air_drag -5" + network);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("air_drag"), std::string::npos) << refused.err;
+
+  const Run rival = run(daemon_ + " --scene straight --strands 20 --quiet" + network);
+  EXPECT_EQ(rival.exit_code, 2);
+  EXPECT_NE(rival.err.find("another daemon"), std::string::npos) << rival.err;
+
+  const Run drawn = run(program_ + " render --json --frames 3 --width 160 --height 120 --hairs 2000 --out " +
+                        (folder_ / "pictures").string() + network);
+  if (drawn.err.find("OpenGL") == std::string::npos) {
+    ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+    const nlohmann::json report = nlohmann::json::parse(drawn.out);
+    EXPECT_EQ(report["frames_drawn"], 3);
+    EXPECT_EQ(report["frames_lost"], 0);
+    EXPECT_EQ(report["strands"], 200);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "pictures" / "frame_0002.png"));
+  }
+  EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
+  EXPECT_EQ(wait(first), 0);
+  const nlohmann::json summary = nlohmann::json::parse(contents(folder_ / "daemon.json"));
+  EXPECT_GT(summary["frames_published"], 10);
+  EXPECT_EQ(summary["non_finite"], 0);
+}
+
+TEST_F(Programs, InterruptEndsTheDaemonCleanly) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const pid_t child = start({daemon_, "--scene", "straight", "--strands", "50", "--domain", domain_, "--json", "--quiet"},
+                            "daemon.json");
+  ASSERT_EQ(run(program_ + " ctl wind 1 0 0 --timeout 20 --domain " + domain_).exit_code, 0);
+  kill(child, SIGINT);
+  EXPECT_EQ(wait(child), 130);
+  EXPECT_TRUE(nlohmann::json::accept(contents(folder_ / "daemon.json")));
+}
+
+}  // namespace
+}  // namespace strandcast

@@ -1,0 +1,156 @@
+// Reads every source of the project and fails where one includes against the direction of dependencies.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Folders = std::set<std::string>;
+
+// What each folder may include, besides itself.
+const std::map<std::string, Folders> kAllowed = {
+    {"kernels", {}},
+    {"core", {"kernels"}},
+    {"gl", {"core"}},
+    {"simd", {"core", "kernels"}},
+    {"gpu_compute", {"core", "kernels", "gl"}},
+    {"collision", {"core", "kernels"}},
+    {"groom", {"core", "kernels"}},
+    {"scenes", {"core", "kernels", "collision", "groom"}},
+    {"transport", {"core", "kernels"}},
+    {"render", {"core", "kernels", "groom", "transport", "gl"}},
+};
+const Folders kAnything = {"apps", "bench", "tests"};
+
+// Headers of a library that stay in the folders named.
+struct Confined {
+  Folders headers;  ///< the first part of their paths
+  std::string what;
+  Folders folders;
+};
+const std::vector<Confined> kConfined = {
+    {{"fcl"}, "FCL", {"collision"}},
+    {{"fastdds", "fastrtps", "fastcdr"}, "DDS", {"transport"}},
+    {{"epoxy", "GL", "EGL", "GLES2", "GLES3", "KHR"}, "GL", {"gl", "gpu_compute", "render", "apps"}},
+};
+
+constexpr size_t kMaxLines = 700;
+
+std::string folderOf(const std::string& path) { return path.substr(0, path.find('/')); }
+
+// The path that a line includes, with its opening quote or bracket before it; empty when it includes none.
+std::string included(const std::string& line) {
+  size_t at = line.find_first_not_of(" \t");
+  if (at == std::string::npos || line[at] != '#') return "";
+  at = line.find_first_not_of(" \t", at + 1);
+  if (at == std::string::npos || line.compare(at, 7, "include") != 0) return "";
+  at = line.find_first_of("\"<", at);
+  if (at == std::string::npos) return "";
+  const size_t end = line.find_first_of("\">", at + 1);
+  return end == std::string::npos ? "" : line.substr(at, end - at);
+}
+
+// What is wrong with the file `path` (from the project's root), one line each.
+std::vector<std::string> violations(const std::string& path, const std::string& text) {
+  const std::string folder = folderOf(path);
+  const bool free = kAnything.count(folder) > 0;
+  std::vector<std::string> found;
+  std::istringstream stream(text);
+  std::string line;
+  size_t number = 0;
+  while (std::getline(stream, line)) {
+    ++number;
+    const std::string include = included(line);
+    if (include.empty()) continue;
+    const std::string header = include.substr(1);
+    const std::string where = path + ":" + std::to_string(number) + " includes " + header;
+    const std::string target = folderOf(header);
+    if (header.rfind("../", 0) == 0) found.push_back(where + ", which is not a path from the root");
+    const bool ours = kAllowed.count(target) > 0 || kAnything.count(target) > 0;
+    if (!free && include[0] == '"' && ours && target != folder && kAllowed.at(folder).count(target) == 0)
+      found.push_back(where + ", but " + folder + " does not depend on " + target);
+    if (folder == "tests") continue;
+    for (const Confined& confined : kConfined)
+      if (confined.headers.count(target) > 0 && confined.folders.count(folder) == 0)
+        found.push_back(where + ", but " + confined.what + " does not belong in " + folder);
+  }
+  if (folder != "tests" && number > kMaxLines)
+    found.push_back(path + " has " + std::to_string(number) + " lines, more than " +
+                    std::to_string(kMaxLines));
+  return found;
+}
+
+bool isSource(const fs::path& path) {
+  static const Folders kinds = {".h",    ".cc",   ".cpp",  ".inl",  ".c",    ".hpp", ".comp",
+                                ".vert", ".frag", ".tesc", ".tese", ".geom", ".glsl"};
+  return kinds.count(path.extension().string()) > 0;
+}
+
+TEST(Dependencies, PointOneWay) {
+  const fs::path root = STRANDCAST_SOURCE_DIR;
+  size_t files = 0;
+  Folders folders = kAnything;
+  for (const auto& [folder, allowed] : kAllowed) folders.insert(folder);
+  for (const std::string& folder : folders) {
+    if (!fs::is_directory(root / folder)) continue;
+    for (const auto& entry :
+         fs::recursive_directory_iterator(root / folder, fs::directory_options::follow_directory_symlink)) {
+      if (!entry.is_regular_file() || !isSource(entry.path())) continue;
+      std::ifstream file(entry.path());
+      const std::string text(std::istreambuf_iterator<char>(file), {});
+      for (const std::string& violation :
+           violations(entry.path().lexically_relative(root).generic_string(), text))
+        ADD_FAILURE() << violation;
+      ++files;
+    }
+  }
+  EXPECT_GT(files, 50u) << "the sources must be under " << root;
+}
+
+TEST(Dependencies, EveryFolderWithSourcesHasARule) {
+  const fs::path root = STRANDCAST_SOURCE_DIR;
+  const Folders besides = {"build", "cmake", "docs", "demo"};
+  for (const auto& entry : fs::directory_iterator(root)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_directory() || name.front() == '.' || besides.count(name) > 0 || kAnything.count(name) > 0)
+      continue;
+    bool sources = false;
+    for (const auto& inner : fs::recursive_directory_iterator(entry.path()))
+      sources |= isSource(inner.path());
+    EXPECT_TRUE(!sources || kAllowed.count(name) > 0) << "say what " << name << " may include";
+  }
+}
+
+// The test of the test.
+TEST(Dependencies, AViolationIsCaught) {
+  auto count = [](const std::string& path, const std::string& text) { return violations(path, text).size(); };
+  EXPECT_EQ(count("core/a.cc", "#include \"core/b.h\"\n#include \"kernels/c.h\"\n#include <vector>\n"), 0u);
+  EXPECT_EQ(count("core/a.cc", "#include \"simd/simd_backend.h\"\n"), 1u);
+  EXPECT_EQ(count("kernels/a.h", "  # include \"core/b.h\"\n"), 1u) << "in any spelling";
+  EXPECT_EQ(count("transport/a.cc", "#include \"render/renderer.h\"\n"), 1u);
+  EXPECT_EQ(count("simd/a.cc", "#include \"gpu_compute/gpu_backend.h\"\n"), 1u);
+  EXPECT_EQ(count("render/a.cc", "#include \"apps/window.h\"\n"), 1u);
+  EXPECT_EQ(count("groom/a.cc", "#include \"../core/b.h\"\n"), 1u);
+  EXPECT_EQ(count("apps/a.cc", "#include \"render/renderer.h\"\n#include \"simd/simd_backend.h\"\n"), 0u);
+  EXPECT_EQ(count("groom/a.cc", "#include <fcl/fcl.h>\n"), 1u);
+  EXPECT_EQ(count("collision/a.cc", "#include <fcl/fcl.h>\n"), 0u);
+  EXPECT_EQ(count("apps/a.cc", "#include <fastdds/dds/domain/DomainParticipant.hpp>\n"), 1u);
+  EXPECT_EQ(count("core/a.h", "#include <epoxy/gl.h>\n"), 1u);
+  EXPECT_EQ(count("gl/a.h", "#include <epoxy/gl.h>\n"), 0u);
+  const std::string long_text = [] {
+    std::string text;
+    for (size_t i = 0; i <= kMaxLines; ++i) text += "\n";
+    return text;
+  }();
+  EXPECT_EQ(count("core/a.cc", long_text), 1u);
+  EXPECT_EQ(count("core/a.cc", long_text.substr(1)), 0u);
+}
+
+}  // namespace

@@ -1,0 +1,71 @@
+#include "tests/conformance/conformance_model.h"
+
+namespace strandcast {
+namespace {
+
+constexpr int kCounts[] = {2, 3, 5, 16, 17, 31, 100, 128};
+
+Vec3 randomVector(std::mt19937& random) {
+  std::uniform_real_distribution<float> range(-1, 1);
+  const float x = range(random), y = range(random), z = range(random);
+  return {x, y, z};
+}
+
+}  // namespace
+
+StrandModel awkwardModel(size_t strands, uint32_t seed) {
+  std::mt19937 random(seed);
+  StrandSet set;
+  for (size_t s = 0; s < strands; ++s) {
+    const int vertices = kCounts[(s * 5 + 3) % std::size(kCounts)];
+    const float edge = (0.05f + 0.35f * (s % 7) / 6.0f) / (vertices - 1);
+    Vec3 x = 0.1f * randomVector(random).cwiseProduct(Vec3(1, 0.1f, 1));
+    Vec3 direction = (Vec3(0, 0.5f, 0) + randomVector(random)).normalized();
+    std::vector<Vec3> points;
+    for (int i = 0; i < vertices; ++i) {
+      points.push_back(x);
+      x += edge * direction;
+      direction = (direction + 0.3f * randomVector(random)).normalized();
+    }
+    set.append(points);
+    set.pinned.resize(set.vertices(), 0);
+    if (s % 5 == 4) set.pinned.back() = 1;
+  }
+  return makeStrandModel(set);
+}
+
+StrandState disturbedState(const StrandModel& model, uint32_t seed) {
+  std::mt19937 random(seed);
+  StrandState state = restState(model, model.rest_roots);
+  for (size_t s = 0; s < model.strands(); ++s) {
+    for (uint32_t v = model.offsets[s] + 1; v < model.offsets[s + 1]; ++v) {
+      const float edge = (model.rest_local[v] - model.rest_local[v - 1]).norm();
+      state.positions[v] += 0.2f / std::sqrt(3.0f) * edge * randomVector(random);
+      state.velocities[v] = randomVector(random) / std::sqrt(3.0f);
+    }
+  }
+  return state;
+}
+
+std::vector<MovingPrimitive> movingBodies(float dt) {
+  auto pose = [](Vec3 position, float angle) {
+    return Pose{position, Quat(Eigen::AngleAxisf(angle, Eigen::Vector3f(1, 2, 3).normalized()))};
+  };
+  ContactPrimitive sphere{PrimitiveKind::kSphere, Vec3(0, 0, 0.02f), Vec3::UnitY(), 0.09f, 0.4f};
+  ContactPrimitive capsule{PrimitiveKind::kCapsule, Vec3(-0.1f, 0, 0), Vec3(0.1f, 0.05f, 0), 0.05f, 0.8f};
+  ContactPrimitive plane{PrimitiveKind::kPlane, Vec3(0, 0, 0), Vec3(0.1f, 1, 0).normalized(), 0, 0.2f};
+  return {moved(sphere, pose({0, -0.08f, 0}, 0), pose({0.01f, -0.07f, 0}, 0.2f), dt),
+          moved(capsule, pose({0, 0.1f, 0.1f}, 0.1f), pose({0, 0.09f, 0.1f}, -0.1f), dt),
+          moved(plane, pose({0, -0.15f, 0}, 0), pose({0, -0.14f, 0}, 0.02f), dt)};
+}
+
+std::vector<Pose> movedRoots(const StrandModel& model) {
+  const Vec3 middle(0, -0.1f, 0);
+  const Quat turn(Eigen::AngleAxisf(0.3f, Eigen::Vector3f(0.2f, 1, 0.1f).normalized()));
+  const Pose move{middle - turn * middle + Vec3(0.02f, 0, 0), turn};
+  std::vector<Pose> roots;
+  for (const Pose& root : model.rest_roots) roots.push_back(move * root);
+  return roots;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,24 @@
+#pragma once
+#include <random>
+#include <vector>
+
+#include "core/backend.h"
+
+namespace strandcast {
+
+/// Strands with vertex counts 2, 3, 5, 16, 17, 31, 100 and 128 mixed, curled, 5 cm to 40 cm long, on a disc
+/// of 10 cm radius about the origin; the tip of every fifth strand is pinned. Seeded.
+StrandModel awkwardModel(size_t strands, uint32_t seed);
+
+/// The rest shape of `model` at its own roots, every vertex moved by up to a fifth of its edge and given a
+/// velocity of up to 1 m/s.
+StrandState disturbedState(const StrandModel& model, uint32_t seed);
+
+/// A sphere, a capsule and a plane that the hair of awkwardModel lies in, all moving and turning, with
+/// friction.
+std::vector<MovingPrimitive> movingBodies(float dt);
+
+/// Every root of `model` moved by 2 cm and turned by 0.3 rad about an axis through the middle of the head.
+std::vector<Pose> movedRoots(const StrandModel& model);
+
+}  // namespace strandcast

@@ -1,0 +1,73 @@
+// Kernel text (see kernels/README.md): every kernel behind one signature, so that each instantiation can run all.
+struct KernelInput {
+  real v[16];
+};
+struct KernelOutput {
+  real v[9];
+};
+
+FN real3 in3(IN(KernelInput) i, int at) { return makeReal3(i.v[at], i.v[at + 1], i.v[at + 2]); }
+FN quat in4(IN(KernelInput) i, int at) { return makeQuat(i.v[at], i.v[at + 1], i.v[at + 2], i.v[at + 3]); }
+FN void out3(INOUT(KernelOutput) o, int at, IN(real3) value) {
+  o.v[at] = value.x;
+  o.v[at + 1] = value.y;
+  o.v[at + 2] = value.z;
+}
+FN void out4(INOUT(KernelOutput) o, IN(quat) value) {
+  o.v[0] = value.x;
+  o.v[1] = value.y;
+  o.v[2] = value.z;
+  o.v[3] = value.w;
+}
+
+// Numbers as in tests/conformance/kernel_conformance.h.
+FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
+  KernelOutput o;
+  for (int c = 0; c < 9; ++c) o.v[c] = lit(0);
+  if (kernel == 0) {
+    real3 a = in3(i, 0);
+    real3 b = in3(i, 3);
+    solveDistance(a, b, i.v[6], i.v[7], i.v[8]);
+    out3(o, 0, a);
+    out3(o, 3, b);
+  } else if (kernel == 1) {
+    real3 a = in3(i, 0);
+    real3 b = in3(i, 3);
+    real3 p = in3(i, 6);
+    solveAngular(p, a, b, i.v[9], i.v[10], i.v[11], in3(i, 12), i.v[15]);
+    out3(o, 0, a);
+    out3(o, 3, b);
+    out3(o, 6, p);
+  } else if (kernel == 2) {
+    out4(o, rotationBetween(in3(i, 0), in3(i, 3)));
+  } else if (kernel == 3) {
+    out3(o, 0, rotate(in4(i, 0), in3(i, 4)));
+  } else if (kernel == 4) {
+    out4(o, interpolateRotation(in4(i, 0), in4(i, 4), i.v[8]));
+  } else if (kernel == 5) {
+    real3 normal;
+    o.v[0] = sphereDistance(in3(i, 0), in3(i, 3), i.v[6], normal);
+    out3(o, 1, normal);
+  } else if (kernel == 6) {
+    real3 normal;
+    real along;
+    o.v[0] = capsuleDistance(in3(i, 0), in3(i, 3), in3(i, 6), i.v[9], normal, along);
+    out3(o, 1, normal);
+    o.v[4] = along;
+  } else if (kernel == 7) {
+    real3 normal;
+    o.v[0] = planeDistance(in3(i, 0), in3(i, 3), in3(i, 6), normal);
+    out3(o, 1, normal);
+  } else if (kernel == 8) {
+    out3(o, 0, resolveContact(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13]));
+  } else if (kernel == 9) {
+    out3(o, 0, predictPosition(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13]));
+  } else if (kernel == 10) {
+    out3(o, 0, normalizeOrZero(in3(i, 0)));
+  } else if (kernel == 11) {
+    out3(o, 0, surfaceMotion(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12]));
+  } else if (kernel == 12) {
+    out4(o, multiply(in4(i, 0), in4(i, 4)));
+  }
+  return o;
+}

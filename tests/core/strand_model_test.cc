@@ -1,0 +1,121 @@
+#include "core/strand_model.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+
+#include "core/error.h"
+#include "core/measure.h"
+#include "core/strand_block.h"
+
+namespace strandcast {
+namespace {
+
+StrandSet oneStrand(std::vector<Vec3> points) {
+  StrandSet set;
+  set.append(points);
+  return set;
+}
+
+std::string errorOf(const StrandSet& set) {
+  try {
+    makeStrandModel(set);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(StrandModel, KeepsTheRestShapeInTheRootFrame) {
+  const StrandSet set = oneStrand({{1, 2, 3}, {1, 3, 3}, {2, 3, 3}});
+  const StrandModel model = makeStrandModel(set);
+  EXPECT_EQ(model.rest_local[0], Vec3(0, 0, 0));
+  EXPECT_LT((model.rest_local[1] - Vec3(0, 0, 1)).norm(), 1e-6f) << "z is the rest tangent at the root";
+  EXPECT_EQ(model.inverse_mass, (std::vector<float>{0, 1, 1}));
+  const StrandState state = restState(model, model.rest_roots);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_LT((state.positions[i] - set.positions[i]).norm(), 1e-6f);
+    EXPECT_EQ(state.velocities[i], Vec3(0, 0, 0));
+  }
+}
+
+TEST(StrandModel, TakesStrandsThatPointAgainstZ) {
+  const StrandSet set = oneStrand({{0, 0, 0}, {0, 0, -1}, {0, 1, -1}});
+  const StrandModel model = makeStrandModel(set);
+  const StrandState state = restState(model, model.rest_roots);
+  for (size_t i = 0; i < 3; ++i) EXPECT_LT((state.positions[i] - set.positions[i]).norm(), 1e-6f);
+}
+
+TEST(StrandModel, AnEmptySetIsAModel) { EXPECT_EQ(makeStrandModel(StrandSet()).strands(), 0u); }
+
+TEST(StrandModel, BadStrandsAreErrorsThatNameThem) {
+  StrandSet set = oneStrand({{0, 0, 0}, {0, 1, 0}});
+  set.append(std::vector<Vec3>{{0, 0, 0}});
+  EXPECT_NE(errorOf(set).find("strand 1"), std::string::npos) << errorOf(set);
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  EXPECT_NE(errorOf(oneStrand({{0, 0, 0}, {0, nan, 0}})).find("finite"), std::string::npos);
+  EXPECT_NE(errorOf(oneStrand({{0, 0, inf}, {0, 1, 0}})).find("finite"), std::string::npos);
+  EXPECT_NE(errorOf(oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 1, 0}})).find("coincide"), std::string::npos);
+  EXPECT_NE(errorOf(oneStrand(std::vector<Vec3>(129, Vec3(0, 0, 0)))).find("129 vertices"),
+            std::string::npos);
+}
+
+TEST(StrandModel, RestEdgesLieInTheFrameOfTheEdgeBefore) {
+  const std::vector<Vec3> rest = {{0, 0, 0}, {0, 0, 2}, {1, 0, 2}, {1, 0, 3}};
+  std::array<Vec3, 4> edges;
+  restEdges(rest, edges);
+  EXPECT_LT((edges[0] - Vec3(0, 0, 2)).norm(), 1e-6f);
+  EXPECT_LT((edges[1] - Vec3(1, 0, 0)).norm(), 1e-6f) << "a quarter turn towards x";
+  EXPECT_LT((edges[2] - Vec3(-1, 0, 0)).norm(), 1e-6f) << "and a quarter turn back";
+  EXPECT_EQ(edges[3], Vec3(0, 0, 0));
+}
+
+TEST(StrandModel, TheHashTellsStatesApart) {
+  StrandState state;
+  EXPECT_EQ(stateHash(state), 14695981039346656037ull);  // FNV-1a of nothing
+  state.positions = {{1, 2, 3}};
+  state.velocities = {{0, 0, 0}};
+  const uint64_t hash = stateHash(state);
+  EXPECT_EQ(stateHash(state), hash);
+  state.velocities[0].z() = -0.0f;
+  EXPECT_NE(stateHash(state), hash) << "it is of the bytes";
+  std::swap(state.positions, state.velocities);
+  EXPECT_NE(stateHash(state), hash);
+}
+
+TEST(Measure, SeesStretchPenetrationAndWhatIsNotFinite) {
+  const StrandModel model = makeStrandModel(oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 3, 0}}));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<Vec3> positions = {{0, 0, 0}, {0, 1.5f, 0}, {0, 2.25f, 0}, {0, nan, 0}};
+  const ContactPrimitive ball{PrimitiveKind::kSphere, Vec3(0, 2.25f, 0.9f), Vec3::UnitY(), 1.0f, 0};
+  const ContactPrimitive around_root{PrimitiveKind::kSphere, Vec3(0, 0, 0), Vec3::UnitY(), 0.5f, 0};
+  const std::vector<MovingPrimitive> bodies = {moved(ball, Pose(), Pose(), 0.01f),
+                                               moved(around_root, Pose(), Pose(), 0.01f)};
+  const Measurement m = measure(model, positions, bodies);
+  EXPECT_NEAR(m.max_stretch, 0.5, 1e-6);
+  EXPECT_NEAR(m.max_penetration, 0.1, 1e-6) << "the root is pinned and does not count";
+  EXPECT_EQ(m.non_finite, 1u);
+  EXPECT_NEAR(m.mean_stretch, (0.5 + 0.25) / 2, 1e-6) << "edges without a length do not count";
+  EXPECT_EQ(measure(makeStrandModel(StrandSet()), {}, bodies).mean_stretch, 0);
+}
+
+TEST(ContactPrimitive, MovesWithItsBody) {
+  const ContactPrimitive capsule{PrimitiveKind::kCapsule, Vec3(1, 0, 0), Vec3(2, 0, 0), 0.1f, 0.3f};
+  const Pose end{Vec3(0, 5, 0), Quat(Eigen::AngleAxisf(0.5f, Eigen::Vector3f::UnitY()))};
+  const MovingPrimitive m = moved(capsule, Pose(), end, 0.1f);
+  EXPECT_NEAR(m.angular_velocity[1], 5, 1e-5) << "0.5 rad in 0.1 s";
+  EXPECT_NEAR(m.a_end[0], std::cos(0.5f), 1e-6);
+  EXPECT_NEAR(m.a_end[2], -std::sin(0.5f), 1e-6);
+  EXPECT_NEAR(signedDistance(m, end.apply(Vec3(1.5f, 0.3f, 0))), 0.2, 1e-6);
+  EXPECT_NEAR(signedDistance(m, end.apply(Vec3(3, 0, 0))), 0.9, 1e-6);
+  const ContactPrimitive plane{PrimitiveKind::kPlane, Vec3(0, 0, 0), Vec3(0, 1, 0), 0, 0};
+  EXPECT_NEAR(signedDistance(moved(plane, Pose(), end, 0.1f), Vec3(7, 5.5f, 1)), 0.5, 1e-6);
+  const MovingPrimitive back = moved(capsule, Pose(), Pose{Vec3(0, 0, 0), Quat(-1, 0, 0, 0)}, 0.1f);
+  EXPECT_NEAR(Vec3(back.angular_velocity[0], back.angular_velocity[1], back.angular_velocity[2]).norm(), 0,
+              1e-4)
+      << "-q is the same rotation as q";
+}
+
+}  // namespace
+}  // namespace strandcast

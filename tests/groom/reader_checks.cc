@@ -1,0 +1,125 @@
+#include "tests/groom/reader_checks.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+
+#include "core/error.h"
+#include "core/strand_model.h"
+#include "groom/axes_and_units.h"
+#include "groom/clean.h"
+#include "groom/file_bytes.h"
+#include "groom/groom_encode.h"
+#include "groom/mesh_file.h"
+
+namespace strandcast {
+namespace {
+
+const std::string kName = "damaged.file";
+
+void require(bool holds, const char* what) {
+  if (holds) return;
+  std::fprintf(stderr, "a reader broke its word: %s\n", what);
+  std::abort();
+}
+
+/// Runs `read`; true when it accepted the bytes.
+template <class Read>
+bool accepts(Read read) {
+  try {
+    read();
+    return true;
+  } catch (const Error& error) {
+    const std::string_view message = error.what();
+    require(message.find(kName) != std::string_view::npos, "an error does not name the file");
+    require(message.find('\n') == std::string_view::npos, "an error has more than one line");
+    return false;
+  }
+}
+
+void checkStrandSet(const StrandSet& strands, size_t file_bytes) {
+  require(strands.strands() > 0 && strands.offsets.front() == 0, "no strands");
+  require(strands.offsets.back() == strands.vertices(), "the last offset is not the number of vertices");
+  for (size_t s = 0; s < strands.strands(); ++s)
+    require(strands.offsets[s] < strands.offsets[s + 1], "a strand without vertices");
+  for (const Vec3& point : strands.positions) require(point.allFinite(), "a position is not finite");
+  require(strands.pinned.empty() || strands.pinned.size() == strands.vertices(), "pins are not per vertex");
+  require(strands.radii.empty() || strands.radii.size() == strands.vertices(), "radii are not per vertex");
+  require(strands.uvs.empty() || strands.uvs.size() == strands.strands(), "UVs are not per strand");
+  require(strands.vertices() <= file_bytes, "more vertices than the file has bytes");
+}
+
+/// Everything that a groom goes through after reading; the solver's model must take what cleaning leaves.
+void checkDownstream(const StrandSet& strands) {
+  Groom groom;
+  groom.strands = strands;
+  Box bounds;
+  for (const Vec3& point : groom.strands.positions) bounds.extend(Eigen::Vector3f(point));
+  turnYUp(groom.strands.positions, UpAxis::kZ);
+  scaleToMeters(groom.strands.positions, guessUnit(bounds), kName);
+  cleanStrands(groom);
+  require(groom.report.dropped_short + groom.strands.strands() == groom.report.strands_read,
+          "strands got lost");
+  if (groom.strands.strands() == 0) return;
+  checkStrandSet(groom.strands, strands.vertices());
+  require(makeStrandModel(groom.strands).strands() == groom.strands.strands(), "the model lost strands");
+  orientRoots(groom, [](const Vec3& p) {
+    return SurfacePoint{Vec3(p.x(), 0, p.z()), 0, Vec3(1, 0, 0), std::abs(p.y())};
+  });
+  const StrandSet even = resample(groom.strands, 5);
+  require(even.vertices() == 5 * even.strands(), "resampling gave another count");
+  const size_t count = std::min<size_t>(even.strands(), 3);
+  require(subset(even, chooseGuides(even, count)).strands() == count,
+          "another number of guides than asked for");
+}
+
+void checkRawGroom(const RawGroom& raw, size_t file_bytes) {
+  checkStrandSet(raw.strands, file_bytes);
+  const RawGroom again = readHair(encodeHair(raw.strands, kName), kName);
+  require(again.strands.positions == raw.strands.positions && again.strands.offsets == raw.strands.offsets,
+          "writing and reading again gave other strands");
+  checkDownstream(raw.strands);
+}
+
+void checkMesh(const TriangleMesh& mesh) {
+  require(!mesh.triangles.empty(), "a mesh without triangles");
+  require(mesh.normals.size() == mesh.positions.size(), "normals are not per vertex");
+  for (const Vec3& point : mesh.positions) require(point.allFinite(), "a position is not finite");
+  for (const auto& triangle : mesh.triangles)
+    for (const uint32_t corner : triangle)
+      require(corner < mesh.positions.size(), "an index is out of range");
+}
+
+}  // namespace
+
+bool checkTfxReader(std::span<const std::byte> bytes) {
+  return accepts([&] { checkRawGroom(readTfx(bytes, kName), bytes.size()); });
+}
+
+bool checkHairReader(std::span<const std::byte> bytes) {
+  return accepts([&] { checkRawGroom(readHair(bytes, kName), bytes.size()); });
+}
+
+bool checkObjStrandsReader(std::span<const std::byte> bytes) {
+  return accepts([&] { checkRawGroom(readObjStrands(bytes, kName), bytes.size()); });
+}
+
+bool checkObjMeshReader(std::span<const std::byte> bytes) {
+  return accepts([&] { checkMesh(readObjMesh(bytes, kName, {"helper-"})); });
+}
+
+bool checkGltfReader(std::span<const std::byte> bytes) {
+  return accepts([&] { checkMesh(readGltfMesh(bytes, kName)); });
+}
+
+void writeFuzzSeeds(int argc, char** argv, const std::vector<std::vector<std::byte>>& seeds) {
+  for (int a = 1; a < argc; ++a) {
+    const std::filesystem::path folder = argv[a];
+    if (argv[a][0] == '-' || !std::filesystem::is_directory(folder)) continue;
+    for (size_t s = 0; s < seeds.size(); ++s) writeFileBytes(folder / ("seed" + std::to_string(s)), seeds[s]);
+    return;
+  }
+}
+
+}  // namespace strandcast

@@ -1,0 +1,147 @@
+#include "tests/groom/sample_files.h"
+
+#include <array>
+
+#include "groom/byte_writer.h"
+
+namespace strandcast::samples {
+namespace {
+
+constexpr char kGltfHead[] =
+    R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+    R"("nodes":[{"mesh":0,"children":[1]},{"mesh":0,"translation":[0,0,1],)"
+    R"("rotation":[0,0.7071068,0,0.7071068],"scale":[2,2,2]}],)"
+    R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+    R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
+    R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],)"
+    R"("bufferViews":[{"buffer":0,"byteLength":48},)"
+    R"({"buffer":0,"byteOffset":48,"byteLength":12}],"images":[{"uri":"nowhere.png"}],)";
+
+Bytes quadBuffer() {
+  ByteWriter writer;
+  for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)}) writer.put(corner);
+  for (const uint16_t index : {0, 1, 2, 0, 2, 3}) writer.put(index);
+  return writer.take();
+}
+
+std::string base64(const Bytes& bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {  // the samples' sizes are multiples of 3
+    uint32_t bits = 0;
+    for (size_t k = 0; k < 3; ++k) bits = bits << 8 | static_cast<uint32_t>(bytes[i + k]);
+    for (int shift = 18; shift >= 0; shift -= 6) text += kDigits[bits >> shift & 63];
+  }
+  return text;
+}
+
+}  // namespace
+
+Vec3 vertex(size_t s, size_t i) {
+  const auto along = static_cast<float>(i);
+  return {0.05f * static_cast<float>(s), 0.1f + 0.03f * along, 0.01f * along * along};
+}
+
+Bytes fromText(const std::string& text) {
+  Bytes bytes(text.size());
+  std::memcpy(bytes.data(), text.data(), text.size());
+  return bytes;
+}
+
+Bytes tfx3(bool both_ends_immovable) {
+  ByteWriter writer;
+  writer.put(3.0f);
+  for (const uint32_t field : {3u, 4u, 0u, both_ends_immovable ? 1u : 0u}) writer.put(field);
+  writer.zeros(31 * 4);
+  writer.put(uint32_t{296});
+  writer.zeros(296 - 148);
+  for (size_t s = 0; s < 3; ++s)
+    for (size_t i = 0; i < 4; ++i) writer.put(vertex(s, i));
+  return writer.take();
+}
+
+Bytes tfx4() {
+  ByteWriter writer;
+  writer.put(4.0f);
+  for (const uint32_t field : {3u, 4u, 160u, 160u + 3 * 4 * 16}) writer.put(field);
+  writer.zeros(160 - 20);
+  for (size_t s = 0; s < 3; ++s)
+    for (size_t i = 0; i < 4; ++i) {
+      writer.put(vertex(s, i));
+      writer.put(i < 2 ? 0.0f : 1.0f);
+    }
+  for (size_t s = 0; s < 3; ++s) {
+    writer.put(0.25f * static_cast<float>(s));
+    writer.put(0.5f);
+  }
+  return writer.take();
+}
+
+Bytes hair() {
+  constexpr std::array<uint16_t, 3> kSegments{1, 2, 4};
+  ByteWriter writer;
+  writer.raw("HAIR", 4);
+  for (const uint32_t field : {3u, 10u, 31u, 0u}) writer.put(field);
+  for (const float field : {1.0f, 0.0f, 0.5f, 0.5f, 0.5f}) writer.put(field);
+  writer.zeros(88);
+  for (const uint16_t segments : kSegments) writer.put(segments);
+  for (size_t s = 0; s < 3; ++s)
+    for (size_t i = 0; i <= kSegments[s]; ++i) writer.put(vertex(s, i));
+  for (int i = 0; i < 10; ++i) writer.put(0.02f * static_cast<float>(i));
+  for (int i = 0; i < 4 * 10; ++i) writer.put(0.5f);
+  return writer.take();
+}
+
+Bytes hairDefaultSegments() {
+  ByteWriter writer;
+  writer.raw("HAIR", 4);
+  for (const uint32_t field : {2u, 8u, 2u, 3u}) writer.put(field);
+  writer.zeros(128 - 20);
+  for (size_t s = 0; s < 2; ++s)
+    for (size_t i = 0; i < 4; ++i) writer.put(vertex(s, i));
+  return writer.take();
+}
+
+Bytes objStrands() {
+  return fromText(
+      "# three strands\n"
+      "v 0 0.1 0\nv 0 0.2 0 1 0 0\nv 0 0.3 +0.01\nv 0 0.4 0.03\r\n"
+      "l 1 2/7 3 4\n"
+      "o second\nv 1e-1 0.1 0 0.5\nv 0.1 0.2 0\nv 0.1 0.3 0.05\n"
+      "l -3 -2 \\\n -1\n"
+      "l 1 5\nl 5 6  # an edge at a time\n");
+}
+
+Bytes objMesh() {
+  return fromText(
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+      "v 50 50 50\nv 51 50 50\nv 50 51 50\n"
+      "g body\n"
+      "f 4/1 3/1 2/1 1/1\nf 5//1 6//1 7//1 8//1\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
+      "g helper-box\nf -3 -2 -1\n");
+}
+
+Bytes glb() {
+  std::string text = std::string(kGltfHead) + R"("buffers":[{"byteLength":60}]})";
+  while (text.size() % 4 != 0) text += ' ';
+  const Bytes buffer = quadBuffer();
+  ByteWriter writer;
+  writer.raw("glTF", 4);
+  writer.put(uint32_t{2});
+  writer.put(static_cast<uint32_t>(12 + 8 + text.size() + 8 + buffer.size()));
+  writer.put(static_cast<uint32_t>(text.size()));
+  writer.raw("JSON", 4);
+  writer.raw(text.data(), text.size());
+  writer.put(static_cast<uint32_t>(buffer.size()));
+  writer.raw("BIN\0", 4);
+  writer.raw(buffer.data(), buffer.size());
+  return writer.take();
+}
+
+Bytes gltf() {
+  return fromText(std::string(kGltfHead) +
+                  R"("buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" +
+                  base64(quadBuffer()) + R"("}]})");
+}
+
+}  // namespace strandcast::samples

@@ -1,0 +1,34 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "core/strand_set.h"
+
+namespace strandcast::samples {
+
+using Bytes = std::vector<std::byte>;
+
+/// Small valid files, made in memory: what the tests damage and the fuzzers start from.
+Bytes tfx3(bool both_ends_immovable = false);  ///< 3 strands x 4 vertices
+Bytes tfx4();                                  ///< 3 strands x 4 vertices, with strand UVs
+Bytes hair();                 ///< strands of 2, 3 and 5 points, with thickness, transparency, colours
+Bytes hairDefaultSegments();  ///< 2 strands of 4 points each, no array of segments
+Bytes objStrands();           ///< 3 strands of 4, 3 and 3 vertices, negative indices, extra columns
+Bytes objMesh();              ///< a cube of quads with a skipped group beside it
+Bytes glb();                  ///< two nodes that share a quad of two triangles
+Bytes gltf();                 ///< the same as text, its buffer in a data URI
+
+/// Strand s of the binary samples: `count` vertices, root at (0.05 s, 0.1, 0), growing up and outward.
+Vec3 vertex(size_t s, size_t i);
+
+Bytes fromText(const std::string& text);
+
+template <class T>
+void overwrite(Bytes& bytes, size_t offset, T value) {
+  std::memcpy(bytes.data() + offset, &value, sizeof(T));
+}
+
+}  // namespace strandcast::samples

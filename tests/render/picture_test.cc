@@ -1,0 +1,169 @@
+#include <limits>
+#include <numbers>
+
+#include "offscreen.h"
+#include "render/hair_growth.h"
+
+namespace strandcast {
+namespace {
+
+BodyDescription sphere(float radius, const Vec3& center) {
+  constexpr uint32_t kAround = 32, kAlong = 16;
+  BodyDescription body;
+  for (uint32_t j = 0; j <= kAlong; ++j) {
+    for (uint32_t i = 0; i <= kAround; ++i) {
+      const float polar = std::numbers::pi_v<float> * j / kAlong,
+                  turn = 2 * std::numbers::pi_v<float> * i / kAround;
+      const Vec3 d(std::sin(polar) * std::sin(turn), std::cos(polar), std::sin(polar) * std::cos(turn));
+      body.mesh.positions.push_back(Vec3(center + radius * d));
+    }
+  }
+  for (uint32_t j = 0; j < kAlong; ++j) {
+    for (uint32_t i = 0; i < kAround; ++i) {
+      const uint32_t a = j * (kAround + 1) + i, b = a + kAround + 1;
+      body.mesh.triangles.push_back({a, b, a + 1});
+      body.mesh.triangles.push_back({a + 1, b, b + 1});
+    }
+  }
+  return body;
+}
+
+using Picture = OffscreenTest;
+
+/// Pixels that hair covers: how far the picture has gone from the background towards black hair.
+double coveredPixels(const RenderSettings& settings, const GroomDescription& groom, const Camera& camera) {
+  Renderer renderer(settings);
+  renderer.setGroom(groom);
+  GuideFrame frame = restFrame(groom);
+  renderer.draw(frame, camera);
+  const Image with = renderer.read();
+  for (Vec3& p : frame.positions)
+    p.x() = std::numeric_limits<float>::quiet_NaN();  // the same scene without hair
+  renderer.draw(frame, camera);
+  const Image without = renderer.read();
+  double covered = 0;
+  for (int y = 0; y < settings.height; ++y)
+    for (int x = 0; x < settings.width; ++x)
+      covered += 1 - linearValue(with, x, y, 2) / linearValue(without, x, y, 2);
+  return covered;
+}
+
+TEST_F(Picture, StraightBundleCoversTheAreaOfItsHairs) {
+  RenderSettings settings = smallPicture();
+  settings.width = settings.height = 256;
+  settings.shadows = false;
+  settings.hair_color = Vec3::Zero();
+  settings.light_direction = Vec3(0, -1, 0);  // along the hair: no highlight, no diffuse light
+  settings.background = Vec3(0.8f, 0.8f, 0.8f);
+  settings.hairs = 60;  // few enough that they hardly overlap
+  settings.clump_radius = 0.0005f;
+  const GroomDescription groom = verticalBundle(200, 1, 0.0012f, 0.1f, 0.2f, 8);
+  Camera camera;
+  camera.eye = Vec3(0, 0, 2);
+  camera.target = Vec3::Zero();
+  camera.vertical_fov = 0.2f;
+  const double pixel = 2 * 2 * std::tan(0.1) / 256;
+  for (const double pixels_wide : {0.1, 0.3}) {
+    settings.hair_width = static_cast<float>(pixels_wide * pixel);
+    double wanted = 0;  // an eighth of a hair is lost to the taper of its last quarter
+    for (const Hair& hair :
+         growHairs(groom.guides, {.hairs = 60, .clump_radius = 0.0005f, .seed = settings.seed}))
+      wanted += pixels_wide * hair.width * 0.875 * hair.extent * 0.2 / pixel;
+    const double covered = coveredPixels(settings, groom, camera);
+    EXPECT_NEAR(covered / wanted, 1, 0.12) << pixels_wide << " pixels wide";
+  }
+}
+
+TEST_F(Picture, BodyShadowDarkensTheGroundBelowIt) {
+  RenderSettings settings = smallPicture();
+  settings.light_direction = Vec3(0, -1, -0.02f);
+  Camera camera;
+  camera.eye = Vec3(0, 1.2f, 1.6f);
+  camera.target = Vec3(0, -0.2f, 0);
+  // A fleck of body far below keeps the ground away from the sphere.
+  BodyDescription body = sphere(0.2f, Vec3(0, 0.2f, 0));
+  const auto first = static_cast<uint32_t>(body.mesh.positions.size());
+  for (const Vec3& p : {Vec3(0, -0.4f, -0.01f), Vec3(0.01f, -0.4f, 0), Vec3(0, -0.4f, 0.01f)})
+    body.mesh.positions.push_back(p);
+  body.mesh.triangles.push_back({first, first + 1, first + 2});
+  const auto groundBrightness = [&](bool shadows, const Vec3& place) {
+    settings.shadows = shadows;
+    Renderer renderer(settings);
+    renderer.setBody(body);
+    renderer.draw(GuideFrame{}, camera);
+    const Image image = renderer.read();
+    const Eigen::Vector4f clip = perspective(camera.vertical_fov, 1, 0.02f, 50) *
+                                 viewMatrix(camera.eye, camera.target) *
+                                 Eigen::Vector4f(place.x(), place.y(), place.z(), 1);
+    const int x = static_cast<int>((0.5f + 0.5f * clip.x() / clip.w()) * 128),
+              y = static_cast<int>((0.5f - 0.5f * clip.y() / clip.w()) * 128);
+    EXPECT_TRUE(x >= 0 && y >= 0 && x < 128 && y < 128);
+    return linearValue(image, x, y, 1);
+  };
+  const Vec3 under(0, -0.4f, 0.12f), beside(0.35f, -0.4f, 0.12f);
+  EXPECT_LT(groundBrightness(true, under), 0.6 * groundBrightness(false, under));
+  EXPECT_NEAR(groundBrightness(true, beside), groundBrightness(false, beside), 0.01);
+}
+
+TEST_F(Picture, HairShadesTheGroundAndItself) {
+  RenderSettings settings = smallPicture();
+  settings.hairs = 4000;
+  settings.hair_width = 400e-6f;
+  settings.light_direction = Vec3(0, -1, -1);
+  const GroomDescription groom = verticalBundle(12, 12, 0.008f, 0.1f, 0.15f, 8);
+  Camera camera;
+  camera.eye = Vec3(0.4f, 0.25f, -0.8f);  // sees the side that the light does not
+  camera.target = Vec3(0, 0, 0);
+  double sum[2];
+  for (const bool shadows : {false, true}) {
+    settings.shadows = shadows;
+    Renderer renderer(settings);
+    renderer.setGroom(groom);
+    renderer.draw(restFrame(groom), camera);
+    const Image image = renderer.read();
+    sum[shadows] = 0;
+    for (int y = 56; y < 72; ++y)
+      for (int x = 56; x < 72; ++x) sum[shadows] += linearValue(image, x, y, 1);
+  }
+  EXPECT_LT(sum[1], 0.7 * sum[0]);
+}
+
+TEST_F(Picture, SameInputGivesTheSamePicture) {
+  const GroomDescription groom = verticalBundle(8, 8, 0.01f, 0.1f, 0.2f, 8);
+  const BodyDescription body = sphere(0.05f, Vec3(0, 0, 0));
+  Image images[2];
+  for (Image& image : images) {
+    Renderer renderer(smallPicture());
+    renderer.setGroom(groom);
+    renderer.setBody(body);
+    renderer.draw(restFrame(groom), Camera{});
+    image = renderer.read();
+    EXPECT_EQ(renderer.statistics().hairs_grown, 1000u);
+    EXPECT_GT(renderer.statistics().hairs_drawn, 50u);
+  }
+  EXPECT_EQ(images[0].rgb, images[1].rgb);
+}
+
+TEST_F(Picture, BodyFollowsTheHeadByItsWeights) {
+  RenderSettings settings = smallPicture();
+  BodyDescription body = sphere(0.1f, Vec3::Zero());
+  Camera camera;
+  camera.eye = Vec3(0, 0, 2);
+  camera.target = Vec3::Zero();
+  const auto middle = [&](float weight) {
+    body.head_weights.assign(body.mesh.positions.size(), weight);
+    Renderer renderer(settings);
+    renderer.setBody(body);
+    GuideFrame frame;
+    frame.head.position = Vec3(0, 0.4f, 0);
+    renderer.draw(frame, camera);
+    const Image image = renderer.read();
+    return linearValue(image, 64, 64, 0) -
+           linearValue(image, 64, 64, 2);  // skin is redder than anything else
+  };
+  EXPECT_GT(middle(0), 0.1);
+  EXPECT_LT(middle(1), 0.0);
+}
+
+}  // namespace
+}  // namespace strandcast

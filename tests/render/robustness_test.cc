@@ -1,0 +1,100 @@
+#include <limits>
+
+#include "core/error.h"
+#include "offscreen.h"
+
+namespace strandcast {
+namespace {
+
+using RendererInput = OffscreenTest;
+
+TEST_F(RendererInput, EmptyGroomAndEmptyBodyGiveABackground) {
+  Renderer renderer(smallPicture());
+  renderer.draw(GuideFrame{}, Camera{});
+  renderer.setGroom({});
+  renderer.setBody({});
+  renderer.draw(GuideFrame{}, Camera{});
+  EXPECT_EQ(renderer.read().rgb.size(), 128u * 128 * 3);
+  EXPECT_EQ(renderer.statistics().hairs_grown, 0u);
+  EXPECT_EQ(renderer.statistics().frames_ignored, 0u);
+}
+
+TEST_F(RendererInput, OneGuideOfTwoVerticesGrowsHair) {
+  Renderer renderer(smallPicture());
+  const GroomDescription groom = verticalBundle(1, 1, 0, 0.1f, 0.2f, 2);
+  renderer.setGroom(groom);
+  const Image bare = (renderer.draw(GuideFrame{}, Camera{}), renderer.read());
+  renderer.draw(restFrame(groom), Camera{});
+  EXPECT_EQ(renderer.statistics().hairs_grown, 1000u);
+  EXPECT_GT(renderer.statistics().hairs_drawn, 0u);
+  EXPECT_EQ(renderer.read().rgb, bare.rgb) << "a frame that does not fit draws the rest shape";
+  EXPECT_EQ(renderer.statistics().frames_ignored, 1u);
+}
+
+TEST_F(RendererInput, FrameThatDoesNotFitIsCountedAndLeavesThePictureAsItWas) {
+  Renderer renderer(smallPicture());
+  const GroomDescription groom = verticalBundle(4, 4, 0.01f, 0.1f, 0.2f, 6);
+  renderer.setGroom(groom);
+  GuideFrame frame = restFrame(groom);
+  renderer.draw(frame, Camera{});
+  const Image before = renderer.read();
+  frame.positions.resize(5);
+  renderer.draw(frame, Camera{});
+  frame = restFrame(groom);
+  frame.head.position.x() = std::numeric_limits<float>::infinity();
+  renderer.draw(frame, Camera{});
+  EXPECT_EQ(renderer.statistics().frames_ignored, 2u);
+  EXPECT_EQ(renderer.read().rgb, before.rgb);
+}
+
+TEST_F(RendererInput, GuidesThatAreNotFiniteLoseTheirHairsOnly) {
+  RenderSettings settings = smallPicture();
+  const GroomDescription groom = verticalBundle(6, 6, 0.01f, 0.1f, 0.2f, 6);
+  Renderer renderer(settings);
+  renderer.setGroom(groom);
+  Camera camera;
+  const Image none = [&] {
+    GuideFrame frame = restFrame(groom);
+    for (Vec3& p : frame.positions) p.y() = std::numeric_limits<float>::quiet_NaN();
+    renderer.draw(frame, camera);
+    EXPECT_EQ(renderer.statistics().guides_unusable, 36u);
+    return renderer.read();
+  }();
+  GuideFrame frame = restFrame(groom);
+  frame.positions[7].x() = std::numeric_limits<float>::infinity();
+  renderer.draw(frame, camera);
+  EXPECT_EQ(renderer.statistics().guides_unusable, 1u);
+  EXPECT_NE(renderer.read().rgb, none.rgb);
+  // Without any hair the middle of the picture is the background, which has no edges.
+  for (int x = 33; x < 95; ++x)
+    EXPECT_NEAR(linearValue(none, x, 30, 1), linearValue(none, x - 1, 30, 1), 0.01) << x;
+}
+
+TEST_F(RendererInput, DamagedBodyAndWildSettingsAndCamerasDoNoHarm) {
+  RenderSettings settings = smallPicture();
+  settings.samples = 99;
+  settings.segments = 1000;
+  settings.hair_width = std::numeric_limits<float>::quiet_NaN();
+  settings.light_direction = Vec3::Zero();
+  Renderer renderer(settings);
+  BodyDescription body;
+  body.mesh.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, std::numeric_limits<float>::quiet_NaN(), 0)};
+  body.mesh.triangles = {{0, 1, 2}, {0, 1, 999}};
+  renderer.setBody(body);
+  const GroomDescription groom = verticalBundle(4, 4, 0.01f, 0.1f, 0.2f, 6);
+  renderer.setGroom(groom);
+  Camera camera;
+  camera.eye = camera.target;
+  renderer.draw(restFrame(groom), camera);
+  camera.eye.x() = std::numeric_limits<float>::quiet_NaN();
+  camera.vertical_fov = -1;
+  renderer.draw(restFrame(groom), camera);
+  EXPECT_EQ(renderer.statistics().frames_drawn, 2u);
+
+  GroomDescription damaged = groom;
+  damaged.guides.positions.pop_back();
+  EXPECT_THROW(renderer.setGroom(damaged), Error);
+}
+
+}  // namespace
+}  // namespace strandcast

@@ -1,0 +1,104 @@
+// Kajiya-Kay shading of a bundle bent over a cylinder against the same formula on the CPU.
+#include <numbers>
+
+#include "offscreen.h"
+#include "render/hair_growth.h"
+
+namespace strandcast {
+namespace {
+
+using Vec = Eigen::Vector3d;
+constexpr double kRadius = 0.1, kTop = 1.5, kBottom = -0.6;  // m, rad above the horizon
+
+GroomDescription bentBundle() {
+  GroomDescription groom;
+  for (int x = 0; x < 200; ++x) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 60; ++i) {
+      const double a = kTop + (kBottom - kTop) * i / 59;
+      points.emplace_back(0.0005f * (static_cast<float>(x) - 99.5f),
+                          static_cast<float>(kRadius * std::sin(a)),
+                          static_cast<float>(kRadius * std::cos(a)));
+    }
+    groom.guides.append(points);
+  }
+  return groom;
+}
+
+double lobe(double il, double ie, double shift, double exponent) {
+  return std::pow(std::max(std::cos(il + ie - 2 * shift), 0.0), exponent);
+}
+
+/// Green channel of a hair's radiance without shadows: hair_shading.glsl in double precision.
+double radiance(const RenderSettings& s, const Hair& hair, const Vec& position, const Vec& t, const Vec& eye,
+                double along) {
+  const Vec l = -s.light_direction.cast<double>().normalized(), e = (eye - position).normalized();
+  const double tl = t.dot(l), te = t.dot(e), sine = std::sqrt(1 - tl * tl);
+  const Vec la = l - tl * t, ea = e - te * t;
+  const double front = std::sqrt(0.5 + 0.5 * la.normalized().dot(ea.normalized()));
+  const double base = s.hair_color.y() * (1 + 0.35 * hair.shade) * (0.75 + 0.5 * along);
+  const double outer = lobe(std::asin(tl), std::asin(te), -0.06, 60) * front;
+  const double inner = lobe(std::asin(tl), std::asin(te), 0.10, 14) * (0.3 + 0.7 * front);
+  const double specular = 0.17 * outer + 1.1 * std::sqrt(base) * base * inner;
+  const double rise = std::clamp(along / 0.25, 0.0, 1.0),
+               occlusion = 0.45 + 0.55 * rise * rise * (3 - 2 * rise);
+  const double ambient = 0.13 + (0.38 - 0.13) * (0.5 + 0.5 * ea.normalized().y());
+  return 2.17 * (0.5 * base * sine * (0.45 + 0.55 * front) + specular * sine) +
+         base * ambient * occlusion * 0.65;
+}
+
+using HairShading = OffscreenTest;
+
+TEST_F(HairShading, HighlightOfABentBundleIsWhereAndAsBrightAsTheFormulaSays) {
+  RenderSettings settings = smallPicture();
+  settings.width = settings.height = 256;
+  settings.hairs = 6000;
+  settings.segments = 64;           // shaded at the nodes, and the highlight is narrow
+  settings.hair_width = 1e-3f;      // covers the bundle
+  settings.clump_radius = 1.5e-4f;  // so that strays hardly turn the tangents
+  settings.shadows = false;
+  settings.light_direction = Vec3(0, -0.5f, -1);
+  Renderer renderer(settings);
+  const GroomDescription groom = bentBundle();
+  renderer.setGroom(groom);
+  Camera camera;
+  camera.eye = Vec3(0, 0.05f, 4);
+  camera.target = Vec3(0, 0.05f, 0);
+  camera.vertical_fov = 0.04f;
+  renderer.draw(restFrame(groom), camera);
+  const Image image = renderer.read();
+
+  const std::vector<Hair> hairs =
+      growHairs(groom.guides, {.hairs = 6000, .clump_radius = settings.clump_radius, .seed = settings.seed});
+  const Vec eye = camera.eye.cast<double>();
+  const double half_height = 4 * std::tan(0.02);
+  int measured_peak = 0, expected_peak = 0;
+  double measured_most = 0, expected_most = 0, worst = 0;
+  int rows = 0;
+  for (int y = 0; y < 256; ++y) {
+    double height = 0;  // where the ray through the row meets the cylinder
+    for (int i = 0; i < 8; ++i) {
+      const double depth = std::sqrt(std::max(kRadius * kRadius - height * height, 0.0));
+      height = 0.05 + half_height * (1 - 2 * (y + 0.5) / 256) * (4 - depth) / 4;
+    }
+    const double sine = height / kRadius;
+    if (sine > 0.85 || sine < -0.15) continue;  // neither the outline nor the thinning tips
+    const double a = std::asin(sine), along = (kTop - a) / (kTop - kBottom);
+    const Vec position(0, height, kRadius * std::cos(a)), tangent(0, -std::cos(a), std::sin(a));
+    double expected = 0, measured = 0;
+    for (const Hair& hair : hairs)
+      expected += (1 - std::exp(-radiance(settings, hair, position, tangent, eye, along / hair.extent))) /
+                  hairs.size();
+    for (int x = 100; x < 156; ++x) measured += linearValue(image, x, y, 1) / 56;
+    worst = std::max(worst, std::abs(measured / expected - 1));
+    if (measured > measured_most) measured_most = measured, measured_peak = y;
+    if (expected > expected_most) expected_most = expected, expected_peak = y;
+    ++rows;
+  }
+  EXPECT_GT(rows, 100);
+  EXPECT_NEAR(measured_peak, expected_peak, 3);
+  EXPECT_LT(worst, 0.08);  // strands average over 56 columns; their shades spread by a fifth
+}
+
+}  // namespace
+}  // namespace strandcast

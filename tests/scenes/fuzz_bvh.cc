@@ -1,0 +1,11 @@
+#include "core/error.h"
+#include "scenes/bvh.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  try {
+    const strandcast::BvhClip clip = strandcast::readBvh(std::as_bytes(std::span(data, size)), "fuzz.bvh");
+    for (size_t j = 0; j < clip.joints.size(); ++j) clip.pose(j, clip.frames - 1);
+  } catch (const strandcast::Error&) {
+  }
+  return 0;
+}

@@ -1,0 +1,133 @@
+#include "scenes/head_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "core/error.h"
+#include "tests/scenes/sample_clip.h"
+
+namespace strandcast {
+namespace {
+
+const Vec3 kPivot(0, -0.115f, -0.025f);
+
+double degrees(const Pose& pose) {
+  return Eigen::AngleAxisf(Eigen::Quaternionf(pose.rotation)).angle() * 180 / std::numbers::pi;
+}
+double degreesBetween(const Pose& a, const Pose& b) {
+  return a.rotation.angularDistance(b.rotation) * 180 / std::numbers::pi;
+}
+
+TEST(HeadMotion, StillStaysStill) {
+  const HeadMotion motion = headMotion("still", kPivot);
+  EXPECT_EQ(motion(3.7).position, Vec3(0, 0, 0));
+  EXPECT_NEAR(degrees(motion(3.7)), 0, 1e-6);
+}
+
+TEST(HeadMotion, SwingsReachTheirAnglesAboutThePivot) {
+  const struct {
+    const char* name;
+    double degrees;
+    Vec3 axis;
+  } kCases[] = {{"nod", 15, Vec3::UnitX()}, {"shake", 35, Vec3::UnitY()}, {"turn", 45, Vec3::UnitY()}};
+  for (const auto& given : kCases) {
+    const HeadMotion motion = headMotion(given.name, kPivot);
+    double widest = 0;
+    for (double t = 1; t < 12; t += 0.005) {
+      const Pose pose = motion(t);
+      widest = std::max(widest, degrees(pose));
+      ASSERT_NEAR((pose.apply(kPivot) - kPivot).norm(), 0, 1e-6);
+      ASSERT_NEAR((pose.rotate(given.axis) - given.axis).norm(), 0, 1e-5);
+    }
+    EXPECT_NEAR(widest, given.degrees, 0.01) << given.name;
+  }
+}
+
+TEST(HeadMotion, MotionsCombine) {
+  const Pose both = headMotion("nod+turn", kPivot)(1.3);
+  const Pose expected = headMotion("nod", kPivot)(1.3) * headMotion("turn", kPivot)(1.3);
+  EXPECT_LT(degreesBetween(both, expected), 0.05);
+  EXPECT_NEAR((both.apply(kPivot) - kPivot).norm(), 0, 1e-6);
+}
+
+TEST(HeadMotion, StartsFromRestWithSmallAccelerations) {
+  const ScratchFile clip("start.bvh", kSampleClip);
+  for (const std::string& name :
+       {std::string("nod"), std::string("shake"), std::string("turn"), clip.path.string()}) {
+    const HeadMotion motion = headMotion(name, kPivot);
+    EXPECT_NEAR(degrees(motion(0)), 0, 1e-4) << name;
+    EXPECT_NEAR(motion(0).position.norm(), 0, 1e-6);
+    EXPECT_LT(degreesBetween(motion(0), motion(0.01)) / 0.01, 2.0) << name;  // degrees/s after 10 ms
+  }
+}
+
+TEST(HeadMotion, HasNoJumpsInSpeed) {
+  const ScratchFile clip("jump.bvh", kSampleClip);
+  for (const std::string& name : {std::string("shake+nod"), clip.path.string()}) {
+    const HeadMotion motion = headMotion(name, kPivot);
+    constexpr double h = 1e-3;
+    for (double t = 0; t < 3; t += h) {
+      const Vec3 p(0, 0.1f, 0.1f);
+      const Vec3 bend = motion(t).apply(p) - 2 * motion(t + h).apply(p) + motion(t + 2 * h).apply(p);
+      ASSERT_LT(bend.norm() / (h * h), 400) << name << " at " << t;  // a jump of 1 m/s would be 1000 m/s^2
+    }
+  }
+}
+
+TEST(HeadMotion, AClipLoopsInPlace) {
+  const ScratchFile file("loop.bvh", kSampleClip);
+  const HeadMotion motion = bvhMotion(file.path, 0.1f, kPivot);
+  constexpr double kPeriod = 0.4;
+  for (double t = 0.6; t < 1; t += 0.013) {
+    EXPECT_LT(degreesBetween(motion(t), motion(t + kPeriod)), 0.2) << t;
+    EXPECT_NEAR((motion(t).position - motion(t + kPeriod).position).norm(), 0, 1e-4);
+    EXPECT_LT(motion(t).apply(kPivot).z() - kPivot.z(), 0.05f);  // the walk of 0.4 m is taken out
+  }
+}
+
+TEST(HeadMotion, AClipIsScaledByItsUnit) {
+  const ScratchFile file("unit.bvh", kSampleClip);
+  // Frame 2 of the sample is 0.5 units to the side; time runs 0.25 s late after the start.
+  const Pose small = bvhMotion(file.path, 0.01f, kPivot)(0.45 + 0.4),
+             large = bvhMotion(file.path, 0.1f, kPivot)(0.45 + 0.4);
+  const float side = small.apply(kPivot).x();
+  EXPECT_NEAR(side, 0.005f, 1e-4);
+  EXPECT_NEAR(large.apply(kPivot).x(), 10 * side, 1e-4);
+}
+
+TEST(HeadMotion, UnknownNamesListTheChoices) {
+  for (const char* name : {"", "wink", "nod+", "nod+wink", "+"}) {
+    try {
+      headMotion(name, kPivot);
+      FAIL() << name;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("still, nod, shake, turn"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(HeadMotion, AnUnknownJointIsAnError) {
+  const ScratchFile file("joint.bvh", kSampleClip);
+  EXPECT_THROW(bvhMotion(file.path, 0.1f, kPivot, "Tail"), Error);
+  EXPECT_THROW(bvhMotion(file.path, -1, kPivot), Error);
+}
+
+TEST(HeadMotion, RealClipsStayNearTheRestPose) {
+  for (const char* name : {"mh_walk1.bvh", "mh_zombieWalk1.bvh"}) {
+    const auto file = dataFolder() / "motion" / name;
+    if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << " (set STRANDCAST_DATA)";
+    const HeadMotion motion = headMotion(file.string(), kPivot);
+    float farthest = 0;
+    for (double t = 0; t < 5; t += 0.01) {
+      const Pose pose = motion(t);
+      ASSERT_TRUE(pose.position.allFinite() && pose.rotation.coeffs().allFinite());
+      farthest = std::max(farthest, (pose.apply(kPivot) - kPivot).norm());
+    }
+    EXPECT_LT(farthest, 0.5f);
+    EXPECT_GT(farthest, 0.005f);
+  }
+}
+
+}  // namespace
+}  // namespace strandcast

@@ -1,0 +1,54 @@
+#pragma once
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace strandcast {
+
+/// A root with a head 2 units above it; 5 frames of 0.1 s in which the root walks along Z and the head turns
+/// about Y.
+inline const std::string kSampleClip = R"(HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 1 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT MyHead
+  {
+    OFFSET 0 2 0
+    CHANNELS 3 Yrotation Xrotation Zrotation
+    End Site
+    {
+      OFFSET 0 0.5 0
+    }
+  }
+}
+MOTION
+Frames: 5
+Frame Time: 0.1
+0 1 0 0 0 0 0 0 0
+0 1 1 0 0 0 30 0 0
+0.5 1 2 0 0 0 60 0 0
+0 1 3 0 0 0 30 0 0
+0 1 4 0 0 0 0 0 0
+)";
+
+/// A file that is removed with its owner.
+struct ScratchFile {
+  std::filesystem::path path;
+  ScratchFile(const std::string& name, const std::string& text)
+      : path(std::filesystem::temp_directory_path() / ("strandcast_" + std::to_string(std::rand()) + name)) {
+    std::ofstream(path, std::ios::binary) << text;
+  }
+  ~ScratchFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+  }
+};
+
+inline std::filesystem::path dataFolder() {
+  const char* set = std::getenv("STRANDCAST_DATA");
+  return set ? std::filesystem::path(set) : std::filesystem::path(STRANDCAST_SOURCE_DIR "/../shared/data");
+}
+
+}  // namespace strandcast

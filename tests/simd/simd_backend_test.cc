@@ -1,0 +1,93 @@
+#include "simd/simd_backend.h"
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/error.h"
+#include "tests/conformance/conformance_model.h"
+
+namespace strandcast {
+namespace {
+
+uint64_t hashAfter(int steps, std::unique_ptr<Backend> backend) {
+  const StrandModel model = awkwardModel(257, 81);
+  const std::vector<Pose> roots_end = movedRoots(model);
+  const Parameters parameters;
+  const auto bodies = movingBodies(parameters.time_step);
+  backend->load(model, disturbedState(model, 82));
+  for (int i = 0; i < steps; ++i) backend->step({&parameters, model.rest_roots, roots_end, bodies});
+  StrandState state;
+  backend->download(state);
+  return stateHash(state);
+}
+
+TEST(SimdBackend, AnyNumberOfThreadsGivesTheSameBits) {
+  // As many workers as are asked for, however few cores there are.
+  const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism, 4);
+  for (const std::string& target : simdTargets()) {
+    const uint64_t one = hashAfter(5, makeSimdBackend(1, target));
+    for (int threads = 2; threads <= 4; ++threads)
+      EXPECT_EQ(hashAfter(5, makeSimdBackend(threads, target)), one)
+          << target << ", " << threads << " threads";
+    EXPECT_EQ(hashAfter(5, makeSimdBackend(0, target)), one) << target << ", all threads";
+  }
+}
+
+// What has fused multiply-adds rounds alike, in lanes of any number: the scalar reference too.
+TEST(SimdBackend, Avx2AndAvx3GiveTheBitsOfTheReference) {
+  const std::vector<std::string> targets = simdTargets();
+  bool ran = false;
+  for (const std::string target : {"AVX2", "AVX3"}) {
+    if (std::find(targets.begin(), targets.end(), target) == targets.end()) continue;
+    EXPECT_EQ(hashAfter(3, makeSimdBackend(1, target)), hashAfter(3, makeReferenceBackend())) << target;
+    ran = true;
+  }
+  if (!ran) GTEST_SKIP() << "this machine has neither AVX2 nor AVX3";
+}
+
+TEST(SimdBackend, ANamedTargetIsTheOneThatRuns) {
+  const std::vector<std::string> targets = simdTargets();
+  ASSERT_FALSE(targets.empty());
+  for (const std::string& target : targets)
+    EXPECT_EQ(makeSimdBackend(1, target)->device(), target + ", 1 thread");
+  EXPECT_EQ(makeSimdBackend(2)->device(), targets.front() + ", 2 threads") << "the best comes first";
+}
+
+TEST(SimdBackend, TwoBackendsKeepTheirOwnTargets) {
+  const std::vector<std::string> targets = simdTargets();
+  auto best = makeSimdBackend(1, targets.front());
+  auto last = makeSimdBackend(1, targets.back());
+  EXPECT_EQ(hashAfter(2, std::move(best)), hashAfter(2, makeSimdBackend(1, targets.front())));
+  EXPECT_EQ(hashAfter(2, std::move(last)), hashAfter(2, makeSimdBackend(1, targets.back())));
+}
+
+TEST(SimdBackend, WhatCannotRunIsAnError) {
+  EXPECT_THROW(makeSimdBackend(1, "AVX3_DL"), Error) << "not compiled: Highway would only emulate it";
+  EXPECT_THROW(makeSimdBackend(1, "avx2"), Error);
+  EXPECT_THROW(makeSimdBackend(-1), Error);
+  EXPECT_THROW(makeSimdBackend(1 << 20), Error);
+}
+
+TEST(SimdBackend, InfoNamesTheBestTarget) {
+  const BackendInfo info = simdBackendInfo();
+  EXPECT_EQ(info.name, "simd");
+  EXPECT_TRUE(info.available);
+  EXPECT_EQ(info.reason, simdTargets().front());
+  EXPECT_GT(info.score, referenceBackendInfo().score);
+  EXPECT_EQ(info.create(2)->name(), "simd");
+}
+
+TEST(SimdBackend, AModelWithoutStrandsStepsToNothing) {
+  const StrandModel model;
+  auto backend = makeSimdBackend(2);
+  backend->load(model, {});
+  const Parameters parameters;
+  backend->step({&parameters, {}, {}, {}});
+  EXPECT_TRUE(backend->guides().empty());
+}
+
+}  // namespace
+}  // namespace strandcast

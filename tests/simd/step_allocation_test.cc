@@ -1,0 +1,69 @@
+// Counts every operator new of the process while the CPU backends step.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "core/simulation.h"
+#include "simd/simd_backend.h"
+#include "tests/conformance/conformance_model.h"
+
+namespace {
+
+std::atomic<size_t> allocations{0};
+
+void* take(size_t bytes, size_t alignment) {
+  ++allocations;
+  const size_t rounded = (std::max<size_t>(bytes, 1) + alignment - 1) / alignment * alignment;
+  if (void* memory = std::aligned_alloc(alignment, rounded)) return memory;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(size_t bytes) { return take(bytes, alignof(std::max_align_t)); }
+void* operator new[](size_t bytes) { return take(bytes, alignof(std::max_align_t)); }
+void* operator new(size_t bytes, std::align_val_t alignment) { return take(bytes, size_t(alignment)); }
+void* operator new[](size_t bytes, std::align_val_t alignment) { return take(bytes, size_t(alignment)); }
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete[](void* p) noexcept { std::free(p); }
+void operator delete(void* p, size_t) noexcept { std::free(p); }
+void operator delete[](void* p, size_t) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, size_t, std::align_val_t) noexcept { std::free(p); }
+void operator delete[](void* p, size_t, std::align_val_t) noexcept { std::free(p); }
+
+namespace strandcast {
+namespace {
+
+void expectNoAllocation(std::unique_ptr<Backend> backend) {
+  const std::string device = backend->name() + " " + backend->device();
+  RigidBody head{{{PrimitiveKind::kSphere, Vec3(0, -0.1f, 0), Vec3::UnitY(), 0.09f, 0.3f}}, true};
+  Simulation simulation(awkwardModel(257, 91), {head}, Parameters(), std::move(backend));
+  simulation.step();  // worker threads start with the first
+  const size_t before = allocations;
+  for (int i = 0; i < 20; ++i) {
+    simulation.setHeadPose({Vec3(0.001f * i, 0, 0), Quat::Identity()});
+    simulation.step();
+    ASSERT_EQ(simulation.guides().size(), simulation.model().vertices());
+  }
+  EXPECT_EQ(allocations - before, 0u) << device;
+}
+
+TEST(StepAllocation, TheCounterCounts) {
+  const size_t before = allocations;
+  auto number = std::make_unique<int>(3);
+  EXPECT_EQ(*number, 3);
+  EXPECT_GT(allocations, before);
+}
+
+TEST(StepAllocation, ReferenceAllocatesNothing) { expectNoAllocation(makeReferenceBackend()); }
+TEST(StepAllocation, SimdAllocatesNothing) {
+  for (const std::string& target : simdTargets())
+    for (int threads : {1, 2, 0}) expectNoAllocation(makeSimdBackend(threads, target));
+}
+
+}  // namespace
+}  // namespace strandcast

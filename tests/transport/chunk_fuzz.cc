@@ -1,0 +1,170 @@
+#include "chunk_fuzz.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+#include "transport/assembler.h"
+
+namespace strandcast {
+namespace {
+
+class Bytes {
+ public:
+  Bytes(const uint8_t* data, size_t size) : data_(data), left_(size) {}
+  bool empty() const { return left_ == 0; }
+  uint8_t byte() {
+    if (left_ == 0) return 0;
+    --left_;
+    return *data_++;
+  }
+  /// Mostly small, so that chunks fit each other; 255 introduces any number.
+  uint32_t number() {
+    const uint8_t small = byte();
+    return small < 255 ? small : byte() | byte() << 8 | byte() << 16 | static_cast<uint32_t>(byte()) << 24;
+  }
+  float real() {
+    const uint32_t bits = number();
+    float value;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+  }
+  template <class T, class Next>
+  void fill(std::vector<T>& values, size_t expected, Next next) {
+    // Usually the length that fits; 255 makes it any other.
+    const uint8_t choice = byte();
+    values.resize(std::min<size_t>(choice < 255 ? expected : byte(), 1024));
+    for (T& value : values) value = static_cast<T>(next());
+  }
+
+ private:
+  const uint8_t* data_;
+  size_t left_;
+};
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+template <class Chunk>
+void readHeader(Bytes& bytes, Chunk& chunk) {
+  chunk.session = 1 + bytes.byte() % 2;
+  chunk.groom_id = 1;
+  chunk.chunk_index = bytes.number();
+  chunk.chunk_count = bytes.number();
+  chunk.revision = bytes.byte() % 2;
+}
+
+GroomChunk readGroomChunk(Bytes& bytes) {
+  GroomChunk chunk;
+  readHeader(bytes, chunk);
+  chunk.total_strands = bytes.number();
+  chunk.total_vertices = bytes.number();
+  chunk.first_strand = bytes.number();
+  chunk.first_vertex = bytes.number();
+  chunk.arrays = bytes.byte() % 17;
+  bytes.fill(chunk.vertex_counts, bytes.byte() % 8, [&] { return bytes.number(); });
+  size_t vertices = 0;
+  for (const uint32_t count : chunk.vertex_counts) vertices += count % 4096;
+  const size_t strands = chunk.vertex_counts.size();
+  const auto when = [&](uint32_t bit, size_t count) { return (chunk.arrays & bit) != 0 ? count : 0; };
+  bytes.fill(chunk.positions, 3 * vertices, [&] { return bytes.real(); });
+  bytes.fill(chunk.pinned, when(GroomChunk::kPinned, vertices), [&] { return bytes.byte(); });
+  bytes.fill(chunk.radii, when(GroomChunk::kRadii, vertices), [&] { return bytes.real(); });
+  bytes.fill(chunk.uvs, when(GroomChunk::kUvs, 2 * strands), [&] { return bytes.real(); });
+  bytes.fill(chunk.parts, when(GroomChunk::kParts, strands), [&] { return bytes.byte(); });
+  return chunk;
+}
+
+BodyChunk readBodyChunk(Bytes& bytes) {
+  BodyChunk chunk;
+  readHeader(bytes, chunk);
+  chunk.total_positions = bytes.number();
+  chunk.total_triangles = bytes.number();
+  chunk.first_position = bytes.number();
+  chunk.first_triangle = bytes.number();
+  chunk.arrays = bytes.byte() % 5;
+  const size_t positions = bytes.byte() % 8, triangles = bytes.byte() % 8;
+  const auto when = [&](uint32_t bit, size_t count) { return (chunk.arrays & bit) != 0 ? count : 0; };
+  bytes.fill(chunk.positions, 3 * positions, [&] { return bytes.real(); });
+  bytes.fill(chunk.normals, when(BodyChunk::kNormals, 3 * positions), [&] { return bytes.real(); });
+  bytes.fill(chunk.head_weights, when(BodyChunk::kHeadWeights, positions), [&] { return bytes.real(); });
+  bytes.fill(chunk.triangles, 3 * triangles, [&] { return bytes.number(); });
+  return chunk;
+}
+
+GuideChunk readGuideChunk(Bytes& bytes) {
+  GuideChunk chunk;
+  readHeader(bytes, chunk);
+  chunk.frame = bytes.number();
+  chunk.publish_time = bytes.byte() % 2;
+  chunk.first_strand = bytes.number();
+  chunk.strand_count = bytes.number();
+  chunk.first_vertex = bytes.number();
+  chunk.vertex_count = bytes.number();
+  chunk.encoding = static_cast<Encoding>(bytes.byte() / 255);
+  if (bytes.byte() == 255) chunk.head_rotation[0] = bytes.real();
+  bytes.fill(chunk.payload, std::min<uint32_t>(chunk.vertex_count, 80) * 12,
+             [&] { return bytes.byte() / 16; });
+  return chunk;
+}
+
+void checkGroom(const GroomDescription& groom) {
+  const StrandSet& guides = groom.guides;
+  require(guides.offsets.front() == 0 && guides.offsets.back() == guides.vertices() && guides.strands() > 0);
+  require(std::is_sorted(guides.offsets.begin(), guides.offsets.end()));
+  for (const Vec3& position : guides.positions) require(position.allFinite());
+  require(guides.pinned.empty() || guides.pinned.size() == guides.vertices());
+  require(guides.radii.empty() || guides.radii.size() == guides.vertices());
+  require(guides.uvs.empty() || guides.uvs.size() == guides.strands());
+  require(guides.parts.empty() || guides.parts.size() == guides.strands());
+}
+
+void checkBody(const BodyDescription& body) {
+  const size_t positions = body.mesh.positions.size();
+  require(body.mesh.normals.empty() || body.mesh.normals.size() == positions);
+  require(body.head_weights.empty() || body.head_weights.size() == positions);
+  for (const auto& triangle : body.mesh.triangles) {
+    for (const uint32_t index : triangle) require(index < positions);
+  }
+}
+
+}  // namespace
+
+size_t fuzzChunks(const uint8_t* data, size_t size) {
+  Bytes bytes(data, size);
+  GroomAssembler grooms(1);
+  BodyAssembler bodies(1);
+  GuideAssembler frames;
+  size_t completed = 0, vertices = 0;
+  uint64_t newest = 0;
+  while (!bytes.empty()) {
+    switch (bytes.byte() % 3) {
+      case 0:
+        if (const auto groom = grooms.add(readGroomChunk(bytes))) {
+          checkGroom(*groom);
+          frames.setGroom(groom);
+          vertices = groom->guides.vertices();
+          newest = 0;
+          ++completed;
+        }
+        break;
+      case 1:
+        if (const auto body = bodies.add(readBodyChunk(bytes))) {
+          checkBody(*body);
+          ++completed;
+        }
+        break;
+      default:
+        if (const auto frame = frames.add(readGuideChunk(bytes))) {
+          require(frame->positions.size() == vertices && frame->frame > newest);
+          for (const Vec3& position : frame->positions) require(position.allFinite());
+          newest = frame->frame;
+          ++completed;
+        }
+    }
+  }
+  return completed;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,6 @@
+#include "chunk_fuzz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  strandcast::fuzzChunks(data, size);
+  return 0;
+}

@@ -1,0 +1,362 @@
+#include "transport/chunks.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include "chunk_fuzz.h"
+#include "core/error.h"
+#include "sample_messages.h"
+#include "transport/assembler.h"
+
+namespace strandcast {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+size_t payloadBytes(const GroomChunk& c) {
+  return 4 * (c.vertex_counts.size() + c.positions.size() + c.radii.size() + c.uvs.size()) + c.pinned.size() +
+         2 * c.parts.size();
+}
+
+void expectSame(const GroomDescription& a, const GroomDescription& b) {
+  EXPECT_EQ(a.groom_id, b.groom_id);
+  EXPECT_EQ(a.session, b.session);
+  EXPECT_EQ(a.revision, b.revision);
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.hair_radius, b.hair_radius);
+  EXPECT_EQ(a.guides.offsets, b.guides.offsets);
+  EXPECT_EQ(a.guides.positions, b.guides.positions);
+  EXPECT_EQ(a.guides.pinned, b.guides.pinned);
+  EXPECT_EQ(a.guides.radii, b.guides.radii);
+  EXPECT_EQ(a.guides.uvs, b.guides.uvs);
+  EXPECT_EQ(a.guides.parts, b.guides.parts);
+}
+
+void expectSame(const BodyDescription& a, const BodyDescription& b) {
+  EXPECT_EQ(a.session, b.session);
+  EXPECT_EQ(a.revision, b.revision);
+  EXPECT_EQ(a.mesh.name, b.mesh.name);
+  EXPECT_EQ(a.mesh.positions, b.mesh.positions);
+  EXPECT_EQ(a.mesh.normals, b.mesh.normals);
+  EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
+  EXPECT_EQ(a.head_weights, b.head_weights);
+}
+
+/// Feeds the chunks in a seeded random order, each twice before the last is in; the message must complete
+/// exactly once.
+template <class Assembler, class Chunk>
+auto assembleShuffled(Assembler& assembler, std::vector<Chunk> chunks) {
+  std::shuffle(chunks.begin(), chunks.end(), std::mt19937(3));
+  decltype(assembler.add(Chunk(chunks[0]))) result;
+  for (size_t i = 0; i < chunks.size(); ++i) {
+    EXPECT_EQ(result, nullptr) << "complete before chunk " << i << " of " << chunks.size();
+    if (i > 0) {
+      EXPECT_EQ(assembler.add(Chunk(chunks[i - 1])), nullptr);
+    }
+    result = assembler.add(Chunk(chunks[i]));
+  }
+  return result;
+}
+
+void expectGroomRoundTrip(const GroomDescription& groom, size_t min_chunks) {
+  const std::vector<GroomChunk> chunks = splitGroom(groom);
+  EXPECT_GE(chunks.size(), min_chunks);
+  for (const GroomChunk& chunk : chunks) EXPECT_LE(payloadBytes(chunk), kMaxChunkBytes);
+  GroomAssembler assembler(groom.groom_id);
+  const auto result = assembleShuffled(assembler, chunks);
+  ASSERT_TRUE(result);
+  expectSame(groom, *result);
+  EXPECT_EQ(assembler.chunksRejected(), 0u);
+}
+
+TEST(Chunks, GroomOfMixedVertexCountsComesBack) {
+  const auto mixed = [](size_t s) { return 1 + s * 37 % 123; };
+  expectGroomRoundTrip(sampleGroom(1003, mixed), 10);
+}
+TEST(Chunks, GroomWithoutOptionalArraysComesBack) {
+  expectGroomRoundTrip(sampleGroom(
+                           777, [](size_t s) { return 2 + s % 5; }, false),
+                       1);
+}
+TEST(Chunks, GroomOfOneStrandComesBack) { expectGroomRoundTrip(uniformGroom(1, 2), 1); }
+TEST(Chunks, GroomOfOneVertexComesBack) { expectGroomRoundTrip(uniformGroom(1, 1), 1); }
+TEST(Chunks, GroomOf20000StrandsComesBack) { expectGroomRoundTrip(uniformGroom(20000, 16), 90); }
+TEST(Chunks, StrandsOfTheLargestVertexCountComeBack) {
+  expectGroomRoundTrip(uniformGroom(3, kMaxVerticesPerStrand), 3);
+}
+
+TEST(Chunks, BodiesComeBack) {
+  for (const BodyDescription& body :
+       {sampleBody(120), sampleBody(120, false), sampleBody(2), sampleBody(0)}) {
+    BodyAssembler assembler(1);
+    const auto result = assembleShuffled(assembler, splitBody(body));
+    ASSERT_TRUE(result);
+    expectSame(body, *result);
+    EXPECT_EQ(assembler.chunksRejected(), 0u);
+  }
+}
+
+std::vector<GuideChunk> splitFrame(const GroomDescription& groom, const GuideFrame& frame) {
+  const std::vector<StrandRun> runs = divideGuides(groom.guides);
+  std::vector<GuideChunk> chunks(runs.size());
+  for (uint32_t i = 0; i < runs.size(); ++i) fillGuideChunk(frame, runs, i, chunks[i]);
+  return chunks;
+}
+
+TEST(Chunks, FramesComeBack) {
+  for (const GroomDescription& groom : {sampleGroom(1003, [](size_t s) { return 1 + s * 37 % 123; }),
+                                        uniformGroom(1, 2), uniformGroom(20000, 16)}) {
+    GuideAssembler assembler;
+    assembler.setGroom(std::make_shared<GroomDescription>(groom));
+    const GuideFrame frame = sampleFrame(groom, 5);
+    const std::vector<GuideChunk> chunks = splitFrame(groom, frame);
+    for (const GuideChunk& chunk : chunks) EXPECT_LE(chunk.payload.size(), kMaxChunkBytes);
+    const auto result = assembleShuffled(assembler, chunks);
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->positions, frame.positions);
+    EXPECT_EQ(result->head.position, frame.head.position);
+    EXPECT_EQ(result->head.rotation.coeffs(), frame.head.rotation.coeffs());
+    EXPECT_EQ(result->frame, 5u);
+    EXPECT_EQ(result->simulation_time, frame.simulation_time);
+    EXPECT_EQ(result->publish_time, frame.publish_time);
+    EXPECT_EQ(assembler.framesReceived(), 1u);
+    EXPECT_EQ(assembler.framesLost(), 0u);
+    EXPECT_EQ(assembler.chunksRejected(), 0u);
+  }
+}
+
+TEST(Chunks, AnnouncementRefusesWhatReceiversWould) {
+  const auto expect_refusal = [](const char* why,
+                                 const std::function<void(GroomDescription&, BodyDescription&)>& spoil) {
+    GroomDescription groom = uniformGroom(4, 3);
+    BodyDescription body = sampleBody(3);
+    EXPECT_NO_THROW(checkAnnouncement(groom, body, "here"));
+    spoil(groom, body);
+    EXPECT_THROW(checkAnnouncement(groom, body, "here"), Error) << why;
+  };
+  expect_refusal("no strands", [](auto& g, auto&) { g.guides = StrandSet(); });
+  expect_refusal("offsets beyond positions", [](auto& g, auto&) { g.guides.offsets.back() += 1; });
+  expect_refusal("offsets go back",
+                 [](auto& g, auto&) { std::swap(g.guides.offsets[1], g.guides.offsets[2]); });
+  expect_refusal("NaN", [](auto& g, auto&) { g.guides.positions[1].x() = kNan; });
+  expect_refusal("short radii", [](auto& g, auto&) { g.guides.radii.pop_back(); });
+  expect_refusal("long strand", [](auto& g, auto&) { g = uniformGroom(1, kMaxVerticesPerStrand + 1); });
+  expect_refusal("triangle out of range", [](auto&, auto& b) { b.mesh.triangles[0][2] = 9; });
+  expect_refusal("weight out of range", [](auto&, auto& b) { b.head_weights[0] = 1.5f; });
+  expect_refusal("NaN in the body", [](auto&, auto& b) { b.mesh.positions[0].z() = kNan; });
+}
+
+// ---- damage: every damaged chunk is refused, counted, and does no harm to the message it claims to belong
+// to
+
+template <class Chunk>
+struct Damage {
+  const char* name;
+  std::function<void(Chunk&)> apply;
+};
+
+/// The damaged copy of chunk 1 comes first, or behind chunk 0; then all the sound ones complete the message.
+template <class MakeAssembler, class Chunk>
+void expectRefusal(MakeAssembler make, const std::vector<Chunk>& chunks,
+                   const std::vector<Damage<Chunk>>& damages) {
+  ASSERT_GE(chunks.size(), 3u);
+  for (const auto& damage : damages) {
+    auto assembler = make();
+    Chunk damaged = chunks[1];
+    damage.apply(damaged);
+    EXPECT_EQ(assembler.add(Chunk(chunks[0])), nullptr);
+    EXPECT_EQ(assembler.add(std::move(damaged)), nullptr) << damage.name;
+    EXPECT_EQ(assembler.chunksRejected(), 1u) << damage.name;
+    bool is_complete = false;
+    for (size_t i = 1; i < chunks.size(); ++i) is_complete = assembler.add(Chunk(chunks[i])) != nullptr;
+    EXPECT_TRUE(is_complete) << damage.name;
+  }
+}
+
+TEST(Chunks, DamagedGroomChunksAreRefused) {
+  using C = GroomChunk;
+  expectRefusal([] { return GroomAssembler(1); }, splitGroom(uniformGroom(1500, 10)),
+                std::vector<Damage<C>>{
+                    {"session 0", [](C& c) { c.session = 0; }},
+                    {"groom id", [](C& c) { c.groom_id = 2; }},
+                    {"index beyond count", [](C& c) { c.chunk_index = c.chunk_count; }},
+                    {"count 0", [](C& c) { c.chunk_count = 0; }},
+                    {"huge count", [](C& c) { c.chunk_count = 0xffffffff; }},
+                    {"another count", [](C& c) { ++c.chunk_count; }},
+                    {"another total", [](C& c) { ++c.total_strands; }},
+                    {"huge total", [](C& c) { c.total_vertices = 0xffffffff; }},
+                    {"strands out of range", [](C& c) { c.first_strand = 0xffffffff; }},
+                    {"vertices out of range", [](C& c) { c.first_vertex = 0xfffffff0; }},
+                    {"no strands", [](C& c) { c.vertex_counts.clear(); }},
+                    {"vertex count 0", [](C& c) { c.vertex_counts[0] = 0; }},
+                    {"huge vertex count", [](C& c) { c.vertex_counts[0] = 0xffffffff; }},
+                    {"counts that sum up to 2^32 more",
+                     [](C& c) { c.vertex_counts[0] += 0x80000000, c.vertex_counts[1] += 0x80000000; }},
+                    {"short positions", [](C& c) { c.positions.pop_back(); }},
+                    {"short pinned", [](C& c) { c.pinned.pop_back(); }},
+                    {"no radii", [](C& c) { c.radii.clear(); }},
+                    {"long uvs", [](C& c) { c.uvs.push_back(0); }},
+                    {"short parts", [](C& c) { c.parts.pop_back(); }},
+                    {"other arrays", [](C& c) { c.arrays ^= 1; }},
+                    {"unknown arrays", [](C& c) { c.arrays |= 16; }},
+                    {"NaN position", [](C& c) { c.positions[7] = kNan; }},
+                    {"infinite radius", [](C& c) { c.radii[7] = INFINITY; }},
+                    {"NaN uv", [](C& c) { c.uvs[0] = kNan; }},
+                    {"NaN hair radius", [](C& c) { c.hair_radius = kNan; }},
+                    {"long name", [](C& c) { c.name.assign(kMaxTextBytes + 1, 'x'); }},
+                    {"another name", [](C& c) { c.name = "other"; }},
+                });
+}
+
+TEST(Chunks, DamagedBodyChunksAreRefused) {
+  using C = BodyChunk;
+  expectRefusal([] { return BodyAssembler(1); }, splitBody(sampleBody(100)),
+                std::vector<Damage<C>>{
+                    {"another total", [](C& c) { ++c.total_positions; }},
+                    {"positions out of range", [](C& c) { c.first_position = 0xffffffff; }},
+                    {"triangles out of range", [](C& c) { c.first_triangle = 0xffffffff; }},
+                    {"short positions", [](C& c) { c.positions.pop_back(); }},
+                    {"one position less", [](C& c) { c.positions.resize(c.positions.size() - 3); }},
+                    {"short normals", [](C& c) { c.normals.pop_back(); }},
+                    {"no weights", [](C& c) { c.head_weights.clear(); }},
+                    {"weight above 1", [](C& c) { c.head_weights[0] = 1.01f; }},
+                    {"NaN weight", [](C& c) { c.head_weights[0] = kNan; }},
+                    {"NaN normal", [](C& c) { c.normals[0] = kNan; }},
+                    {"half a triangle", [](C& c) { c.triangles.push_back(0); }},
+                    {"index out of range",
+                     [](C& c) {
+                       c.triangles = {0, 1, c.total_positions};
+                     }},
+                    {"unknown arrays", [](C& c) { c.arrays |= 4; }},
+                });
+}
+
+TEST(Chunks, DamagedGuideChunksAreRefused) {
+  using C = GuideChunk;
+  const auto groom = std::make_shared<GroomDescription>(uniformGroom(1500, 10));
+  const auto make = [&] {
+    GuideAssembler assembler;
+    assembler.setGroom(groom);
+    return assembler;
+  };
+  expectRefusal(make, splitFrame(*groom, sampleFrame(*groom, 5)),
+                std::vector<Damage<C>>{
+                    {"another session", [](C& c) { ++c.session; }},
+                    {"another revision", [](C& c) { ++c.revision; }},
+                    {"another groom", [](C& c) { ++c.groom_id; }},
+                    {"frame 0", [](C& c) { c.frame = 0; }},
+                    {"index beyond count", [](C& c) { c.chunk_index = c.chunk_count; }},
+                    {"huge count", [](C& c) { c.chunk_count = 0xffffffff; }},
+                    {"another count", [](C& c) { ++c.chunk_count; }},
+                    {"no strands", [](C& c) { c.strand_count = 0; }},
+                    {"strands out of range", [](C& c) { c.first_strand = 0xffffffff; }},
+                    {"too many strands", [](C& c) { c.strand_count = 0xffffffff; }},
+                    {"shifted strands", [](C& c) { ++c.first_strand; }},
+                    {"shifted vertices", [](C& c) { ++c.first_vertex; }},
+                    {"another vertex count", [](C& c) { --c.vertex_count; }},
+                    {"short payload", [](C& c) { c.payload.pop_back(); }},
+                    {"no payload", [](C& c) { c.payload.clear(); }},
+                    {"unknown encoding", [](C& c) { c.encoding = static_cast<Encoding>(99); }},
+                    {"NaN position", [](C& c) { c.payload[3] = 0x7f, c.payload[2] = 0xc0; }},
+                    {"NaN head", [](C& c) { c.head_position[1] = kNan; }},
+                    {"no rotation",
+                     [](C& c) {
+                       c.head_rotation = {0, 0, 0, 0};
+                     }},
+                    {"another head", [](C& c) { c.head_position[1] += 1; }},
+                    {"another publish time", [](C& c) { c.publish_time += 1; }},
+                    {"infinite time", [](C& c) { c.simulation_time = INFINITY; }},
+                });
+}
+
+TEST(Chunks, FramesWhoseChunksOverlapAreRefused) {
+  const auto groom = std::make_shared<GroomDescription>(uniformGroom(1500, 10));
+  GuideAssembler assembler;
+  assembler.setGroom(groom);
+  std::vector<GuideChunk> chunks = splitFrame(*groom, sampleFrame(*groom, 1));
+  GuideChunk overlapping = chunks[0];
+  overlapping.chunk_index = 1;  // sound alone, but its strands came already
+  chunks[1] = overlapping;
+  for (const GuideChunk& chunk : chunks) EXPECT_EQ(assembler.add(chunk), nullptr);
+  EXPECT_EQ(assembler.chunksRejected(), chunks.size());
+}
+
+TEST(Chunks, LostFramesAreCountedExactly) {
+  const auto groom = std::make_shared<GroomDescription>(uniformGroom(1500, 10));
+  GuideAssembler assembler;
+  const auto add = [&](uint64_t number, size_t left_out) {
+    bool is_complete = false;
+    const std::vector<GuideChunk> chunks = splitFrame(*groom, sampleFrame(*groom, number));
+    for (size_t i = 0; i < chunks.size(); ++i) {
+      if (i != left_out) is_complete = assembler.add(chunks[i]) != nullptr || is_complete;
+    }
+    return is_complete;
+  };
+  constexpr size_t kAll = 99;
+  EXPECT_FALSE(add(1, kAll));  // no groom yet
+  EXPECT_EQ(assembler.chunksRejected(), 0u);
+  assembler.setGroom(groom);
+  EXPECT_FALSE(add(9, 0));  // before the first complete one: not lost
+  EXPECT_TRUE(add(10, kAll));
+  EXPECT_EQ(assembler.framesLost(), 0u);
+  EXPECT_FALSE(add(11, 1));  // incomplete, with nothing newer: not lost yet
+  EXPECT_EQ(assembler.framesLost(), 0u);
+  EXPECT_TRUE(add(12, kAll));  // now it is
+  EXPECT_EQ(assembler.framesLost(), 1u);
+  EXPECT_TRUE(add(16, kAll));  // 13, 14, 15
+  EXPECT_EQ(assembler.framesLost(), 4u);
+  EXPECT_FALSE(add(14, kAll));  // late: counted already
+  EXPECT_EQ(assembler.framesLost(), 4u);
+  EXPECT_EQ(assembler.framesReceived(), 3u);
+  assembler.setGroom(groom);  // a receiver joins anew with every groom
+  EXPECT_TRUE(add(30, kAll));
+  EXPECT_EQ(assembler.framesLost(), 4u);
+  EXPECT_EQ(assembler.framesReceived(), 4u);
+}
+
+TEST(Chunks, InterleavedFramesAllComplete) {
+  const auto groom = std::make_shared<GroomDescription>(uniformGroom(1500, 10));
+  GuideAssembler assembler;
+  assembler.setGroom(groom);
+  const auto a = splitFrame(*groom, sampleFrame(*groom, 1)), b = splitFrame(*groom, sampleFrame(*groom, 2));
+  for (size_t i = 0; i < a.size(); ++i) {
+    const bool is_last = i + 1 == a.size();
+    EXPECT_EQ(assembler.add(a[i]) != nullptr, is_last);
+    EXPECT_EQ(assembler.add(b[i]) != nullptr, is_last);
+  }
+  EXPECT_EQ(assembler.framesLost(), 0u);
+}
+
+TEST(Chunks, DamagedFrameNumbersDoNotStarveSoundFrames) {
+  const auto groom = std::make_shared<GroomDescription>(uniformGroom(1500, 10));
+  GuideAssembler assembler;
+  assembler.setGroom(groom);
+  for (uint64_t bogus = 1; bogus <= 20; ++bogus)
+    assembler.add(splitFrame(*groom, sampleFrame(*groom, bogus << 40))[0]);
+  bool is_complete = false;
+  for (const GuideChunk& chunk : splitFrame(*groom, sampleFrame(*groom, 1)))
+    is_complete = assembler.add(chunk) != nullptr;
+  EXPECT_TRUE(is_complete);
+}
+
+TEST(Chunks, ArbitraryBytesNeverBreakAnAssembler) {
+  std::mt19937 random(11);
+  size_t completed = 0;
+  std::vector<uint8_t> bytes;
+  for (int run = 0; run < 20000; ++run) {
+    bytes.resize(random() % 512);
+    // Small bytes make chunks that fit each other; a few large ones damage them.
+    for (uint8_t& byte : bytes)
+      byte = static_cast<uint8_t>(random() % 40 == 0 ? random() : random() % (2 + run % 3));
+    completed += fuzzChunks(bytes.data(), bytes.size());
+  }
+  EXPECT_GT(completed, 100u) << "the bytes no longer reach past the checks";
+}
+
+}  // namespace
+}  // namespace strandcast

@@ -1,0 +1,193 @@
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include "core/error.h"
+#include "dds_domain.h"
+#include "sample_messages.h"
+#include "transport/dds.h"
+
+namespace strandcast {
+namespace {
+
+using std::chrono::milliseconds;
+
+bool becomesTrue(const std::function<bool()>& condition, milliseconds timeout = milliseconds(5000)) {
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  return true;
+}
+
+std::string messageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+class Dds : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string reason;
+    if (!ddsAvailable(&reason)) GTEST_SKIP() << reason;
+  }
+};
+
+TEST(DdsBuild, SaysWhyWhenThereIsNone) {
+  std::string reason = "?";
+  if (ddsAvailable(&reason)) {
+    EXPECT_EQ(reason, "");
+  } else {
+    EXPECT_NE(reason, "");
+    EXPECT_THROW(makeDdsPublisher({0, 1, 1}), Error);
+    EXPECT_THROW(makeDdsSubscriber({0, 1, 0}), Error);
+  }
+}
+
+TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
+  const int domain = testDomain(0);
+  const auto publisher = makeDdsPublisher({domain, 1, 11});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0});
+  const GroomDescription groom = sampleGroom(1500, [](size_t s) { return 2 + s % 40; });
+  const BodyDescription body = sampleBody(100);
+  publisher->announce(groom, body);
+  ASSERT_TRUE(subscriber->waitForGroom(milliseconds(5000)));
+  EXPECT_EQ(subscriber->groom()->guides.positions, groom.guides.positions);
+  EXPECT_EQ(subscriber->groom()->guides.offsets, groom.guides.offsets);
+  EXPECT_EQ(subscriber->groom()->guides.parts, groom.guides.parts);
+  EXPECT_EQ(subscriber->body()->mesh.triangles, body.mesh.triangles);
+  EXPECT_EQ(subscriber->body()->head_weights, body.head_weights);
+  ASSERT_TRUE(becomesTrue([&] { return publisher->matchedReaders() == 1; }));
+  for (uint64_t number = 1; number <= 20; ++number) {
+    publisher->publish(sampleFrame(groom, number));
+    const auto frame = subscriber->waitForFrame(number - 1, milliseconds(2000));
+    ASSERT_TRUE(frame) << number;
+    EXPECT_EQ(frame->frame, number);
+    EXPECT_TRUE(isSampleFrame(*frame));
+  }
+  EXPECT_EQ(subscriber->statistics().frames_lost, 0u);
+  EXPECT_EQ(subscriber->statistics().chunks_rejected, 0u);
+
+  Command command;
+  command.id = 42;
+  command.kind = CommandKind::kSetParameter;
+  command.name = "wind";
+  command.values = {1, 0, 2.5};
+  subscriber->send(command);
+  std::optional<Command> taken;
+  ASSERT_TRUE(becomesTrue([&] { return (taken = publisher->takeCommand()).has_value(); }));
+  EXPECT_EQ(taken->id, 42u);
+  EXPECT_EQ(taken->kind, CommandKind::kSetParameter);
+  EXPECT_EQ(taken->name, "wind");
+  EXPECT_EQ(taken->values, command.values);
+
+  Status status;
+  status.backend = "simd";
+  status.last_command = 42;
+  publisher->publishStatus(status);
+  EXPECT_TRUE(becomesTrue([&] { return subscriber->status() && subscriber->status()->last_command == 42; }));
+  EXPECT_EQ(subscriber->status()->backend, "simd");
+  EXPECT_EQ(subscriber->status()->session, 11u);
+  EXPECT_FALSE(publisher->rivalSession()) << "its own status is no rival's";
+}
+
+TEST_F(Dds, ANewRevisionReplacesTheGroomForOldAndNewReaders) {
+  const int domain = testDomain(1);
+  const auto publisher = makeDdsPublisher({domain, 1, 11});
+  const auto early = makeDdsSubscriber({domain, 1, 0});
+  GroomDescription groom = uniformGroom(6000, 10);
+  publisher->announce(groom, sampleBody(100));
+  ASSERT_TRUE(early->waitForGroom(milliseconds(5000)));
+  GroomDescription smaller = uniformGroom(20, 5);
+  smaller.revision = 2;
+  publisher->announce(smaller, sampleBody(4));
+  EXPECT_TRUE(becomesTrue([&] { return early->groom()->revision == 2 && early->body() != nullptr; }));
+  const auto late = makeDdsSubscriber({domain, 1, 0});
+  ASSERT_TRUE(late->waitForGroom(milliseconds(5000)));
+  EXPECT_EQ(late->groom()->guides.strands(), 20u);
+  EXPECT_EQ(late->statistics().chunks_rejected, 0u);
+  for (uint64_t number = 1; number <= 5; ++number) publisher->publish(sampleFrame(smaller, number));
+  EXPECT_TRUE(becomesTrue([&] { return early->frame() && early->frame()->frame == 5; }));
+  EXPECT_THROW(publisher->announce(smaller, sampleBody(4)), Error);
+}
+
+TEST_F(Dds, GroomsDoNotMixButAllStatusesAreSeen) {
+  const int domain = testDomain(2);
+  const auto first = makeDdsPublisher({domain, 1, 11});
+  auto second = makeDdsPublisher({domain, 2, 22});
+  const auto reader = makeDdsSubscriber({domain, 2, 0});
+  first->announce(uniformGroom(10, 4), sampleBody(4));
+  second->announce(uniformGroom(33, 4), sampleBody(4));
+  ASSERT_TRUE(reader->waitForGroom(milliseconds(5000)));
+  EXPECT_EQ(reader->groom()->guides.strands(), 33u);
+  EXPECT_EQ(reader->groom()->session, 22u);
+  EXPECT_TRUE(becomesTrue([&] { return reader->allStatuses().size() == 2; }));
+  EXPECT_EQ(reader->status()->session, 22u);
+  ASSERT_TRUE(becomesTrue([&] { return second->matchedReaders() == 1; }));
+  EXPECT_EQ(first->matchedReaders(), 0u);
+  EXPECT_FALSE(first->rivalSession());
+  Command command;
+  command.id = 5;
+  reader->send(command);
+  EXPECT_TRUE(becomesTrue([&] { return second->takeCommand().has_value(); }));
+  EXPECT_FALSE(first->takeCommand());
+  second.reset();
+  EXPECT_TRUE(becomesTrue([&] { return reader->allStatuses().size() == 1; }))
+      << "a daemon that ended has no status";
+}
+
+TEST_F(Dds, ARivalIsHeardAndForgotten) {
+  const int domain = testDomain(3);
+  const auto first = makeDdsPublisher({domain, 1, 11});
+  auto second = makeDdsPublisher({domain, 1, 22});
+  EXPECT_TRUE(becomesTrue([&] { return second->rivalSession() == 11; }, milliseconds(1000)));
+  EXPECT_TRUE(becomesTrue([&] { return first->rivalSession() == 22; }, milliseconds(1000)));
+  second.reset();
+  EXPECT_TRUE(becomesTrue([&] { return !first->rivalSession(); }));
+}
+
+TEST_F(Dds, SendSaysWhenNoDaemonAnswers) {
+  const auto subscriber = makeDdsSubscriber({testDomain(4), 9, 0});
+  Command command;
+  command.id = 1;
+  const auto start = std::chrono::steady_clock::now();
+  const std::string message = messageOf([&] { subscriber->send(command); });
+  EXPECT_NE(message.find("no daemon answers"), std::string::npos) << message;
+  EXPECT_NE(message.find("groom 9"), std::string::npos) << message;
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(4));
+}
+
+TEST_F(Dds, BadOptionsAreRefused) {
+  EXPECT_NE(messageOf([] { makeDdsSubscriber({-1, 1, 0}); }).find("0 to 232"), std::string::npos);
+  EXPECT_NE(messageOf([] { makeDdsSubscriber({233, 1, 0}); }).find("0 to 232"), std::string::npos);
+  EXPECT_NE(messageOf([] { makeDdsPublisher({testDomain(5), 1, 0}); }).find("session"), std::string::npos);
+}
+
+TEST_F(Dds, ADiscoveryPortHeldByAnotherProgramIsNamed) {
+  const int domain = testDomain(6);
+  const int holder = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<uint16_t>(7400 + 250 * domain));
+  ASSERT_EQ(bind(holder, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  const std::string message = messageOf([&] { makeDdsSubscriber({domain, 1, 0}); });
+  EXPECT_NE(message.find("UDP port " + std::to_string(7400 + 250 * domain) + " is in use"), std::string::npos)
+      << message;
+  EXPECT_NE(message.find("--domain"), std::string::npos) << message;
+  close(holder);
+  EXPECT_NO_THROW(makeDdsSubscriber({domain, 1, 0}));
+}
+
+}  // namespace
+}  // namespace strandcast

@@ -1,0 +1,86 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstring>
+#include <random>
+#include <thread>
+
+#include "dds_domain.h"
+#include "sample_messages.h"
+#include "transport/dds.h"
+#include "transport/dds_participant.h"
+#include "transport/wire_type_support.h"
+
+namespace strandcast {
+namespace {
+
+using eprosima::fastrtps::rtps::InstanceHandle_t;
+using eprosima::fastrtps::rtps::SerializedPayload_t;
+
+/// Claims to be one of our types and sends what it is given.
+class RawType final : public eprosima::fastdds::dds::TopicDataType {
+ public:
+  explicit RawType(const char* name) {
+    setName(name);
+    m_typeSize = 2048;
+    m_isGetKeyDefined = true;
+  }
+  bool serialize(void* data, SerializedPayload_t* payload) override {
+    const auto& bytes = *static_cast<std::vector<uint8_t>*>(data);
+    std::memcpy(payload->data, bytes.data(), bytes.size());
+    payload->length = static_cast<uint32_t>(bytes.size());
+    return true;
+  }
+  bool deserialize(SerializedPayload_t*, void*) override { return false; }
+  std::function<uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [data] { return static_cast<uint32_t>(static_cast<std::vector<uint8_t>*>(data)->size()); };
+  }
+  void* createData() override { return new std::vector<uint8_t>; }
+  void deleteData(void* data) override { delete static_cast<std::vector<uint8_t>*>(data); }
+  bool getKey(void* data, InstanceHandle_t* handle, bool) override {
+    handle->value[0] = (*static_cast<std::vector<uint8_t>*>(data))[0] % 4;
+    return true;
+  }
+};
+
+TEST(RogueWriter, BadSamplesOnEveryTopicDoNoHarm) {
+  const int domain = testDomain(7);
+  const auto publisher = makeDdsPublisher({domain, 1, 11});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0});
+  const GroomDescription groom = uniformGroom(1500, 10);
+  publisher->announce(groom, sampleBody(20));
+  ASSERT_TRUE(subscriber->waitForGroom(std::chrono::milliseconds(5000)));
+
+  DdsParticipant rogue(domain, 1);
+  MatchCounter matches[5];
+  eprosima::fastdds::dds::DataWriter* writers[] = {
+      rogue.createWriter(kGroomTopic, new RawType("strandcast::v1::GroomChunk"), &matches[0]),
+      rogue.createWriter(kBodiesTopic, new RawType("strandcast::v1::BodyChunk"), &matches[1]),
+      rogue.createWriter(kGuidesTopic, new RawType("strandcast::v1::GuideChunk"), &matches[2]),
+      rogue.createWriter(kCommandTopic, new RawType("strandcast::v1::Command"), &matches[3]),
+      rogue.createWriter(kStatusTopic, new RawType("strandcast::v1::Status"), &matches[4])};
+  for (MatchCounter& match : matches) ASSERT_TRUE(match.waitForMatch(std::chrono::milliseconds(5000)));
+  std::mt19937 random(9);
+  for (int i = 0; i < 400; ++i) {
+    std::vector<uint8_t> bytes(1 + random() % 1500);
+    for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random() % 3 == 0 ? random() : 0);
+    // Half of them with the sound head of little-endian CDR, so that the fields are reached.
+    const uint8_t head[] = {0, 1, 0, 0};
+    if (i % 2 != 0 && bytes.size() >= sizeof head) std::memcpy(bytes.data(), head, sizeof head);
+    for (auto* writer : writers) writer->write(&bytes);
+  }
+  for (auto* writer : writers) writer->wait_for_acknowledgments({2, 0});
+
+  EXPECT_FALSE(publisher->takeCommand());
+  EXPECT_EQ(subscriber->groom()->guides.strands(), 1500u);
+  for (uint64_t number = 1; number <= 20; ++number) {
+    publisher->publish(sampleFrame(groom, number));
+    const auto frame = subscriber->waitForFrame(number - 1, std::chrono::milliseconds(2000));
+    ASSERT_TRUE(frame) << number;
+    EXPECT_TRUE(isSampleFrame(*frame));
+  }
+  EXPECT_EQ(subscriber->statistics().frames_lost, 0u);
+}
+
+}  // namespace
+}  // namespace strandcast

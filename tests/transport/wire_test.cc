@@ -1,0 +1,102 @@
+#include <fastdds/rtps/common/SerializedPayload.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+
+#include "sample_messages.h"
+#include "transport/assembler.h"
+#include "transport/chunks.h"
+#include "transport/wire_type_support.h"
+#include "transport/wire_types.h"
+
+namespace strandcast {
+namespace {
+
+using eprosima::fastrtps::rtps::SerializedPayload_t;
+
+template <class PubSubType, class Wire>
+std::vector<uint8_t> serialized(Wire& sample) {
+  PubSubType type;
+  SerializedPayload_t payload(type.getSerializedSizeProvider(&sample)());
+  EXPECT_TRUE(type.serialize(&sample, &payload));
+  return {payload.data, payload.data + payload.length};
+}
+
+template <class PubSubType, class Wire>
+bool deserialize(const std::vector<uint8_t>& bytes, Wire& sample) {
+  PubSubType type;
+  SerializedPayload_t payload(static_cast<uint32_t>(bytes.size() + 1));
+  std::copy(bytes.begin(), bytes.end(), payload.data);
+  payload.length = static_cast<uint32_t>(bytes.size());
+  return type.deserialize(&payload, &sample);
+}
+
+/// Serialises every chunk, damages it in `runs` seeded ways and feeds what can still be read to the
+/// assembler.
+template <class PubSubType, class Wire, class Chunk, class Assembler>
+void damageBytes(std::vector<Chunk> chunks, Assembler make, int runs) {
+  std::mt19937 random(5);
+  size_t readable = 0;
+  for (Chunk& chunk : chunks) {
+    Wire wire;
+    toWire(chunk, wire);
+    const std::vector<uint8_t> sound = serialized<PubSubType>(wire);
+    EXPECT_LT(sound.size(), 64u * 1024) << "does not fit a datagram";
+    for (int run = 0; run < runs; ++run) {
+      auto assembler = make();
+      std::vector<uint8_t> bytes = sound;
+      if (run % 4 == 0) bytes.resize(random() % bytes.size());
+      const size_t head = std::min<size_t>(bytes.size(), run % 2 != 0 ? 160 : bytes.size());
+      for (uint32_t i = 0; head > 0 && i < 1 + random() % 4; ++i)
+        bytes[random() % head] = static_cast<uint8_t>(random());
+      Wire damaged;
+      if (!deserialize<PubSubType>(bytes, damaged)) continue;
+      ++readable;
+      Chunk received;
+      fromWire(damaged, received);
+      assembler.add(std::move(received));
+    }
+  }
+  EXPECT_GT(readable, 0u);
+}
+
+TEST(Wire, ChunksSurviveTheWireFormat) {
+  const GroomDescription groom = sampleGroom(1500, [](size_t s) { return 2 + s % 20; });
+  GroomAssembler assembler(1);
+  std::shared_ptr<const GroomDescription> result;
+  for (GroomChunk& chunk : splitGroom(groom)) {
+    v1::GroomChunk sent, received;
+    toWire(chunk, sent);
+    const std::vector<uint8_t> bytes = serialized<GroomChunkType>(sent);
+    EXPECT_LT(bytes.size(), 64u * 1024) << "does not fit a datagram";
+    ASSERT_TRUE(deserialize<GroomChunkType>(bytes, received));
+    GroomChunk back;
+    fromWire(received, back);
+    result = assembler.add(std::move(back));
+  }
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->guides.positions, groom.guides.positions);
+  EXPECT_EQ(result->guides.uvs, groom.guides.uvs);
+}
+
+TEST(Wire, DamagedBytesAreRefusedOrCaught) {
+  const auto groom = std::make_shared<GroomDescription>(uniformGroom(500, 16));
+  damageBytes<GroomChunkType, v1::GroomChunk>(
+      splitGroom(*groom), [] { return GroomAssembler(1); }, 300);
+  damageBytes<BodyChunkType, v1::BodyChunk>(
+      splitBody(sampleBody(60)), [] { return BodyAssembler(1); }, 300);
+  const GuideFrame frame = sampleFrame(*groom, 1);
+  const std::vector<StrandRun> runs = divideGuides(groom->guides);
+  std::vector<GuideChunk> chunks(runs.size());
+  for (uint32_t i = 0; i < runs.size(); ++i) fillGuideChunk(frame, runs, i, chunks[i]);
+  const auto make = [&] {
+    GuideAssembler assembler;
+    assembler.setGroom(groom);
+    return assembler;
+  };
+  damageBytes<GuideChunkType, v1::GuideChunk>(std::move(chunks), make, 300);
+}
+
+}  // namespace
+}  // namespace strandcast

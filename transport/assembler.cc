@@ -1,0 +1,319 @@
+#include "transport/assembler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace strandcast {
+namespace {
+
+constexpr size_t kDescriptionsUnderWay = 2;
+constexpr size_t kFramesUnderWay = 4;
+
+bool allFinite(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+
+/// An optional array: present with this many entries, or absent and empty.
+template <class T>
+bool hasLength(const std::vector<T>& values, bool present, uint64_t count) {
+  return values.size() == (present ? count : 0);
+}
+
+/// Whether [first, first + count) lies within a total. In 64 bits, so that sums of outside numbers cannot
+/// wrap.
+bool isWithin(uint64_t first, uint64_t count, uint64_t total) {
+  return first <= total && count <= total - first;
+}
+
+template <class Chunk>
+bool hasSoundHeader(const Chunk& chunk) {
+  return chunk.session != 0 && chunk.chunk_count >= 1 && chunk.chunk_count <= kMaxChunks &&
+         chunk.chunk_index < chunk.chunk_count && chunk.name.size() <= kMaxTextBytes;
+}
+
+template <class Vector>
+void appendVectors(std::vector<Vector>& to, const std::vector<float>& from) {
+  constexpr size_t kComponents = sizeof(Vector) / sizeof(float);
+  const size_t old_size = to.size();
+  to.resize(old_size + from.size() / kComponents);
+  if (!from.empty())
+    std::memcpy(static_cast<void*>(to.data() + old_size), from.data(), from.size() * sizeof(float));
+}
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+// ---- groom
+
+bool isSoundAlone(const GroomChunk& chunk) {
+  const uint64_t strands = chunk.vertex_counts.size();
+  uint64_t vertices = 0;
+  for (const uint32_t count : chunk.vertex_counts) {
+    if (count < 1 || count > kMaxVerticesPerStrand) return false;
+    vertices += count;
+  }
+  const auto has = [&](uint32_t bit) { return (chunk.arrays & bit) != 0; };
+  return hasSoundHeader(chunk) && chunk.arrays < 16 && strands >= 1 &&
+         isWithin(chunk.first_strand, strands, chunk.total_strands) &&
+         isWithin(chunk.first_vertex, vertices, chunk.total_vertices) &&
+         chunk.positions.size() == 3 * vertices &&
+         hasLength(chunk.pinned, has(GroomChunk::kPinned), vertices) &&
+         hasLength(chunk.radii, has(GroomChunk::kRadii), vertices) &&
+         hasLength(chunk.uvs, has(GroomChunk::kUvs), 2 * strands) &&
+         hasLength(chunk.parts, has(GroomChunk::kParts), strands) && std::isfinite(chunk.hair_radius) &&
+         allFinite(chunk.positions) && allFinite(chunk.radii) && allFinite(chunk.uvs);
+}
+
+bool agree(const GroomChunk& a, const GroomChunk& b) {
+  return a.chunk_count == b.chunk_count && a.total_strands == b.total_strands &&
+         a.total_vertices == b.total_vertices && a.hair_radius == b.hair_radius && a.arrays == b.arrays &&
+         a.name == b.name;
+}
+
+/// Null unless the chunks follow each other and make up the totals.
+std::shared_ptr<const GroomDescription> build(const std::map<uint32_t, GroomChunk>& chunks) {
+  auto groom = std::make_shared<GroomDescription>();
+  StrandSet& guides = groom->guides;
+  for (const auto& [index, chunk] : chunks) {
+    if (chunk.first_strand != guides.strands() || chunk.first_vertex != guides.vertices()) return nullptr;
+    for (const uint32_t count : chunk.vertex_counts) guides.offsets.push_back(guides.offsets.back() + count);
+    appendVectors(guides.positions, chunk.positions);
+    append(guides.pinned, chunk.pinned);
+    append(guides.radii, chunk.radii);
+    appendVectors(guides.uvs, chunk.uvs);
+    append(guides.parts, chunk.parts);
+  }
+  const GroomChunk& first = chunks.begin()->second;
+  if (guides.strands() != first.total_strands || guides.vertices() != first.total_vertices) return nullptr;
+  groom->groom_id = first.groom_id;
+  groom->session = first.session;
+  groom->revision = first.revision;
+  groom->name = first.name;
+  groom->hair_radius = first.hair_radius;
+  return groom;
+}
+
+// ---- body
+
+bool isSoundAlone(const BodyChunk& chunk) {
+  const uint64_t positions = chunk.positions.size() / 3, triangles = chunk.triangles.size() / 3;
+  const auto is_weight = [](float w) { return w >= 0 && w <= 1; };  // false for NaN
+  return hasSoundHeader(chunk) && chunk.arrays < 4 && chunk.positions.size() % 3 == 0 &&
+         chunk.triangles.size() % 3 == 0 &&
+         isWithin(chunk.first_position, positions, chunk.total_positions) &&
+         isWithin(chunk.first_triangle, triangles, chunk.total_triangles) &&
+         hasLength(chunk.normals, (chunk.arrays & BodyChunk::kNormals) != 0, 3 * positions) &&
+         hasLength(chunk.head_weights, (chunk.arrays & BodyChunk::kHeadWeights) != 0, positions) &&
+         allFinite(chunk.positions) && allFinite(chunk.normals) &&
+         std::all_of(chunk.head_weights.begin(), chunk.head_weights.end(), is_weight) &&
+         std::all_of(chunk.triangles.begin(), chunk.triangles.end(),
+                     [&](uint32_t index) { return index < chunk.total_positions; });
+}
+
+bool agree(const BodyChunk& a, const BodyChunk& b) {
+  return a.chunk_count == b.chunk_count && a.total_positions == b.total_positions &&
+         a.total_triangles == b.total_triangles && a.arrays == b.arrays && a.name == b.name;
+}
+
+std::shared_ptr<const BodyDescription> build(const std::map<uint32_t, BodyChunk>& chunks) {
+  auto body = std::make_shared<BodyDescription>();
+  TriangleMesh& mesh = body->mesh;
+  for (const auto& [index, chunk] : chunks) {
+    if (chunk.first_position != mesh.positions.size() || chunk.first_triangle != mesh.triangles.size())
+      return nullptr;
+    appendVectors(mesh.positions, chunk.positions);
+    appendVectors(mesh.normals, chunk.normals);
+    append(body->head_weights, chunk.head_weights);
+    for (size_t i = 0; i < chunk.triangles.size(); i += 3) {
+      mesh.triangles.push_back({chunk.triangles[i], chunk.triangles[i + 1], chunk.triangles[i + 2]});
+    }
+  }
+  const BodyChunk& first = chunks.begin()->second;
+  if (mesh.positions.size() != first.total_positions || mesh.triangles.size() != first.total_triangles)
+    return nullptr;
+  body->groom_id = first.groom_id;
+  body->session = first.session;
+  body->revision = first.revision;
+  mesh.name = first.name;
+  return body;
+}
+
+// ---- guides
+
+bool agree(const GuideChunk& a, const GuideChunk& b) {
+  return a.chunk_count == b.chunk_count && a.publish_time == b.publish_time &&
+         a.simulation_time == b.simulation_time && a.head_position == b.head_position &&
+         a.head_rotation == b.head_rotation;
+}
+
+bool hasSoundPose(const GuideChunk& chunk) {
+  float squared = 0;
+  for (const float component : chunk.head_rotation) squared += component * component;
+  const auto is_finite = [](float v) { return std::isfinite(v); };
+  return std::all_of(chunk.head_position.begin(), chunk.head_position.end(), is_finite) &&
+         std::abs(squared - 1) < 1e-3f;  // false for NaN
+}
+
+bool hasFiniteFloats(const std::vector<uint8_t>& payload) {
+  // A float32 is not finite when all bits of its exponent are set; in whole words, this costs next to
+  // nothing.
+  uint32_t any = 0;
+  for (size_t i = 0; i + sizeof(uint32_t) <= payload.size(); i += sizeof(uint32_t)) {
+    uint32_t bits;
+    std::memcpy(&bits, payload.data() + i, sizeof bits);
+    any |= (bits & 0x7f800000u) == 0x7f800000u;
+  }
+  return any == 0;
+}
+
+}  // namespace
+
+// ---- descriptions
+
+template <class Chunk, class Description>
+typename DescriptionAssembler<Chunk, Description>::Pending*
+DescriptionAssembler<Chunk, Description>::pendingFor(const Chunk& chunk) {
+  const auto found = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
+    const Chunk& first = pending.chunks.begin()->second;
+    return first.session == chunk.session && first.revision == chunk.revision;
+  });
+  if (found != pending_.end()) {
+    if (!agree(found->chunks.begin()->second, chunk)) return nullptr;
+    pending_.splice(pending_.begin(), pending_, found);
+    return &pending_.front();
+  }
+  if (pending_.size() == kDescriptionsUnderWay) pending_.pop_back();
+  pending_.emplace_front();
+  return &pending_.front();
+}
+
+template <class Chunk, class Description>
+std::shared_ptr<const Description> DescriptionAssembler<Chunk, Description>::add(Chunk&& chunk) {
+  Pending* pending = chunk.groom_id == groom_id_ && isSoundAlone(chunk) ? pendingFor(chunk) : nullptr;
+  if (!pending) {
+    ++chunks_rejected_;
+    return nullptr;
+  }
+  const uint32_t chunk_count = chunk.chunk_count, index = chunk.chunk_index;
+  pending->chunks.emplace(index, std::move(chunk));  // one received twice changes nothing
+  if (pending->chunks.size() < chunk_count) return nullptr;
+  std::shared_ptr<const Description> description = build(pending->chunks);
+  if (!description) chunks_rejected_ += chunk_count;
+  pending_.pop_front();
+  return description;
+}
+
+template class DescriptionAssembler<GroomChunk, GroomDescription>;
+template class DescriptionAssembler<BodyChunk, BodyDescription>;
+
+// ---- frames
+
+void GuideAssembler::setGroom(std::shared_ptr<const GroomDescription> groom) {
+  groom_ = std::move(groom);
+  for (Pending& pending : pending_) pool_.giveBack(std::move(pending.frame));
+  pending_.clear();
+  newest_ = 0;
+}
+
+bool GuideAssembler::fits(const GuideChunk& chunk) const {
+  const StrandSet& guides = groom_->guides;
+  if (chunk.groom_id != groom_->groom_id || chunk.session != groom_->session ||
+      chunk.revision != groom_->revision || chunk.frame == 0 || chunk.chunk_index >= chunk.chunk_count ||
+      chunk.chunk_count > kMaxChunks || chunk.chunk_count > guides.strands() || chunk.strand_count < 1 ||
+      !isWithin(chunk.first_strand, chunk.strand_count, guides.strands())) {
+    return false;
+  }
+  const uint32_t first_vertex = guides.offsets[chunk.first_strand];
+  const uint32_t vertices = guides.offsets[chunk.first_strand + chunk.strand_count] - first_vertex;
+  return chunk.first_vertex == first_vertex && chunk.vertex_count == vertices &&
+         chunk.encoding == Encoding::kFloat32 && chunk.payload.size() == uint64_t{vertices} * sizeof(Vec3) &&
+         std::isfinite(chunk.simulation_time) && hasSoundPose(chunk) && hasFiniteFloats(chunk.payload);
+}
+
+GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
+  const auto found = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
+    return pending.header.frame == chunk.frame;
+  });
+  if (found != pending_.end()) {
+    if (!agree(found->header, chunk)) return nullptr;
+    pending_.splice(pending_.begin(), pending_, found);
+    return &pending_.front();
+  }
+  if (pending_.size() == kFramesUnderWay) {
+    // The one not fed for longest, not the one with the lowest number: a damaged number must not hold its
+    // place for ever.
+    pool_.giveBack(std::move(pending_.back().frame));
+    pending_.pop_back();
+  }
+  Pending& pending = pending_.emplace_front();
+  pending.header.frame = chunk.frame;
+  pending.header.chunk_count = chunk.chunk_count;
+  pending.header.publish_time = chunk.publish_time;
+  pending.header.simulation_time = chunk.simulation_time;
+  pending.header.head_position = chunk.head_position;
+  pending.header.head_rotation = chunk.head_rotation;
+  pending.frame = pool_.take();
+  pending.frame->positions.resize(groom_->guides.vertices());
+  pending.runs.resize(chunk.chunk_count);
+  return &pending;
+}
+
+std::shared_ptr<const GuideFrame> GuideAssembler::add(const GuideChunk& chunk) {
+  if (!groom_) return nullptr;
+  if (!fits(chunk)) {
+    ++chunks_rejected_;
+    return nullptr;
+  }
+  if (chunk.frame <= newest_) return nullptr;  // late; counted as lost when the newer frame was completed
+  Pending* pending = pendingFor(chunk);
+  if (!pending) {
+    ++chunks_rejected_;
+    return nullptr;
+  }
+  StrandRun& run = pending->runs[chunk.chunk_index];
+  if (run.strand_count != 0) return nullptr;  // received twice
+  run = {chunk.first_strand, chunk.strand_count, chunk.first_vertex, chunk.vertex_count};
+  std::memcpy(static_cast<void*>(pending->frame->positions.data() + run.first_vertex), chunk.payload.data(),
+              chunk.payload.size());
+  return ++pending->received == chunk.chunk_count ? complete(pending_.begin()) : nullptr;
+}
+
+std::shared_ptr<const GuideFrame> GuideAssembler::complete(std::list<Pending>::iterator pending) {
+  const GuideChunk header = std::move(pending->header);
+  FramePool::Buffer frame = std::move(pending->frame);
+  uint64_t next_strand = 0;
+  bool is_whole = true;
+  for (const StrandRun& run : pending->runs) {
+    is_whole = is_whole && run.first_strand == next_strand;
+    next_strand += run.strand_count;
+  }
+  pending_.erase(pending);
+  if (!is_whole || next_strand != groom_->guides.strands()) {
+    chunks_rejected_ += header.chunk_count;
+    pool_.giveBack(std::move(frame));
+    return nullptr;
+  }
+  frame->groom_id = groom_->groom_id;
+  frame->session = groom_->session;
+  frame->revision = groom_->revision;
+  frame->frame = header.frame;
+  frame->simulation_time = header.simulation_time;
+  frame->publish_time = header.publish_time;
+  frame->head.position = Vec3(header.head_position.data());
+  frame->head.rotation.coeffs() = Eigen::Map<const Eigen::Vector4f>(header.head_rotation.data());
+  if (newest_ != 0) frames_lost_ += header.frame - newest_ - 1;
+  newest_ = header.frame;
+  ++frames_received_;
+  for (auto older = pending_.begin(); older != pending_.end();) {
+    const auto here = older++;
+    if (here->header.frame > newest_) continue;
+    pool_.giveBack(std::move(here->frame));
+    pending_.erase(here);
+  }
+  return pool_.share(std::move(frame));
+}
+
+}  // namespace strandcast

@@ -1,0 +1,97 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "transport/messages.h"
+
+namespace strandcast {
+
+/// Messages cut into pieces that fit a datagram and can each be understood alone. The same for every
+/// transport; the fields are described in idl/strandcast.idl. Numbers of a chunk that came from outside are
+/// worth nothing until an assembler (transport/assembler.h) has checked them.
+
+inline constexpr size_t kMaxChunkBytes = 60000;        ///< of arrays in one chunk
+inline constexpr uint32_t kMaxChunks = 4096;           ///< of one message
+inline constexpr size_t kMaxVerticesPerStrand = 3500;  ///< a strand is not divided between chunks
+inline constexpr size_t kMaxTextBytes = 255;           ///< of every name on the wire
+
+enum class Encoding : uint32_t { kFloat32 = 0 };
+
+struct GroomChunk {
+  enum Arrays : uint32_t { kPinned = 1, kRadii = 2, kUvs = 4, kParts = 8 };
+  uint64_t session = 0;
+  uint32_t groom_id = 0, chunk_index = 0, chunk_count = 0, revision = 0;
+  uint32_t total_strands = 0, total_vertices = 0, first_strand = 0, first_vertex = 0;
+  float hair_radius = 0;
+  uint32_t arrays = 0;  ///< of Arrays
+  std::string name;
+  std::vector<uint32_t> vertex_counts;  ///< per strand of the chunk
+  std::vector<float> positions;         ///< 3 per vertex
+  std::vector<uint8_t> pinned;          ///< per vertex or empty
+  std::vector<float> radii;             ///< per vertex or empty
+  std::vector<float> uvs;               ///< 2 per strand or empty
+  std::vector<uint16_t> parts;          ///< per strand or empty
+};
+
+struct BodyChunk {
+  enum Arrays : uint32_t { kNormals = 1, kHeadWeights = 2 };
+  uint64_t session = 0;
+  uint32_t groom_id = 0, chunk_index = 0, chunk_count = 0, revision = 0;
+  uint32_t total_positions = 0, total_triangles = 0, first_position = 0, first_triangle = 0;
+  uint32_t arrays = 0;  ///< of Arrays
+  std::string name;
+  std::vector<float> positions;     ///< 3 per position of the chunk
+  std::vector<float> normals;       ///< 3 per position or empty
+  std::vector<float> head_weights;  ///< per position or empty
+  std::vector<uint32_t> triangles;  ///< 3 per triangle of the chunk
+};
+
+struct GuideChunk {
+  uint64_t session = 0, frame = 0, publish_time = 0;
+  double simulation_time = 0;
+  uint32_t groom_id = 0, chunk_index = 0, chunk_count = 0, revision = 0;
+  uint32_t first_strand = 0, strand_count = 0, first_vertex = 0, vertex_count = 0;
+  std::array<float, 3> head_position{};
+  std::array<float, 4> head_rotation{0, 0, 0, 1};
+  Encoding encoding = Encoding::kFloat32;
+  std::vector<uint8_t> payload;
+};
+
+/// A run of whole strands: what one chunk holds.
+struct StrandRun {
+  uint32_t first_strand = 0, strand_count = 0, first_vertex = 0, vertex_count = 0;
+};
+
+/// Throws Error, naming `where`, on a description that a receiver would refuse: see Publisher::announce.
+void checkAnnouncement(const GroomDescription& groom, const BodyDescription& body, const std::string& where);
+
+/// Throws Error when `next` has the session of `last` (null: none) without a higher revision: readers would
+/// keep `last`.
+void checkSuccession(const GroomDescription* last, const GroomDescription& next);
+
+/// Consecutive runs of strands that each take no more than kMaxChunkBytes, at so many bytes per strand and
+/// per vertex. `offsets` as in StrandSet, no strand longer than kMaxVerticesPerStrand.
+std::vector<StrandRun> divideStrands(std::span<const uint32_t> offsets, size_t bytes_per_strand,
+                                     size_t bytes_per_vertex);
+
+/// The runs of a guide frame of this groom.
+std::vector<StrandRun> divideGuides(const StrandSet& guides);
+
+/// Both expect what checkAnnouncement accepts.
+std::vector<GroomChunk> splitGroom(const GroomDescription& groom);
+std::vector<BodyChunk> splitBody(const BodyDescription& body);
+
+/// Writes chunk `index` of `frame` into `chunk`, whose memory is used again. `runs` of divideGuides; the
+/// frame has the positions of all of them.
+void fillGuideChunk(const GuideFrame& frame, std::span<const StrandRun> runs, uint32_t index,
+                    GuideChunk& chunk);
+
+/// A command that fits the wire: known kind, id not 0, finite values, at most 64 of them, short name.
+bool isSound(const Command& command);
+/// Throws Error when `command` is not sound or is for another groom than `groom_id` (0 stands for it).
+void checkCommand(const Command& command, uint32_t groom_id);
+
+}  // namespace strandcast

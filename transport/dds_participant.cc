@@ -1,0 +1,244 @@
+#include "transport/dds_participant.h"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/log/Log.hpp>
+
+#include "core/error.h"
+#include "transport/chunks.h"
+
+namespace strandcast {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+
+const TopicProfile kGroomTopic{"strandcast/groom", true, 1, kMaxChunks, true};
+const TopicProfile kBodiesTopic{"strandcast/bodies", true, 1, kMaxChunks, true};
+const TopicProfile kGuidesTopic{"strandcast/guides", false, 4, kMaxChunks, true};
+const TopicProfile kCommandTopic{"strandcast/command", false, 64, 4, true};
+const TopicProfile kStatusTopic{"strandcast/status", true, 1, 1024, false};
+
+namespace {
+
+constexpr int kMaxDomain = 232;              // the last one whose ports fit 16 bits
+constexpr uint32_t kSocketBuffer = 4 << 20;  // with the default, bursts of a frame are lost
+constexpr int kLeaseSeconds = 3;
+/// Programs per machine that find each other through 127.0.0.1 when multicast does not work.
+constexpr uint32_t kLocalPeers = 16;
+
+/// The first few errors of Fast DDS, on standard error, and no more: it repeats itself per datagram.
+class FewErrors final : public dds::LogConsumer {
+ public:
+  void Consume(const dds::Log::Entry& entry) override {
+    if (entry.kind != dds::Log::Kind::Error || shown_ == kShown) return;
+    std::fprintf(stderr, "Fast DDS: %s%s\n", entry.message.c_str(),
+                 ++shown_ == kShown ? " (further messages of Fast DDS are not shown)" : "");
+  }
+
+ private:
+  static constexpr int kShown = 8;
+  int shown_ = 0;
+};
+
+void limitLogging() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    dds::Log::SetVerbosity(dds::Log::Kind::Error);
+    dds::Log::ClearConsumers();
+    dds::Log::RegisterConsumer(std::make_unique<FewErrors>());
+  });
+}
+
+std::string domainName(int domain) { return "DDS domain " + std::to_string(domain); }
+
+uint16_t discoveryPort(int domain) { return static_cast<uint16_t>(7400 + 250 * domain); }
+
+void checkInterfaces(int domain) {
+  ifaddrs* first = nullptr;
+  if (getifaddrs(&first) != 0) return;  // then the participant's creation will tell
+  bool any = false;
+  for (const ifaddrs* i = first; i; i = i->ifa_next) {
+    any = any || ((i->ifa_flags & IFF_UP) != 0 && i->ifa_addr && i->ifa_addr->sa_family == AF_INET);
+  }
+  freeifaddrs(first);
+  if (!any) throw Error("no IPv4 network interface is up", domainName(domain), "ip link set lo up");
+}
+
+/// Fast DDS binds this port shared (SO_REUSEADDR) and, when that fails, goes on without being found by
+/// others.
+void checkDiscoveryPort(int domain) {
+  const int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (probe < 0) throw Error(std::string("no UDP socket: ") + std::strerror(errno), domainName(domain), "");
+  const int on = 1;
+  setsockopt(probe, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(discoveryPort(domain));
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  const int result = bind(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  const int cause = errno;
+  close(probe);
+  if (result == 0) return;
+  const std::string port = "UDP port " + std::to_string(discoveryPort(domain));
+  if (cause == EADDRINUSE) {
+    throw Error(port + " is in use by a program that does not share it", domainName(domain),
+                "choose another --domain or end that program");
+  }
+  throw Error(port + " cannot be opened: " + std::strerror(cause), domainName(domain),
+              "choose another --domain");
+}
+
+dds::DomainParticipantQos participantQos(int domain) {
+  dds::DomainParticipantQos qos;
+  qos.name("strandcast");
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->sendBufferSize = kSocketBuffer;
+  udp->receiveBufferSize = kSocketBuffer;
+  udp->maxInitialPeersRange = kLocalPeers;
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(udp);
+
+  auto& builtin = qos.wire_protocol().builtin;
+  auto& discovery = builtin.discovery_config;
+  discovery.leaseDuration = {kLeaseSeconds, 0};
+  discovery.leaseDuration_announcementperiod = {1, 0};
+  discovery.initial_announcements.count = 10;
+  discovery.initial_announcements.period = {0, 100000000};
+  // Multicast as usual, and this machine by address: programs of one machine find each other on any network.
+  rtps::Locator_t multicast, local;
+  rtps::IPLocator::setIPv4(multicast, "239.255.0.1");
+  rtps::IPLocator::setPhysicalPort(multicast, discoveryPort(domain));
+  rtps::IPLocator::setIPv4(local, "127.0.0.1");
+  builtin.initialPeersList.push_back(multicast);
+  builtin.initialPeersList.push_back(local);
+  return qos;
+}
+
+void setLimits(dds::ResourceLimitsQosPolicy& limits, const TopicProfile& profile) {
+  limits.max_instances = profile.max_instances;
+  limits.max_samples_per_instance = profile.depth;
+  limits.max_samples = profile.max_instances * profile.depth;
+  limits.allocated_samples = 16;
+}
+
+template <class Qos>
+void setCommon(Qos& qos, const TopicProfile& profile) {
+  qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
+  qos.durability().kind =
+      profile.is_transient_local ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;  // never all: one slow reader would stall the writer
+  qos.history().depth = profile.depth;
+  setLimits(qos.resource_limits(), profile);
+  qos.data_sharing().off();
+  qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+}
+
+}  // namespace
+
+DdsParticipant::DdsParticipant(int domain, uint32_t groom_id) : domain_(domain) {
+  if (domain < 0 || domain > kMaxDomain) {
+    throw Error("the DDS domain is out of range", std::to_string(domain), "choose 0 to 232");
+  }
+  limitLogging();
+  checkInterfaces(domain);
+  checkDiscoveryPort(domain);
+  participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<dds::DomainId_t>(domain), participantQos(domain));
+  if (!participant_) fail("no DDS participant can be made");
+  const std::string partition = "groom" + std::to_string(groom_id);
+  dds::PublisherQos publisher_qos;
+  dds::SubscriberQos subscriber_qos;
+  common_publisher_ = participant_->create_publisher(publisher_qos);
+  common_subscriber_ = participant_->create_subscriber(subscriber_qos);
+  publisher_qos.partition().push_back(partition.c_str());
+  subscriber_qos.partition().push_back(partition.c_str());
+  groom_publisher_ = participant_->create_publisher(publisher_qos);
+  groom_subscriber_ = participant_->create_subscriber(subscriber_qos);
+  if (!common_publisher_ || !common_subscriber_ || !groom_publisher_ || !groom_subscriber_) {
+    fail("no DDS publisher or subscriber can be made");
+  }
+}
+
+DdsParticipant::~DdsParticipant() {
+  if (!participant_) return;
+  participant_->delete_contained_entities();
+  dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+}
+
+void DdsParticipant::fail(const std::string& what) {
+  // The destructor of an object under construction does not run.
+  if (participant_) {
+    participant_->delete_contained_entities();
+    dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+    participant_ = nullptr;
+  }
+  throw Error(what, domainName(domain_), "see the messages of Fast DDS above, or choose another --domain");
+}
+
+dds::Topic* DdsParticipant::topic(const TopicProfile& profile, dds::TopicDataType* raw_type) {
+  const dds::TypeSupport type(raw_type);  // owns it
+  if (dds::TopicDescription* known = participant_->lookup_topicdescription(profile.name)) {
+    return static_cast<dds::Topic*>(known);
+  }
+  // Other implementations reject the type objects that Fast DDS 2.9 announces.
+  raw_type->auto_fill_type_object(false);
+  raw_type->auto_fill_type_information(false);
+  type.register_type(participant_);
+  dds::Topic* topic = participant_->create_topic(profile.name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+  if (!topic) fail(std::string("no topic ") + profile.name + " can be made");
+  return topic;
+}
+
+dds::DataWriter* DdsParticipant::createWriter(const TopicProfile& profile, dds::TopicDataType* type,
+                                              dds::DataWriterListener* listener) {
+  dds::DataWriterQos qos;
+  setCommon(qos, profile);
+  qos.publish_mode().kind =
+      dds::SYNCHRONOUS_PUBLISH_MODE;  // asynchronous, samples are replaced before they are sent
+  auto& times = qos.reliable_writer_qos().times;
+  times.heartbeatPeriod = {0, 20000000};
+  times.nackResponseDelay = {0, 0};
+  times.nackSupressionDuration = {0, 0};
+  dds::Publisher* publisher = profile.is_per_groom ? groom_publisher_ : common_publisher_;
+  dds::DataWriter* writer = publisher->create_datawriter(topic(profile, type), qos, listener,
+                                                         dds::StatusMask::publication_matched());
+  if (!writer) fail(std::string("no writer of ") + profile.name + " can be made");
+  return writer;
+}
+
+dds::DataReader* DdsParticipant::createReader(const TopicProfile& profile, dds::TopicDataType* type,
+                                              dds::DataReaderListener* listener) {
+  dds::DataReaderQos qos;
+  setCommon(qos, profile);
+  qos.reliable_reader_qos().times.heartbeatResponseDelay = {0, 0};
+  dds::Subscriber* subscriber = profile.is_per_groom ? groom_subscriber_ : common_subscriber_;
+  dds::DataReader* reader = subscriber->create_datareader(topic(profile, type), qos, listener,
+                                                          dds::StatusMask::data_available()
+                                                              << dds::StatusMask::subscription_matched());
+  if (!reader) fail(std::string("no reader of ") + profile.name + " can be made");
+  return reader;
+}
+
+void MatchCounter::on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) {
+  const std::lock_guard lock(mutex_);
+  matched_ = status.current_count;
+  changed_.notify_all();
+}
+
+bool MatchCounter::waitForMatch(std::chrono::milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, timeout, [&] { return matched_ > 0; });
+}
+
+}  // namespace strandcast

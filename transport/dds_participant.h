@@ -1,0 +1,110 @@
+#pragma once
+#include <atomic>
+#include <condition_variable>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <functional>
+#include <mutex>
+
+#include "transport/status_board.h"
+
+namespace strandcast {
+
+/// How one topic of idl/strandcast.idl is carried.
+struct TopicProfile {
+  const char* name;
+  bool is_transient_local;
+  int depth;          // kept per instance
+  int max_instances;  // of a writer or a reader
+  bool is_per_groom;  // in the groom's partition
+};
+extern const TopicProfile kGroomTopic, kBodiesTopic, kGuidesTopic, kCommandTopic, kStatusTopic;
+
+/// A participant of the domain with what hangs on it; taken down as a whole.
+class DdsParticipant {
+ public:
+  /// Throws Error as makeDdsPublisher does.
+  DdsParticipant(int domain, uint32_t groom_id);
+  ~DdsParticipant();
+  DdsParticipant(const DdsParticipant&) = delete;
+  DdsParticipant& operator=(const DdsParticipant&) = delete;
+
+  /// The listener outlives the participant. `type` names the topic's type. Throw Error.
+  eprosima::fastdds::dds::DataWriter* createWriter(const TopicProfile& profile,
+                                                   eprosima::fastdds::dds::TopicDataType* type,
+                                                   eprosima::fastdds::dds::DataWriterListener* listener);
+  eprosima::fastdds::dds::DataReader* createReader(const TopicProfile& profile,
+                                                   eprosima::fastdds::dds::TopicDataType* type,
+                                                   eprosima::fastdds::dds::DataReaderListener* listener);
+
+ private:
+  eprosima::fastdds::dds::Topic* topic(const TopicProfile& profile,
+                                       eprosima::fastdds::dds::TopicDataType* type);
+  [[noreturn]] void fail(const std::string& what);
+
+  const int domain_;
+  eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
+  eprosima::fastdds::dds::Publisher* groom_publisher_ = nullptr;   // in the groom's partition
+  eprosima::fastdds::dds::Publisher* common_publisher_ = nullptr;  // in none
+  eprosima::fastdds::dds::Subscriber* groom_subscriber_ = nullptr;
+  eprosima::fastdds::dds::Subscriber* common_subscriber_ = nullptr;
+};
+
+/// Takes every sample as it arrives, in Fast DDS's thread, and hands it on.
+template <class Wire>
+class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
+ public:
+  using Handler = std::function<void(Wire& sample, const StatusBoard::WriterId& writer)>;
+  using LossHandler = std::function<void(const StatusBoard::WriterId& writer)>;
+  /// `handler` may exchange the sample's arrays; `on_writer_gone` may be empty.
+  explicit TakingListener(Handler handler, LossHandler on_writer_gone = {})
+      : handler_(std::move(handler)), on_writer_gone_(std::move(on_writer_gone)) {}
+
+  void on_data_available(eprosima::fastdds::dds::DataReader* reader) override {
+    const std::lock_guard lock(mutex_);  // writers of this process deliver in their own threads
+    eprosima::fastdds::dds::SampleInfo info;
+    while (reader->take_next_sample(&sample_, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data) handler_(sample_, writerId(info.publication_handle));
+    }
+  }
+  void on_subscription_matched(eprosima::fastdds::dds::DataReader*,
+                               const eprosima::fastdds::dds::SubscriptionMatchedStatus& status) override {
+    if (status.current_count_change < 0 && on_writer_gone_)
+      on_writer_gone_(writerId(status.last_publication_handle));
+  }
+
+ private:
+  static StatusBoard::WriterId writerId(const eprosima::fastrtps::rtps::InstanceHandle_t& handle) {
+    StatusBoard::WriterId id;
+    for (size_t i = 0; i < id.size(); ++i) id[i] = handle.value[i];
+    return id;
+  }
+  std::mutex mutex_;
+  Wire sample_;
+  Handler handler_;
+  LossHandler on_writer_gone_;
+};
+
+/// Counts the readers that a writer is matched with.
+class MatchCounter final : public eprosima::fastdds::dds::DataWriterListener {
+ public:
+  void on_publication_matched(eprosima::fastdds::dds::DataWriter*,
+                              const eprosima::fastdds::dds::PublicationMatchedStatus& status) override;
+  uint32_t matched() const { return static_cast<uint32_t>(matched_.load()); }
+  /// False when nobody is matched by then.
+  bool waitForMatch(std::chrono::milliseconds timeout);
+
+ private:
+  std::atomic<int> matched_{0};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+};
+
+}  // namespace strandcast

@@ -1,0 +1,157 @@
+#include <deque>
+
+#include "core/error.h"
+#include "transport/chunks.h"
+#include "transport/dds.h"
+#include "transport/dds_participant.h"
+#include "transport/wire_type_support.h"
+#include "transport/wire_types.h"
+
+namespace strandcast {
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+
+class DdsPublisher final : public Publisher {
+ public:
+  explicit DdsPublisher(const DdsOptions& options)
+      : options_(options),
+        command_listener_([this](v1::Command& wire, const auto&) { receive(wire); }),
+        status_listener_([this](v1::Status& wire, const auto& writer) { hear(wire, writer); },
+                         [this](const auto& writer) { others_.remove(writer); }),
+        participant_(options.domain, options.groom_id) {
+    participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
+    participant_.createReader(kCommandTopic, new CommandType, &command_listener_);
+    status_writer_ = participant_.createWriter(kStatusTopic, new StatusType, nullptr);
+    groom_writer_ = participant_.createWriter(kGroomTopic, new GroomChunkType, nullptr);
+    body_writer_ = participant_.createWriter(kBodiesTopic, new BodyChunkType, nullptr);
+    guide_writer_ = participant_.createWriter(kGuidesTopic, new GuideChunkType, &readers_);
+    publishStatus({});  // so that rivals hear of this session at once
+  }
+
+  void announce(const GroomDescription& groom, const BodyDescription& body) override {
+    checkAnnouncement(groom, body, "groom " + groom.name);
+    GroomDescription own_groom = groom;
+    own_groom.groom_id = options_.groom_id;
+    own_groom.session = options_.session;
+    checkSuccession(revision_ ? &last_ : nullptr, own_groom);
+    BodyDescription own_body = body;
+    own_body.groom_id = options_.groom_id;
+    own_body.session = options_.session;
+    own_body.revision = groom.revision;
+    groom_chunks_ = replace<v1::GroomChunk>(*groom_writer_, splitGroom(own_groom), groom_chunks_);
+    body_chunks_ = replace<v1::BodyChunk>(*body_writer_, splitBody(own_body), body_chunks_);
+    runs_ = divideGuides(groom.guides);
+    vertices_ = groom.guides.vertices();
+    revision_ = groom.revision;
+    last_.session = options_.session;
+    last_.revision = groom.revision;
+  }
+
+  void publish(const GuideFrame& frame) override {
+    if (!revision_ || frame.revision != *revision_ || frame.positions.size() != vertices_) return;
+    for (uint32_t i = 0; i < runs_.size(); ++i) {
+      fillGuideChunk(frame, runs_, i, chunk_);
+      chunk_.groom_id = options_.groom_id;
+      chunk_.session = options_.session;
+      toWire(chunk_, guide_sample_);
+      guide_writer_->write(&guide_sample_);
+      std::swap(guide_sample_.payload(), chunk_.payload);  // back: its memory serves the next chunk
+    }
+  }
+
+  void publishStatus(const Status& status) override {
+    v1::Status sample;
+    toWire(status, sample);
+    sample.groom_id(options_.groom_id);
+    sample.session(options_.session);
+    status_writer_->write(&sample);
+  }
+
+  std::optional<Command> takeCommand() override {
+    const std::lock_guard lock(command_mutex_);
+    if (commands_.empty()) return std::nullopt;
+    Command command = std::move(commands_.front());
+    commands_.pop_front();
+    return command;
+  }
+
+  uint32_t matchedReaders() const override { return readers_.matched(); }
+  std::optional<uint64_t> rivalSession() const override {
+    return others_.rivalOf(options_.groom_id, options_.session);
+  }
+
+ private:
+  /// Writes all chunks and disposes of those that the last announcement had beyond them, so that late readers
+  /// are not given chunks of two revisions. Returns their number.
+  template <class Wire, class Chunk>
+  uint32_t replace(dds::DataWriter& writer, std::vector<Chunk> chunks, uint32_t count_before) {
+    Wire sample;
+    for (Chunk& chunk : chunks) {
+      toWire(chunk, sample);
+      if (!writer.write(&sample)) {
+        throw Error("the groom's description cannot be written",
+                    "DDS domain " + std::to_string(options_.domain), "see the messages of Fast DDS above");
+      }
+    }
+    const auto count = static_cast<uint32_t>(chunks.size());
+    for (uint32_t index = count; index < count_before; ++index) {
+      sample.chunk_index(index);
+      writer.dispose(&sample, eprosima::fastrtps::rtps::InstanceHandle_t());
+    }
+    return count;
+  }
+
+  void receive(const v1::Command& wire) {
+    Command command;
+    fromWire(wire, command);
+    if (command.groom_id != options_.groom_id || wire.name().size() > kMaxTextBytes || !isSound(command))
+      return;
+    const std::lock_guard lock(command_mutex_);
+    commands_.push_back(std::move(command));
+    if (commands_.size() > kMaxQueuedCommands) commands_.pop_front();
+  }
+
+  void hear(const v1::Status& wire, const StatusBoard::WriterId& writer) {
+    if (wire.groom_id() != options_.groom_id || wire.session() == options_.session) return;
+    Status status;
+    fromWire(wire, status);
+    others_.post(writer, std::move(status));
+  }
+
+  const DdsOptions options_;
+  std::mutex command_mutex_;
+  std::deque<Command> commands_;
+  StatusBoard others_;  // of this groom
+  std::vector<StrandRun> runs_;
+  size_t vertices_ = 0;
+  std::optional<uint32_t> revision_;
+  GroomDescription last_;  // only its session and revision
+  uint32_t groom_chunks_ = 0, body_chunks_ = 0;
+  GuideChunk chunk_;
+  v1::GuideChunk guide_sample_;
+  // Listeners before the participant: it goes first and with it the threads that call them.
+  MatchCounter readers_;
+  TakingListener<v1::Command> command_listener_;
+  TakingListener<v1::Status> status_listener_;
+  DdsParticipant participant_;
+  dds::DataWriter* status_writer_ = nullptr;
+  dds::DataWriter* groom_writer_ = nullptr;
+  dds::DataWriter* body_writer_ = nullptr;
+  dds::DataWriter* guide_writer_ = nullptr;
+};
+
+}  // namespace
+
+bool ddsAvailable(std::string* reason) {
+  if (reason) reason->clear();
+  return true;
+}
+
+std::unique_ptr<Publisher> makeDdsPublisher(const DdsOptions& options) {
+  if (options.session == 0)
+    throw Error("a publisher needs a session", "DDS options", "choose one at random, not 0");
+  return std::make_unique<DdsPublisher>(options);
+}
+
+}  // namespace strandcast

@@ -1,0 +1,138 @@
+#include "core/error.h"
+#include "transport/assembler.h"
+#include "transport/chunks.h"
+#include "transport/dds.h"
+#include "transport/dds_participant.h"
+#include "transport/frame_queue.h"
+#include "transport/wire_type_support.h"
+#include "transport/wire_types.h"
+
+namespace strandcast {
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+
+constexpr std::chrono::milliseconds kAnswerTime{2000};
+
+class DdsSubscriber final : public Subscriber {
+ public:
+  explicit DdsSubscriber(const DdsOptions& options)
+      : options_(options),
+        grooms_(options.groom_id),
+        bodies_(options.groom_id),
+        groom_listener_([this](v1::GroomChunk& wire, const auto&) { receive(wire); }),
+        body_listener_([this](v1::BodyChunk& wire, const auto&) { receive(wire); }),
+        guide_listener_([this](v1::GuideChunk& wire, const auto&) { receive(wire); }),
+        status_listener_([this](v1::Status& wire, const auto& writer) { receive(wire, writer); },
+                         [this](const auto& writer) { statuses_.remove(writer); }),
+        participant_(options.domain, options.groom_id) {
+    participant_.createReader(kGroomTopic, new GroomChunkType, &groom_listener_);
+    participant_.createReader(kBodiesTopic, new BodyChunkType, &body_listener_);
+    participant_.createReader(kGuidesTopic, new GuideChunkType, &guide_listener_);
+    participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
+    command_writer_ = participant_.createWriter(kCommandTopic, new CommandType, &daemons_);
+  }
+
+  std::shared_ptr<const GroomDescription> groom() const override { return queue_.groom(); }
+  std::shared_ptr<const BodyDescription> body() const override { return queue_.body(); }
+  std::shared_ptr<const GuideFrame> frame() const override { return queue_.frame(); }
+  std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout) override {
+    return queue_.waitForFrame(after, timeout);
+  }
+  bool waitForGroom(std::chrono::milliseconds timeout) override { return queue_.waitForGroom(timeout); }
+
+  std::optional<Status> status() const override {
+    const auto groom = queue_.groom();
+    return statuses_.ofGroom(options_.groom_id, groom ? groom->session : 0);
+  }
+  std::vector<Status> allStatuses() const override { return statuses_.all(); }
+
+  void send(const Command& command) override {
+    checkCommand(command, options_.groom_id);
+    const std::string where =
+        "groom " + std::to_string(options_.groom_id) + " in DDS domain " + std::to_string(options_.domain);
+    const char* const remedy = "start strandcastd, or check --domain and the groom id";
+    if (!daemons_.waitForMatch(kAnswerTime)) throw Error("no daemon answers", where, remedy);
+    const std::lock_guard lock(send_mutex_);
+    v1::Command sample;
+    toWire(command, sample);
+    sample.groom_id(options_.groom_id);
+    if (!command_writer_->write(&sample)) throw Error("the command cannot be written", where, remedy);
+    // So that a program may end right after it.
+    const eprosima::fastrtps::Duration_t patience{static_cast<int32_t>(kAnswerTime.count() / 1000), 0};
+    if (command_writer_->wait_for_acknowledgments(patience) !=
+        eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+      throw Error("the daemon does not acknowledge the command", where, remedy);
+    }
+  }
+
+  ReceiveStatistics statistics() const override {
+    ReceiveStatistics statistics;
+    {
+      const std::lock_guard lock(assembly_mutex_);
+      statistics.frames_received = frames_.framesReceived();
+      statistics.frames_lost = frames_.framesLost();
+      statistics.chunks_rejected =
+          frames_.chunksRejected() + grooms_.chunksRejected() + bodies_.chunksRejected();
+    }
+    queue_.addLatencies(statistics);
+    return statistics;
+  }
+
+ private:
+  void receive(v1::GroomChunk& wire) {
+    GroomChunk chunk;
+    fromWire(wire, chunk);
+    const std::lock_guard lock(assembly_mutex_);
+    const auto groom = grooms_.add(std::move(chunk));
+    if (groom && queue_.setGroom(groom)) frames_.setGroom(groom);
+  }
+
+  void receive(v1::BodyChunk& wire) {
+    BodyChunk chunk;
+    fromWire(wire, chunk);
+    const std::lock_guard lock(assembly_mutex_);
+    if (auto body = bodies_.add(std::move(chunk))) queue_.setBody(std::move(body));
+  }
+
+  void receive(v1::GuideChunk& wire) {
+    const std::lock_guard lock(assembly_mutex_);
+    fromWire(wire, guide_chunk_);
+    if (auto frame = frames_.add(guide_chunk_)) {
+      const uint64_t publish_time = frame->publish_time;
+      queue_.push(std::move(frame), latencyMs(publish_time));
+    }
+  }
+
+  void receive(const v1::Status& wire, const StatusBoard::WriterId& writer) {
+    Status status;
+    fromWire(wire, status);
+    statuses_.post(writer, std::move(status));
+  }
+
+  const DdsOptions options_;
+  FrameQueue queue_;
+  StatusBoard statuses_;
+  mutable std::mutex assembly_mutex_;
+  GroomAssembler grooms_;
+  BodyAssembler bodies_;
+  GuideAssembler frames_;
+  GuideChunk guide_chunk_;
+  std::mutex send_mutex_;
+  // Listeners before the participant: it goes first and with it the threads that call them.
+  MatchCounter daemons_;
+  TakingListener<v1::GroomChunk> groom_listener_;
+  TakingListener<v1::BodyChunk> body_listener_;
+  TakingListener<v1::GuideChunk> guide_listener_;
+  TakingListener<v1::Status> status_listener_;
+  DdsParticipant participant_;
+  dds::DataWriter* command_writer_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<Subscriber> makeDdsSubscriber(const DdsOptions& options) {
+  return std::make_unique<DdsSubscriber>(options);
+}
+
+}  // namespace strandcast

@@ -1,0 +1,24 @@
+#include "core/error.h"
+#include "transport/dds.h"
+
+namespace strandcast {
+namespace {
+
+const char* const kReason =
+    "built without Fast DDS (libfastrtps-dev, libfastcdr-dev or fastddsgen was missing)";
+
+[[noreturn]] void refuse() {
+  throw Error("DDS is not available", kReason, "install the packages and build again");
+}
+
+}  // namespace
+
+bool ddsAvailable(std::string* reason) {
+  if (reason) *reason = kReason;
+  return false;
+}
+
+std::unique_ptr<Publisher> makeDdsPublisher(const DdsOptions&) { refuse(); }
+std::unique_ptr<Subscriber> makeDdsSubscriber(const DdsOptions&) { refuse(); }
+
+}  // namespace strandcast

@@ -1,0 +1,118 @@
+#include "transport/frame_queue.h"
+
+#include <algorithm>
+
+namespace strandcast {
+namespace {
+constexpr size_t kFreeFrames = kFrameQueueLength + 4;
+}
+
+FramePool::Buffer FramePool::take() {
+  const std::lock_guard lock(store_->mutex);
+  if (store_->free.empty()) return std::make_unique<GuideFrame>();
+  Buffer frame = std::move(store_->free.back());
+  store_->free.pop_back();
+  return frame;
+}
+
+std::shared_ptr<const GuideFrame> FramePool::share(Buffer frame) {
+  return {frame.release(), [store = store_](GuideFrame* used) { store->giveBack(Buffer(used)); }};
+}
+
+void FramePool::Store::giveBack(Buffer frame) {
+  const std::lock_guard lock(mutex);
+  if (free.size() < kFreeFrames) free.push_back(std::move(frame));
+}
+
+bool FrameQueue::setGroom(std::shared_ptr<const GroomDescription> groom) {
+  const std::lock_guard lock(mutex_);
+  if (groom_ && groom_->session == groom->session && groom->revision <= groom_->revision) return false;
+  groom_ = std::move(groom);
+  frames_.clear();
+  changed_.notify_all();
+  return true;
+}
+
+void FrameQueue::setBody(std::shared_ptr<const BodyDescription> body) {
+  const std::lock_guard lock(mutex_);
+  // A body that is announced again unchanged keeps its pointer.
+  if (body_ && body_->session == body->session && body->revision <= body_->revision) return;
+  body_ = std::move(body);
+  changed_.notify_all();
+}
+
+void FrameQueue::push(std::shared_ptr<const GuideFrame> frame, double latency_ms) {
+  const std::lock_guard lock(mutex_);
+  if (!groom_ || frame->session != groom_->session || frame->revision != groom_->revision) return;
+  frames_.push_back(std::move(frame));
+  if (frames_.size() > kFrameQueueLength) frames_.pop_front();
+  latencies_ms_[latencies_++ % latencies_ms_.size()] = static_cast<float>(latency_ms);
+  changed_.notify_all();
+}
+
+bool FrameQueue::bodyFits() const {
+  return body_ && groom_ && body_->session == groom_->session && body_->revision == groom_->revision;
+}
+
+std::shared_ptr<const GroomDescription> FrameQueue::groom() const {
+  const std::lock_guard lock(mutex_);
+  return groom_;
+}
+
+std::shared_ptr<const BodyDescription> FrameQueue::body() const {
+  const std::lock_guard lock(mutex_);
+  return bodyFits() ? body_ : nullptr;
+}
+
+std::shared_ptr<const GuideFrame> FrameQueue::frame() const {
+  const std::lock_guard lock(mutex_);
+  return frames_.empty() ? nullptr : frames_.back();
+}
+
+std::shared_ptr<const GuideFrame> FrameQueue::waitForFrame(uint64_t after,
+                                                           std::chrono::milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  std::shared_ptr<const GuideFrame> found;
+  changed_.wait_for(lock, timeout, [&] {
+    if (frames_.empty()) return false;
+    const uint64_t reached = after > frames_.back()->frame ? 0 : after;
+    const auto newer = std::find_if(frames_.begin(), frames_.end(),
+                                    [&](const auto& frame) { return frame->frame > reached; });
+    if (newer != frames_.end()) found = *newer;
+    return found != nullptr;
+  });
+  return found;
+}
+
+bool FrameQueue::waitForGroom(std::chrono::milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, timeout, [&] { return bodyFits(); });
+}
+
+void FrameQueue::addLatencies(ReceiveStatistics& statistics) const {
+  std::vector<float> sorted;
+  {
+    const std::lock_guard lock(mutex_);
+    sorted.assign(latencies_ms_.begin(),
+                  latencies_ms_.begin() + static_cast<ptrdiff_t>(std::min(latencies_, latencies_ms_.size())));
+  }
+  if (sorted.empty()) return;
+  std::sort(sorted.begin(), sorted.end());
+  const auto quantile = [&](double q) {
+    return static_cast<double>(sorted[static_cast<size_t>(q * static_cast<double>(sorted.size() - 1) + 0.5)]);
+  };
+  statistics.latency_ms_p50 = quantile(0.50);
+  statistics.latency_ms_p99 = quantile(0.99);
+}
+
+uint64_t systemTime() {
+  return static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                   std::chrono::system_clock::now().time_since_epoch())
+                                   .count());
+}
+
+double latencyMs(uint64_t publish_time) {
+  return static_cast<double>(static_cast<int64_t>(systemTime() - publish_time)) * 1e-6;
+}
+
+}  // namespace strandcast

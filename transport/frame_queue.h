@@ -1,0 +1,70 @@
+#pragma once
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "transport/messages.h"
+#include "transport/subscriber.h"
+
+namespace strandcast {
+
+/// Frames whose memory is used again once the last reader has let go of them. Thread-safe; frames may outlive
+/// the pool.
+class FramePool {
+ public:
+  using Buffer = std::unique_ptr<GuideFrame>;
+  FramePool() : store_(std::make_shared<Store>()) {}
+  /// A frame with arbitrary contents.
+  Buffer take();
+  std::shared_ptr<const GuideFrame> share(Buffer frame);
+  void giveBack(Buffer frame) { store_->giveBack(std::move(frame)); }
+
+ private:
+  struct Store {
+    std::mutex mutex;
+    std::vector<Buffer> free;
+    void giveBack(Buffer frame);
+  };
+  std::shared_ptr<Store> store_;
+};
+
+/// What a subscriber hands out: the descriptions in force and the newest frames that fit them. Thread-safe.
+class FrameQueue {
+ public:
+  /// Puts `groom` in force unless it is the one in force or an earlier revision of its session; older frames
+  /// go. Returns whether it is now in force.
+  bool setGroom(std::shared_ptr<const GroomDescription> groom);
+  void setBody(std::shared_ptr<const BodyDescription> body);
+  /// Ignores a frame that does not fit groom(). `latency_ms` from publication to now.
+  void push(std::shared_ptr<const GuideFrame> frame, double latency_ms);
+
+  std::shared_ptr<const GroomDescription> groom() const;
+  std::shared_ptr<const BodyDescription> body() const;
+  std::shared_ptr<const GuideFrame> frame() const;
+  /// As Subscriber's.
+  std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout);
+  bool waitForGroom(std::chrono::milliseconds timeout);
+  /// Sets the latency fields.
+  void addLatencies(ReceiveStatistics& statistics) const;
+
+ private:
+  bool bodyFits() const;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::shared_ptr<const GroomDescription> groom_;
+  std::shared_ptr<const BodyDescription> body_;  // newest; handed out when it fits groom_
+  std::deque<std::shared_ptr<const GuideFrame>> frames_;
+  std::array<float, 1000> latencies_ms_{};
+  size_t latencies_ = 0;  // counted since the start
+};
+
+/// ns since 1970 by the system clock, as GuideFrame::publish_time.
+uint64_t systemTime();
+/// From `publish_time` to now; negative when the sender's clock is ahead.
+double latencyMs(uint64_t publish_time);
+
+}  // namespace strandcast

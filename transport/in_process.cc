@@ -1,0 +1,155 @@
+#include "transport/in_process.h"
+
+#include <algorithm>
+#include <atomic>
+#include <deque>
+#include <mutex>
+
+#include "core/error.h"
+#include "transport/chunks.h"
+#include "transport/frame_queue.h"
+
+namespace strandcast {
+namespace {
+
+struct Channel {
+  explicit Channel(uint32_t id) : groom_id(id) {}
+  const uint32_t groom_id;
+  FrameQueue queue;
+  FramePool pool;
+  std::mutex mutex;  // of what follows
+  std::deque<Command> commands;
+  std::optional<Status> status;
+  ReceiveStatistics statistics;
+  uint64_t newest_frame = 0;  // of the groom in force
+  bool has_publisher = true, has_subscriber = true;
+};
+
+class InProcessPublisher final : public Publisher {
+ public:
+  explicit InProcessPublisher(std::shared_ptr<Channel> channel) : channel_(std::move(channel)) {}
+  ~InProcessPublisher() override {
+    const std::lock_guard lock(channel_->mutex);
+    channel_->has_publisher = false;
+    channel_->status.reset();
+  }
+
+  void announce(const GroomDescription& groom, const BodyDescription& body) override {
+    checkAnnouncement(groom, body, "groom " + groom.name);
+    checkSuccession(groom_.get(), groom);
+    auto own_groom = std::make_shared<GroomDescription>(groom);
+    auto own_body = std::make_shared<BodyDescription>(body);
+    own_groom->groom_id = own_body->groom_id = channel_->groom_id;
+    own_body->session = groom.session;
+    own_body->revision = groom.revision;
+    groom_ = own_groom;
+    channel_->queue.setBody(std::move(own_body));
+    if (channel_->queue.setGroom(std::move(own_groom))) {
+      const std::lock_guard lock(channel_->mutex);
+      channel_->newest_frame = 0;
+    }
+  }
+
+  void publish(const GuideFrame& frame) override {
+    if (!groom_ || frame.revision != groom_->revision || frame.positions.size() != groom_->guides.vertices())
+      return;
+    FramePool::Buffer copy = channel_->pool.take();
+    *copy = frame;  // into the memory of a frame that was let go of
+    copy->groom_id = channel_->groom_id;
+    {
+      const std::lock_guard lock(channel_->mutex);
+      if (frame.frame <= channel_->newest_frame) return channel_->pool.giveBack(std::move(copy));
+      if (channel_->newest_frame != 0)
+        channel_->statistics.frames_lost += frame.frame - channel_->newest_frame - 1;
+      channel_->newest_frame = frame.frame;
+      ++channel_->statistics.frames_received;
+    }
+    channel_->queue.push(channel_->pool.share(std::move(copy)), latencyMs(frame.publish_time));
+  }
+
+  void publishStatus(const Status& status) override {
+    const std::lock_guard lock(channel_->mutex);
+    channel_->status = status;
+    channel_->status->groom_id = channel_->groom_id;
+  }
+
+  std::optional<Command> takeCommand() override {
+    const std::lock_guard lock(channel_->mutex);
+    if (channel_->commands.empty()) return std::nullopt;
+    Command command = std::move(channel_->commands.front());
+    channel_->commands.pop_front();
+    return command;
+  }
+
+  uint32_t matchedReaders() const override {
+    const std::lock_guard lock(channel_->mutex);
+    return channel_->has_subscriber ? 1 : 0;
+  }
+  std::optional<uint64_t> rivalSession() const override { return std::nullopt; }
+
+ private:
+  std::shared_ptr<Channel> channel_;
+  std::shared_ptr<const GroomDescription> groom_;
+};
+
+class InProcessSubscriber final : public Subscriber {
+ public:
+  explicit InProcessSubscriber(std::shared_ptr<Channel> channel) : channel_(std::move(channel)) {}
+  ~InProcessSubscriber() override {
+    const std::lock_guard lock(channel_->mutex);
+    channel_->has_subscriber = false;
+  }
+
+  std::shared_ptr<const GroomDescription> groom() const override { return channel_->queue.groom(); }
+  std::shared_ptr<const BodyDescription> body() const override { return channel_->queue.body(); }
+  std::shared_ptr<const GuideFrame> frame() const override { return channel_->queue.frame(); }
+  std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout) override {
+    return channel_->queue.waitForFrame(after, timeout);
+  }
+  bool waitForGroom(std::chrono::milliseconds timeout) override {
+    return channel_->queue.waitForGroom(timeout);
+  }
+
+  std::optional<Status> status() const override {
+    const std::lock_guard lock(channel_->mutex);
+    return channel_->status;
+  }
+  std::vector<Status> allStatuses() const override {
+    const std::optional<Status> one = status();
+    return one ? std::vector<Status>{*one} : std::vector<Status>{};
+  }
+
+  void send(const Command& command) override {
+    checkCommand(command, channel_->groom_id);
+    const std::lock_guard lock(channel_->mutex);
+    if (!channel_->has_publisher) {
+      throw Error("nobody takes commands", "groom " + std::to_string(channel_->groom_id),
+                  "the simulation in this process has ended");
+    }
+    channel_->commands.push_back(command);
+    channel_->commands.back().groom_id = channel_->groom_id;
+    if (channel_->commands.size() > kMaxQueuedCommands) channel_->commands.pop_front();
+  }
+
+  ReceiveStatistics statistics() const override {
+    ReceiveStatistics statistics;
+    {
+      const std::lock_guard lock(channel_->mutex);
+      statistics = channel_->statistics;
+    }
+    channel_->queue.addLatencies(statistics);
+    return statistics;
+  }
+
+ private:
+  std::shared_ptr<Channel> channel_;
+};
+
+}  // namespace
+
+std::pair<std::unique_ptr<Publisher>, std::unique_ptr<Subscriber>> makeInProcessChannel(uint32_t groom_id) {
+  auto channel = std::make_shared<Channel>(groom_id);
+  return {std::make_unique<InProcessPublisher>(channel), std::make_unique<InProcessSubscriber>(channel)};
+}
+
+}  // namespace strandcast

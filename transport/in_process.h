@@ -1,0 +1,13 @@
+#pragma once
+#include <memory>
+#include <utility>
+
+#include "transport/publisher.h"
+#include "transport/subscriber.h"
+
+namespace strandcast {
+
+/// A channel within one process: the same interfaces, no network. Either end may go first.
+std::pair<std::unique_ptr<Publisher>, std::unique_ptr<Subscriber>> makeInProcessChannel(uint32_t groom_id);
+
+}  // namespace strandcast

@@ -1,0 +1,39 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "transport/messages.h"
+
+namespace strandcast {
+
+inline constexpr size_t kMaxQueuedCommands = 1024;
+
+/// The daemon's end of a channel. One thread at a time.
+class Publisher {
+ public:
+  virtual ~Publisher() = default;
+  /// Describes the groom and its body to everyone, now and later. Call before publish(); again, with a higher
+  /// revision, when the topology changes. `groom_id`, the body's revision and, over DDS, `session` are filled
+  /// in by the channel. Throws Error on what a receiver would refuse: no strands, counts that do not fit,
+  /// non-finite numbers, a strand of more than kMaxVerticesPerStrand vertices.
+  virtual void announce(const GroomDescription& groom, const BodyDescription& body) = 0;
+  /// Neither blocks on slow readers nor throws. `frame` fits the groom last announced (another vertex count
+  /// or revision is the program's own fault: nothing is sent then); its `groom_id` and, over DDS, `session`
+  /// are filled in by the channel.
+  virtual void publish(const GuideFrame& frame) = 0;
+  virtual void publishStatus(const Status& status) = 0;
+  /// The next command for this groom, in the order of arrival. Up to kMaxQueuedCommands wait; beyond that the
+  /// oldest go.
+  virtual std::optional<Command> takeCommand() = 0;
+  virtual uint32_t matchedReaders() const = 0;
+  /// Session of another live daemon that publishes the same groom id, if one was heard. Over DDS every
+  /// publisher names itself from its creation on, and a rival is heard through discovery: ask again for 1 s
+  /// after creation (usually it takes 0.2 s) and before announce(), which would take the readers over. Two
+  /// daemons started at once hear each other: let the one with the higher session give way. A rival that was
+  /// killed is never heard by a daemon started after its end, and is forgotten after its lease of 3 s by one
+  /// that ran before. In-process: always empty.
+  virtual std::optional<uint64_t> rivalSession() const = 0;
+};
+
+}  // namespace strandcast

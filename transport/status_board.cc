@@ -1,0 +1,53 @@
+#include "transport/status_board.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace strandcast {
+namespace {
+constexpr size_t kMaxDaemons = 1024;
+}
+
+void StatusBoard::post(const WriterId& writer, Status status) {
+  const std::lock_guard lock(mutex_);
+  if (entries_.size() >= kMaxDaemons && !entries_.contains(writer)) return;
+  entries_[writer] = {std::move(status), ++arrived_};
+}
+
+void StatusBoard::remove(const WriterId& writer) {
+  const std::lock_guard lock(mutex_);
+  entries_.erase(writer);
+}
+
+std::vector<Status> StatusBoard::all() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<const Entry*> sorted;
+  for (const auto& [writer, entry] : entries_) sorted.push_back(&entry);
+  std::sort(sorted.begin(), sorted.end(), [](const Entry* a, const Entry* b) {
+    return std::pair(a->status.groom_id, a->order) < std::pair(b->status.groom_id, b->order);
+  });
+  std::vector<Status> statuses;
+  for (const Entry* entry : sorted) statuses.push_back(entry->status);
+  return statuses;
+}
+
+std::optional<Status> StatusBoard::ofGroom(uint32_t groom_id, uint64_t session) const {
+  const std::lock_guard lock(mutex_);
+  const Entry* best = nullptr;
+  for (const auto& [writer, entry] : entries_) {
+    if (entry.status.groom_id != groom_id) continue;
+    if (entry.status.session == session) return entry.status;
+    if (!best || entry.order > best->order) best = &entry;
+  }
+  return best ? std::optional(best->status) : std::nullopt;
+}
+
+std::optional<uint64_t> StatusBoard::rivalOf(uint32_t groom_id, uint64_t own) const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [writer, entry] : entries_) {
+    if (entry.status.groom_id == groom_id && entry.status.session != own) return entry.status.session;
+  }
+  return std::nullopt;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,57 @@
+#pragma once
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "transport/messages.h"
+
+namespace strandcast {
+
+struct ReceiveStatistics {
+  uint64_t frames_received = 0;  ///< complete frames
+  /// Frame numbers from the first to the newest complete frame of each session and revision that never became
+  /// complete: gaps in the count, and frames left incomplete when a newer one was completed. Frames that the
+  /// renderer did not look at in time are not lost.
+  uint64_t frames_lost = 0;
+  uint64_t chunks_rejected = 0;  ///< damaged, or of another session or revision
+  /// Publish to complete, over the last 1,000 frames, by the system clocks of both machines: their difference
+  /// is in it.
+  double latency_ms_p50 = 0, latency_ms_p99 = 0;
+};
+
+inline constexpr size_t kFrameQueueLength = 8;
+
+/// The renderer's end of a channel: the one thing a renderer programmer needs. Receives in its own thread;
+/// every call is thread-safe.
+class Subscriber {
+ public:
+  virtual ~Subscriber() = default;
+  /// The newest description, or null while none is complete. The pointer changes when the daemon or its groom
+  /// does.
+  virtual std::shared_ptr<const GroomDescription> groom() const = 0;
+  /// The body that was announced with groom(), or null while it is not complete.
+  virtual std::shared_ptr<const BodyDescription> body() const = 0;
+  /// The newest complete frame that fits groom(), or null.
+  virtual std::shared_ptr<const GuideFrame> frame() const = 0;
+  /// The OLDEST of the last kFrameQueueLength complete frames that is newer than `after`, waiting for one
+  /// when there is none yet; null on timeout. 0 takes any. A reader that passes the number of the frame it
+  /// got last sees every frame in order while it stays less than kFrameQueueLength frames behind, and skips
+  /// the oldest when it does not. Frame numbers start again with a session: an `after` beyond the newest
+  /// frame is of an earlier session and counts as 0.
+  virtual std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after,
+                                                         std::chrono::milliseconds timeout) = 0;
+  /// Waits for groom and body, of one session and revision; false on timeout.
+  virtual bool waitForGroom(std::chrono::milliseconds timeout) = 0;
+  /// Newest status of this subscriber's groom.
+  virtual std::optional<Status> status() const = 0;
+  /// Newest status of every live daemon on the network.
+  virtual std::vector<Status> allStatuses() const = 0;
+  /// Sends a command to the daemon of `command.groom_id` 's groom, which is this subscriber's (0 stands for
+  /// it). Blocks until the daemon's machine has it. Throws Error when no daemon of that groom answers within
+  /// 2 s, when `id` is 0, or when the command is longer than the wire takes.
+  virtual void send(const Command& command) = 0;
+  virtual ReceiveStatistics statistics() const = 0;
+};
+
+}  // namespace strandcast
