@@ -166,6 +166,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   });
   root.section("daemon", [&](Section& daemon) {
     daemon.text("backend", [&](const std::string& v) { s.backend = v; });
+    daemon.text("solver", [&](const std::string& v) { s.solver = solverKind(v); });
     daemon.number("threads", 0, 1024, [&](double v) { s.threads = static_cast<int>(v); });
     daemon.number("rate", 1, 1000, [&](double v) { s.rate = v; });
     daemon.number("duration", 0, 1e9, [&](double v) { s.duration = v; });

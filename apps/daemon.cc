@@ -32,6 +32,7 @@ double quantile(std::vector<double> values, double q) {
 
 Parameters sceneParameters(const Scene& scene, const Settings& settings) {
   Parameters parameters = scene.parameters;
+  parameters.solver = settings.solver;
   for (const auto& [name, value] : settings.parameters) setParameter(parameters, name, value, "parameters");
   return parameters;
 }
@@ -59,7 +60,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
       motion_(scene.motion),
       head_pivot_(scene.head_pivot),
       simulation_(makeStrandModel(scene.groom.strands), scene.bodies, sceneParameters(scene, settings),
-                  createBackend(knownBackends(), settings.backend, settings.threads)) {
+                  createBackend(knownBackends(), settings.backend, settings.threads, settings.solver)) {
   frame_.groom_id = settings.groom_id;
   frame_.session = session;
   frame_.revision = 1;

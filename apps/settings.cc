@@ -82,6 +82,9 @@ SettingsOptions::SettingsOptions(CLI::App& app) : app_(app) {
   simulation->add_option("--backend", given_.backend, "auto, gpu, simd or reference; see `strandcast info --backends`")
       ->check(CLI::IsMember({"auto", "gpu", "simd", "reference"}))
       ->capture_default_str();
+  simulation->add_option("--solver", solver_,
+                         "rod: elastic rods that keep their length (default); gauss_seidel: iterated constraints")
+      ->check(CLI::IsMember({"rod", "gauss_seidel"}));
   simulation->add_option("--threads", given_.threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
   simulation->add_option("--set", set_, parameterHelp());
   simulation->add_option("--rate", given_.rate, "frames per second")->check(CLI::Range(1.0, 1000.0))->capture_default_str();
@@ -110,6 +113,7 @@ Settings SettingsOptions::resolve() const {
   lay("--vertices", out.scene.vertices, given_.scene.vertices);
   lay("--length", out.scene.length, given_.scene.length);
   lay("--seed", out.scene.seed, given_.scene.seed);
+  if (app_.count("--solver") > 0) out.solver = solverKind(solver_);
   lay("--backend", out.backend, given_.backend);
   lay("--threads", out.threads, given_.threads);
   lay("--rate", out.rate, given_.rate);

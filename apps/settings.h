@@ -19,6 +19,7 @@ struct Settings {
   SceneOptions scene;
   std::vector<std::pair<std::string, std::vector<double>>> parameters;  ///< by name, on top of the scene's own
 
+  SolverKind solver = SolverKind::kRod;
   std::string backend = "auto";
   int threads = 0;                ///< of the simd backend; 0 = all
   std::string transport = "dds";  ///< "dds"
@@ -41,7 +42,7 @@ class SettingsOptions {
   CLI::App& app_;
   std::filesystem::path config_;
   Settings given_;
-  std::string up_;
+  std::string up_, solver_;
   std::vector<std::string> groom_, set_;
 };
 

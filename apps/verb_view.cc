@@ -32,6 +32,7 @@ class Window {
   Window(const PictureOptions& picture)
       : azimuth_(picture.azimuth), elevation_(picture.elevation), zoom_(picture.zoom) {
     if (glfwInit() == GLFW_FALSE) throw windowError();
+    glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);  // as the GPU backend's, which hands it back
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);

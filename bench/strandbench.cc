@@ -17,7 +17,7 @@ using namespace strandcast;
 namespace {
 
 struct Options {
-  std::string backend = "auto", scene = "straight";
+  std::string backend = "auto", scene = "straight", solver = "rod";
   int strands = 2000, vertices = 32, substeps = 4, iterations = 6, threads = 0, warmup = 20, steps = 60;
   uint64_t seed = 1;
   bool json = false, csv = false;
@@ -34,8 +34,9 @@ Result run(const Options& o, const Scene& scene, const std::string& backend) {
   Parameters parameters = scene.parameters;
   parameters.substeps = o.substeps;
   parameters.iterations = o.iterations;
+  parameters.solver = solverKind(o.solver);
   Simulation simulation(makeStrandModel(scene.groom.strands), scene.bodies, parameters,
-                        createBackend(knownBackends(), backend, o.threads));
+                        createBackend(knownBackends(), backend, o.threads, parameters.solver));
   std::vector<double> ms;
   for (int step = 0; step < o.warmup + o.steps; ++step) {
     simulation.setHeadPose(scene.motion(simulation.time() + parameters.time_step));
@@ -84,12 +85,13 @@ int step(const Options& o) {
   if (o.csv)
     fmt::print("backend,device,strands,vertices,substeps,iterations,ms_min,ms_median,ms_p95,ns_per_vertex_substep,mean_stretch,max_stretch,max_penetration_m\n");
   else if (!o.json)
-    fmt::print("scene {}, {} x {}, {} substeps of {} iterations, Gauss-Seidel\n  {:<10} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12} {:>10}  {}\n", o.scene, o.strands,
-               o.vertices, o.substeps, o.iterations, "backend", "ms min", "median", "p95", "ns/vtx/sub", "mean stretch",
+    fmt::print("scene {}, {} x {}, {} substeps, {} iterations, solver {}\n  {:<10} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12} {:>10}  {}\n", o.scene, o.strands,
+               o.vertices, o.substeps, o.iterations, o.solver, "backend", "ms min", "median", "p95", "ns/vtx/sub", "mean stretch",
                "max stretch", "depth mm", "device");
   for (const BackendInfo& info : knownBackends()) {
     if (o.backend != "all" && o.backend != info.name && !(o.backend == "auto")) continue;
-    if (!info.available && o.backend == "all") continue;
+    const bool runs = info.available && std::find(info.solvers.begin(), info.solvers.end(), solverKind(o.solver)) != info.solvers.end();
+    if (!runs && o.backend == "all") continue;
     const Result r = run(o, scene, o.backend == "auto" ? "auto" : info.name);
     results.push_back(toJson(r));
     if (o.csv)
@@ -109,6 +111,7 @@ int step(const Options& o) {
                                        {"threads", o.threads},
                                        {"params",
                                         {{"scene", o.scene},
+                                         {"solver", o.solver},
                                          {"strands", o.strands},
                                          {"vertices", o.vertices},
                                          {"substeps", o.substeps},
@@ -128,6 +131,9 @@ int main(int argc, char** argv) {
   CLI::App* verb = app.add_subcommand("step", "time of a simulation step");
   verb->add_option("--backend", o.backend, "auto, gpu, simd, reference or all")
       ->check(CLI::IsMember({"auto", "gpu", "simd", "reference", "all"}))
+      ->capture_default_str();
+  verb->add_option("--solver", o.solver, "rod or gauss_seidel")
+      ->check(CLI::IsMember({"rod", "gauss_seidel"}))
       ->capture_default_str();
   verb->add_option("--scene", o.scene, "procedural scene")->capture_default_str();
   verb->add_option("--strands", o.strands)->check(CLI::Range(1, 1000000))->capture_default_str();

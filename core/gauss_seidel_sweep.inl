@@ -1,69 +1,20 @@
-// One step of a block of strands by the course's scheme, over any lane type: included inside a namespace that
-// has the lane vocabulary and the kernel text. The formulas are in kernels/; here is only their order along
-// the strand. A lane is a strand and the loops run along it.
-
-using Block = BlockView<Scalar>;
-
-inline real3 load3(const Block& b, const Scalar* planes, int i) {
-  return {load(planes + b.at(0, i)), load(planes + b.at(1, i)), load(planes + b.at(2, i))};
-}
-inline void store3(const real3& value, const Block& b, Scalar* planes, int i) {
-  store(value.x, planes + b.at(0, i));
-  store(value.y, planes + b.at(1, i));
-  store(value.z, planes + b.at(2, i));
-}
-inline real3 fill3(const float* v) { return {lit(v[0]), lit(v[1]), lit(v[2])}; }
-inline real3 fill3(const Vec3& v) { return fill3(v.data()); }
-
-struct RootFrame {
-  real3 position;
-  quat rotation;
-};
-inline RootFrame loadRoot(const Block& b, int first_plane) {
-  const Scalar* p = b.root + static_cast<size_t>(first_plane) * b.lanes;
-  const size_t next = b.lanes;
-  return {{load(p), load(p + next), load(p + 2 * next)},
-          {load(p + 3 * next), load(p + 4 * next), load(p + 5 * next), load(p + 6 * next)}};
-}
+// One step of a block of strands by the course's scheme. Included after core/strand_sweep.inl. The formulas are in
+// kernels/; here is only their order along the strand.
 
 inline real inverseMass(const Block& b, int i) { return load(b.inverse_mass + b.at(0, i)); }
 
-// One body pushes every free vertex out; `time` is the part of the step that has passed, 0 to 1, `start` the
-// positions at the start of the substep. A vector of lanes that the body does not touch is left as it is.
-inline void resolveContacts(const Block& block, const Scalar* start, const MovingPrimitive& p,
-                            const StepInput& input, double time) {
-  const real part = lit(1.0 / input.parameters->substeps);
-  const real substep = lit(static_cast<double>(input.parameters->time_step) / input.parameters->substeps);
-  const real radius = lit(p.radius), hair_radius = lit(input.parameters->hair_radius),
-             friction = lit(p.friction);
-  const real3 spin = fill3(p.angular_velocity);
-  const real3 a_step = fill3(p.a_end) - fill3(p.a_begin), b_step = fill3(p.b_end) - fill3(p.b_begin);
-  const real3 a = madd(a_step, lit(time), fill3(p.a_begin)), b = madd(b_step, lit(time), fill3(p.b_begin));
+// One body pushes every free vertex out. `start`: positions at the start of the substep.
+inline void resolveContacts(const Block& block, const Scalar* start, const SubstepBody& body) {
+  real3 normal = makeReal3(lit(0), lit(0), lit(0));
   for (int i = 0; i < block.vertices; ++i) {
+    const mask free = inverseMass(block, i) > lit(0.5);
     const real3 x = load3(block, block.position, i);
-    real3 normal, axis_point = a, axis_step = a_step;
-    real distance;
-    if (p.kind == static_cast<uint32_t>(PrimitiveKind::kSphere)) {
-      distance = sphereDistance(x, a, radius, normal);
-    } else if (p.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule)) {
-      real along;
-      distance = capsuleDistance(x, a, b, radius, normal, along);
-      axis_point = madd(b - a, along, a);
-      axis_step = madd(b_step - a_step, along, a_step);
-    } else {
-      distance = planeDistance(x, a, b, normal);
-    }
-    const mask touches = (distance - hair_radius < lit(0)) && (inverseMass(block, i) > lit(0.5));
-    if (!anyTrue(touches)) continue;
-    const real3 motion = surfaceMotion(x, axis_point, axis_step * part, spin, substep);
-    const real3 outside =
-        resolveContact(x, load3(block, start, i), motion, normal, distance - hair_radius, friction);
-    store3(select(touches, outside, x), block, block.position, i);
+    store3(pushOut(body, x, load3(block, start, i), free, normal), block, block.position, i);
   }
 }
 
 // scratch: 6 planes of the block's vertices (start positions, then edge targets).
-inline void stepBlock(const Block& b, const StepInput& input, Scalar* scratch) {
+inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scratch) {
   const Parameters& p = *input.parameters;
   const int n = b.vertices;
   const double h = p.time_step / p.substeps;
@@ -125,7 +76,7 @@ inline void stepBlock(const Block& b, const StepInput& input, Scalar* scratch) {
         }
       }
       for (const MovingPrimitive& primitive : input.primitives)
-        resolveContacts(b, start, primitive, input, time);
+        resolveContacts(b, start, bodyAt(primitive, input, time));
     }
 
     for (int i = 0; i < n; ++i)

@@ -17,7 +17,7 @@ struct Pose {
 
   Vec3 apply(const Vec3& local) const { return rotation * local + position; }
   Vec3 rotate(const Vec3& local) const { return rotation * local; }
-  Pose operator*(const Pose& child) const { return {apply(child.position), (rotation * child.rotation).normalized()}; }
+  Pose operator*(const Pose& child) const { return {apply(child.position), rotation * child.rotation}; }
   Pose inverse() const {
     const Quat back = rotation.conjugate();
     return {back * -position, back};

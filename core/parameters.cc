@@ -52,6 +52,8 @@ const std::vector<Entry>& entries() {
       scalar("shape_rate", "1/s", 0, 1e6, "0 to 1e6", "rate at which the groomed shape is restored at the root",
              &P::shape_rate),
       scalar("shape_rate_tip", "1/s", 0, 1e6, "0 to 1e6", "the same at the tip", &P::shape_rate_tip),
+      scalar("damping_time", "s", 0, 1, "0 to 1", "internal damping of the rod: damping ratio = omega x this / 2",
+             &P::damping_time),
       scalar("hair_radius", "m", 0, 0.01, "0 to 0.01", "distance kept between a hair's axis and every body",
              &P::hair_radius),
   };
@@ -84,6 +86,14 @@ const Entry& entry(const std::string& name, const std::string& where) {
 }
 
 }  // namespace
+
+SolverKind solverKind(const std::string& name) {
+  for (const SolverKind kind : {SolverKind::kGaussSeidel, SolverKind::kRod})
+    if (solverName(kind) == name) return kind;
+  throw Error("unknown solver", name, "choose one of gauss_seidel, rod");
+}
+
+std::string solverName(SolverKind solver) { return solver == SolverKind::kRod ? "rod" : "gauss_seidel"; }
 
 const std::vector<ParameterInfo>& parameterList() {
   static const std::vector<ParameterInfo> list = [] {

@@ -6,19 +6,23 @@
 
 namespace strandcast {
 
-enum class SolverKind { kGaussSeidel };
+enum class SolverKind {
+  kGaussSeidel,  ///< the course's scheme: iterated angular and distance constraints
+  kRod           ///< an elastic rod: direct solves for twist, bending and length
+};
 
 /// Everything that may change while a simulation runs. SI units.
 struct Parameters {
   float time_step = 1.0f / 60.0f;        ///< s, fixed; 1/2000 to 1/30
   int substeps = 4;                      ///< per step, 1 to 64
   int iterations = 6;                    ///< of {angular, distance, contact} per substep, 1 to 64
-  SolverKind solver = SolverKind::kGaussSeidel;
+  SolverKind solver = SolverKind::kGaussSeidel;  ///< of a simulation's whole life
   Vec3 gravity{0, -9.81f, 0};            ///< m/s^2
   Vec3 wind = Vec3::Zero();              ///< m/s, uniform air velocity
   float air_drag = 1.0f;                 ///< 1/s, rate at which hair takes on the velocity of the air; 0 or more
   float shape_rate = 400.0f;             ///< 1/s, rate at which the local shape is restored at the root; 0 or more
   float shape_rate_tip = 100.0f;         ///< 1/s, the same at the tip; linear in between
+  float damping_time = 0;                ///< s, internal (Kelvin-Voigt) damping of the rod: zeta = omega damping_time / 2
   float hair_radius = 40e-6f;            ///< m, kept between the hair's axis and every body
 };
 
@@ -31,6 +35,10 @@ struct ParameterInfo {
   int components;     ///< 1, or 3 for vectors
 };
 const std::vector<ParameterInfo>& parameterList();
+
+/// "gauss_seidel" or "rod"; Error otherwise.
+SolverKind solverKind(const std::string& name);
+std::string solverName(SolverKind solver);
 
 /// Reads a parameter as its components. Throws Error on an unknown name.
 std::vector<double> parameter(const Parameters& parameters, const std::string& name);

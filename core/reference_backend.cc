@@ -7,10 +7,10 @@
 
 namespace strandcast {
 namespace kernels::f32 {
-#include "core/gauss_seidel_sweep.inl"
+#include "core/block_step.inl"
 }  // namespace kernels::f32
 namespace kernels::f64 {
-#include "core/gauss_seidel_sweep.inl"
+#include "core/block_step.inl"
 }  // namespace kernels::f64
 
 namespace {
@@ -32,7 +32,7 @@ class ScalarBackend final : public Backend {
 
   void load(const StrandModel& model, const StrandState& state) override {
     store_.load(model, 1);
-    scratch_.resize(static_cast<size_t>(6) * store_.maxVertices());
+    scratch_.resize(blockScratch(store_.maxVertices(), 1));
     guides_.resize(model.vertices());
     upload(state);
   }
@@ -73,7 +73,8 @@ std::unique_ptr<Backend> makeOracleBackend() {
 }
 
 BackendInfo referenceBackendInfo() {
-  return {"reference", true, "float, scalar, 1 thread", 1, [](int) { return makeReferenceBackend(); }};
+  return {"reference", true, "float, scalar, 1 thread", 1, [](int) { return makeReferenceBackend(); },
+          {SolverKind::kGaussSeidel, SolverKind::kRod}};
 }
 
 }  // namespace strandcast

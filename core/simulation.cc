@@ -49,6 +49,7 @@ void Simulation::teleport(const Pose& head) {
   const Pose carry = head * head_begin_.inverse();
   for (Vec3& position : state.positions) position = carry.apply(position);
   for (Vec3& velocity : state.velocities) velocity = carry.rotate(velocity);
+  for (Quat& frame : state.frames) frame = (carry.rotation * frame).normalized();
   teleport(head, state);
 }
 

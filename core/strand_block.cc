@@ -8,7 +8,26 @@ namespace strandcast {
 namespace {
 
 // Planes of a block, in this order.
-enum Plane { kPosition = 0, kVelocity = 3, kRestLocal = 6, kRestEdge = 9, kRestLength = 12, kInverseMass = 13, kPlanes = 14 };
+enum Plane {
+  kPosition = 0,
+  kVelocity = 3,
+  kRestLocal = 6,
+  kRestEdge = 9,
+  kRestLength = 12,
+  kInverseMass = 13,
+  kFrame = 14,
+  kTension = 18,
+  kRestStrain = 19,
+  kInverseLength = 22,
+  kBend = 23,
+  kTwist = 24,
+  kMass = 25,
+  kWeight = 26,
+  kPlanes = 27
+};
+
+constexpr float kPinnedMass = 1e6f;       // of a vertex that the bending solve must not move
+constexpr float kShortestEdge = 0.1f;     // of the strand's mean: shorter edges bend as if they were this long
 
 }  // namespace
 
@@ -61,14 +80,24 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
       const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
       const std::span<const Vec3> rest(model.rest_local.data() + offsets_[strand], block.vertices);
       restEdges(rest, edges);
+      const float mean_length = arcLength(rest) / static_cast<float>(block.vertices - 1);
       for (int i = 0; i < block.vertices; ++i) {
         auto put = [&](int plane, float value) {
           planes(block, plane)[static_cast<size_t>(i) * lanes_ + lane] = static_cast<Scalar>(value);
         };
         for (int c = 0; c < 3; ++c) put(kRestLocal + c, rest[i][c]);
         for (int c = 0; c < 3; ++c) put(kRestEdge + c, edges[i][c]);
-        put(kRestLength, i + 1 < block.vertices ? (rest[i + 1] - rest[i]).norm() : 0.0f);
-        put(kInverseMass, model.inverse_mass[offsets_[strand] + i]);
+        const uint32_t v = offsets_[strand] + i;
+        const float length = i + 1 < block.vertices ? (rest[i + 1] - rest[i]).norm() : 0.0f;
+        const bool pinned = model.inverse_mass[v] == 0;
+        put(kRestLength, length);
+        put(kInverseMass, model.inverse_mass[v]);
+        for (int c = 0; c < 3; ++c) put(kRestStrain + c, model.rest_strain[v][c]);
+        put(kInverseLength, 1 / std::max(length, kShortestEdge * mean_length));
+        put(kBend, model.bend[v]);
+        put(kTwist, model.twist[v]);
+        put(kMass, pinned ? kPinnedMass : model.mass[v]);
+        put(kWeight, pinned ? 0.0f : 1 / model.mass[v]);
       }
     }
   }
@@ -85,6 +114,10 @@ void BlockStore<Scalar>::upload(const StrandState& state) {
           planes(block, kPosition + c)[at] = static_cast<Scalar>(state.positions[offsets_[strand] + i][c]);
           planes(block, kVelocity + c)[at] = static_cast<Scalar>(state.velocities[offsets_[strand] + i][c]);
         }
+        const uint32_t v = offsets_[strand] + i;
+        const Quat frame = state.frames.empty() ? Quat(Quat::Identity()) : state.frames[v];
+        for (int c = 0; c < 4; ++c) planes(block, kFrame + c)[at] = static_cast<Scalar>(frame.coeffs()[c]);
+        planes(block, kTension)[at] = state.tensions.empty() ? Scalar(0) : static_cast<Scalar>(state.tensions[v]);
       }
     }
   }
@@ -94,15 +127,19 @@ template <class Scalar>
 void BlockStore<Scalar>::download(StrandState& state) const {
   state.positions.resize(offsets_.back());
   state.velocities.resize(offsets_.back());
+  state.frames.resize(offsets_.back());
+  state.tensions.resize(offsets_.back());
   for (size_t b = 0; b < blocks_.size(); ++b) {
     const Block& block = blocks_[b];
     readPositions(b, state.positions);
     for (size_t lane = 0; lane < block.count; ++lane) {
       const uint32_t first = offsets_[order_[block.first + lane]];
-      for (int i = 0; i < block.vertices; ++i)
-        for (int c = 0; c < 3; ++c)
-          state.velocities[first + i][c] =
-              static_cast<float>(planes(block, kVelocity + c)[static_cast<size_t>(i) * lanes_ + lane]);
+      for (int i = 0; i < block.vertices; ++i) {
+        auto get = [&](int plane) { return static_cast<float>(planes(block, plane)[static_cast<size_t>(i) * lanes_ + lane]); };
+        for (int c = 0; c < 3; ++c) state.velocities[first + i][c] = get(kVelocity + c);
+        for (int c = 0; c < 4; ++c) state.frames[first + i].coeffs()[c] = get(kFrame + c);
+        state.tensions[first + i] = get(kTension);
+      }
     }
   }
 }
@@ -143,6 +180,14 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           planes(block, kRestEdge),
           planes(block, kRestLength),
           planes(block, kInverseMass),
+          planes(block, kFrame),
+          planes(block, kTension),
+          planes(block, kRestStrain),
+          planes(block, kInverseLength),
+          planes(block, kBend),
+          planes(block, kTwist),
+          planes(block, kMass),
+          planes(block, kWeight),
           planes(block, kPlanes)};
 }
 

@@ -33,12 +33,24 @@ struct BlockView {
   const Scalar* rest_edge;     ///< 3 planes, m: edge (i, i+1) at rest, in the Bishop frame of the edge before it
   const Scalar* rest_length;   ///< 1 plane, m, of edge (i, i+1)
   const Scalar* inverse_mass;  ///< 1 plane, 0 or 1
-  const Scalar* root;          ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
+  // Of the rod: edge (i, i + 1) and the joint before it at row i. See StrandModel for units.
+  Scalar* frame;                 ///< 4 planes, x y z w, world
+  Scalar* tension;               ///< 1 plane
+  const Scalar* rest_strain;     ///< 3 planes
+  const Scalar* inverse_length;  ///< 1 plane, 1/m, bounded where an edge is much shorter than its strand's mean
+  const Scalar* bend;            ///< 1 plane
+  const Scalar* twist;           ///< 1 plane
+  const Scalar* mass;            ///< 1 plane, of vertices; large where pinned
+  const Scalar* weight;          ///< 1 plane, of vertices: 1 / mass, 0 where pinned
+  const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
 
   size_t at(int plane, int vertex) const { return (static_cast<size_t>(plane) * vertices + vertex) * lanes; }
 };
 
 constexpr int kRootPlanes = 14;
+
+/// Scalars of scratch memory that a step of a block needs.
+constexpr size_t blockScratch(int vertices, int lanes) { return static_cast<size_t>(22) * (vertices + 2) * lanes; }
 
 /// The working store of the CPU backends: strands sorted by vertex count, cut into blocks of `lanes` strands of equal
 /// count. A block is contiguous, small enough to stay in the near caches through all substeps of a step.

@@ -6,9 +6,14 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "kernels/scalar_double.h"
 
 namespace strandcast {
 namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+kernels::f64::quat toLanes(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
 void checkStrand(std::span<const Vec3> points, size_t strand) {
   const std::string where = fmt::format("strand {}", strand);
@@ -23,26 +28,107 @@ void checkStrand(std::span<const Vec3> points, size_t strand) {
   }
 }
 
+/// Twist-free frames along the rest shape, relative to the root frame, which is returned: the strand's tangent at the
+/// root itself, half a joint before the middle of the first edge.
+Eigen::Quaterniond restFrames(std::span<const Vec3> points, std::span<Quat> frames) {
+  const size_t edges = points.size() - 1;
+  std::vector<Eigen::Quaterniond> world(edges);
+  Eigen::Vector3d before = Eigen::Vector3d::UnitZ();
+  for (size_t e = 0; e < edges; ++e) {
+    const Eigen::Vector3d tangent = (points[e + 1] - points[e]).cast<double>().normalized();
+    world[e] = shortestRotation<double>(before, tangent) * (e > 0 ? world[e - 1] : Eigen::Quaterniond::Identity());
+    world[e].normalize();
+    before = tangent;
+  }
+  Eigen::Quaterniond root = world[0];
+  if (edges > 1) {
+    Eigen::Quaterniond half = world[0].conjugate() * world[1];
+    if (half.w() < 0) half.coeffs() *= -1;
+    half.w() += 1;
+    root = (world[0] * half.normalized().conjugate()).normalized();
+  }
+  for (size_t e = 0; e < edges; ++e) frames[e] = Quat((root.conjugate() * world[e]).normalized().cast<float>());
+  return root;
+}
+
+/// Mass, stiffness and rest strain of strand s (Romero, Neukirch, Bertails-Descoubes 2021: a rod whose root frame is
+/// clamped converges with the second order when the first joint gets half a cell).
+void setRod(StrandModel& model, size_t s, const Material& material) {
+  using namespace kernels::f64;
+  const uint32_t first = model.offsets[s];
+  const size_t edges = model.verticesOf(s) - 1;
+  std::vector<double> length(edges);
+  double total = 0;
+  for (size_t e = 0; e < edges; ++e) {
+    length[e] = (model.rest_local[first + e + 1] - model.rest_local[first + e]).cast<double>().norm();
+    total += length[e];
+  }
+  auto area = [&](double place) {
+    const double r = material.radius * material.radius_scale.at(static_cast<float>(place / total));
+    return kPi * r * r;
+  };
+  double mass = 0, along = 0;
+  std::vector<double> vertex_mass(edges + 1);
+  for (size_t i = 0; i <= edges; ++i) {
+    const double cell = 0.5 * ((i > 0 ? length[i - 1] : 0) + (i < edges ? length[i] : 0));
+    vertex_mass[i] = material.density * area(along) * cell;
+    mass += vertex_mass[i];
+    if (i < edges) along += length[i];
+  }
+  const double reference = mass / static_cast<double>(edges);
+  model.reference_mass[s] = static_cast<float>(reference);
+  along = 0;
+  Eigen::Quaterniond inner = Eigen::Quaterniond::Identity();
+  for (size_t j = 0; j <= edges; ++j) {
+    const uint32_t v = first + static_cast<uint32_t>(j);
+    model.mass[v] = static_cast<float>(vertex_mass[j] / reference);
+    if (j == edges) break;
+    const double cell = j > 0 ? 0.5 * (length[j - 1] + length[j]) : 0.5 * length[0];
+    const double a = area(along);
+    const double second_moment = a * a / (4 * kPi);
+    const double bending =
+        material.youngs_modulus * material.stiffness_scale.at(static_cast<float>(along / total)) * second_moment;
+    const Eigen::Quaterniond outer(model.rest_frames[v].cast<double>());
+    const real3 strain = jointStrain(toLanes(inner), toLanes(outer));
+    // The law is in 2 tan(theta/2): this keeps its stiffness at the rest angle that of the rod.
+    const double cosine = std::fabs((inner.conjugate() * outer).w());
+    const double scale = cosine * cosine / (cell * reference);
+    model.rest_strain[v] = Eigen::Vector3d(strain.x, strain.y, strain.z).cast<float>();
+    model.bend[v] = static_cast<float>(bending * scale);
+    model.twist[v] = static_cast<float>(bending / (1 + material.poisson_ratio) * scale);
+    inner = outer;
+    along += length[j];
+  }
+}
+
 }  // namespace
 
-StrandModel makeStrandModel(const StrandSet& rest) {
+StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials) {
+  for (const Material& material : materials) checkMaterial(material, "material");
   StrandModel model;
   model.offsets = rest.offsets;
   model.rest_local.resize(rest.vertices());
   model.inverse_mass.resize(rest.vertices());
   model.rest_roots.resize(rest.strands());
+  model.rest_frames.assign(rest.vertices(), Quat::Identity());
+  model.rest_strain.assign(rest.vertices(), Vec3::Zero());
+  model.bend.assign(rest.vertices(), 0.0f);
+  model.twist.assign(rest.vertices(), 0.0f);
+  model.mass.assign(rest.vertices(), 0.0f);
+  model.reference_mass.resize(rest.strands());
   for (size_t s = 0; s < rest.strands(); ++s) {
     const std::span<const Vec3> points = rest.strand(s);
     checkStrand(points, s);
-    const Vec3 tangent = (points[1] - points[0]).normalized();
-    Pose& root = model.rest_roots[s];
-    root.position = points[0];
-    root.rotation = shortestRotation<float>(Eigen::Vector3f::UnitZ(), tangent).normalized();
-    const Pose to_local = root.inverse();
+    const uint32_t first = rest.offsets[s];
+    const Eigen::Quaterniond root = restFrames(points, {model.rest_frames.data() + first, points.size()});
+    model.rest_roots[s] = {points[0], Quat(root.cast<float>())};
+    const Pose to_local = model.rest_roots[s].inverse();
     for (size_t i = 0; i < points.size(); ++i) {
-      model.rest_local[rest.offsets[s] + i] = i == 0 ? Vec3(Vec3::Zero()) : to_local.apply(points[i]);
-      model.inverse_mass[rest.offsets[s] + i] = rest.isPinned(s, i) ? 0.0f : 1.0f;
+      model.rest_local[first + i] = i == 0 ? Vec3(Vec3::Zero()) : to_local.apply(points[i]);
+      model.inverse_mass[first + i] = rest.isPinned(s, i) ? 0.0f : 1.0f;
     }
+    const size_t part = rest.parts.empty() ? 0 : rest.parts[s];
+    setRod(model, s, materials[std::min(part, materials.size() - 1)]);
   }
   return model;
 }
@@ -50,19 +136,26 @@ StrandModel makeStrandModel(const StrandSet& rest) {
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots) {
   StrandState state;
   state.positions.resize(model.vertices());
+  state.frames.resize(model.vertices());
   state.velocities.assign(model.vertices(), Vec3::Zero());
-  for (size_t s = 0; s < model.strands(); ++s)
-    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+  state.tensions.assign(model.vertices(), 0.0f);
+  for (size_t s = 0; s < model.strands(); ++s) {
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
       state.positions[v] = roots[s].apply(model.rest_local[v]);
+      state.frames[v] = roots[s].rotation * model.rest_frames[v];
+    }
+  }
   return state;
 }
 
 uint64_t stateHash(const StrandState& state) {
   uint64_t hash = 14695981039346656037ull;
-  for (const std::vector<Vec3>* plane : {&state.positions, &state.velocities}) {
-    const auto* bytes = reinterpret_cast<const unsigned char*>(plane->data());
-    for (size_t i = 0; i < plane->size() * sizeof(Vec3); ++i) hash = (hash ^ bytes[i]) * 1099511628211ull;
-  }
+  auto add = [&](const auto& plane) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(plane.data());
+    for (size_t i = 0; i < plane.size() * sizeof(plane[0]); ++i) hash = (hash ^ bytes[i]) * 1099511628211ull;
+  };
+  add(state.positions);
+  add(state.velocities);
   return hash;
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/material.h"
 #include "core/strand_set.h"
 
 namespace strandcast {
@@ -14,25 +15,38 @@ struct StrandModel {
   std::vector<float> inverse_mass;     ///< per vertex, relative: 0 pinned to the root frame, 1 free
   std::vector<Pose> rest_roots;        ///< per strand, in the groom's frame; z is the rest tangent at the root
 
+  // The strand as an elastic rod. Entry i of a strand is its vertex i, edge (i, i + 1) or joint before edge i; the last
+  // edge and joint entry is unused. Masses and stiffnesses are divided by `reference_mass` of the strand.
+  std::vector<Quat> rest_frames;       ///< per edge, material frame in the root frame; z is the edge's direction
+  std::vector<Vec3> rest_strain;       ///< per joint, bending x y and twist z at rest, in the frame before the joint
+  std::vector<float> bend;             ///< per joint, B / cell length, m^2/s^2; joint 0 has half a cell
+  std::vector<float> twist;            ///< per joint, C / cell length, m^2/s^2
+  std::vector<float> mass;             ///< per vertex, about 1
+  std::vector<float> reference_mass;   ///< per strand, kg: its mean vertex mass
+
   size_t strands() const { return offsets.size() - 1; }
   size_t vertices() const { return rest_local.size(); }
   size_t verticesOf(size_t strand) const { return offsets[strand + 1] - offsets[strand]; }
 };
 
-/// What moves. Natural order.
+/// What moves. Natural order. `frames` and `tensions` are the rod's; they may be empty where only the others matter: a
+/// step then starts from untwisted frames and no tension.
 struct StrandState {
   std::vector<Vec3> positions;   ///< per vertex, metres, world
   std::vector<Vec3> velocities;  ///< per vertex, m/s, world
+  std::vector<Quat> frames;      ///< per edge (i, i + 1), world; z is the edge's direction
+  std::vector<float> tensions;   ///< per edge, tension x substep^2 / reference mass, m; what the next substep starts from
 };
 
 /// Builds a model from rest strands. Strands must have 2 to 128 vertices and edges of positive length
 /// (groom/ cleans them); throws Error naming the strand otherwise.
-StrandModel makeStrandModel(const StrandSet& rest);
+/// `materials` by StrandSet::parts, the last one for all further parts.
+StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials = {Material{}});
 
 /// The rest shape carried rigidly by its roots, at rest.
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots);
 
-/// 64-bit FNV-1a over the bytes of positions and velocities: equal states, equal hashes.
+/// 64-bit FNV-1a over the bytes of positions and velocities: equal motion, equal hashes.
 uint64_t stateHash(const StrandState& state);
 
 constexpr uint32_t kMinVerticesPerStrand = 2;

@@ -29,14 +29,20 @@ class GpuBackend final : public Backend {
     strands_.reset();
     strands_ = std::make_unique<gpu::GpuStrands>(model);
     strands_->upload(state);
+    frames_ = state.frames;
+    tensions_ = state.tensions;
   }
   void upload(const StrandState& state) override {
     const gl::MakeCurrent current(context_);
     strands_->upload(state);
+    frames_ = state.frames;
+    tensions_ = state.tensions;
   }
   void download(StrandState& state) override {
     const gl::MakeCurrent current(context_);
     strands_->download(state);
+    state.frames = frames_;
+    state.tensions = tensions_;
   }
   void step(const StepInput& input) override {
     const gl::MakeCurrent current(context_);
@@ -51,6 +57,8 @@ class GpuBackend final : public Backend {
  private:
   gl::HeadlessContext context_;
   std::unique_ptr<gpu::GpuStrands> strands_;
+  std::vector<Quat> frames_;     // of the rod, which has no shader: kept as they came
+  std::vector<float> tensions_;
 };
 
 struct Probe {

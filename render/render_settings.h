@@ -22,6 +22,10 @@ struct RenderSettings {
   uint64_t seed = 1;
 };
 
+/// For devices in software: a smaller picture with fewer, wider hairs of fewer segments; about a third of the
+/// default's work, and still a full head.
+RenderSettings softwareSettings();
+
 /// `settings` with every value in its range and not-finite ones replaced by the defaults.
 RenderSettings clipped(const RenderSettings& settings);
 

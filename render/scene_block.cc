@@ -20,6 +20,16 @@ Eigen::Vector4f withW(const Vec3& v, float w) { return {v.x(), v.y(), v.z(), w};
 
 }  // namespace
 
+RenderSettings softwareSettings() {
+  RenderSettings settings;
+  settings.width = 960;
+  settings.height = 540;
+  settings.hairs = 12000;
+  settings.segments = 20;
+  settings.hair_width = 220e-6f;
+  return settings;
+}
+
 RenderSettings clipped(const RenderSettings& settings) {
   const RenderSettings fallback;
   RenderSettings s = settings;

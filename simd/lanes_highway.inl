@@ -43,4 +43,5 @@ HWY_INLINE bool anyTrue(mask m) { return !hn::AllFalse(Tag(), m.m); }
 #include "kernels/rotation.h"
 #include "kernels/strand.h"
 #include "kernels/contact.h"
+#include "kernels/rod.h"
 // clang-format on

@@ -45,7 +45,7 @@ class SimdBackend final : public Backend {
 
   void load(const StrandModel& model, const StrandState& state) override {
     store_.load(model, target_.kernel.lanes);
-    const size_t needed = static_cast<size_t>(6) * store_.maxVertices() * store_.lanes();
+    const size_t needed = blockScratch(store_.maxVertices(), store_.lanes());
     scratch_stride_ = (needed + 15) / 16 * 16;
     scratch_.assign(scratch_stride_ * threads_, 0.0f);
     guides_.resize(model.vertices());
@@ -106,7 +106,8 @@ std::vector<std::string> simdTargets() {
 }
 
 BackendInfo simdBackendInfo() {
-  BackendInfo info{"simd", !targets().empty(), "", 50, [](int threads) { return makeSimdBackend(threads); }};
+  BackendInfo info{"simd", !targets().empty(), "", 50, [](int threads) { return makeSimdBackend(threads); },
+                   {SolverKind::kGaussSeidel, SolverKind::kRod}};
   info.reason =
       info.available ? targets().front().name : "no instruction set of this machine was compiled for";
   return info;

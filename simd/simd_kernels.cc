@@ -15,7 +15,7 @@ namespace strandcast::simd::HWY_NAMESPACE {
 // The order matters.
 // clang-format off
 #include "simd/lanes_highway.inl"
-#include "core/gauss_seidel_sweep.inl"
+#include "core/block_step.inl"
 #include "kernels/end_lanes.inl"
 // clang-format on
 

@@ -9,7 +9,7 @@ namespace strandcast::simd {
 /// The step of a block, compiled for one instruction set.
 struct SimdKernel {
   int lanes = 0;  ///< strands per block, 1 to 16
-  /// `scratch`: 6 planes of the block's vertices x lanes, 64-byte aligned.
+  /// `scratch`: blockScratch() floats, 64-byte aligned.
   void (*step_block)(const BlockView<float>& block, const StepInput& input, float* scratch) = nullptr;
 };
 

@@ -63,15 +63,19 @@ class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
  public:
   using Handler = std::function<void(Wire& sample, const StatusBoard::WriterId& writer)>;
   using LossHandler = std::function<void(const StatusBoard::WriterId& writer)>;
-  /// `handler` may exchange the sample's arrays; `on_writer_gone` may be empty.
+  /// `handler` may exchange the sample's arrays; `on_writer_gone` may be empty. Both may be called by several
+  /// threads at once, lock what they share, and call no DDS while they hold it.
   explicit TakingListener(Handler handler, LossHandler on_writer_gone = {})
       : handler_(std::move(handler)), on_writer_gone_(std::move(on_writer_gone)) {}
 
   void on_data_available(eprosima::fastdds::dds::DataReader* reader) override {
-    const std::lock_guard lock(mutex_);  // writers of this process deliver in their own threads
+    // Writers of this process deliver in their own threads, perhaps several at once and with the reader's
+    // mutex held. A lock of ours around the reader's calls could deadlock with it, so each thread has a
+    // sample of its own instead.
+    thread_local Wire sample;
     eprosima::fastdds::dds::SampleInfo info;
-    while (reader->take_next_sample(&sample_, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-      if (info.valid_data) handler_(sample_, writerId(info.publication_handle));
+    while (reader->take_next_sample(&sample, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data) handler_(sample, writerId(info.publication_handle));
     }
   }
   void on_subscription_matched(eprosima::fastdds::dds::DataReader*,
@@ -86,8 +90,6 @@ class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
     for (size_t i = 0; i < id.size(); ++i) id[i] = handle.value[i];
     return id;
   }
-  std::mutex mutex_;
-  Wire sample_;
   Handler handler_;
   LossHandler on_writer_gone_;
 };

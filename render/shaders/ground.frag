@@ -10,7 +10,7 @@ void main() {
   float lit = 1.0;
   if (scene.sampling.w > 0.0) {
     vec3 at = lightCoordinates(world);
-    lit = solidVisibility(at, 0.004, 2) * exp(-0.6 * hairOpticalDepth(at, 0.0));
+    lit = solidVisibility(at, 0.004, 1) * exp(-0.6 * hairOpticalDepth(at, 0.0));
   }
   vec3 albedo = scene.background.rgb * 0.55;
   vec3 radiance = albedo * (ambient(vec3(0, 1, 0)) + kSun * max(scene.light.y, 0.0) * lit);

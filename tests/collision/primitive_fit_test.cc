@@ -50,11 +50,11 @@ Coverage coverage(const TriangleMesh& mesh, const std::vector<ContactPrimitive>&
 TEST(FitSpheres, ASphereIsFittedByItself) {
   PrimitiveFitOptions options;
   options.max_primitives = 1;
-  const auto fitted = fitSpheres(shapes::sphere(0.1f, 4, {0.3f, 0.2f, -0.1f}), options);
+  const auto fitted = fitSpheres(shapes::sphere(0.1f, 3, {0.3f, 0.2f, -0.1f}), options);
   ASSERT_EQ(fitted.size(), 1u);
   EXPECT_EQ(fitted[0].kind, PrimitiveKind::kSphere);
-  EXPECT_NEAR(fitted[0].radius, 0.1f, 5e-4);
-  EXPECT_NEAR((fitted[0].a - Vec3(0.3f, 0.2f, -0.1f)).norm(), 0, 5e-4);
+  EXPECT_NEAR(fitted[0].radius, 0.1f, 1e-3);  // facets
+  EXPECT_NEAR((fitted[0].a - Vec3(0.3f, 0.2f, -0.1f)).norm(), 0, 1e-3);
 }
 
 TEST(FitSpheres, StaysInsideAndCoversAPotato) {

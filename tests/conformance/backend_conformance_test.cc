@@ -1,5 +1,5 @@
-// One body of tests for every backend: reference, each instruction set of the simd backend that this machine
-// has, gpu.
+// One body of tests for every backend and solver: reference, each instruction set of the simd backend that this
+// machine has, gpu.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,15 +19,20 @@ struct Contestant {
   std::string name;
   std::function<std::unique_ptr<Backend>()> create;
   std::string absent;  ///< why it cannot run; empty when it can
+  SolverKind solver = SolverKind::kGaussSeidel;
   friend void PrintTo(const Contestant& c, std::ostream* out) { *out << c.name; }
 };
 
 std::vector<Contestant> contestants() {
-  std::vector<Contestant> list = {{"reference", [] { return makeReferenceBackend(); }, ""}};
+  std::vector<Contestant> list;
+  auto add = [&](const std::string& name, const BackendInfo& info, const auto& create) {
+    for (const SolverKind solver : info.solvers)
+      list.push_back({name + "_" + solverName(solver), create, info.available ? "" : info.reason, solver});
+  };
+  add("reference", referenceBackendInfo(), [] { return makeReferenceBackend(); });
   for (const std::string& target : simdTargets())
-    list.push_back({"simd_" + target, [target] { return makeSimdBackend(2, target); }, ""});
-  const BackendInfo gpu = gpuBackendInfo();
-  list.push_back({"gpu", [] { return makeGpuBackend(); }, gpu.available ? "" : gpu.reason});
+    add("simd_" + target, simdBackendInfo(), [target] { return makeSimdBackend(2, target); });
+  add("gpu", gpuBackendInfo(), [] { return makeGpuBackend(); });
   return list;
 }
 
@@ -36,6 +41,15 @@ std::vector<Contestant> contestants() {
 // unit in the last place. The second counts where a strand is folded sharply under a body, where frames turn
 // by much for little. Measured over all cases and backends: at most 3.1e-6.
 constexpr double kOneStepTolerance = 5e-6;
+// The rod's direct solves carry rounding from one end of a strand to the other. Its float form is held to this
+// where vertices are no denser than its rule of spacing allows: dt^2 B / (m l^2) at most 3000 at every joint
+// (measured: at most 3.7e-5 beyond the oracle's own sensitivity). Denser strands are held by what must hold over
+// many steps.
+constexpr double kRodOneStepTolerance = 5e-5;
+constexpr double kDensestRod = 3000;
+// A vertex that grazes a body may touch it in one precision and not in the other; the length solve then holds it or
+// does not. With bodies, one strand of the rod in a hundred may differ by this instead.
+constexpr double kGrazingTolerance = 5e-3;
 constexpr double kSensitivityFactor = 10;
 
 class Conformance : public testing::TestWithParam<Contestant> {
@@ -46,7 +60,9 @@ class Conformance : public testing::TestWithParam<Contestant> {
       GTEST_SKIP() << GetParam().absent;
     }
     backend_ = GetParam().create();
-    std::printf("[ ran on   ] %s: %s\n", backend_->name().c_str(), backend_->device().c_str());
+    parameters_.solver = GetParam().solver;
+    std::printf("[ ran on   ] %s: %s, solver %s\n", backend_->name().c_str(), backend_->device().c_str(),
+                solverName(parameters_.solver).c_str());
   }
 
   StrandState stepped(const StrandModel& model, const StrandState& from, const StepInput& input,
@@ -59,6 +75,7 @@ class Conformance : public testing::TestWithParam<Contestant> {
   }
 
   std::unique_ptr<Backend> backend_;
+  Parameters parameters_;
 };
 
 size_t nonFinite(const StrandState& state) {
@@ -84,6 +101,15 @@ std::vector<double> errors(const StrandModel& model, const StrandState& a, const
     }
   }
   return out;
+}
+
+// Whether the vertices of strand s are too dense for the rod's float form at this substep.
+bool tooDense(const StrandModel& model, size_t s, double substep) {
+  for (uint32_t j = model.offsets[s]; j + 1 < model.offsets[s + 1]; ++j) {
+    const double length = (model.rest_local[j + 1] - model.rest_local[j]).norm();
+    if (substep * substep * model.bend[j] / (model.mass[j + 1] * length * length) > kDensestRod) return true;
+  }
+  return false;
 }
 
 StrandState nudged(StrandState state) {
@@ -112,12 +138,14 @@ constexpr Case kCases[] = {{"gravity only", false, false, false},
                            {"bodies, moving roots, wind", true, true, true}};
 
 TEST_P(Conformance, OneStepAgreesWithTheOracle) {
+  const bool rod = parameters_.solver == SolverKind::kRod;
+  const double tolerance = rod ? kRodOneStepTolerance : kOneStepTolerance;
   for (const size_t strands : {1, 7, 33, 257}) {
     const StrandModel model = awkwardModel(strands, 11);
     const StrandState from = disturbedState(model, 12);
     const std::vector<Pose> roots_end = movedRoots(model);
     for (const Case& c : kCases) {
-      Parameters parameters;
+      Parameters parameters = parameters_;
       if (c.wind) parameters.wind = Vec3(3, 0, 1);
       const auto bodies = c.bodies ? movingBodies(parameters.time_step) : std::vector<MovingPrimitive>();
       const StepInput input{&parameters, model.rest_roots, c.moving_roots ? roots_end : model.rest_roots,
@@ -129,12 +157,25 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
           errors(model, truth, oracleStep(model, nudged(from), input), substep);
       const std::vector<double> error = errors(model, mine, truth, substep);
       EXPECT_GT(*std::min_element(moved_by.begin(), moved_by.end()), 1e-3) << "the step must do something";
+      size_t dense = 0, grazing = 0;
+      double worst = 0;
       for (size_t s = 0; s < strands; ++s) {
-        EXPECT_LT(error[s], kOneStepTolerance + kSensitivityFactor * sensitivity[s])
-            << "strand " << s << " of " << strands << ", " << c.name;
+        if (rod && tooDense(model, s, substep)) {
+          ++dense;
+          continue;
+        }
+        const double limit = tolerance + kSensitivityFactor * sensitivity[s];
+        if (rod && c.bodies && error[s] >= limit && error[s] < kGrazingTolerance) {
+          ++grazing;
+          continue;
+        }
+        worst = std::max(worst, error[s]);
+        EXPECT_LT(error[s], limit) << "strand " << s << " of " << strands << ", " << c.name;
       }
-      std::printf("             %3zu strands, %s: %.1e of a strand's length\n", strands, c.name,
-                  *std::max_element(error.begin(), error.end()));
+      EXPECT_LE(grazing, strands / 100);
+      EXPECT_LT(dense, strands / 2 + 1) << "most strands must be compared";
+      std::printf("             %3zu strands (%zu too dense), %s: %.1e of a strand's length\n", strands, dense,
+                  c.name, worst);
       const std::span<const Vec3> guides = backend_->guides();
       EXPECT_TRUE(std::equal(guides.begin(), guides.end(), mine.positions.begin(), mine.positions.end()));
     }
@@ -156,7 +197,7 @@ TEST_P(Conformance, UploadAndDownloadKeepEveryBit) {
 TEST_P(Conformance, TheSameInputGivesTheSameBits) {
   const StrandModel model = awkwardModel(33, 31);
   const StrandState from = disturbedState(model, 32);
-  Parameters parameters;
+  Parameters parameters = parameters_;
   const std::vector<Pose> roots_end = movedRoots(model);
   const auto bodies = movingBodies(parameters.time_step);
   const StepInput input{&parameters, model.rest_roots, roots_end, bodies};
@@ -181,7 +222,7 @@ TEST_P(Conformance, StaysFiniteFromDegenerateStates) {
       folded.positions[v] = rest.positions[even];
     }
   }
-  Parameters parameters;
+  Parameters parameters = parameters_;
   for (const Vec3& gravity : {Vec3(0, -9.81f, 0), Vec3(0, 0, 0)}) {
     parameters.gravity = gravity;
     const auto bodies = movingBodies(parameters.time_step);
@@ -195,7 +236,7 @@ TEST_P(Conformance, StaysFiniteFromDegenerateStates) {
 TEST_P(Conformance, ANotANumberStaysInItsStrand) {
   const StrandModel model = awkwardModel(33, 51);
   const StrandState from = disturbedState(model, 52);
-  Parameters parameters;
+  Parameters parameters = parameters_;
   const auto bodies = movingBodies(parameters.time_step);
   const StepInput input{&parameters, model.rest_roots, model.rest_roots, bodies};
   const StrandState clean = stepped(model, from, input, 2);
@@ -214,7 +255,7 @@ TEST_P(Conformance, ANotANumberStaysInItsStrand) {
 TEST_P(Conformance, PinnedVerticesRideOnTheirRoot) {
   const StrandModel model = awkwardModel(33, 61);
   const std::vector<Pose> roots_end = movedRoots(model);
-  Parameters parameters;
+  Parameters parameters = parameters_;
   const auto bodies = movingBodies(parameters.time_step);
   const StrandState after =
       stepped(model, disturbedState(model, 62), {&parameters, model.rest_roots, roots_end, bodies});
@@ -229,7 +270,7 @@ TEST_P(Conformance, PinnedVerticesRideOnTheirRoot) {
   EXPECT_GT(pinned, model.strands());
 }
 
-// The bounds on stretch are what this scheme keeps on 16 vertices with 6 iterations in 4 substeps (mean
+// The rod keeps its lengths to rounding. The bounds on the stretch of the other solver are what it keeps on 16 vertices with 6 iterations in 4 substeps (mean
 // 0.052, max 0.26 on every backend) with about 40 % to spare: few Gauss-Seidel sweeps do not make hair
 // inextensible.
 TEST_P(Conformance, InvariantsHoldOver120Steps) {
@@ -244,7 +285,7 @@ TEST_P(Conformance, InvariantsHoldOver120Steps) {
   }
   const StrandModel model = makeStrandModel(set);
   const ContactPrimitive head{PrimitiveKind::kSphere, Vec3(0, 1.5f, 0), Vec3::UnitY(), 0.099f, 0.3f};
-  Parameters parameters;
+  Parameters parameters = parameters_;
   backend_->load(model, restState(model, model.rest_roots));
   std::vector<Pose> begin = model.rest_roots, end = begin;
   Pose pose_begin;
@@ -268,8 +309,9 @@ TEST_P(Conformance, InvariantsHoldOver120Steps) {
   std::printf("             stretch mean %.4f max %.4f, penetration %.2e m\n", worst.mean_stretch,
               worst.max_stretch, worst.max_penetration);
   EXPECT_EQ(worst.non_finite, 0u);
-  EXPECT_LT(worst.mean_stretch, 0.07);
-  EXPECT_LT(worst.max_stretch, 0.36);
+  const bool rod = parameters.solver == SolverKind::kRod;
+  EXPECT_LT(worst.mean_stretch, rod ? 1e-5 : 0.07);
+  EXPECT_LT(worst.max_stretch, rod ? 1e-4 : 0.36);
   EXPECT_LT(worst.max_penetration, 1e-3);
 }
 

@@ -1,7 +1,7 @@
 // The other process of the tests over the network. Prints "key value" lines; an Error goes to standard error
 // and ends it with exit code 2.
 //
-//   transport_peer publish DOMAIN SECONDS     daemon of groom 1 at 60 Hz, 4,933 guides x 16, 0.5 s after
+//   transport_peer publish DOMAIN SECONDS     daemon of groom 1 at 60 Hz, kPeerGuides x 16, 0.5 s after
 //   creation transport_peer read DOMAIN SECONDS MS     reader that takes MS milliseconds over each frame
 //   transport_peer send DOMAIN ID             sends one command and ends
 //   transport_peer alone DOMAIN SECONDS       both of the first two where there is no network but 127.0.0.1
@@ -23,6 +23,7 @@
 #include <thread>
 
 #include "core/error.h"
+#include "dds_domain.h"
 #include "sample_messages.h"
 #include "transport/dds.h"
 
@@ -42,14 +43,14 @@ int publish(int domain, double seconds) {
   const auto session = static_cast<uint64_t>(getpid());
   const auto publisher = makeDdsPublisher({domain, 1, session});
   const auto start = Clock::now();
-  while (Clock::now() - start < std::chrono::milliseconds(500) && !publisher->rivalSession()) {
+  while (Clock::now() - start < std::chrono::milliseconds(1000) && !publisher->rivalSession()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   if (const auto rival = publisher->rivalSession()) {
     print("rival", static_cast<double>(*rival));
     return 0;
   }
-  GroomDescription groom = uniformGroom(4933, 16);
+  GroomDescription groom = uniformGroom(kPeerGuides, 16);
   groom.session = session;
   publisher->announce(groom, sampleBody(60));
   Status status;

@@ -1,0 +1,8 @@
+// The step of a block of strands, with every solver. Included inside a namespace that has the lane vocabulary and the kernel
+// text.
+// The order matters.
+// clang-format off
+#include "core/strand_sweep.inl"
+#include "core/gauss_seidel_sweep.inl"
+#include "core/rod_sweep.inl"
+// clang-format on

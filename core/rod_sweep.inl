@@ -1,0 +1,385 @@
+// One step of a block of strands as inextensible rods. Included after core/strand_sweep.inl. Linearised at the inertial point, with three direct solves along the strand: twist
+// (tridiagonal), bending (one pentadiagonal matrix for x, y, z) and lengths (tridiagonal, twice). Each solve eliminates in
+// one direction and substitutes in the other, so that all merge into five sweeps.
+
+// Planes of scratch, each of `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i.
+enum RodScratch : int {
+  kNewPosition = 0,   // 3
+  kTangent = 3,       // 3, later of the lengths
+  kMoment = 6,        // 3, later the right-hand sides of bending
+  kNormal = 9,        // 3, of the contact at a vertex
+  kOldTangent = 12,   // 3, of the positions before the substep
+  kFactor1 = 15,      // elimination factors
+  kFactor2 = 16,
+  kRight = 17,        // right-hand sides of twist, later of lengths
+  kCosine = 18,       // of the angle at a joint
+  kStiffness = 19,    // K of a joint
+  kMargin = 20,       // G of a joint
+  kRight2 = 21,
+  kRodScratchPlanes = 22
+};
+
+constexpr double kWarmStart = 0.98;      // of last substep's tensions
+constexpr double kDirectionBlend = 0.9;  // of old and new edge in the direction of the tension
+
+class RodStep {
+ public:
+  RodStep(const Block& block, const StepInput& input, Scalar* scratch)
+      : b(block),
+        in(input),
+        p(*input.parameters),
+        scratch_(scratch),
+        n(block.vertices),
+        ne(block.vertices - 1),
+        h(static_cast<double>(p.time_step) / p.substeps) {
+    begin_ = loadRoot(b, 0);
+    end_ = loadRoot(b, kRootPlanes / 2);
+    frame_ = begin_.rotation;
+    keep_ = std::exp(-p.air_drag * h);
+    beta_ = p.damping_time;
+  }
+
+  void run() {
+    for (int substep = 0; substep < p.substeps; ++substep) {
+      time_ = (substep + 1.0) / p.substeps;
+      const RootFrame root{madd(end_.position - begin_.position, lit(time_), begin_.position),
+                           interpolateRotation(begin_.rotation, end_.rotation, lit(time_))};
+      predict(root);
+      eliminateTwist();
+      eliminateBending();
+      substituteBending();
+      firstLengths();
+      finish();
+      frame_ = root.rotation;
+    }
+  }
+
+ private:
+  real get(int plane, int i) const { return load(scratch_ + row(plane, i)); }
+  void set(int plane, int i, const real& v) { store(v, scratch_ + row(plane, i)); }
+  real3 get3(int plane, int i) const { return {get(plane, i), get(plane + 1, i), get(plane + 2, i)}; }
+  void set3(int plane, int i, const real3& v) {
+    set(plane, i, v.x);
+    set(plane + 1, i, v.y);
+    set(plane + 2, i, v.z);
+  }
+  size_t row(int plane, int i) const { return (static_cast<size_t>(plane) * (n + 2) + i) * b.lanes; }
+  real state(const Scalar* planes, int plane, int i) const { return load(planes + b.at(plane, i)); }
+  real3 state3(const Scalar* planes, int i) const { return load3(b, planes, i); }
+  quat state4(const Scalar* planes, int i) const {
+    return {state(planes, 0, i), state(planes, 1, i), state(planes, 2, i), state(planes, 3, i)};
+  }
+  void setState4(Scalar* planes, int i, const quat& v) const {
+    store(v.x, planes + b.at(0, i));
+    store(v.y, planes + b.at(1, i));
+    store(v.z, planes + b.at(2, i));
+    store(v.w, planes + b.at(3, i));
+  }
+  real lengthOf(int e) const { return state(b.rest_length, 0, e); }
+  real inverseLength(int e) const { return state(b.inverse_length, 0, e); }
+  real bend(int j) const { return state(b.bend, 0, j); }
+  real twist(int j) const { return state(b.twist, 0, j); }
+  real mass(int i) const { return state(b.mass, 0, i); }
+  real weight(int i) const { return state(b.inverse_mass, 0, i); }
+
+  void predict(const RootFrame& root);
+  void eliminateTwist();
+  void eliminateBending();
+  void substituteBending();
+  void firstLengths();
+  void finish();
+  real3 collide(int i, real3 x);
+
+  const Block& b;
+  const StepInput& in;
+  const Parameters& p;
+  Scalar* scratch_;
+  const int n, ne;
+  const double h;
+  double time_ = 0, keep_ = 1, beta_ = 0;
+  RootFrame begin_, end_;
+  quat frame_;          // of the root after the last substep
+
+  RootFrame root_;      // at the end of this substep
+  quat inner_frame_;    // of the root, without the swing of this substep
+  real3 tangent_old_, swing_;  // root tangent before the substep, and how it changes
+  real3 jump_;          // m, unexpected motion of the root
+};
+
+// Root motion, inertial point, tangents, frames carried along.
+inline void RodStep::predict(const RootFrame& root) {
+  root_ = root;
+  const real3 x0 = state3(b.position, 0);
+  const real3 tangent_new = frameTangent(root.rotation);
+  tangent_old_ = frameTangent(frame_);
+  swing_ = tangent_new - tangent_old_;
+  inner_frame_ = multiply(rotationBetween(tangent_new, tangent_old_), root.rotation);
+  const real3 root_velocity = state3(b.velocity, 0);
+  jump_ = root.position - madd(root_velocity, lit(h), x0);
+
+  set3(kNewPosition, 0, root.position);
+  real3 before = x0;
+  real3 drag_before = root_velocity;
+  for (int e = 0; e < ne; ++e) {
+    const real3 x = state3(b.position, e + 1), v = state3(b.velocity, e + 1);
+    const real3 held = rotate(root.rotation, state3(b.rest_local, e + 1)) + root.position;
+    const real3 moved = select(weight(e + 1) > lit(0), madd(v, lit(h * keep_), x) + jump_, held);
+    set3(kNewPosition, e + 1, moved);
+    const real3 edge = moved - get3(kNewPosition, e);
+    set3(kOldTangent, e, normalizeOrZero(x - before));
+    // Internal damping acts through frames that are ahead of the motion by the damping time.
+    const real3 ahead = madd(v - drag_before, lit(beta_), edge);
+    const quat frame = state4(b.frame, e);
+    const real3 t = directionOr(ahead, frameTangent(frame));
+    set3(kTangent, e, t);
+    setState4(b.frame, e, transportTo(frame, t));
+    before = x;
+    drag_before = v;
+  }
+}
+
+// Joint moments, and the elimination of the twist system from root to tip.
+inline void RodStep::eliminateTwist() {
+  quat inner = inner_frame_;
+  real3 t_in = tangent_old_;
+  real3 moment_before = makeReal3(lit(0), lit(0), lit(0));
+  real factor = lit(0), right = lit(0), diagonal = lit(0), lower = lit(0);
+  const real time2 = lit(h * h + beta_ * h);
+  for (int j = 0; j < ne; ++j) {
+    const quat q = state4(b.frame, j);
+    const real3 t = get3(kTangent, j);
+    const real kb = bend(j), kt = twist(j);
+    const real3 strain = jointStrain(inner, q);
+    const real3 excess = strain - state3(b.rest_strain, j);
+    const real3 moment = jointMoment(inner, strain, excess, kb, kt);
+    const real c = dot(t_in, t);
+    const real stiffness = bendMatrixStiffness(kb, c, time2);
+    set3(kMoment, j, moment);
+    set(kCosine, j, c);
+    set(kStiffness, j, stiffness);
+    set(kMargin, j, bendMatrixMargin(stiffness, c, excess));
+
+    const real half = (lit(1) + c) * lit(0.5);
+    const real own = madd(kt - kb, half, kb);
+    const real across = lit(0) - madd(kb, c, (kt - kb) * half);
+    if (j > 0) {  // row j - 1 is complete now
+      const real r = dot(moment - moment_before, t_in);
+      const real inverse = lit(1) / max(diagonal + own - lower * factor, lit(1e-30));
+      right = (r - lower * right) * inverse;
+      factor = across * inverse;
+      set(kFactor1, j - 1, factor);
+      set(kRight, j - 1, right);
+      lower = across;
+    }
+    diagonal = own;
+    inner = q;
+    t_in = t;
+    moment_before = moment;
+  }
+  const real inverse = lit(1) / max(diagonal - lower * factor, lit(1e-30));
+  set(kRight, ne - 1, (lit(0) - dot(moment_before, t_in) - lower * right) * inverse);
+  for (int j = ne; j < ne + 2; ++j) {
+    set(kStiffness, j, lit(0));
+    set(kMargin, j, lit(0));
+  }
+}
+
+// Twist substituted, forces, and the elimination of the bending system from tip to root.
+inline void RodStep::eliminateBending() {
+  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
+  const real3 pull = fill3(p.gravity) * lit(h * h) + fill3(p.wind) * lit(h * (1 - keep_)) - jump_;
+  real turn = get(kRight, ne - 1);
+  real3 moment_out = zero, force_out = zero, y1 = zero, y2 = zero;
+  real edge_out = lit(0), id1 = lit(0), id2 = lit(0), l1_out = lit(0);
+  for (int e = ne - 1; e >= 0; --e) {
+    const real3 t = get3(kTangent, e);
+    const real3 t_in = e > 0 ? get3(kTangent, e - 1) : tangent_old_;
+    const real turn_in = e > 0 ? get(kRight, e - 1) - get(kFactor1, e - 1) * turn : lit(0);
+    const real phi = clamp(turn, lit(-1), lit(1)), phi_in = clamp(turn_in, lit(-1), lit(1));
+    setState4(b.frame, e, twistFrame(state4(b.frame, e), phi));
+    const real kb = bend(e), il = inverseLength(e);
+    const real3 moment = get3(kMoment, e) + momentOfTwist(t_in, t, phi_in, phi, kb, twist(e));
+
+    // Tension of the last substep, its compression held below the buckling load; it acts along a direction between the
+    // old and the new edge, which makes the motion of the chain second order in time.
+    const real kept = max(state(b.tension, 0, e) * lit(kWarmStart), kb * il * lit(-0.1 * h * h));
+    store(kept, b.tension + b.at(0, e));
+    const real kappa = kb * il * il * lit(h * h) * weight(e + 1);
+    const real3 old = get3(kOldTangent, e);
+    const real turned_little = clamp(dot(old, t) * lit(20) - lit(18), lit(0), lit(1));  // within 18 to 26 degrees
+    const real sigma = turned_little * lit(kDirectionBlend) / madd(kappa, lit(0.05), lit(1));
+    const real3 direction = madd(old - t, sigma, t);
+
+    real3 force = cross(moment_out - moment, t) * (il * lit(h * h)) - direction * kept;
+    if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
+    const real m = mass(e + 1);
+    const real3 total = madd(pull, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
+
+    const real il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
+    const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
+    const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1), k2 = get(kStiffness, e + 2);
+    const real edge = madd((get(kMargin, e) + get(kMargin, e + 1)) * il, il,
+                           max(kept, lit(0)) * il * (lit(1) - sigma * lit(0.75)));
+    const real sum = il + il_out;
+    const real diagonal = m + k0 * il * il + k1 * sum * sum + k2 * il_out * il_out + edge + edge_out;
+    const real first = lit(0) - k1 * sum * il_out - k2 * il_out * (il_out + il_out2) - edge_out;
+    const real second = k2 * il_out * il_out2;
+
+    const real l2 = second * id2;
+    const real u1 = first - second * l1_out;
+    const real l1 = u1 * id1;
+    const real inverse = lit(1) / (diagonal - l1 * u1 - l2 * second);
+    const real3 y = total - y1 * l1 - y2 * l2;
+    set3(kMoment, e, y * inverse);
+    set(kFactor1, e, l1);
+    set(kFactor2, e, l2);
+    y2 = y1;
+    y1 = y;
+    id2 = id1;
+    id1 = inverse;
+    l1_out = l1;
+    force_out = force;
+    edge_out = edge;
+    moment_out = moment;
+    turn = turn_in;
+  }
+}
+
+// Pushes vertex i at x out of the bodies; the normal is kept for the length solve, which must not push it back in.
+inline real3 RodStep::collide(int i, real3 x) {
+  if (in.primitives.empty()) return x;
+  const mask free = weight(i) > lit(0);
+  const real3 start = state3(b.position, i);
+  real3 normal = get3(kNormal, i);
+  for (const MovingPrimitive& primitive : in.primitives)
+    x = pushOut(bodyAt(primitive, in, time_), x, start, free, normal);
+  set3(kNormal, i, normal);
+  return x;
+}
+
+// Bending substituted from root to tip, first contact, and the elimination of the first length system.
+inline void RodStep::substituteBending() {
+  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
+  real3 d1 = zero, d2 = zero, x_in = root_.position, t_in = zero, normal_in = zero;
+  real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), w_in = lit(0), right = lit(0), inverse = lit(0);
+  set3(kNormal, 0, zero);
+  for (int e = 0; e < ne; ++e) {
+    const real3 d = get3(kMoment, e) - d1 * l1_in - d2 * l2_in2;
+    l1_in = get(kFactor1, e);
+    l2_in2 = l2_in;
+    l2_in = get(kFactor2, e);
+    d2 = d1;
+    d1 = d;
+    set3(kNormal, e + 1, zero);
+    const real3 x = collide(e + 1, get3(kNewPosition, e + 1) + d);
+    set3(kNewPosition, e + 1, x);
+    const real3 normal = get3(kNormal, e + 1);
+
+    const real3 edge = x - x_in;
+    const real3 t = directionOr(edge, get3(kTangent, e));
+    const real excess = dot(edge, t) - lengthOf(e);
+    const real w = weight(e + 1);
+    const real a = dot(t, normal_in), c = dot(t, normal), i = dot(t_in, normal_in);
+    const real diagonal = w_in * (lit(1) - a * a) + w * (lit(1) - c * c);
+    const real lower = lit(0) - w_in * (dot(t, t_in) - a * i);
+    set(kFactor1, e, lower * inverse);  // of row e on row e - 1; symmetric
+    const real den = max(diagonal - lower * lower * inverse, max((w_in + w) * lit(0.05), lit(1e-6)));
+    right = excess - lower * right;
+    inverse = lit(1) / den;
+    right = right * inverse;
+    set(kRight, e, right);
+    set3(kTangent, e, t);
+    x_in = x;
+    t_in = t;
+    w_in = w;
+    normal_in = normal;
+  }
+}
+
+// The first length solve substituted from tip to root, second contact, and the elimination of the second.
+inline void RodStep::firstLengths() {
+  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
+  real3 t_out = zero, x_out = zero, normal_out = zero, edge_t = zero;
+  real pull_out = lit(0), w_out = lit(0), pull = get(kRight, ne - 1), right = lit(0), inverse = lit(0);
+  for (int e = ne - 1; e >= -1; --e) {
+    real3 t = zero, normal = zero, x = root_.position;
+    real w = lit(0), applied = lit(0);
+    if (e >= 0) {
+      const real limit = lengthOf(e) * lit(20);
+      applied = clamp(pull, lit(0) - limit, limit);
+      store(state(b.tension, 0, e) + applied, b.tension + b.at(0, e));
+      t = get3(kTangent, e);
+      if (e > 0) pull = get(kRight, e - 1) - get(kFactor1, e) * applied;
+      normal = get3(kNormal, e + 1);
+      real3 push = t_out * pull_out - t * applied;
+      push = madd(normal, lit(0) - dot(push, normal), push);
+      w = weight(e + 1);
+      x = collide(e + 1, madd(push, w, get3(kNewPosition, e + 1)));
+      normal = get3(kNormal, e + 1);
+      set3(kNewPosition, e + 1, x);
+    }
+    if (e + 1 < ne) {  // the edge from here outwards has both its ends now
+      const real3 edge = x_out - x;
+      const real3 d = directionOr(edge, t_out);
+      const real excess = dot(edge, d) - lengthOf(e + 1);
+      const real a = dot(d, normal), c = dot(d, normal_out), i = dot(edge_t, normal_out);
+      const real diagonal = w * (lit(1) - a * a) + w_out * (lit(1) - c * c);
+      const real upper = lit(0) - w_out * (dot(d, edge_t) - c * i);
+      set(kFactor2, e + 1, upper * inverse);
+      const real den = max(diagonal - upper * upper * inverse, max((w + w_out) * lit(0.05), lit(1e-6)));
+      right = excess - upper * right;
+      inverse = lit(1) / den;
+      right = right * inverse;
+      set(kRight2, e + 1, right);
+      set3(kMoment, e + 1, d);
+      edge_t = d;
+    }
+    x_out = x;
+    w_out = w;
+    normal_out = normal;
+    pull_out = applied;
+    t_out = t;
+  }
+}
+
+// The second length solve substituted from root to tip, exact lengths, velocities.
+inline void RodStep::finish() {
+  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
+  const real inverse_h = lit(1 / h);
+  auto bounded = [&](int e, real pull) {
+    const real limit = lengthOf(e) * lit(20);
+    return clamp(pull, lit(0) - limit, limit);
+  };
+  const real3 x0 = state3(b.position, 0);
+  store3((root_.position - x0) * inverse_h, b, b.velocity, 0);
+  store3(root_.position, b, b.position, 0);
+  real pull = bounded(0, get(kRight2, 0));
+  real3 t = get3(kMoment, 0), before = root_.position, placed = root_.position;
+  for (int e = 0; e < ne; ++e) {
+    store(state(b.tension, 0, e) + pull, b.tension + b.at(0, e));
+    real pull_out = lit(0);
+    real3 t_out = zero;
+    if (e + 1 < ne) {
+      pull_out = bounded(e + 1, get(kRight2, e + 1) - get(kFactor2, e) * pull);
+      t_out = get3(kMoment, e + 1);
+    }
+    const real3 normal = get3(kNormal, e + 1);
+    real3 push = t_out * pull_out - t * pull;
+    push = madd(normal, lit(0) - dot(push, normal), push);
+    const real3 x = madd(push, weight(e + 1), get3(kNewPosition, e + 1));
+    const mask free = weight(e + 1) > lit(0);
+    placed = select(free, madd(directionOr(x - before, t), lengthOf(e), placed), x);
+    store3((placed - state3(b.position, e + 1)) * inverse_h, b, b.velocity, e + 1);
+    store3(placed, b, b.position, e + 1);
+    before = x;
+    pull = pull_out;
+    t = t_out;
+  }
+}
+
+inline void stepRod(const Block& b, const StepInput& input, Scalar* scratch) { RodStep(b, input, scratch).run(); }
+
+inline void stepBlock(const Block& b, const StepInput& input, Scalar* scratch) {
+  if (input.parameters->solver == SolverKind::kRod) stepRod(b, input, scratch);
+  else stepGaussSeidel(b, input, scratch);
+}

@@ -1,0 +1,80 @@
+// What the sweeps over blocks of strands share, over any lane type: included inside a namespace that has the lane vocabulary
+// and the kernel text, before them. A lane is a strand and the loops run along it.
+
+using Block = BlockView<Scalar>;
+
+inline real3 load3(const Block& b, const Scalar* planes, int i) {
+  return {load(planes + b.at(0, i)), load(planes + b.at(1, i)), load(planes + b.at(2, i))};
+}
+inline void store3(const real3& value, const Block& b, Scalar* planes, int i) {
+  store(value.x, planes + b.at(0, i));
+  store(value.y, planes + b.at(1, i));
+  store(value.z, planes + b.at(2, i));
+}
+inline real3 fill3(const float* v) { return {lit(v[0]), lit(v[1]), lit(v[2])}; }
+inline real3 fill3(const Vec3& v) { return fill3(v.data()); }
+
+struct RootFrame {
+  real3 position;
+  quat rotation;
+};
+inline RootFrame loadRoot(const Block& b, int first_plane) {
+  const Scalar* p = b.root + static_cast<size_t>(first_plane) * b.lanes;
+  const size_t next = b.lanes;
+  return {{load(p), load(p + next), load(p + 2 * next)},
+          {load(p + 3 * next), load(p + 4 * next), load(p + 5 * next), load(p + 6 * next)}};
+}
+
+
+// A body at the end of a substep; `time` is the part of the step that has passed then, 0 to 1.
+struct SubstepBody {
+  uint32_t kind;
+  real3 a, b;                // m
+  real3 a_motion, b_motion;  // m, over the substep
+  real3 spin;                // rad/s
+  real radius, friction, substep, hair_radius;
+};
+inline SubstepBody bodyAt(const MovingPrimitive& p, const StepInput& input, double time) {
+  const real part = lit(1.0 / input.parameters->substeps);
+  const real3 a_step = fill3(p.a_end) - fill3(p.a_begin), b_step = fill3(p.b_end) - fill3(p.b_begin);
+  return {p.kind,
+          madd(a_step, lit(time), fill3(p.a_begin)),
+          madd(b_step, lit(time), fill3(p.b_begin)),
+          a_step * part,
+          b_step * part,
+          fill3(p.angular_velocity),
+          lit(p.radius),
+          lit(p.friction),
+          lit(static_cast<double>(input.parameters->time_step) / input.parameters->substeps),
+          lit(input.parameters->hair_radius)};
+}
+
+// Pushes x out of the body where `free` holds and takes back slip; then `normal` is the body's there. Vectors of lanes
+// that the body does not touch are left as they are. x_start: position at the start of the substep.
+inline real3 pushOut(const SubstepBody& body, const real3& x, const real3& x_start, const mask& free, real3& normal) {
+  real3 out, axis_point = body.a, axis_motion = body.a_motion;
+  real distance;
+  if (body.kind == static_cast<uint32_t>(PrimitiveKind::kSphere)) {
+    distance = sphereDistance(x, body.a, body.radius, out);
+  } else if (body.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule)) {
+    real along;
+    distance = capsuleDistance(x, body.a, body.b, body.radius, out, along);
+    axis_point = madd(body.b - body.a, along, body.a);
+    axis_motion = madd(body.b_motion - body.a_motion, along, body.a_motion);
+  } else {
+    distance = planeDistance(x, body.a, body.b, out);
+  }
+  const mask touches = (distance - body.hair_radius < lit(0)) && free;
+  if (!anyTrue(touches)) return x;
+  const real3 motion = surfaceMotion(x, axis_point, axis_motion, body.spin, body.substep);
+  const real3 outside = resolveContact(x, x_start, motion, out, distance - body.hair_radius, body.friction);
+  normal = select(touches, out, normal);
+  return select(touches, outside, x);
+}
+
+// Unit vector along `edge`, or `otherwise` where the edge is shorter than a nanometre.
+inline real3 directionOr(const real3& edge, const real3& otherwise) {
+  const real l2 = dot(edge, edge);
+  const mask tiny = l2 < lit(1e-18);
+  return select(tiny, otherwise, edge * (lit(1) / sqrt(select(tiny, lit(1), l2))));
+}
