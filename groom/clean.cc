@@ -103,7 +103,7 @@ void cleanStrands(Groom& groom) {
 }
 
 void orientRoots(Groom& groom, const ClosestPoint& scalp) {
-  constexpr float kNearerByLength = 0.1f;
+  constexpr float kNearerByLength = 0.5f;
   StrandSet& strands = groom.strands;
   for (size_t s = 0; s < strands.strands(); ++s) {
     const std::span<const Vec3> points = strands.strand(s);

@@ -22,7 +22,7 @@ using ClosestPoint = std::function<SurfacePoint(const Vec3&)>;
 /// Adds what it did to `groom.report`. Positions must be finite.
 void cleanStrands(Groom& groom);
 
-/// Turns round strands whose tip is nearer the scalp than their root (by more than a tenth of their length),
+/// Turns round strands whose tip is nearer the scalp than their root (by more than half their length),
 /// and counts them in `groom.report.reversed`. The new root is pinned; the old one stays pinned only on
 /// strands pinned at both ends.
 void orientRoots(Groom& groom, const ClosestPoint& scalp);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "collision/mesh_query.h"
@@ -96,6 +97,18 @@ void noteReport(const GroomReport& report, std::vector<std::string>& notes) {
   notes.insert(notes.end(), report.warnings.begin(), report.warnings.end());
 }
 
+/// Shrinks spheres until no free vertex of the groom at rest lies inside: a strand that cannot stretch could not be
+/// pushed out of a body that its root is deep in. Real roots are up to centimetres under the skin.
+void keepOutOfRestingHair(const StrandSet& strands, float hair_radius, std::vector<ContactPrimitive>& spheres) {
+  constexpr float kMargin = 2e-4f, kSmallest = 2e-3f;  // m
+  for (ContactPrimitive& sphere : spheres)
+    for (size_t s = 0; s < strands.strands(); ++s)
+      for (size_t i = 1; i < strands.verticesOf(s); ++i)
+        if (!strands.isPinned(s, i))
+          sphere.radius = std::min(sphere.radius, (strands.strand(s)[i] - sphere.a).norm() - hair_radius - kMargin);
+  std::erase_if(spheres, [](const ContactPrimitive& sphere) { return sphere.radius < kSmallest; });
+}
+
 void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
   report(progress, "reading the body", 0.2);
   scene.body = loadMesh(options.body, options.units);
@@ -113,6 +126,7 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
   PrimitiveFitOptions fit;
   fit.max_primitives = options.body_primitives;
   RigidBody body{fitSpheres(scene.body, fit), true};
+  keepOutOfRestingHair(scene.groom.strands, scene.parameters.hair_radius, body.primitives);
   if (body.primitives.empty()) scene.notes.push_back("the body mesh encloses no volume: hair will not collide with it");
   else
     scene.notes.push_back(fmt::format("{} spheres stand for the body in collisions", body.primitives.size()));

@@ -20,7 +20,7 @@
 namespace strandcast {
 namespace {
 
-struct Run {
+struct Outcome {
   int exit_code = -1;
   std::string out, err;
 };
@@ -45,7 +45,7 @@ class Programs : public ::testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return folder_ / name;
   }
-  Run run(const std::string& command) {
+  Outcome run(const std::string& command) {
     const auto out = folder_ / "out.txt", err = folder_ / "err.txt";
     const int status = std::system((command + " >" + out.string() + " 2>" + err.string()).c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), contents(out), contents(err)};
@@ -76,11 +76,11 @@ class Programs : public ::testing::Test {
 
 TEST_F(Programs, HelpTeachesAndExitsWithZero) {
   for (const char* words : {" --help", " info --help", " convert --help", " render --help", " ctl --help"}) {
-    const Run r = run(program_ + words);
+    const Outcome r = run(program_ + words);
     EXPECT_EQ(r.exit_code, 0) << words << r.err;
     EXPECT_GT(r.out.size(), 200u) << words;
   }
-  const Run r = run(daemon_ + " --help");
+  const Outcome r = run(daemon_ + " --help");
   EXPECT_EQ(r.exit_code, 0);
   EXPECT_NE(r.out.find("air_drag"), std::string::npos) << "parameters are named with their units";
 }
@@ -98,7 +98,7 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
         daemon_ + " --config " + (folder_ / "bad.toml").string(), daemon_ + " --scene bald",
         daemon_ + " --groom " + (folder_ / "short.tfx").string(), daemon_ + " --set air_drag=fast",
         daemon_ + " --set air_darg=1", daemon_ + " --motion moonwalk --duration 1"}) {
-    const Run r = run(command);
+    const Outcome r = run(command);
     EXPECT_EQ(r.exit_code, 2) << command << "\n" << r.err;
     EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << command << "\n" << r.err;
     EXPECT_EQ(r.err.rfind("error: ", 0), 0u) << r.err;
@@ -129,7 +129,7 @@ TEST_F(Programs, InfoTellsCountsAsJson) {
   strands.append(std::array<Vec3, 3>{Vec3(1, 0, 0), Vec3(1, 0, 0), Vec3(1, 0, 0)});
   strands.append(std::array<Vec3, 3>{Vec3(2, 0, 0), Vec3(2, -0.1f, 0), Vec3(2, -0.2f, 0)});
   writeGroom(folder_ / "g.tfx", strands);
-  const Run r = run(program_ + " info " + (folder_ / "g.tfx").string() + " --json --unit-meters 1");
+  const Outcome r = run(program_ + " info " + (folder_ / "g.tfx").string() + " --json --unit-meters 1");
   ASSERT_EQ(r.exit_code, 0) << r.err;
   const nlohmann::json info = nlohmann::json::parse(r.out);
   EXPECT_EQ(info["strands"], 3);
@@ -152,15 +152,15 @@ TEST_F(Programs, DaemonCastsToARendererAndObeys) {
   EXPECT_EQ(run(program_ + " ctl motion nod" + network).exit_code, 0);
   EXPECT_EQ(run(program_ + " ctl head 0 0.01 0 20" + network).exit_code, 0);
   EXPECT_EQ(run(program_ + " ctl reset" + network).exit_code, 0);
-  const Run refused = run(program_ + " ctl set air_drag -5" + network);
+  const Outcome refused = run(program_ + " ctl set air_drag -5" + network);
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("air_drag"), std::string::npos) << refused.err;
 
-  const Run rival = run(daemon_ + " --scene straight --strands 20 --quiet" + network);
+  const Outcome rival = run(daemon_ + " --scene straight --strands 20 --quiet" + network);
   EXPECT_EQ(rival.exit_code, 2);
   EXPECT_NE(rival.err.find("another daemon"), std::string::npos) << rival.err;
 
-  const Run drawn = run(program_ + " render --json --frames 3 --width 160 --height 120 --hairs 2000 --out " +
+  const Outcome drawn = run(program_ + " render --json --frames 3 --width 160 --height 120 --hairs 2000 --out " +
                         (folder_ / "pictures").string() + network);
   if (drawn.err.find("OpenGL") == std::string::npos) {
     ASSERT_EQ(drawn.exit_code, 0) << drawn.err;

@@ -42,8 +42,8 @@ TEST(Scenes, EveryNamedSceneKeepsItsLengthAndStaysOutOfTheBody) {
     const Measurement worst = run(makeScene(options), 120);
     EXPECT_EQ(worst.non_finite, 0u) << info.name;
     EXPECT_LT(worst.max_penetration, 1e-3) << info.name;
-    if (info.name != "ponytail")  // its tie is pinned on both sides of an edge, which may not fit its length exactly
-      EXPECT_LT(worst.max_stretch, 1e-4) << info.name;
+    // The ponytail is pinned at its tie too: the edge before a pin takes what the others leave over.
+    EXPECT_LT(worst.max_stretch, info.name == "ponytail" ? 0.05 : 1e-4) << info.name;
   }
 }
 

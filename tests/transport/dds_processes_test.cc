@@ -126,7 +126,7 @@ TEST_F(DdsProcesses, AFullGroomAt60HzLosesNothing) {
 
 TEST_F(DdsProcesses, LateAndRestartedReadersGetGroomAndFrames) {
   Peer publisher({"publish", domain(9), "60"});
-  std::this_thread::sleep_for(std::chrono::milliseconds(2000));
+  std::this_thread::sleep_for(kRivalListenTime + std::chrono::seconds(1));
   for (int trial = 0; trial < 3; ++trial) {  // each is late; each but the first follows a killed one
     Peer reader({"read", domain(9), "60", "0"});
     ASSERT_TRUE(reader.waitFor("first_frame")) << trial << reader.text();

@@ -151,8 +151,8 @@ TEST_F(Dds, ARivalIsHeardAndForgotten) {
   const int domain = testDomain(3);
   const auto first = makeDdsPublisher({domain, 1, 11});
   auto second = makeDdsPublisher({domain, 1, 22});
-  EXPECT_TRUE(becomesTrue([&] { return second->rivalSession() == 11; }, milliseconds(1000)));
-  EXPECT_TRUE(becomesTrue([&] { return first->rivalSession() == 22; }, milliseconds(1000)));
+  EXPECT_TRUE(becomesTrue([&] { return second->rivalSession() == 11; }, kRivalListenTime));
+  EXPECT_TRUE(becomesTrue([&] { return first->rivalSession() == 22; }, kRivalListenTime));
   second.reset();
   EXPECT_TRUE(becomesTrue([&] { return !first->rivalSession(); }));
 }

@@ -43,7 +43,7 @@ int publish(int domain, double seconds) {
   const auto session = static_cast<uint64_t>(getpid());
   const auto publisher = makeDdsPublisher({domain, 1, session});
   const auto start = Clock::now();
-  while (Clock::now() - start < std::chrono::milliseconds(1000) && !publisher->rivalSession()) {
+  while (Clock::now() - start < kRivalListenTime && !publisher->rivalSession()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   if (const auto rival = publisher->rivalSession()) {
