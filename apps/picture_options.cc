@@ -12,6 +12,9 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
   picture->add_option("--samples", s.samples, "per pixel (multisampling)")->check(CLI::Range(1, 8))->capture_default_str();
   picture->add_option("--hairs", s.hairs, "grown from the guides")->check(CLI::Range(1, 1000000))->capture_default_str();
   picture->add_option("--segments", s.segments, "per hair")->check(CLI::Range(1, 64))->capture_default_str();
+  picture->add_option("--hair-width", s.hair_width, "drawn width of a hair, m; more where few stand for many")
+      ->check(CLI::Range(1e-6, 0.1))
+      ->capture_default_str();
   picture->add_option("--hair-color", options.hair_color, "red green blue, linear, 0 to 1")->expected(3)->check(CLI::Range(0.0, 1.0));
   picture->add_option("--azimuth", options.azimuth, "of the camera about the head, degrees; 0 looks at the face")
       ->capture_default_str();

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <filesystem>
@@ -126,7 +127,8 @@ void report(const Options& o, Subscriber& subscriber, int drawn, double draw_ms)
     out.addCount("vertices", "vertices", s->vertices);
     out.add("step_ms_median", "step, median", s->step_ms_median, "ms", 3);
     out.add("step_ms_p95", "step, 95th percentile", s->step_ms_p95, "ms", 3);
-    out.addCount("frames_published", "frames published", s->frames);
+    const auto newest = subscriber.frame();  // younger than the status
+    out.addCount("frames_published", "frames published", std::max(s->frames, newest ? newest->frame : 0));
     out.add("mean_stretch", "mean stretch", s->mean_stretch, "", 6);
     out.add("max_stretch", "max stretch", s->max_stretch, "", 6);
     out.add("max_penetration_m", "max penetration", s->max_penetration, "m", 6);
