@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "apps/channel.h"
@@ -116,10 +117,11 @@ void makeMovie(const Options& o) {
   if (status != 0) throw Error("ffmpeg failed", o.movie.string(), "is the folder writable and the extension known?");
 }
 
-void report(const Options& o, Subscriber& subscriber, int drawn, double draw_ms) {
+/// `status`: the newest that was heard; the daemon may have ended since.
+void report(const Options& o, Subscriber& subscriber, const std::optional<Status>& status, int drawn, double draw_ms) {
   const ReceiveStatistics r = subscriber.statistics();
   Report out;
-  if (const auto s = subscriber.status()) {
+  if (const Status* s = status ? &*status : nullptr) {
     out.add("groom", "groom", s->groom_name);
     out.add("backend", "backend", s->backend);
     out.add("device", "device", s->device);
@@ -163,6 +165,7 @@ int render(const Options& o) {
   Renderer renderer(renderSettings(o.picture));
   std::shared_ptr<const GroomDescription> groom;
   Box box;
+  std::optional<Status> status;
   int drawn = 0;
   double draw_ms = 0;
   {
@@ -175,6 +178,7 @@ int render(const Options& o) {
         renderer.setBody(*body);
         box = pictureBox(*groom, *body);
       }
+      if (const auto now = subscriber.status()) status = now;
       const auto start = std::chrono::steady_clock::now();
       const auto radians = [](double degrees) { return static_cast<float>(degrees * kPi / 180); };
       renderer.draw(*frame, orbit(box, radians(o.picture.azimuth), radians(o.picture.elevation),
@@ -187,7 +191,8 @@ int render(const Options& o) {
     }
   }
   if (!o.movie.empty() && drawn > 0) makeMovie(o);
-  report(o, subscriber, drawn, draw_ms);
+  if (const auto now = subscriber.status()) status = now;
+  report(o, subscriber, status, drawn, draw_ms);
   if (g_interrupted) return kExitInterrupted;
   if (drawn < o.frames) {
     spdlog::warn("the stream ended after {} of {} frames", drawn, o.frames);

@@ -110,7 +110,8 @@ int view(const Options& o) {
   Renderer renderer(renderSettings(o.picture));
   std::shared_ptr<const GroomDescription> groom;
   Box box;
-  auto last = std::chrono::steady_clock::now();
+  const auto start = std::chrono::steady_clock::now();
+  auto last = start;
   while (window.open() && !g_interrupted) {
     window.poll();
     if (subscriber.groom() != groom) {
@@ -129,7 +130,7 @@ int view(const Options& o) {
     const auto status = subscriber.status();
     window.show(renderer, fmt::format("Strandcast: {} on {}, step {:.2f} ms, {:.0f} pictures/s", groom->name,
                                       status ? status->backend : "?", status ? status->step_ms_median : 0.0, fps));
-    if (settings.duration > 0 && frame->simulation_time > settings.duration) break;
+    if (settings.duration > 0 && std::chrono::duration<double>(now - start).count() > settings.duration) break;
   }
   return g_interrupted ? kExitInterrupted : 0;
 }

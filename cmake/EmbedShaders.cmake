@@ -20,6 +20,7 @@ function(strandcast_embed_shaders target header)
       add_test(NAME glsl_${folder}_${name}
         COMMAND ${CMAKE_COMMAND} -DVALIDATOR=${GLSLANG_VALIDATOR} -DSHADER=${out}/${folder}/${name}
                 -P ${PROJECT_SOURCE_DIR}/cmake/ValidateShader.cmake)
+      set_tests_properties(glsl_${folder}_${name} PROPERTIES LABELS gl)
     endforeach()
   endif()
 endfunction()

@@ -7,7 +7,8 @@ function(strandcast_library name)
 endfunction()
 
 # strandcast_test(NAME SOURCES ... LINK ... [TIMEOUT s] [LABELS ...]): a GoogleTest program, found by ctest under its name.
-# The label "threads" marks what the thread sanitizer is run on; the target thread_tests builds all of those.
+# The label "threads" marks what the thread sanitizer is run on; the target thread_tests builds all of those. The target
+# quick_tests builds, for the other sanitizers, all that are not labelled slow, gl (needs OpenGL) or programs.
 function(strandcast_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
@@ -20,11 +21,16 @@ function(strandcast_test name)
     STRANDCAST_SOURCE_DIR="${PROJECT_SOURCE_DIR}" STRANDCAST_BINARY_DIR="${PROJECT_BINARY_DIR}")
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
   set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
-  if("threads" IN_LIST ARG_LABELS)
-    if(NOT TARGET thread_tests)
-      add_custom_target(thread_tests)
+  foreach(group thread_tests quick_tests)
+    if(NOT TARGET ${group})
+      add_custom_target(${group})
     endif()
+  endforeach()
+  if("threads" IN_LIST ARG_LABELS)
     add_dependencies(thread_tests ${name})
+  endif()
+  if(NOT "slow" IN_LIST ARG_LABELS AND NOT "gl" IN_LIST ARG_LABELS AND NOT "programs" IN_LIST ARG_LABELS)
+    add_dependencies(quick_tests ${name})
   endif()
 endfunction()
 

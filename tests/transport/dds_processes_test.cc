@@ -72,6 +72,17 @@ class Peer {
     exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     return results_;
   }
+  /// Ends it and says how it was doing, for the message of a failed test.
+  std::string autopsy() {
+    int status = 0;
+    const bool had_ended = waitpid(pid_, &status, WNOHANG) == pid_;
+    if (had_ended) pid_ = 0;
+    kill();
+    while (readLine()) {
+    }
+    return (had_ended ? "had ended with wait status " + std::to_string(status) : std::string("was alive")) +
+           ", said:\n" + text_;
+  }
   int exitCode() const { return exit_code_; }
   const std::string& text() const { return text_; }
 
@@ -190,8 +201,10 @@ TEST_F(DdsProcesses, OneShotCommandsReachTheDaemonAndAreAcknowledged) {
     for (int i = 0; i < 200 && (!observer->status() || observer->status()->last_command != id); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    ASSERT_TRUE(observer->status());
-    EXPECT_EQ(observer->status()->last_command, id);
+    const auto status = observer->status();
+    ASSERT_TRUE(status && status->last_command == id)
+        << "command " << id << ", status " << (status ? std::to_string(status->last_command) : "gone") << ", "
+        << observer->statistics().frames_received << " frames received; the daemon " << publisher.autopsy();
   }
   Peer lost({"send", domain(13), "1"});
   lost.finish();
