@@ -5,6 +5,8 @@
 
 namespace strandcast {
 
-std::vector<BackendInfo> knownBackends() { return {gpuBackendInfo(), simdBackendInfo(), referenceBackendInfo()}; }
+std::vector<BackendInfo> knownBackends() {
+  return {gpuBackendInfo(), simdBackendInfo(), referenceBackendInfo()};
+}
 
 }  // namespace strandcast

@@ -22,7 +22,9 @@ DdsOptions ddsOptions(const Settings& settings, uint64_t session) {
 
 }  // namespace
 
-std::unique_ptr<Subscriber> subscribe(const Settings& settings) { return makeDdsSubscriber(ddsOptions(settings, 0)); }
+std::unique_ptr<Subscriber> subscribe(const Settings& settings) {
+  return makeDdsSubscriber(ddsOptions(settings, 0));
+}
 
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session) {
   std::unique_ptr<Publisher> publisher = makeDdsPublisher(ddsOptions(settings, session));
@@ -56,6 +58,17 @@ EmbeddedDaemon::EmbeddedDaemon(const Settings& settings) {
 EmbeddedDaemon::~EmbeddedDaemon() {
   stop_ = true;
   thread_.join();
+}
+
+Stream::Stream(const Settings& settings, bool here, double timeout) {
+  if (here)
+    embedded_ = std::make_unique<EmbeddedDaemon>(settings);
+  else
+    remote_ = subscribe(settings);
+  if (!subscriber().waitForGroom(std::chrono::milliseconds(static_cast<int>(1000 * timeout))))
+    throw Error("no daemon casts this groom",
+                fmt::format("groom {} on domain {}", settings.groom_id, settings.domain),
+                "start strandcastd, or name a --scene or --groom to simulate here");
 }
 
 }  // namespace strandcast

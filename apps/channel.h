@@ -14,8 +14,8 @@ std::unique_ptr<Subscriber> subscribe(const Settings& settings);
 /// Joins the network as the daemon of settings.groom_id; an Error when another daemon has that id.
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session);
 
-/// A daemon in a thread of this process, cast over the in-process channel: what `strandcast view --scene` runs on.
-/// The renderer's side sees no difference.
+/// A daemon in a thread of this process, cast over the in-process channel: what `strandcast view --scene`
+/// runs on.
 class EmbeddedDaemon {
  public:
   /// Makes the scene first, with a progress bar; throws Error.
@@ -29,6 +29,19 @@ class EmbeddedDaemon {
   std::unique_ptr<Daemon> daemon_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
+};
+
+/// Where a renderer's frames come from: a daemon on the network or, with `here`, one in this process. The
+/// renderer's side sees no difference.
+class Stream {
+ public:
+  /// Waits until groom and body are known; throws Error after `timeout` seconds.
+  Stream(const Settings& settings, bool here, double timeout);
+  Subscriber& subscriber() { return embedded_ ? embedded_->subscriber() : *remote_; }
+
+ private:
+  std::unique_ptr<EmbeddedDaemon> embedded_;
+  std::unique_ptr<Subscriber> remote_;
 };
 
 /// makeScene with a progress bar, its notes logged.

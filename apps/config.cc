@@ -1,12 +1,12 @@
 #define TOML_HEADER_ONLY 1
 #include <fmt/format.h>
 
+#include <toml++/toml.h>
 #include <cmath>
 #include <fstream>
 #include <functional>
 #include <set>
 #include <sstream>
-#include <toml++/toml.h>
 
 #include "apps/settings.h"
 #include "core/error.h"
@@ -14,8 +14,8 @@
 namespace strandcast {
 namespace {
 
-/// One table of a configuration file: hands out its values, checks their types, and in the end complains of whatever
-/// nobody asked for.
+/// One table of a configuration file: hands out its values, checks their types, and in the end complains of
+/// whatever nobody asked for.
 class Section {
  public:
   Section(const toml::table& table, std::string path, const std::string& file)
@@ -72,7 +72,8 @@ class Section {
     });
   }
   /// Every key nobody asked for goes to `set` with its components.
-  void remaining(const std::function<void(const std::string&, const std::vector<double>&, const std::string& where)>& set) {
+  void remaining(const std::function<void(const std::string&, const std::vector<double>&,
+                                          const std::string& where)>& set) {
     for (const auto& [key, node] : table_)
       if (!known_.contains(std::string(key.str()))) {
         known_.insert(std::string(key.str()));
@@ -90,7 +91,9 @@ class Section {
   [[noreturn]] void fail(const toml::node& node, const std::string& key, const std::string& remedy) const {
     throw Error(fmt::format("'{}{}' has a wrong value", path_, key), place(node), remedy);
   }
-  std::string place(const toml::node& node) const { return fmt::format("{} line {}", file_, node.source().begin.line); }
+  std::string place(const toml::node& node) const {
+    return fmt::format("{} line {}", file_, node.source().begin.line);
+  }
   std::string place(const char* key) const {
     const toml::node* node = table_.get(key);
     return node != nullptr ? place(*node) : file_;
@@ -128,19 +131,27 @@ class Section {
 
 ContactPrimitive readPrimitive(Section& section) {
   ContactPrimitive out;
-  auto vector = [](const std::vector<double>& v) { return Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()); };
+  auto vector = [](const std::vector<double>& v) {
+    return Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>());
+  };
   section.text("kind", [&](const std::string& kind) {
-    if (kind == "sphere") out.kind = PrimitiveKind::kSphere;
-    else if (kind == "capsule") out.kind = PrimitiveKind::kCapsule;
-    else if (kind == "plane") out.kind = PrimitiveKind::kPlane;
-    else throw Error("unknown primitive '" + kind + "'", section.place("kind"), "choose one of sphere, capsule, plane");
+    if (kind == "sphere")
+      out.kind = PrimitiveKind::kSphere;
+    else if (kind == "capsule")
+      out.kind = PrimitiveKind::kCapsule;
+    else if (kind == "plane")
+      out.kind = PrimitiveKind::kPlane;
+    else
+      throw Error("unknown primitive '" + kind + "'", section.place("kind"),
+                  "choose one of sphere, capsule, plane");
   });
   section.numbers("a", 3, [&](const std::vector<double>& v) { out.a = vector(v); });
   section.numbers("b", 3, [&](const std::vector<double>& v) { out.b = vector(v); });
   section.number("radius", 0, 10, [&](double v) { out.radius = static_cast<float>(v); });
   section.number("friction", 0, 10, [&](double v) { out.friction = static_cast<float>(v); });
   if (out.kind == PrimitiveKind::kPlane) {
-    if (!(out.b.norm() > 0)) throw Error("a plane's normal b is zero", section.place("b"), "give a direction");
+    if (!(out.b.norm() > 0))
+      throw Error("a plane's normal b is zero", section.place("b"), "give a direction");
     out.b.normalize();
   }
   return out;
@@ -149,11 +160,13 @@ ContactPrimitive readPrimitive(Section& section) {
 void readSections(Section& root, const std::filesystem::path& folder, Settings& s) {
   auto path = [&](const std::string& text) { return folder / text; };  // relative to the file that names it
   root.text("scene", [&](const std::string& v) { s.scene.name = v; });
-  root.text("motion", [&](const std::string& v) { s.scene.motion = v.ends_with(".bvh") ? path(v).string() : v; });
+  root.text("motion",
+            [&](const std::string& v) { s.scene.motion = v.ends_with(".bvh") ? path(v).string() : v; });
   root.number("seed", 0, 1e15, [&](double v) { s.scene.seed = static_cast<uint64_t>(v); });
   root.section("groom", [&](Section& groom) {
     groom.texts("files", [&](const std::string& v) { s.scene.groom.push_back(path(v)); });
-    groom.number("unit_meters", 1e-6, 1000, [&](double v) { s.scene.units.unit_meters = static_cast<float>(v); });
+    groom.number("unit_meters", 1e-6, 1000,
+                 [&](double v) { s.scene.units.unit_meters = static_cast<float>(v); });
     groom.text("up", [&](const std::string& v) { s.scene.units.up = upAxisOf(v, groom.place("up")); });
     groom.number("strands", 1, 1e6, [&](double v) { s.scene.strands = static_cast<int>(v); });
     groom.number("vertices", 2, 128, [&](double v) { s.scene.vertices = static_cast<int>(v); });
@@ -162,7 +175,8 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   root.section("body", [&](Section& body) {
     body.text("file", [&](const std::string& v) { s.scene.body = path(v); });
     body.number("fitted_spheres", 0, 64, [&](double v) { s.scene.body_primitives = static_cast<int>(v); });
-    body.sections("primitives", [&](Section& primitive) { s.scene.primitives.push_back(readPrimitive(primitive)); });
+    body.sections("primitives",
+                  [&](Section& primitive) { s.scene.primitives.push_back(readPrimitive(primitive)); });
   });
   root.section("daemon", [&](Section& daemon) {
     daemon.text("backend", [&](const std::string& v) { s.backend = v; });
@@ -177,11 +191,12 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     transport.number("groom_id", 1, 4294967295.0, [&](double v) { s.groom_id = static_cast<uint32_t>(v); });
   });
   root.section("parameters", [&](Section& parameters) {
-    parameters.remaining([&](const std::string& name, const std::vector<double>& value, const std::string& where) {
-      Parameters check;
-      setParameter(check, name, value, where);
-      s.parameters.emplace_back(name, value);
-    });
+    parameters.remaining(
+        [&](const std::string& name, const std::vector<double>& value, const std::string& where) {
+          Parameters check;
+          setParameter(check, name, value, where);
+          s.parameters.emplace_back(name, value);
+        });
   });
 }
 
@@ -204,8 +219,10 @@ void readConfig(const std::filesystem::path& file, Settings& settings) {
   std::error_code failed;
   const uintmax_t bytes = std::filesystem::file_size(file, failed);
   std::ifstream stream(file, std::ios::binary);
-  if (failed || !stream) throw Error("the configuration file cannot be read", file.string(), "check the path given to --config");
-  if (bytes > kMaxBytes) throw Error("the configuration file is larger than 1 MiB", file.string(), "is it the right file?");
+  if (failed || !stream)
+    throw Error("the configuration file cannot be read", file.string(), "check the path given to --config");
+  if (bytes > kMaxBytes)
+    throw Error("the configuration file is larger than 1 MiB", file.string(), "is it the right file?");
   std::stringstream text;
   text << stream.rdbuf();
   readConfigText(text.str(), file.string(), settings);

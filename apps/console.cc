@@ -29,10 +29,12 @@ void ProgressBar::show(const std::string& what, double part) {
 }
 
 void Report::add(const std::string& key, const std::string& label, const std::string& text) {
-  rows_.push_back({key, label, text, nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)});
+  rows_.push_back({key, label, text,
+                   nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)});
 }
 
-void Report::add(const std::string& key, const std::string& label, double value, const std::string& unit, int digits) {
+void Report::add(const std::string& key, const std::string& label, double value, const std::string& unit,
+                 int digits) {
   rows_.push_back({key, label, fmt::format("{:.{}f} {}", value, digits, unit), nlohmann::json(value).dump()});
 }
 

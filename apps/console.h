@@ -27,7 +27,8 @@ class ProgressBar {
 class Report {
  public:
   void add(const std::string& key, const std::string& label, const std::string& text);
-  void add(const std::string& key, const std::string& label, double value, const std::string& unit, int digits);
+  void add(const std::string& key, const std::string& label, double value, const std::string& unit,
+           int digits);
   void addCount(const std::string& key, const std::string& label, uint64_t value);
   void print(bool json) const;  ///< on standard output
 

@@ -101,8 +101,10 @@ void Daemon::apply(const Command& command) {
     }
     case CommandKind::kHeadPose: {
       const auto& v = command.values;
-      const bool finite = std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x) && std::fabs(x) < 1e3; });
-      if (v.size() != 7 || !finite) throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
+      const bool finite =
+          std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x) && std::fabs(x) < 1e3; });
+      if (v.size() != 7 || !finite)
+        throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
       const Quat rotation(Eigen::Quaterniond(v[6], v[3], v[4], v[5]).cast<float>());
       if (!(rotation.norm() > 0.5f)) throw Error("the head's rotation is not a unit quaternion", where, "");
       const Pose to{Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()), rotation.normalized()};
@@ -142,8 +144,10 @@ void Daemon::advance() {
   simulation_.step();
   simulation_.guides();  // waits for the backend: the time is that of the whole step
   const double ms = milliseconds(Clock::now() - start);
-  if (step_ms_.size() < kStepWindow) step_ms_.push_back(ms);
-  else step_ms_[step_count_ % kStepWindow] = ms;
+  if (step_ms_.size() < kStepWindow)
+    step_ms_.push_back(ms);
+  else
+    step_ms_[step_count_ % kStepWindow] = ms;
   ++step_count_;
 }
 
@@ -153,8 +157,9 @@ void Daemon::publishFrame() {
   ++frame_.frame;
   frame_.simulation_time = simulation_.time();
   frame_.head = simulation_.headPose();
-  frame_.publish_time = static_cast<uint64_t>(
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count());
+  frame_.publish_time = static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                                  std::chrono::system_clock::now().time_since_epoch())
+                                                  .count());
   publisher_.publish(frame_);
   status_.frames = frame_.frame;
 }
@@ -175,7 +180,8 @@ void Daemon::publishStatus() {
 DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
   DaemonSummary summary;
   const Clock::time_point start = Clock::now();
-  const auto interval = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / settings_.rate));
+  const auto interval =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / settings_.rate));
   Clock::time_point due = start, status_due = start;
   double owed = 0;  // s of simulation time
   while (!stop && !shutdown_) {
@@ -187,9 +193,11 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
     if (now >= status_due || status_.last_command != acknowledged_) {
       publishStatus();
       acknowledged_ = status_.last_command;
-      status_due = now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kStatusInterval));
+      status_due =
+          now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kStatusInterval));
     }
-    if (settings_.duration > 0 && std::chrono::duration<double>(now - start).count() >= settings_.duration) break;
+    if (settings_.duration > 0 && std::chrono::duration<double>(now - start).count() >= settings_.duration)
+      break;
     due += interval;
     if (Clock::now() > due) {
       ++summary.late_frames;

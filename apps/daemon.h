@@ -11,12 +11,13 @@ namespace strandcast {
 /// What a daemon has to say when it ends.
 struct DaemonSummary {
   Status status;
-  double seconds = 0;          ///< of wall time
-  uint64_t late_frames = 0;    ///< frames that came after their time, because the machine was too slow
+  double seconds = 0;        ///< of wall time
+  uint64_t late_frames = 0;  ///< frames that came after their time, because the machine was too slow
 };
 
-/// Simulates one scene at a steady rate and publishes it: commands in, steps, frames and status out. Simulation time
-/// follows wall time; when the machine is too slow it falls behind rather than taking longer steps.
+/// Simulates one scene at a steady rate and publishes it: commands in, steps, frames and status out.
+/// Simulation time follows wall time; when the machine is too slow it falls behind rather than taking longer
+/// steps.
 class Daemon {
  public:
   /// Announces the groom and body on `publisher`. Throws Error.
@@ -42,7 +43,7 @@ class Daemon {
   Status status_;
   std::vector<double> step_ms_;  ///< of the newest steps, a ring
   size_t step_count_ = 0;
-  uint64_t acknowledged_ = 0;    ///< the newest command that a status has told of
+  uint64_t acknowledged_ = 0;  ///< the newest command that a status has told of
   bool shutdown_ = false;
 };
 

@@ -9,17 +9,28 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
   RenderSettings& s = options.settings;
   picture->add_option("--width", s.width, "pixels")->check(CLI::Range(16, 16384))->capture_default_str();
   picture->add_option("--height", s.height, "pixels")->check(CLI::Range(16, 16384))->capture_default_str();
-  picture->add_option("--samples", s.samples, "per pixel (multisampling)")->check(CLI::Range(1, 8))->capture_default_str();
-  picture->add_option("--hairs", s.hairs, "grown from the guides")->check(CLI::Range(1, 1000000))->capture_default_str();
+  picture->add_option("--samples", s.samples, "per pixel (multisampling)")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  picture->add_option("--hairs", s.hairs, "grown from the guides")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   picture->add_option("--segments", s.segments, "per hair")->check(CLI::Range(1, 64))->capture_default_str();
   picture->add_option("--hair-width", s.hair_width, "drawn width of a hair, m; more where few stand for many")
       ->check(CLI::Range(1e-6, 0.1))
       ->capture_default_str();
-  picture->add_option("--hair-color", options.hair_color, "red green blue, linear, 0 to 1")->expected(3)->check(CLI::Range(0.0, 1.0));
-  picture->add_option("--azimuth", options.azimuth, "of the camera about the head, degrees; 0 looks at the face")
+  picture->add_option("--hair-color", options.hair_color, "red green blue, linear, 0 to 1")
+      ->expected(3)
+      ->check(CLI::Range(0.0, 1.0));
+  picture
+      ->add_option("--azimuth", options.azimuth, "of the camera about the head, degrees; 0 looks at the face")
       ->capture_default_str();
-  picture->add_option("--elevation", options.elevation, "of the camera, degrees")->check(CLI::Range(-89.0, 89.0))->capture_default_str();
-  picture->add_option("--zoom", options.zoom, "1 fills the picture with the hair")->check(CLI::Range(0.05, 50.0))->capture_default_str();
+  picture->add_option("--elevation", options.elevation, "of the camera, degrees")
+      ->check(CLI::Range(-89.0, 89.0))
+      ->capture_default_str();
+  picture->add_option("--zoom", options.zoom, "1 fills the picture with the hair")
+      ->check(CLI::Range(0.05, 50.0))
+      ->capture_default_str();
 }
 
 RenderSettings renderSettings(const PictureOptions& options) {

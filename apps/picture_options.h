@@ -14,7 +14,7 @@ struct PictureOptions {
   RenderSettings settings;
   double azimuth = 25, elevation = 5;  ///< degrees; 0 looks at the face
   double zoom = 1;
-  std::vector<float> hair_color;       ///< red green blue, linear; empty = the settings' own
+  std::vector<float> hair_color;  ///< red green blue, linear; empty = the settings' own
 };
 void addPictureOptions(CLI::App& app, PictureOptions& options);
 /// The settings with every option laid over them.

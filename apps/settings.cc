@@ -12,7 +12,8 @@ namespace {
 std::string parameterHelp() {
   std::string text = "set a simulation parameter, NAME=VALUE or NAME=X,Y,Z; may be repeated. Names:";
   for (const ParameterInfo& info : parameterList())
-    text += fmt::format("\n  {} {}({}): {}", info.name, info.unit.empty() ? "" : "[" + info.unit + "] ", info.range, info.help);
+    text += fmt::format("\n  {} {}({}): {}", info.name, info.unit.empty() ? "" : "[" + info.unit + "] ",
+                        info.range, info.help);
   return text;
 }
 
@@ -53,7 +54,8 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
   app.add_option("--transport", settings.transport, "how frames travel: dds")
       ->check(CLI::IsMember({"dds"}))
       ->capture_default_str();
-  app.add_option("--domain", settings.domain, "DDS domain; programs on different domains do not see each other")
+  app.add_option("--domain", settings.domain,
+                 "DDS domain; programs on different domains do not see each other")
       ->check(CLI::Range(0, 232))
       ->capture_default_str();
   app.add_option("--groom-id", settings.groom_id, "number of the groom on the network; one daemon each")
@@ -65,30 +67,44 @@ SettingsOptions::SettingsOptions(CLI::App& app) : app_(app) {
   auto* scene = app.add_option_group("Scene", "what is simulated");
   scene->add_option("--config", config_, "TOML file with any of these settings; options win over it");
   scene->add_option("--scene", given_.scene.name, sceneHelp());
-  scene->add_option("--groom", groom_, "groom files (.tfx, .hair, .obj), separated by commas")->delimiter(',');
-  scene->add_option("--body", given_.scene.body, "body mesh (.obj, .gltf, .glb) that the hair grows on and collides with");
-  scene->add_option("--unit-meters", given_.scene.units.unit_meters, "metres per unit of groom and body files; guessed if not given")
+  scene->add_option("--groom", groom_, "groom files (.tfx, .hair, .obj), separated by commas")
+      ->delimiter(',');
+  scene->add_option("--body", given_.scene.body,
+                    "body mesh (.obj, .gltf, .glb) that the hair grows on and collides with");
+  scene
+      ->add_option("--unit-meters", given_.scene.units.unit_meters,
+                   "metres per unit of groom and body files; guessed if not given")
       ->check(CLI::Range(1e-6, 1000.0));
-  scene->add_option("--up", up_, "up axis of groom and body files")->check(CLI::IsMember({"auto", "x", "y", "z"}));
-  scene->add_option("--motion", given_.scene.motion, "head motion: still, nod, shake, turn, joined by +, or a .bvh clip");
+  scene->add_option("--up", up_, "up axis of groom and body files")
+      ->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  scene->add_option("--motion", given_.scene.motion,
+                    "head motion: still, nod, shake, turn, joined by +, or a .bvh clip");
   scene->add_option("--strands", given_.scene.strands, "guides: grown (procedural) or chosen evenly (files)")
       ->check(CLI::Range(1, 1000000));
   scene->add_option("--vertices", given_.scene.vertices, "vertices per strand: grown or resampled to")
       ->check(CLI::Range(2, 128));
-  scene->add_option("--length", given_.scene.length, "length of procedural hair, m")->check(CLI::Range(0.01, 2.0));
+  scene->add_option("--length", given_.scene.length, "length of procedural hair, m")
+      ->check(CLI::Range(0.01, 2.0));
   scene->add_option("--seed", given_.scene.seed, "of everything random")->capture_default_str();
 
   auto* simulation = app.add_option_group("Simulation", "how it is computed");
-  simulation->add_option("--backend", given_.backend, "auto, gpu, simd or reference; see `strandcast info --backends`")
+  simulation
+      ->add_option("--backend", given_.backend,
+                   "auto, gpu, simd or reference; see `strandcast info --backends`")
       ->check(CLI::IsMember({"auto", "gpu", "simd", "reference"}))
       ->capture_default_str();
-  simulation->add_option("--solver", solver_,
-                         "rod: elastic rods that keep their length (default); gauss_seidel: iterated constraints")
+  simulation
+      ->add_option("--solver", solver_,
+                   "rod: elastic rods that keep their length (default); gauss_seidel: iterated constraints")
       ->check(CLI::IsMember({"rod", "gauss_seidel"}));
-  simulation->add_option("--threads", given_.threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
+  simulation->add_option("--threads", given_.threads, "of the simd backend; 0 = all")
+      ->check(CLI::Range(0, 1024));
   simulation->add_option("--set", set_, parameterHelp());
-  simulation->add_option("--rate", given_.rate, "frames per second")->check(CLI::Range(1.0, 1000.0))->capture_default_str();
-  simulation->add_option("--duration", given_.duration, "seconds to run; 0 = until interrupted")->check(CLI::Range(0.0, 1e9));
+  simulation->add_option("--rate", given_.rate, "frames per second")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  simulation->add_option("--duration", given_.duration, "seconds to run; 0 = until interrupted")
+      ->check(CLI::Range(0.0, 1e9));
   addNetworkOptions(app, given_);
 }
 

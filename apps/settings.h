@@ -14,10 +14,12 @@ class App;
 
 namespace strandcast {
 
-/// All that a daemon (or a viewer with the simulation inside) is told, by a TOML file and by options; options win.
+/// All that a daemon (or a viewer with the simulation inside) is told, by a TOML file and by options; options
+/// win.
 struct Settings {
   SceneOptions scene;
-  std::vector<std::pair<std::string, std::vector<double>>> parameters;  ///< by name, on top of the scene's own
+  std::vector<std::pair<std::string, std::vector<double>>>
+      parameters;  ///< by name, on top of the scene's own
 
   SolverKind solver = SolverKind::kRod;
   std::string backend = "auto";
@@ -25,15 +27,16 @@ struct Settings {
   std::string transport = "dds";  ///< "dds"
   int domain = 0;                 ///< DDS domain, 0 to 232
   uint32_t groom_id = 1;
-  double rate = 60;               ///< frames published per second
-  double duration = 0;            ///< s; 0 = until interrupted
+  double rate = 60;     ///< frames published per second
+  double duration = 0;  ///< s; 0 = until interrupted
 };
 
 /// Declares the options of scene and simulation on `app`, to be read into the returned holder by `resolve`.
 class SettingsOptions {
  public:
   explicit SettingsOptions(CLI::App& app);
-  /// After parsing: reads the --config file, then lays the options given over it. Throws Error (file, line, key).
+  /// After parsing: reads the --config file, then lays the options given over it. Throws Error (file, line,
+  /// key).
   Settings resolve() const;
   /// Whether a scene was asked for (--scene, --groom or --config): then a viewer needs no daemon.
   bool namesScene() const;
@@ -52,7 +55,8 @@ UpAxis upAxisOf(const std::string& name, const std::string& where = "--up");
 /// Adds --transport, --domain and --groom-id, which every program that joins a network has.
 void addNetworkOptions(CLI::App& app, Settings& settings);
 
-/// Reads a configuration file over `settings`. Every unknown key is an Error that names its line and the nearest known key.
+/// Reads a configuration file over `settings`. Every unknown key is an Error that names its line and the
+/// nearest known key.
 void readConfig(const std::filesystem::path& file, Settings& settings);
 /// The same from text; `name` appears in errors.
 void readConfigText(const std::string& text, const std::string& name, Settings& settings);

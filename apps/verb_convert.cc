@@ -39,13 +39,17 @@ int convert(const Options& o) {
 Verb addConvert(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.footer(
-      "Positions pass through bit for bit unless --clean, --unit-meters, --up or --vertices asks for a change.\n"
+      "Positions pass through bit for bit unless --clean, --unit-meters, --up or --vertices asks for a "
+      "change.\n"
       "Example: strandcast convert bob.tfx bob.hair");
   app.add_option("IN", o->in, "groom to read: .tfx (3 and 4), .hair, .obj polylines")->required();
   app.add_option("OUT", o->out, "groom to write: .tfx (4) or .hair, by extension")->required();
-  app.add_flag("--clean", o->clean, "convert to metres and Y up, drop degenerate strands, merge duplicate vertices");
-  app.add_option("--unit-meters", o->unit_meters, "metres per unit of IN (implies --clean)")->check(CLI::Range(1e-6, 1000.0));
-  app.add_option("--up", o->up, "up axis of IN (implies --clean)")->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  app.add_flag("--clean", o->clean,
+               "convert to metres and Y up, drop degenerate strands, merge duplicate vertices");
+  app.add_option("--unit-meters", o->unit_meters, "metres per unit of IN (implies --clean)")
+      ->check(CLI::Range(1e-6, 1000.0));
+  app.add_option("--up", o->up, "up axis of IN (implies --clean)")
+      ->check(CLI::IsMember({"auto", "x", "y", "z"}));
   app.add_option("--vertices", o->vertices, "resample every strand to this many vertices, equally spaced")
       ->check(CLI::Range(2, 128));
   return [o] { return convert(*o); };

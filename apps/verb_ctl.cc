@@ -20,7 +20,7 @@ constexpr double kPi = 3.14159265358979323846;
 struct Options {
   Settings network;
   bool json = false;
-  double timeout = 5;  // s
+  double timeout = 10;  // s
   std::string name;
   std::vector<double> values;
 };
@@ -35,7 +35,20 @@ bool waitUntil(double seconds, const std::function<bool()>& ready) {
   return true;
 }
 
-int sendCommand(const Options& o, CommandKind kind, const std::string& name, const std::vector<double>& values) {
+/// Sends as soon as the daemon is there, and says that it is not after `seconds`.
+void sendWhenMatched(Subscriber& subscriber, const Command& command, double seconds) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  for (;;) {
+    try {
+      return subscriber.send(command);
+    } catch (const Error&) {
+      if (g_interrupted || std::chrono::steady_clock::now() > deadline) throw;
+    }
+  }
+}
+
+int sendCommand(const Options& o, CommandKind kind, const std::string& name,
+                const std::vector<double>& values) {
   const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
   Command command;
   command.groom_id = o.network.groom_id;
@@ -43,14 +56,15 @@ int sendCommand(const Options& o, CommandKind kind, const std::string& name, con
   command.kind = kind;
   command.name = name;
   command.values = values;
-  subscriber->send(command);
+  sendWhenMatched(*subscriber, command, o.timeout);
   std::optional<Status> status;
   const bool answered = waitUntil(o.timeout, [&] {
     status = subscriber->status();
     return status && status->last_command == command.id;
   });
   if (!answered)
-    throw Error("the daemon did not answer", fmt::format("groom {} on domain {}", o.network.groom_id, o.network.domain),
+    throw Error("the daemon did not answer",
+                fmt::format("groom {} on domain {}", o.network.groom_id, o.network.domain),
                 "see `strandcast ctl list`");
   if (!status->last_command_error.empty()) throw Error("the daemon refused", status->last_command_error, "");
   if (o.json) fmt::print("{}\n", nlohmann::json({{"command", command.id}, {"accepted", true}}).dump());
@@ -89,8 +103,8 @@ int list(const Options& o) {
   }
   if (all.empty()) fmt::print("no daemon on DDS domain {}\n", o.network.domain);
   for (const Status& s : all)
-    fmt::print("  groom {:<4} {:<16} {:<10} {} strands, {} vertices, step {:.2f} ms, {} readers\n", s.groom_id, s.groom_name,
-               s.backend, s.strands, s.vertices, s.step_ms_median, s.readers);
+    fmt::print("  groom {:<4} {:<16} {:<10} {} strands, {} vertices, step {:.2f} ms, {} readers\n",
+               s.groom_id, s.groom_name, s.backend, s.strands, s.vertices, s.step_ms_median, s.readers);
   return 0;
 }
 
@@ -142,21 +156,26 @@ Verb addCtl(CLI::App& app) {
   };
   verb("list", "daemons on the domain", [o] { return list(*o); });
   verb("status", "what the daemon says of itself", [o] { return printStatus(*o); });
-  verb("wind", "set the velocity of the air, m/s", [o] {
-    return sendCommand(*o, CommandKind::kSetParameter, "wind", o->values);
-  })->add_option("XYZ", o->values, "velocity, m/s")->expected(3)->required();
-  CLI::App* set = verb("set", "set a parameter (names: strandcastd --help)", [o] {
-    return sendCommand(*o, CommandKind::kSetParameter, o->name, o->values);
-  });
+  verb("wind", "set the velocity of the air, m/s",
+       [o] { return sendCommand(*o, CommandKind::kSetParameter, "wind", o->values); })
+      ->add_option("XYZ", o->values, "velocity, m/s")
+      ->expected(3)
+      ->required();
+  CLI::App* set = verb("set", "set a parameter (names: strandcastd --help)",
+                       [o] { return sendCommand(*o, CommandKind::kSetParameter, o->name, o->values); });
   set->add_option("NAME", o->name, "parameter")->required();
   set->add_option("VALUE", o->values, "1 or 3 numbers")->expected(1, 3)->required();
-  verb("head", "move the head to a pose", [o] {
-    return sendCommand(*o, CommandKind::kHeadPose, "", headPose(o->values));
-  })->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "offset from rest in m, angles in degrees")->expected(3, 6)->required();
-  verb("motion", "give the head a motion", [o] {
-    return sendCommand(*o, CommandKind::kHeadMotion, o->name, {});
-  })->add_option("NAME", o->name, "still, nod, shake, turn, joined by +")->required();
-  verb("reset", "put the hair back to its rest shape", [o] { return sendCommand(*o, CommandKind::kReset, "", {}); });
+  verb("head", "move the head to a pose",
+       [o] { return sendCommand(*o, CommandKind::kHeadPose, "", headPose(o->values)); })
+      ->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "offset from rest in m, angles in degrees")
+      ->expected(3, 6)
+      ->required();
+  verb("motion", "give the head a motion",
+       [o] { return sendCommand(*o, CommandKind::kHeadMotion, o->name, {}); })
+      ->add_option("NAME", o->name, "still, nod, shake, turn, joined by +")
+      ->required();
+  verb("reset", "put the hair back to its rest shape",
+       [o] { return sendCommand(*o, CommandKind::kReset, "", {}); });
   verb("stop", "end the daemon", [o] { return sendCommand(*o, CommandKind::kShutdown, "", {}); });
   return [run] { return (*run)(); };
 }

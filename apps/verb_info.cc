@@ -6,9 +6,9 @@
 
 #include "apps/backends.h"
 #include "apps/console.h"
+#include "apps/settings.h"
 #include "apps/verbs.h"
 #include "core/error.h"
-#include "apps/settings.h"
 #include "groom/axes_and_units.h"
 #include "groom/groom_file.h"
 #include "transport/dds.h"
@@ -27,13 +27,18 @@ int printBackends(bool json) {
   std::string why_no_dds;
   const bool dds = ddsAvailable(&why_no_dds);
   for (const BackendInfo& info : knownBackends()) {
-    list.push_back({{"name", info.name}, {"available", info.available}, {"score", info.score},
+    list.push_back({{"name", info.name},
+                    {"available", info.available},
+                    {"score", info.score},
                     {info.available ? "device" : "reason", info.reason}});
     if (!json)
-      fmt::print("  {:<10} {:<4} score {:>3}  {}\n", info.name, info.available ? "yes" : "no", info.score, info.reason);
+      fmt::print("  {:<10} {:<4} score {:>3}  {}\n", info.name, info.available ? "yes" : "no", info.score,
+                 info.reason);
   }
-  if (json) fmt::print("{}\n", nlohmann::json({{"backends", list}, {"dds", dds}}).dump());
-  else fmt::print("  {:<10} {:<4}            {}\n", "dds", dds ? "yes" : "no", dds ? "Fast DDS" : why_no_dds);
+  if (json)
+    fmt::print("{}\n", nlohmann::json({{"backends", list}, {"dds", dds}}).dump());
+  else
+    fmt::print("  {:<10} {:<4}            {}\n", "dds", dds ? "yes" : "no", dds ? "Fast DDS" : why_no_dds);
   return 0;
 }
 
@@ -73,13 +78,15 @@ int printGroom(const Options& options) {
   Report out;
   out.add("format", "format", raw.format);
   out.addCount("strands", "strands", s.strands);
-  out.add("vertices", "vertices", fmt::format("{} ({} to {} per strand)", s.vertices, s.min_vertices, s.max_vertices));
+  out.add("vertices", "vertices",
+          fmt::format("{} ({} to {} per strand)", s.vertices, s.min_vertices, s.max_vertices));
   out.add("unit", "unit", fmt::format("{:g} m{}", unit, options.unit_meters > 0 ? "" : ", guessed"));
   const Eigen::Vector3f low = s.bounds.min(), high = s.bounds.max();
-  out.add("bounds", "bounding box", fmt::format("{:.3f} {:.3f} {:.3f} to {:.3f} {:.3f} {:.3f} m, Y up", low.x(), low.y(),
-                                                low.z(), high.x(), high.y(), high.z()));
-  out.add("lengths", "strand length", fmt::format("{:.4f} to {:.4f} m, median {:.4f} m", s.min_length, s.max_length,
-                                                  s.median_length));
+  out.add("bounds", "bounding box",
+          fmt::format("{:.3f} {:.3f} {:.3f} to {:.3f} {:.3f} {:.3f} m, Y up", low.x(), low.y(), low.z(),
+                      high.x(), high.y(), high.z()));
+  out.add("lengths", "strand length",
+          fmt::format("{:.4f} to {:.4f} m, median {:.4f} m", s.min_length, s.max_length, s.median_length));
   out.addCount("degenerate", "degenerate strands", s.degenerate_strands);
   for (const std::string& warning : groom.report.warnings) out.add("warning", "warning", warning);
   out.print(false);

@@ -33,17 +33,19 @@ struct Options {
   std::filesystem::path movie;
   int frames = 60;
   double fps = 30;
-  double skip = 0;     // s
-  double timeout = 20; // s
+  double skip = 0;      // s
+  double timeout = 20;  // s
   bool json = false;
 };
 
-/// Picks frames off the stream in its own thread, evenly in simulation time, so that drawing as slowly as it likes
-/// loses none.
+/// Picks frames off the stream in its own thread, evenly in simulation time, so that drawing as slowly as it
+/// likes loses none.
 class FrameCapture {
  public:
   FrameCapture(Subscriber& subscriber, int frames, double fps, double skip, double timeout)
-      : subscriber_(subscriber), frames_(frames), fps_(fps), skip_(skip), timeout_(timeout), thread_([this] { run(); }) {}
+      : subscriber_(subscriber), frames_(frames), fps_(fps), skip_(skip), timeout_(timeout), thread_([this] {
+          run();
+        }) {}
   ~FrameCapture() {
     stop_ = true;
     thread_.join();
@@ -106,19 +108,23 @@ void makeMovie(const Options& o) {
   const std::string pattern = (o.out / "frame_%04d.png").string(), rate = fmt::format("{:g}", o.fps);
   const pid_t child = fork();
   if (child == 0) {
-    execlp("ffmpeg", "ffmpeg", "-y", "-loglevel", "error", "-framerate", rate.c_str(), "-i", pattern.c_str(), "-pix_fmt",
-           "yuv420p", "-crf", "18", o.movie.c_str(), static_cast<char*>(nullptr));
+    execlp("ffmpeg", "ffmpeg", "-y", "-loglevel", "error", "-framerate", rate.c_str(), "-i", pattern.c_str(),
+           "-pix_fmt", "yuv420p", "-crf", "18", o.movie.c_str(), static_cast<char*>(nullptr));
     _exit(127);
   }
   int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) < 0) throw Error("ffmpeg cannot be started", o.movie.string(), "");
+  if (child < 0 || waitpid(child, &status, 0) < 0)
+    throw Error("ffmpeg cannot be started", o.movie.string(), "");
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-    throw Error("ffmpeg is not installed", o.movie.string(), "install it or leave out --movie; the pictures are written");
-  if (status != 0) throw Error("ffmpeg failed", o.movie.string(), "is the folder writable and the extension known?");
+    throw Error("ffmpeg is not installed", o.movie.string(),
+                "install it or leave out --movie; the pictures are written");
+  if (status != 0)
+    throw Error("ffmpeg failed", o.movie.string(), "is the folder writable and the extension known?");
 }
 
 /// `status`: the newest that was heard; the daemon may have ended since.
-void report(const Options& o, Subscriber& subscriber, const std::optional<Status>& status, int drawn, double draw_ms) {
+void report(const Options& o, Subscriber& subscriber, const std::optional<Status>& status, int drawn,
+            double draw_ms) {
   const ReceiveStatistics r = subscriber.statistics();
   Report out;
   if (const Status* s = status ? &*status : nullptr) {
@@ -151,16 +157,10 @@ int render(const Options& o) {
   std::filesystem::create_directories(o.out, failed);
   if (failed) throw Error("the folder cannot be made", o.out.string(), failed.message());
   gl::HeadlessContext context;
-  std::unique_ptr<EmbeddedDaemon> embedded;
-  std::unique_ptr<Subscriber> remote;
-  if (o.settings->namesScene()) embedded = std::make_unique<EmbeddedDaemon>(settings);
-  else remote = subscribe(settings);
-  Subscriber& subscriber = embedded ? embedded->subscriber() : *remote;
+  Stream stream(settings, o.settings->namesScene(), o.timeout);
+  Subscriber& subscriber = stream.subscriber();
   context.makeCurrent();
 
-  if (!subscriber.waitForGroom(std::chrono::milliseconds(static_cast<int>(1000 * o.timeout))))
-    throw Error("no daemon casts this groom", fmt::format("groom {} on domain {}", settings.groom_id, settings.domain),
-                "start strandcastd, or name a --scene or --groom to simulate here");
   FrameCapture capture(subscriber, o.frames, o.fps, o.skip, o.timeout);
   Renderer renderer(renderSettings(o.picture));
   std::shared_ptr<const GroomDescription> groom;
@@ -206,14 +206,20 @@ int render(const Options& o) {
 Verb addRender(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.footer(
-      "With --scene, --groom or --config the simulation runs inside this process; without, a daemon's stream is drawn.\n"
+      "With --scene, --groom or --config the simulation runs inside this process; without, a daemon's stream "
+      "is drawn.\n"
       "Examples:\n"
       "  strandcast render --frames 60 --out out\n"
       "  strandcast render --scene curly --frames 90 --out out --movie curly.mp4");
   app.add_option("--out", o->out, "folder for frame_0000.png and on")->capture_default_str();
-  app.add_option("--frames", o->frames, "pictures to draw")->check(CLI::Range(1, 1000000))->capture_default_str();
-  app.add_option("--fps", o->fps, "pictures per second of simulated time")->check(CLI::Range(0.1, 1000.0))->capture_default_str();
-  app.add_option("--skip", o->skip, "seconds of simulated time before the first picture")->check(CLI::Range(0.0, 1e6));
+  app.add_option("--frames", o->frames, "pictures to draw")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  app.add_option("--fps", o->fps, "pictures per second of simulated time")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  app.add_option("--skip", o->skip, "seconds of simulated time before the first picture")
+      ->check(CLI::Range(0.0, 1e6));
   app.add_option("--movie", o->movie, "also join the pictures into this file, with ffmpeg");
   app.add_option("--timeout", o->timeout, "seconds to wait for a daemon, and for its next frame")
       ->check(CLI::Range(0.1, 3600.0))

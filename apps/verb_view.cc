@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <chrono>
+#include <cmath>
 #include <memory>
 
 #include "apps/channel.h"
@@ -32,11 +32,13 @@ class Window {
   Window(const PictureOptions& picture)
       : azimuth_(picture.azimuth), elevation_(picture.elevation), zoom_(picture.zoom) {
     if (glfwInit() == GLFW_FALSE) throw windowError();
-    glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);  // as the GPU backend's, which hands it back
+    glfwWindowHint(GLFW_CONTEXT_CREATION_API,
+                   GLFW_EGL_CONTEXT_API);  // as the GPU backend's, which hands it back
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    window_ = glfwCreateWindow(picture.settings.width, picture.settings.height, "Strandcast", nullptr, nullptr);
+    window_ =
+        glfwCreateWindow(picture.settings.width, picture.settings.height, "Strandcast", nullptr, nullptr);
     if (window_ == nullptr) {
       const Error error = windowError();
       glfwTerminate();
@@ -98,14 +100,8 @@ class Window {
 int view(const Options& o) {
   const Settings settings = o.settings->resolve();
   Window window(o.picture);
-  std::unique_ptr<EmbeddedDaemon> embedded;
-  std::unique_ptr<Subscriber> remote;
-  if (o.settings->namesScene()) embedded = std::make_unique<EmbeddedDaemon>(settings);
-  else remote = subscribe(settings);
-  Subscriber& subscriber = embedded ? embedded->subscriber() : *remote;
-  if (!subscriber.waitForGroom(std::chrono::milliseconds(static_cast<int>(1000 * o.timeout))))
-    throw Error("no daemon casts this groom", fmt::format("groom {} on domain {}", settings.groom_id, settings.domain),
-                "start strandcastd, or name a --scene or --groom to simulate here");
+  Stream stream(settings, o.settings->namesScene(), o.timeout);
+  Subscriber& subscriber = stream.subscriber();
 
   Renderer renderer(renderSettings(o.picture));
   std::shared_ptr<const GroomDescription> groom;
@@ -128,9 +124,11 @@ int view(const Options& o) {
     const double fps = 1 / std::chrono::duration<double>(now - last).count();
     last = now;
     const auto status = subscriber.status();
-    window.show(renderer, fmt::format("Strandcast: {} on {}, step {:.2f} ms, {:.0f} pictures/s", groom->name,
-                                      status ? status->backend : "?", status ? status->step_ms_median : 0.0, fps));
-    if (settings.duration > 0 && std::chrono::duration<double>(now - start).count() > settings.duration) break;
+    window.show(renderer,
+                fmt::format("Strandcast: {} on {}, step {:.2f} ms, {:.0f} pictures/s", groom->name,
+                            status ? status->backend : "?", status ? status->step_ms_median : 0.0, fps));
+    if (settings.duration > 0 && std::chrono::duration<double>(now - start).count() > settings.duration)
+      break;
   }
   return g_interrupted ? kExitInterrupted : 0;
 }
@@ -141,8 +139,11 @@ Verb addView(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.footer(
       "Drag with the left button to orbit, scroll to zoom, Escape ends it.\n"
-      "With --scene, --groom or --config the simulation runs inside this process; without, a daemon's stream is drawn.");
-  app.add_option("--timeout", o->timeout, "seconds to wait for a daemon")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
+      "With --scene, --groom or --config the simulation runs inside this process; without, a daemon's stream "
+      "is drawn.");
+  app.add_option("--timeout", o->timeout, "seconds to wait for a daemon")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
   addPictureOptions(app, o->picture);
   o->settings = std::make_unique<SettingsOptions>(app);
   return [o] { return view(*o); };

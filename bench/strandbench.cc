@@ -44,7 +44,8 @@ Result run(const Options& o, const Scene& scene, const std::string& backend) {
     simulation.step();
     simulation.guides();
     if (step >= o.warmup)
-      ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+      ms.push_back(
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
   }
   std::sort(ms.begin(), ms.end());
   const double median = ms[ms.size() / 2];
@@ -83,25 +84,31 @@ int step(const Options& o) {
   const Scene scene = makeScene(make);
   nlohmann::json results = nlohmann::json::array();
   if (o.csv)
-    fmt::print("backend,device,strands,vertices,substeps,iterations,ms_min,ms_median,ms_p95,ns_per_vertex_substep,mean_stretch,max_stretch,max_penetration_m\n");
+    fmt::print(
+        "backend,device,strands,vertices,substeps,iterations,ms_min,ms_median,ms_p95,ns_per_vertex_substep,"
+        "mean_stretch,max_stretch,max_penetration_m\n");
   else if (!o.json)
-    fmt::print("scene {}, {} x {}, {} substeps, {} iterations, solver {}\n  {:<10} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12} {:>10}  {}\n", o.scene, o.strands,
-               o.vertices, o.substeps, o.iterations, o.solver, "backend", "ms min", "median", "p95", "ns/vtx/sub", "mean stretch",
-               "max stretch", "depth mm", "device");
+    fmt::print(
+        "scene {}, {} x {}, {} substeps, {} iterations, solver {}\n  {:<10} {:>9} {:>9} {:>9} {:>12} {:>12} "
+        "{:>12} {:>10}  {}\n",
+        o.scene, o.strands, o.vertices, o.substeps, o.iterations, o.solver, "backend", "ms min", "median",
+        "p95", "ns/vtx/sub", "mean stretch", "max stretch", "depth mm", "device");
   for (const BackendInfo& info : knownBackends()) {
     if (o.backend != "all" && o.backend != info.name && !(o.backend == "auto")) continue;
-    const bool runs = info.available && std::find(info.solvers.begin(), info.solvers.end(), solverKind(o.solver)) != info.solvers.end();
+    const bool runs = info.available && std::find(info.solvers.begin(), info.solvers.end(),
+                                                  solverKind(o.solver)) != info.solvers.end();
     if (!runs && o.backend == "all") continue;
     const Result r = run(o, scene, o.backend == "auto" ? "auto" : info.name);
     results.push_back(toJson(r));
     if (o.csv)
-      fmt::print("{},\"{}\",{},{},{},{},{:.4f},{:.4f},{:.4f},{:.3f},{:.3e},{:.3e},{:.3e}\n", r.backend, r.device, o.strands,
-                 o.vertices, o.substeps, o.iterations, r.ms_min, r.ms_median, r.ms_p95, r.ns_per_vertex_substep,
-                 r.measured.mean_stretch, r.measured.max_stretch, r.measured.max_penetration);
+      fmt::print("{},\"{}\",{},{},{},{},{:.4f},{:.4f},{:.4f},{:.3f},{:.3e},{:.3e},{:.3e}\n", r.backend,
+                 r.device, o.strands, o.vertices, o.substeps, o.iterations, r.ms_min, r.ms_median, r.ms_p95,
+                 r.ns_per_vertex_substep, r.measured.mean_stretch, r.measured.max_stretch,
+                 r.measured.max_penetration);
     else if (!o.json)
-      fmt::print("  {:<10} {:>9.3f} {:>9.3f} {:>9.3f} {:>12.2f} {:>12.2e} {:>12.2e} {:>10.3f}  {}\n", r.backend, r.ms_min,
-                 r.ms_median, r.ms_p95, r.ns_per_vertex_substep, r.measured.mean_stretch, r.measured.max_stretch,
-                 1000 * r.measured.max_penetration, r.device);
+      fmt::print("  {:<10} {:>9.3f} {:>9.3f} {:>9.3f} {:>12.2f} {:>12.2e} {:>12.2e} {:>10.3f}  {}\n",
+                 r.backend, r.ms_min, r.ms_median, r.ms_p95, r.ns_per_vertex_substep, r.measured.mean_stretch,
+                 r.measured.max_stretch, 1000 * r.measured.max_penetration, r.device);
     std::fflush(stdout);
     if (o.backend == "auto") break;
   }
@@ -141,7 +148,9 @@ int main(int argc, char** argv) {
   verb->add_option("--substeps", o.substeps)->check(CLI::Range(1, 64))->capture_default_str();
   verb->add_option("--iterations", o.iterations)->check(CLI::Range(1, 64))->capture_default_str();
   verb->add_option("--threads", o.threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
-  verb->add_option("--steps", o.steps, "steps timed, after a warm-up")->check(CLI::Range(1, 100000))->capture_default_str();
+  verb->add_option("--steps", o.steps, "steps timed, after a warm-up")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
   verb->add_option("--seed", o.seed)->capture_default_str();
   verb->add_flag("--json", o.json, "print one JSON object");
   verb->add_flag("--csv", o.csv, "print comma-separated values");

@@ -19,8 +19,8 @@ struct StepInput {
   std::span<const MovingPrimitive> primitives;  ///< any number, world
 };
 
-/// Simulates the strands of one model. One implementation per way of computing; all keep the same state and give the
-/// same step to rounding. Not thread-safe: one caller at a time.
+/// Simulates the strands of one model. One implementation per way of computing; all keep the same state and
+/// give the same step to rounding. Not thread-safe: one caller at a time.
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -28,7 +28,8 @@ class Backend {
   virtual std::string name() const = 0;    ///< "reference", "simd" or "gpu"
   virtual std::string device() const = 0;  ///< e.g. "AVX3, 2 threads" or the GL renderer string
 
-  /// Takes a copy of what it needs from `model` and sets the state. Throws Error when it does not fit the device.
+  /// Takes a copy of what it needs from `model` and sets the state. Throws Error when it does not fit the
+  /// device.
   virtual void load(const StrandModel& model, const StrandState& state) = 0;
   /// Replaces the state: reset, teleport, tests.
   virtual void upload(const StrandState& state) = 0;

@@ -15,14 +15,15 @@ bool has(const BackendInfo& info, SolverKind solver) {
 
 }  // namespace
 
-std::unique_ptr<Backend> createBackend(const std::vector<BackendInfo>& known, const std::string& name, int threads,
-                                       SolverKind solver) {
+std::unique_ptr<Backend> createBackend(const std::vector<BackendInfo>& known, const std::string& name,
+                                       int threads, SolverKind solver) {
   if (name != "auto") {
     std::string names = "auto";
     for (const BackendInfo& info : known) {
       names += ", " + info.name;
       if (info.name != name) continue;
-      if (!info.available) throw Error("backend " + name + " cannot run", info.reason, "choose --backend auto");
+      if (!info.available)
+        throw Error("backend " + name + " cannot run", info.reason, "choose --backend auto");
       if (!has(info, solver))
         throw Error("backend " + name + " does not have this solver", solverName(solver),
                     "choose another --solver or --backend auto");

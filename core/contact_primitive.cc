@@ -38,7 +38,8 @@ float signedDistance(const MovingPrimitive& primitive, const Vec3& point) {
     case PrimitiveKind::kSphere:
       return sphereDistance(p, take(primitive.a_end), primitive.radius, normal);
     case PrimitiveKind::kCapsule:
-      return capsuleDistance(p, take(primitive.a_end), take(primitive.b_end), primitive.radius, normal, along);
+      return capsuleDistance(p, take(primitive.a_end), take(primitive.b_end), primitive.radius, normal,
+                             along);
     case PrimitiveKind::kPlane:
       break;
   }

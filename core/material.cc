@@ -31,7 +31,8 @@ void checkMaterial(const Material& material, const char* where) {
     if (curve->knots.empty()) throw Error("a root-to-tip curve has no knot", where, "give at least one");
     for (const auto& [place, factor] : curve->knots) {
       inside(factor, 1e-3f, 1e3f, "a curve's factor", "");
-      if (!(place >= before)) throw Error("a root-to-tip curve goes backwards", where, "give its places in order");
+      if (!(place >= before))
+        throw Error("a root-to-tip curve goes backwards", where, "give its places in order");
       before = place;
     }
   }

@@ -6,19 +6,20 @@ namespace strandcast {
 
 /// A factor along a strand, from the root (0) to the tip (1): linear between knots, constant beyond them.
 struct RootTipCurve {
-  std::vector<std::pair<float, float>> knots{{0.0f, 1.0f}};  ///< (place, factor), places ascending, at least one
+  std::vector<std::pair<float, float>> knots{
+      {0.0f, 1.0f}};  ///< (place, factor), places ascending, at least one
 
   float at(float place) const;
 };
 
 /// What the hair of one part is made of: a round elastic rod. Human hair unless said otherwise.
 struct Material {
-  float youngs_modulus = 4e9f;  ///< Pa, 1e3 to 1e13; human hair 3e9 to 4e9
-  float poisson_ratio = 0.45f;  ///< -0.9 to 0.5
-  float radius = 40e-6f;        ///< m, 1e-6 to 5e-3; human hair 30e-6 to 50e-6
-  float density = 1300;         ///< kg/m^3, 1 to 20000
-  RootTipCurve radius_scale;    ///< taper; bending goes with its 4th power, mass with its square
-  RootTipCurve stiffness_scale; ///< of youngs_modulus
+  float youngs_modulus = 4e9f;   ///< Pa, 1e3 to 1e13; human hair 3e9 to 4e9
+  float poisson_ratio = 0.45f;   ///< -0.9 to 0.5
+  float radius = 40e-6f;         ///< m, 1e-6 to 5e-3; human hair 30e-6 to 50e-6
+  float density = 1300;          ///< kg/m^3, 1 to 20000
+  RootTipCurve radius_scale;     ///< taper; bending goes with its 4th power, mass with its square
+  RootTipCurve stiffness_scale;  ///< of youngs_modulus
 };
 
 /// Throws Error, naming `where`, when a value is out of range.

@@ -25,7 +25,8 @@ Measurement measure(const StrandModel& model, std::span<const Vec3> positions,
       }
       if (model.inverse_mass[v] > 0)
         for (const MovingPrimitive& primitive : primitives)
-          out.max_penetration = std::max<double>(out.max_penetration, -signedDistance(primitive, positions[v]));
+          out.max_penetration =
+              std::max<double>(out.max_penetration, -signedDistance(primitive, positions[v]));
     }
   }
   out.mean_stretch = edges > 0 ? sum / static_cast<double>(edges) : 0;

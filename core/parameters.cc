@@ -43,17 +43,19 @@ Entry vector(const char* name, const char* unit, const char* help, double limit,
 const std::vector<Entry>& entries() {
   using P = Parameters;
   static const std::vector<Entry> list = {
-      scalar("time_step", "s", 1.0 / 2000, 1.0 / 30, "1/2000 to 1/30", "length of a simulation step", &P::time_step),
+      scalar("time_step", "s", 1.0 / 2000, 1.0 / 30, "1/2000 to 1/30", "length of a simulation step",
+             &P::time_step),
       scalar("substeps", "", 1, 64, "1 to 64", "solver passes per step", &P::substeps),
       scalar("iterations", "", 1, 64, "1 to 64", "constraint sweeps per substep", &P::iterations),
       vector("gravity", "m/s^2", "acceleration of everything", 1000, &P::gravity),
       vector("wind", "m/s", "uniform velocity of the air", 100, &P::wind),
-      scalar("air_drag", "1/s", 0, 1000, "0 to 1000", "rate at which hair takes on the air's velocity", &P::air_drag),
-      scalar("shape_rate", "1/s", 0, 1e6, "0 to 1e6", "rate at which the groomed shape is restored at the root",
-             &P::shape_rate),
+      scalar("air_drag", "1/s", 0, 1000, "0 to 1000", "rate at which hair takes on the air's velocity",
+             &P::air_drag),
+      scalar("shape_rate", "1/s", 0, 1e6, "0 to 1e6",
+             "rate at which the groomed shape is restored at the root", &P::shape_rate),
       scalar("shape_rate_tip", "1/s", 0, 1e6, "0 to 1e6", "the same at the tip", &P::shape_rate_tip),
-      scalar("damping_time", "s", 0, 1, "0 to 1", "internal damping of the rod: damping ratio = omega x this / 2",
-             &P::damping_time),
+      scalar("damping_time", "s", 0, 1, "0 to 1",
+             "internal damping of the rod: damping ratio = omega x this / 2", &P::damping_time),
       scalar("hair_radius", "m", 0, 0.01, "0 to 0.01", "distance kept between a hair's axis and every body",
              &P::hair_radius),
   };
@@ -119,7 +121,8 @@ void setParameter(Parameters& parameters, const std::string& name, const std::ve
                             e.info.components == 1 ? "" : "s", value.size()),
                 where, "");
   for (double v : value) {
-    if (!std::isfinite(v) || v < e.low * (1 - 1e-6) - 1e-12 || v > e.high * (1 + 1e-6) || (e.whole && v != std::floor(v)))
+    if (!std::isfinite(v) || v < e.low * (1 - 1e-6) - 1e-12 || v > e.high * (1 + 1e-6) ||
+        (e.whole && v != std::floor(v)))
       throw Error(fmt::format("'{}' = {} is out of range", name, v), where,
                   fmt::format("give {}{} {}", e.whole ? "a whole number, " : "", e.info.range, e.info.unit));
   }

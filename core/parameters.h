@@ -13,17 +13,17 @@ enum class SolverKind {
 
 /// Everything that may change while a simulation runs. SI units.
 struct Parameters {
-  float time_step = 1.0f / 60.0f;        ///< s, fixed; 1/2000 to 1/30
-  int substeps = 4;                      ///< per step, 1 to 64
-  int iterations = 6;                    ///< of {angular, distance, contact} per substep, 1 to 64
+  float time_step = 1.0f / 60.0f;                ///< s, fixed; 1/2000 to 1/30
+  int substeps = 4;                              ///< per step, 1 to 64
+  int iterations = 6;                            ///< of {angular, distance, contact} per substep, 1 to 64
   SolverKind solver = SolverKind::kGaussSeidel;  ///< of a simulation's whole life
-  Vec3 gravity{0, -9.81f, 0};            ///< m/s^2
-  Vec3 wind = Vec3::Zero();              ///< m/s, uniform air velocity
-  float air_drag = 1.0f;                 ///< 1/s, rate at which hair takes on the velocity of the air; 0 or more
-  float shape_rate = 400.0f;             ///< 1/s, rate at which the local shape is restored at the root; 0 or more
-  float shape_rate_tip = 100.0f;         ///< 1/s, the same at the tip; linear in between
-  float damping_time = 0;                ///< s, internal (Kelvin-Voigt) damping of the rod: zeta = omega damping_time / 2
-  float hair_radius = 40e-6f;            ///< m, kept between the hair's axis and every body
+  Vec3 gravity{0, -9.81f, 0};                    ///< m/s^2
+  Vec3 wind = Vec3::Zero();                      ///< m/s, uniform air velocity
+  float air_drag = 1.0f;          ///< 1/s, rate at which hair takes on the velocity of the air; 0 or more
+  float shape_rate = 400.0f;      ///< 1/s, rate at which the local shape is restored at the root; 0 or more
+  float shape_rate_tip = 100.0f;  ///< 1/s, the same at the tip; linear in between
+  float damping_time = 0;  ///< s, internal (Kelvin-Voigt) damping of the rod: zeta = omega damping_time / 2
+  float hair_radius = 40e-6f;  ///< m, kept between the hair's axis and every body
 };
 
 /// One setting by name, as configuration files, commands and --help know it.
@@ -32,7 +32,7 @@ struct ParameterInfo {
   std::string unit;   ///< e.g. "1/s"
   std::string range;  ///< e.g. "0 or more"
   std::string help;
-  int components;     ///< 1, or 3 for vectors
+  int components;  ///< 1, or 3 for vectors
 };
 const std::vector<ParameterInfo>& parameterList();
 
@@ -42,8 +42,8 @@ std::string solverName(SolverKind solver);
 
 /// Reads a parameter as its components. Throws Error on an unknown name.
 std::vector<double> parameter(const Parameters& parameters, const std::string& name);
-/// Sets a parameter from its components. Throws Error, naming `where`, on an unknown name (with the nearest known one),
-/// a wrong number of components, a non-finite value or one out of range.
+/// Sets a parameter from its components. Throws Error, naming `where`, on an unknown name (with the nearest
+/// known one), a wrong number of components, a non-finite value or one out of range.
 void setParameter(Parameters& parameters, const std::string& name, const std::vector<double>& value,
                   const std::string& where);
 

@@ -73,7 +73,11 @@ std::unique_ptr<Backend> makeOracleBackend() {
 }
 
 BackendInfo referenceBackendInfo() {
-  return {"reference", true, "float, scalar, 1 thread", 1, [](int) { return makeReferenceBackend(); },
+  return {"reference",
+          true,
+          "float, scalar, 1 thread",
+          1,
+          [](int) { return makeReferenceBackend(); },
           {SolverKind::kGaussSeidel, SolverKind::kRod}};
 }
 

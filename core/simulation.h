@@ -19,7 +19,8 @@ struct RigidBody {
 class Simulation {
  public:
   /// `backend` is empty-handed: the simulation loads the model into it.
-  Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters, std::unique_ptr<Backend> backend);
+  Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
+             std::unique_ptr<Backend> backend);
 
   /// Where the head is to be at the end of the next step. Motion in between is interpolated.
   void setHeadPose(const Pose& head) { head_end_ = head; }

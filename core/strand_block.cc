@@ -26,8 +26,8 @@ enum Plane {
   kPlanes = 27
 };
 
-constexpr float kPinnedMass = 1e6f;       // of a vertex that the bending solve must not move
-constexpr float kShortestEdge = 0.1f;     // of the strand's mean: shorter edges bend as if they were this long
+constexpr float kPinnedMass = 1e6f;    // of a vertex that the bending solve must not move
+constexpr float kShortestEdge = 0.1f;  // of the strand's mean: shorter edges bend as if they were this long
 
 }  // namespace
 
@@ -117,7 +117,8 @@ void BlockStore<Scalar>::upload(const StrandState& state) {
         const uint32_t v = offsets_[strand] + i;
         const Quat frame = state.frames.empty() ? Quat(Quat::Identity()) : state.frames[v];
         for (int c = 0; c < 4; ++c) planes(block, kFrame + c)[at] = static_cast<Scalar>(frame.coeffs()[c]);
-        planes(block, kTension)[at] = state.tensions.empty() ? Scalar(0) : static_cast<Scalar>(state.tensions[v]);
+        planes(block, kTension)[at] =
+            state.tensions.empty() ? Scalar(0) : static_cast<Scalar>(state.tensions[v]);
       }
     }
   }
@@ -135,7 +136,9 @@ void BlockStore<Scalar>::download(StrandState& state) const {
     for (size_t lane = 0; lane < block.count; ++lane) {
       const uint32_t first = offsets_[order_[block.first + lane]];
       for (int i = 0; i < block.vertices; ++i) {
-        auto get = [&](int plane) { return static_cast<float>(planes(block, plane)[static_cast<size_t>(i) * lanes_ + lane]); };
+        auto get = [&](int plane) {
+          return static_cast<float>(planes(block, plane)[static_cast<size_t>(i) * lanes_ + lane]);
+        };
         for (int c = 0; c < 3; ++c) state.velocities[first + i][c] = get(kVelocity + c);
         for (int c = 0; c < 4; ++c) state.frames[first + i].coeffs()[c] = get(kFrame + c);
         state.tensions[first + i] = get(kTension);

@@ -21,27 +21,28 @@ struct CacheLineAllocator {
   bool operator==(const CacheLineAllocator&) const { return true; }
 };
 
-/// The planes of one block: [plane][vertex][lane] for what is per vertex, [plane][lane] for the roots. A lane is a
-/// strand; the loop runs along it. Lanes past the last strand hold copies of it and are not read back.
+/// The planes of one block: [plane][vertex][lane] for what is per vertex, [plane][lane] for the roots. A lane
+/// is a strand; the loop runs along it. Lanes past the last strand hold copies of it and are not read back.
 template <class Scalar>
 struct BlockView {
   int vertices;
   int lanes;
-  Scalar* position;            ///< 3 planes, m
-  Scalar* velocity;            ///< 3 planes, m/s
-  const Scalar* rest_local;    ///< 3 planes, m, in the root frame
-  const Scalar* rest_edge;     ///< 3 planes, m: edge (i, i+1) at rest, in the Bishop frame of the edge before it
+  Scalar* position;          ///< 3 planes, m
+  Scalar* velocity;          ///< 3 planes, m/s
+  const Scalar* rest_local;  ///< 3 planes, m, in the root frame
+  const Scalar* rest_edge;  ///< 3 planes, m: edge (i, i+1) at rest, in the Bishop frame of the edge before it
   const Scalar* rest_length;   ///< 1 plane, m, of edge (i, i+1)
   const Scalar* inverse_mass;  ///< 1 plane, 0 or 1
   // Of the rod: edge (i, i + 1) and the joint before it at row i. See StrandModel for units.
-  Scalar* frame;                 ///< 4 planes, x y z w, world
-  Scalar* tension;               ///< 1 plane
-  const Scalar* rest_strain;     ///< 3 planes
-  const Scalar* inverse_length;  ///< 1 plane, 1/m, bounded where an edge is much shorter than its strand's mean
-  const Scalar* bend;            ///< 1 plane
-  const Scalar* twist;           ///< 1 plane
-  const Scalar* mass;            ///< 1 plane, of vertices; large where pinned
-  const Scalar* weight;          ///< 1 plane, of vertices: 1 / mass, 0 where pinned
+  Scalar* frame;              ///< 4 planes, x y z w, world
+  Scalar* tension;            ///< 1 plane
+  const Scalar* rest_strain;  ///< 3 planes
+  const Scalar*
+      inverse_length;    ///< 1 plane, 1/m, bounded where an edge is much shorter than its strand's mean
+  const Scalar* bend;    ///< 1 plane
+  const Scalar* twist;   ///< 1 plane
+  const Scalar* mass;    ///< 1 plane, of vertices; large where pinned
+  const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
 
   size_t at(int plane, int vertex) const { return (static_cast<size_t>(plane) * vertices + vertex) * lanes; }
@@ -50,10 +51,13 @@ struct BlockView {
 constexpr int kRootPlanes = 14;
 
 /// Scalars of scratch memory that a step of a block needs.
-constexpr size_t blockScratch(int vertices, int lanes) { return static_cast<size_t>(22) * (vertices + 2) * lanes; }
+constexpr size_t blockScratch(int vertices, int lanes) {
+  return static_cast<size_t>(22) * (vertices + 2) * lanes;
+}
 
-/// The working store of the CPU backends: strands sorted by vertex count, cut into blocks of `lanes` strands of equal
-/// count. A block is contiguous, small enough to stay in the near caches through all substeps of a step.
+/// The working store of the CPU backends: strands sorted by vertex count, cut into blocks of `lanes` strands
+/// of equal count. A block is contiguous, small enough to stay in the near caches through all substeps of a
+/// step.
 template <class Scalar>
 class BlockStore {
  public:
@@ -90,9 +94,9 @@ class BlockStore {
 extern template class BlockStore<float>;
 extern template class BlockStore<double>;
 
-/// Rest edges of one strand as BlockView::rest_edge wants them: edge i in the Bishop frame of edge i - 1, whose z axis
-/// is that edge; edge 0 in the root frame. `rest_local` and `edges` have as many entries as the strand has vertices;
-/// the last of `edges` is zero.
+/// Rest edges of one strand as BlockView::rest_edge wants them: edge i in the Bishop frame of edge i - 1,
+/// whose z axis is that edge; edge 0 in the root frame. `rest_local` and `edges` have as many entries as the
+/// strand has vertices; the last of `edges` is zero.
 void restEdges(std::span<const Vec3> rest_local, std::span<Vec3> edges);
 
 }  // namespace strandcast

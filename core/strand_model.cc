@@ -18,8 +18,8 @@ kernels::f64::quat toLanes(const Eigen::Quaterniond& q) { return {q.x(), q.y(), 
 void checkStrand(std::span<const Vec3> points, size_t strand) {
   const std::string where = fmt::format("strand {}", strand);
   if (points.size() < kMinVerticesPerStrand || points.size() > kMaxVerticesPerStrand)
-    throw Error(fmt::format("a strand has {} vertices, the solver takes {} to {}", points.size(), kMinVerticesPerStrand,
-                            kMaxVerticesPerStrand),
+    throw Error(fmt::format("a strand has {} vertices, the solver takes {} to {}", points.size(),
+                            kMinVerticesPerStrand, kMaxVerticesPerStrand),
                 where, "resample the groom (--vertices)");
   for (size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite()) throw Error("a vertex is not a finite point", where, "clean the groom");
@@ -28,15 +28,16 @@ void checkStrand(std::span<const Vec3> points, size_t strand) {
   }
 }
 
-/// Twist-free frames along the rest shape, relative to the root frame, which is returned: the strand's tangent at the
-/// root itself, half a joint before the middle of the first edge.
+/// Twist-free frames along the rest shape, relative to the root frame, which is returned: the strand's
+/// tangent at the root itself, half a joint before the middle of the first edge.
 Eigen::Quaterniond restFrames(std::span<const Vec3> points, std::span<Quat> frames) {
   const size_t edges = points.size() - 1;
   std::vector<Eigen::Quaterniond> world(edges);
   Eigen::Vector3d before = Eigen::Vector3d::UnitZ();
   for (size_t e = 0; e < edges; ++e) {
     const Eigen::Vector3d tangent = (points[e + 1] - points[e]).cast<double>().normalized();
-    world[e] = shortestRotation<double>(before, tangent) * (e > 0 ? world[e - 1] : Eigen::Quaterniond::Identity());
+    world[e] =
+        shortestRotation<double>(before, tangent) * (e > 0 ? world[e - 1] : Eigen::Quaterniond::Identity());
     world[e].normalize();
     before = tangent;
   }
@@ -47,12 +48,13 @@ Eigen::Quaterniond restFrames(std::span<const Vec3> points, std::span<Quat> fram
     half.w() += 1;
     root = (world[0] * half.normalized().conjugate()).normalized();
   }
-  for (size_t e = 0; e < edges; ++e) frames[e] = Quat((root.conjugate() * world[e]).normalized().cast<float>());
+  for (size_t e = 0; e < edges; ++e)
+    frames[e] = Quat((root.conjugate() * world[e]).normalized().cast<float>());
   return root;
 }
 
-/// Mass, stiffness and rest strain of strand s (Romero, Neukirch, Bertails-Descoubes 2021: a rod whose root frame is
-/// clamped converges with the second order when the first joint gets half a cell).
+/// Mass, stiffness and rest strain of strand s (Romero, Neukirch, Bertails-Descoubes 2021: a rod whose root
+/// frame is clamped converges with the second order when the first joint gets half a cell).
 void setRod(StrandModel& model, size_t s, const Material& material) {
   using namespace kernels::f64;
   const uint32_t first = model.offsets[s];
@@ -86,8 +88,8 @@ void setRod(StrandModel& model, size_t s, const Material& material) {
     const double cell = j > 0 ? 0.5 * (length[j - 1] + length[j]) : 0.5 * length[0];
     const double a = area(along);
     const double second_moment = a * a / (4 * kPi);
-    const double bending =
-        material.youngs_modulus * material.stiffness_scale.at(static_cast<float>(along / total)) * second_moment;
+    const double bending = material.youngs_modulus *
+                           material.stiffness_scale.at(static_cast<float>(along / total)) * second_moment;
     const Eigen::Quaterniond outer(model.rest_frames[v].cast<double>());
     const real3 strain = jointStrain(toLanes(inner), toLanes(outer));
     // The law is in 2 tan(theta/2): this keeps its stiffness at the rest angle that of the rod.

@@ -10,32 +10,35 @@ namespace strandcast {
 
 /// What does not change while strands move: the rest shape and who is pinned. Natural order (see StrandSet).
 struct StrandModel {
-  std::vector<uint32_t> offsets{0};    ///< strands + 1
-  std::vector<Vec3> rest_local;        ///< per vertex, metres, in the strand's root frame (root at the origin)
-  std::vector<float> inverse_mass;     ///< per vertex, relative: 0 pinned to the root frame, 1 free
-  std::vector<Pose> rest_roots;        ///< per strand, in the groom's frame; z is the rest tangent at the root
+  std::vector<uint32_t> offsets{0};  ///< strands + 1
+  std::vector<Vec3> rest_local;      ///< per vertex, metres, in the strand's root frame (root at the origin)
+  std::vector<float> inverse_mass;   ///< per vertex, relative: 0 pinned to the root frame, 1 free
+  std::vector<Pose> rest_roots;      ///< per strand, in the groom's frame; z is the rest tangent at the root
 
-  // The strand as an elastic rod. Entry i of a strand is its vertex i, edge (i, i + 1) or joint before edge i; the last
-  // edge and joint entry is unused. Masses and stiffnesses are divided by `reference_mass` of the strand.
-  std::vector<Quat> rest_frames;       ///< per edge, material frame in the root frame; z is the edge's direction
-  std::vector<Vec3> rest_strain;       ///< per joint, bending x y and twist z at rest, in the frame before the joint
-  std::vector<float> bend;             ///< per joint, B / cell length, m^2/s^2; joint 0 has half a cell
-  std::vector<float> twist;            ///< per joint, C / cell length, m^2/s^2
-  std::vector<float> mass;             ///< per vertex, about 1
-  std::vector<float> reference_mass;   ///< per strand, kg: its mean vertex mass
+  // The strand as an elastic rod. Entry i of a strand is its vertex i, edge (i, i + 1) or joint before edge
+  // i; the last edge and joint entry is unused. Masses and stiffnesses are divided by `reference_mass` of the
+  // strand.
+  std::vector<Quat> rest_frames;  ///< per edge, material frame in the root frame; z is the edge's direction
+  std::vector<Vec3>
+      rest_strain;           ///< per joint, bending x y and twist z at rest, in the frame before the joint
+  std::vector<float> bend;   ///< per joint, B / cell length, m^2/s^2; joint 0 has half a cell
+  std::vector<float> twist;  ///< per joint, C / cell length, m^2/s^2
+  std::vector<float> mass;   ///< per vertex, about 1
+  std::vector<float> reference_mass;  ///< per strand, kg: its mean vertex mass
 
   size_t strands() const { return offsets.size() - 1; }
   size_t vertices() const { return rest_local.size(); }
   size_t verticesOf(size_t strand) const { return offsets[strand + 1] - offsets[strand]; }
 };
 
-/// What moves. Natural order. `frames` and `tensions` are the rod's; they may be empty where only the others matter: a
-/// step then starts from untwisted frames and no tension.
+/// What moves. Natural order. `frames` and `tensions` are the rod's; they may be empty where only the others
+/// matter: a step then starts from untwisted frames and no tension.
 struct StrandState {
   std::vector<Vec3> positions;   ///< per vertex, metres, world
   std::vector<Vec3> velocities;  ///< per vertex, m/s, world
   std::vector<Quat> frames;      ///< per edge (i, i + 1), world; z is the edge's direction
-  std::vector<float> tensions;   ///< per edge, tension x substep^2 / reference mass, m; what the next substep starts from
+  std::vector<float>
+      tensions;  ///< per edge, tension x substep^2 / reference mass, m; what the next substep starts from
 };
 
 /// Builds a model from rest strands. Strands must have 2 to 128 vertices and edges of positive length

@@ -9,22 +9,26 @@
 
 namespace strandcast {
 
-/// Strands of any vertex counts, in natural order: strand after strand, root to tip. The form in which grooms are
-/// loaded, guides are published and backends are filled. Every array that is "per vertex" follows this order.
+/// Strands of any vertex counts, in natural order: strand after strand, root to tip. The form in which grooms
+/// are loaded, guides are published and backends are filled. Every array that is "per vertex" follows this
+/// order.
 struct StrandSet {
-  std::vector<uint32_t> offsets{0};  ///< strands + 1; vertices of strand s are offsets[s] .. offsets[s + 1] - 1
-  std::vector<Vec3> positions;       ///< per vertex, metres
-  std::vector<uint8_t> pinned;       ///< per vertex, 1 = moves with the root; empty = only the root vertex is
-  std::vector<float> radii;          ///< per vertex, metres; empty = the material's radius
-  std::vector<Vec2> uvs;             ///< per strand, on the scalp; may be empty
-  std::vector<uint16_t> parts;       ///< per strand, index of the file or group it came from; may be empty
+  std::vector<uint32_t> offsets{
+      0};                       ///< strands + 1; vertices of strand s are offsets[s] .. offsets[s + 1] - 1
+  std::vector<Vec3> positions;  ///< per vertex, metres
+  std::vector<uint8_t> pinned;  ///< per vertex, 1 = moves with the root; empty = only the root vertex is
+  std::vector<float> radii;     ///< per vertex, metres; empty = the material's radius
+  std::vector<Vec2> uvs;        ///< per strand, on the scalp; may be empty
+  std::vector<uint16_t> parts;  ///< per strand, index of the file or group it came from; may be empty
 
   size_t strands() const { return offsets.size() - 1; }
   size_t vertices() const { return positions.size(); }
   size_t verticesOf(size_t strand) const { return offsets[strand + 1] - offsets[strand]; }
   std::span<const Vec3> strand(size_t s) const { return {positions.data() + offsets[s], verticesOf(s)}; }
   std::span<Vec3> strand(size_t s) { return {positions.data() + offsets[s], verticesOf(s)}; }
-  bool isPinned(size_t s, size_t i) const { return i == 0 || (!pinned.empty() && pinned[offsets[s] + i] != 0); }
+  bool isPinned(size_t s, size_t i) const {
+    return i == 0 || (!pinned.empty() && pinned[offsets[s] + i] != 0);
+  }
   /// Appends one strand; `points` has 1 or more entries.
   void append(std::span<const Vec3> points);
 };

@@ -11,7 +11,8 @@ namespace strandcast::gl {
 class Buffer {
  public:
   Buffer() = default;
-  /// `flags` as for glNamedBufferStorage. A size of 0 makes a buffer of 16 bytes, so that it can always be bound.
+  /// `flags` as for glNamedBufferStorage. A size of 0 makes a buffer of 16 bytes, so that it can always be
+  /// bound.
   Buffer(size_t bytes, const void* data, GLbitfield flags) : bytes_(bytes < 16 ? 16 : bytes) {
     glCreateBuffers(1, &id_);
     glNamedBufferStorage(id_, static_cast<GLsizeiptr>(bytes_), bytes < 16 ? nullptr : data, flags);

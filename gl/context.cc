@@ -34,10 +34,12 @@ struct HeadlessContext::Impl {
   ~Impl() {
     if (display == EGL_NO_DISPLAY) return;
     if (context != EGL_NO_CONTEXT) {
-      if (eglGetCurrentContext() == context) eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+      if (eglGetCurrentContext() == context)
+        eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
       eglDestroyContext(display, context);
     }
-    // The display is shared by every context of the process: terminating it here would pull it from under them.
+    // The display is shared by every context of the process: terminating it here would pull it from under
+    // them.
   }
 
   bool create(EGLDisplay candidate, const std::string& label, std::string& tried) {
@@ -50,12 +52,18 @@ struct HeadlessContext::Impl {
       tried += label + " (no desktop OpenGL), ";
       return false;
     }
-    const EGLint config_wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+    const EGLint config_wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+                                    EGL_NONE};
     EGLConfig config = nullptr;
     EGLint configs = 0;
     if (!eglChooseConfig(candidate, config_wanted, &config, 1, &configs) || configs == 0) config = nullptr;
-    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
-                                 EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                 4,
+                                 EGL_CONTEXT_MINOR_VERSION,
+                                 5,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                 EGL_NONE};
     EGLContext made = eglCreateContext(candidate, config, EGL_NO_CONTEXT, attributes);
     if (made == EGL_NO_CONTEXT) {
       tried += label + " (no OpenGL 4.5 core context), ";
@@ -79,11 +87,13 @@ HeadlessContext::HeadlessContext() : impl_(std::make_unique<Impl>()) {
     std::vector<EGLDeviceEXT> devices(16);
     EGLint count = 0;
     if (eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count)) {
-      // Hardware drivers announce a DRM or vendor device; Mesa's software device says EGL_MESA_device_software.
+      // Hardware drivers announce a DRM or vendor device; Mesa's software device says
+      // EGL_MESA_device_software.
       for (const bool software : {false, true}) {
         for (EGLint i = 0; i < count; ++i) {
           const char* extensions = eglQueryDeviceStringEXT(devices[i], EGL_EXTENSIONS);
-          const bool is_software = extensions != nullptr && std::strstr(extensions, "EGL_MESA_device_software");
+          const bool is_software =
+              extensions != nullptr && std::strstr(extensions, "EGL_MESA_device_software");
           if (is_software != software) continue;
           EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr);
           if (impl_->create(display, "EGL device " + std::to_string(i), tried)) return;
@@ -92,10 +102,12 @@ HeadlessContext::HeadlessContext() : impl_(std::make_unique<Impl>()) {
     }
   }
   if (hasClientExtension("EGL_MESA_platform_surfaceless")) {
-    EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+    EGLDisplay display =
+        eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
     if (impl_->create(display, "Mesa surfaceless", tried)) return;
   }
-  throw Error("no OpenGL 4.5 without a display", tried.empty() ? "EGL offers no device" : "tried " + tried.substr(0, tried.size() - 2),
+  throw Error("no OpenGL 4.5 without a display",
+              tried.empty() ? "EGL offers no device" : "tried " + tried.substr(0, tried.size() - 2),
               "install a GL driver (Debian: libegl1 libgl1-mesa-dri, or the vendor's)");
 }
 
@@ -104,7 +116,8 @@ HeadlessContext::~HeadlessContext() = default;
 void HeadlessContext::makeCurrent() {
   eglBindAPI(EGL_OPENGL_API);
   if (!eglMakeCurrent(impl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, impl_->context))
-    throw Error("the OpenGL context cannot be made current", impl_->renderer, "it may be current on another thread");
+    throw Error("the OpenGL context cannot be made current", impl_->renderer,
+                "it may be current on another thread");
 }
 
 void HeadlessContext::release() {

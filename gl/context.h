@@ -4,8 +4,9 @@
 
 namespace strandcast::gl {
 
-/// An OpenGL 4.5 core context without a display, made current on the calling thread. Tries EGL devices (hardware first),
-/// then Mesa's surfaceless platform. Throws Error, saying what was tried, when there is none.
+/// An OpenGL 4.5 core context without a display, made current on the calling thread. Tries EGL devices
+/// (hardware first), then Mesa's surfaceless platform. Throws Error, saying what was tried, when there is
+/// none.
 class HeadlessContext {
  public:
   HeadlessContext();
@@ -14,9 +15,9 @@ class HeadlessContext {
   HeadlessContext& operator=(const HeadlessContext&) = delete;
 
   void makeCurrent();
-  void release();                         ///< so that another thread can make it current
-  const std::string& renderer() const;    ///< GL_RENDERER
-  bool software() const;                  ///< llvmpipe, softpipe or swrast
+  void release();                       ///< so that another thread can make it current
+  const std::string& renderer() const;  ///< GL_RENDERER
+  bool software() const;                ///< llvmpipe, softpipe or swrast
 
  private:
   struct Impl;

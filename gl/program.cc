@@ -25,7 +25,8 @@ GLuint compile(const std::string& name, const ShaderStage& stage) {
   GLsizei length = 0;
   glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), &length, log.data());
   glDeleteShader(shader);
-  throw Error("a shader does not compile", name + ": " + log.substr(0, length), "the GL driver may be too old");
+  throw Error("a shader does not compile", name + ": " + log.substr(0, length),
+              "the GL driver may be too old");
 }
 
 }  // namespace
@@ -54,7 +55,8 @@ Program::Program(const std::string& name, const std::vector<ShaderStage>& stages
   GLsizei length = 0;
   glGetProgramInfoLog(id_, static_cast<GLsizei>(log.size()), &length, log.data());
   glDeleteProgram(id_);
-  throw Error("a shader program does not link", name + ": " + log.substr(0, length), "the GL driver may be too old");
+  throw Error("a shader program does not link", name + ": " + log.substr(0, length),
+              "the GL driver may be too old");
 }
 
 Program::~Program() {

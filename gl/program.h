@@ -8,15 +8,16 @@
 
 namespace strandcast::gl {
 
-/// One shader of a program. `text` starts with #version; `defines` ("#define A 1\n...") are put after that line.
+/// One shader of a program. `text` starts with #version; `defines` ("#define A 1\n...") are put after that
+/// line.
 struct ShaderStage {
   GLenum kind;  ///< GL_COMPUTE_SHADER, GL_VERTEX_SHADER, ...
   const char* text;
   std::string defines = {};
 };
 
-/// A linked program; needs a current context for its whole life. Throws Error with the driver's log when it does not
-/// build. Uniforms that the program does not have are ignored, as GL does.
+/// A linked program; needs a current context for its whole life. Throws Error with the driver's log when it
+/// does not build. Uniforms that the program does not have are ignored, as GL does.
 class Program {
  public:
   Program(const std::string& name, const std::vector<ShaderStage>& stages);
@@ -32,7 +33,9 @@ class Program {
   void set(const char* name, int value) const { glProgramUniform1i(id_, location(name), value); }
   void set(const char* name, unsigned value) const { glProgramUniform1ui(id_, location(name), value); }
   void set(const char* name, float value) const { glProgramUniform1f(id_, location(name), value); }
-  void set(const char* name, const Eigen::Vector2f& v) const { glProgramUniform2fv(id_, location(name), 1, v.data()); }
+  void set(const char* name, const Eigen::Vector2f& v) const {
+    glProgramUniform2fv(id_, location(name), 1, v.data());
+  }
   void set(const char* name, const Vec3& v) const { glProgramUniform3fv(id_, location(name), 1, v.data()); }
   void set(const char* name, const Eigen::Matrix4f& m) const {
     glProgramUniformMatrix4fv(id_, location(name), 1, GL_FALSE, m.data());

@@ -97,15 +97,17 @@ void noteReport(const GroomReport& report, std::vector<std::string>& notes) {
   notes.insert(notes.end(), report.warnings.begin(), report.warnings.end());
 }
 
-/// Shrinks spheres until no free vertex of the groom at rest lies inside: a strand that cannot stretch could not be
-/// pushed out of a body that its root is deep in. Real roots are up to centimetres under the skin.
-void keepOutOfRestingHair(const StrandSet& strands, float hair_radius, std::vector<ContactPrimitive>& spheres) {
+/// Shrinks spheres until no free vertex of the groom at rest lies inside: a strand that cannot stretch could
+/// not be pushed out of a body that its root is deep in. Real roots are up to centimetres under the skin.
+void keepOutOfRestingHair(const StrandSet& strands, float hair_radius,
+                          std::vector<ContactPrimitive>& spheres) {
   constexpr float kMargin = 2e-4f, kSmallest = 2e-3f;  // m
   for (ContactPrimitive& sphere : spheres)
     for (size_t s = 0; s < strands.strands(); ++s)
       for (size_t i = 1; i < strands.verticesOf(s); ++i)
         if (!strands.isPinned(s, i))
-          sphere.radius = std::min(sphere.radius, (strands.strand(s)[i] - sphere.a).norm() - hair_radius - kMargin);
+          sphere.radius =
+              std::min(sphere.radius, (strands.strand(s)[i] - sphere.a).norm() - hair_radius - kMargin);
   std::erase_if(spheres, [](const ContactPrimitive& sphere) { return sphere.radius < kSmallest; });
 }
 
@@ -127,7 +129,8 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
   fit.max_primitives = options.body_primitives;
   RigidBody body{fitSpheres(scene.body, fit), true};
   keepOutOfRestingHair(scene.groom.strands, scene.parameters.hair_radius, body.primitives);
-  if (body.primitives.empty()) scene.notes.push_back("the body mesh encloses no volume: hair will not collide with it");
+  if (body.primitives.empty())
+    scene.notes.push_back("the body mesh encloses no volume: hair will not collide with it");
   else
     scene.notes.push_back(fmt::format("{} spheres stand for the body in collisions", body.primitives.size()));
   scene.bodies.push_back(std::move(body));
@@ -172,7 +175,8 @@ const std::vector<SceneInfo>& sceneList() {
 }
 
 Scene makeScene(const SceneOptions& options, const Progress& progress) {
-  Scene scene = options.groom.empty() ? makeProceduralScene(options, progress) : makeFileScene(options, progress);
+  Scene scene =
+      options.groom.empty() ? makeProceduralScene(options, progress) : makeFileScene(options, progress);
   if (scene.groom.strands.strands() == 0)
     throw Error("the groom has no strand to simulate", scene.name, "see `strandcast info FILE`");
   if (!options.primitives.empty()) scene.bodies.push_back({options.primitives, true});

@@ -13,30 +13,30 @@ namespace strandcast {
 
 /// What a scene is made from: a named procedural scene, or groom files with an optional body.
 struct SceneOptions {
-  std::string name = "straight";                  ///< one of sceneList(); used when `groom` is empty
-  std::vector<std::filesystem::path> groom;       ///< groom files, read into one groom
-  std::filesystem::path body;                     ///< body mesh; empty = none (or the procedural body)
-  GroomReadOptions units;                         ///< of groom and body files
-  std::string motion;                             ///< see headMotion(); empty = the scene's own
+  std::string name = "straight";             ///< one of sceneList(); used when `groom` is empty
+  std::vector<std::filesystem::path> groom;  ///< groom files, read into one groom
+  std::filesystem::path body;                ///< body mesh; empty = none (or the procedural body)
+  GroomReadOptions units;                    ///< of groom and body files
+  std::string motion;                        ///< see headMotion(); empty = the scene's own
   uint64_t seed = 1;
-  int strands = 0;                                ///< procedural: strands grown; files: guides chosen; 0 = the scene's own, all
-  int vertices = 0;                               ///< per strand; 0 = as they are
-  float length = 0;                               ///< m, procedural only; 0 = the scene's own
-  std::vector<ContactPrimitive> primitives;       ///< further shapes, which move with the head
-  int body_primitives = 24;                       ///< at most, fitted into a body mesh
+  int strands = 0;   ///< procedural: strands grown; files: guides chosen; 0 = the scene's own, all
+  int vertices = 0;  ///< per strand; 0 = as they are
+  float length = 0;  ///< m, procedural only; 0 = the scene's own
+  std::vector<ContactPrimitive> primitives;  ///< further shapes, which move with the head
+  int body_primitives = 24;                  ///< at most, fitted into a body mesh
 };
 
 /// All that a simulation and a renderer need, made once and shared by daemon, tests and benchmarks.
 struct Scene {
   std::string name;
   Groom groom;
-  TriangleMesh body;                   ///< may be empty
-  std::vector<float> head_weights;     ///< per body vertex, 1 = moves with the head; empty = all do
+  TriangleMesh body;                ///< may be empty
+  std::vector<float> head_weights;  ///< per body vertex, 1 = moves with the head; empty = all do
   std::vector<RigidBody> bodies;
-  Vec3 head_pivot = Vec3::Zero();      ///< m, joint of head and neck, for head motions
+  Vec3 head_pivot = Vec3::Zero();  ///< m, joint of head and neck, for head motions
   HeadMotion motion;
   Parameters parameters;
-  std::vector<std::string> notes;      ///< what was found and done while making it, a line each
+  std::vector<std::string> notes;  ///< what was found and done while making it, a line each
 };
 
 struct SceneInfo {

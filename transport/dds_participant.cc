@@ -204,6 +204,11 @@ dds::DataWriter* DdsParticipant::createWriter(const TopicProfile& profile, dds::
                                               dds::DataWriterListener* listener) {
   dds::DataWriterQos qos;
   setCommon(qos, profile);
+  // Also for topics whose readers are volatile, which are sent no history all the same. A volatile writer
+  // deletes samples when a reader leaves, and in Fast DDS 2.9.1 that deadlocks with its thread that repairs
+  // another reader (StatefulWriter::matched_reader_remove against FlowControllerImpl::run): the daemon would
+  // stand still for good.
+  qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
   qos.publish_mode().kind =
       dds::SYNCHRONOUS_PUBLISH_MODE;  // asynchronous, samples are replaced before they are sent
   auto& times = qos.reliable_writer_qos().times;

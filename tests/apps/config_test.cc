@@ -86,11 +86,12 @@ TEST(Config, UnknownKeysAreRefusedWithTheirLine) {
 }
 
 TEST(Config, WrongTypesAndRangesAreRefused) {
-  for (const char* text : {"seed = \"one\"", "scene = 3", "groom = 3", "[groom]\nfiles = [1]", "[groom]\nunit_meters = 0",
-                           "[groom]\nup = \"w\"", "[daemon]\nrate = -1", "[daemon]\nrate = nan", "[transport]\ndomain = 233",
-                           "[parameters]\nwind = 3", "[parameters]\nsubsteps = 2.5", "[parameters]\nsubsteps = 0",
-                           "[[body.primitives]]\nkind = \"torus\"", "[[body.primitives]]\nkind = \"plane\"\nb = [0, 0, 0]",
-                           "[parameters]\ngravity = [0, inf, 0]", "a = [", "= 3", "[groom", "seed = 1\nseed = 2"}) {
+  for (const char* text :
+       {"seed = \"one\"", "scene = 3", "groom = 3", "[groom]\nfiles = [1]", "[groom]\nunit_meters = 0",
+        "[groom]\nup = \"w\"", "[daemon]\nrate = -1", "[daemon]\nrate = nan", "[transport]\ndomain = 233",
+        "[parameters]\nwind = 3", "[parameters]\nsubsteps = 2.5", "[parameters]\nsubsteps = 0",
+        "[[body.primitives]]\nkind = \"torus\"", "[[body.primitives]]\nkind = \"plane\"\nb = [0, 0, 0]",
+        "[parameters]\ngravity = [0, inf, 0]", "a = [", "= 3", "[groom", "seed = 1\nseed = 2"}) {
     const std::string error = errorOf(text);
     EXPECT_NE(error.find("hair.toml"), std::string::npos) << text << ": " << error;
     EXPECT_EQ(error.find('\n'), std::string::npos) << "one line: " << error;

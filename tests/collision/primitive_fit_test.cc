@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 
 #include "core/error.h"
 #include "groom/mesh_file.h"
 #include "tests/collision/shapes.h"
+#include "tests/real_data.h"
 
 namespace strandcast {
 namespace {
@@ -111,11 +111,6 @@ TEST(FitSpheres, NothingThatFitsIsAnErrorThatNamesTheRadius) {
     EXPECT_NE(std::string(error.what()).find("mesh flat"), std::string::npos);
     EXPECT_NE(std::string(error.what()).find("0.015"), std::string::npos);
   }
-}
-
-std::filesystem::path dataFolder() {
-  const char* set = std::getenv("STRANDCAST_DATA");
-  return set ? std::filesystem::path(set) : std::filesystem::path(STRANDCAST_SOURCE_DIR "/../shared/data");
 }
 
 struct RealMesh {

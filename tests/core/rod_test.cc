@@ -63,7 +63,8 @@ Simulation cantilever(double length, int edges, const Parameters& parameters) {
 }
 
 TEST(Rod, ACantileverSagsAsTheElasticaDoes) {
-  for (const auto& [gamma, limit] : {std::pair(1.0, 0.002), std::pair(10.0, 0.002), std::pair(100.0, 0.006)}) {
+  for (const auto& [gamma, limit] :
+       {std::pair(1.0, 0.002), std::pair(10.0, 0.002), std::pair(100.0, 0.006)}) {
     const double exact = exactSag(gamma);
     for (const double rate : {360.0, 720.0}) {
       Simulation simulation = cantilever(lengthOfGamma(gamma), 32, rodParameters(rate));
@@ -99,7 +100,8 @@ TEST(Rod, ATwistOfTheRootReachesTheTip) {
   constexpr double kQuarterTurn = std::numbers::pi / 2;
   for (int i = 1; i <= 3 * 360; ++i) {
     const double angle = kQuarterTurn * std::min(1.0, i / 360.0);
-    hanging.setHeadPose({Vec3::Zero(), Quat(Eigen::AngleAxisf(static_cast<float>(angle), Eigen::Vector3f::UnitY()))});
+    hanging.setHeadPose(
+        {Vec3::Zero(), Quat(Eigen::AngleAxisf(static_cast<float>(angle), Eigen::Vector3f::UnitY()))});
     hanging.step();
   }
   const double turned = hanging.state().frames[30].angularDistance(start);

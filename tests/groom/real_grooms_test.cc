@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 
@@ -12,6 +11,7 @@
 #include "groom/groom_file.h"
 #include "groom/mesh_file.h"
 #include "tests/groom/scratch_folder.h"
+#include "tests/real_data.h"
 
 namespace strandcast {
 namespace {
@@ -19,8 +19,7 @@ namespace {
 class RealGrooms : public testing::Test {
  protected:
   void SetUp() override {
-    const char* named = std::getenv("STRANDCAST_DATA");
-    data_ = named != nullptr ? named : STRANDCAST_SOURCE_DIR "/../shared/data";
+    data_ = dataFolder();
     if (!std::filesystem::is_directory(data_))
       GTEST_SKIP() << "no real data at " << data_ << "; set STRANDCAST_DATA";
   }

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/error.h"
+#include "tests/real_data.h"
 #include "tests/scenes/sample_clip.h"
 
 namespace strandcast {

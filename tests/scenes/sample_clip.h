@@ -46,9 +46,4 @@ struct ScratchFile {
   }
 };
 
-inline std::filesystem::path dataFolder() {
-  const char* set = std::getenv("STRANDCAST_DATA");
-  return set ? std::filesystem::path(set) : std::filesystem::path(STRANDCAST_SOURCE_DIR "/../shared/data");
-}
-
 }  // namespace strandcast

@@ -2,19 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "core/error.h"
 #include "simd/simd_backend.h"
+#include "tests/real_data.h"
 
 namespace strandcast {
 namespace {
-
-std::filesystem::path dataFolder() {
-  const char* given = std::getenv("STRANDCAST_DATA");
-  return given != nullptr ? given : STRANDCAST_SOURCE_DIR "/../shared/data";
-}
 
 /// Runs `steps` steps of a scene and gives the worst of what was measured after each.
 Measurement run(const Scene& scene, int steps) {
@@ -96,8 +91,8 @@ TEST(Scenes, RealGroomsRun300StepsAndStayFinite) {
     const Measurement worst = run(scene, 300);
     EXPECT_EQ(worst.non_finite, 0u) << real.name;
     EXPECT_LT(worst.max_penetration, 1e-3) << real.name;
-    std::printf("             %s: stretch at most %.1e, penetration at most %.2e m\n", real.name, worst.max_stretch,
-                worst.max_penetration);
+    std::printf("             %s: stretch at most %.1e, penetration at most %.2e m\n", real.name,
+                worst.max_stretch, worst.max_penetration);
   }
 }
 
