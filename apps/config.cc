@@ -1,4 +1,11 @@
 #define TOML_HEADER_ONLY 1
+#include <stdexcept>
+// toml++ 3.3 asserts on some malformed keys; a configuration file must never end the program.
+#define TOML_ASSERT(condition)                                       \
+  do {                                                               \
+    if (!(condition)) throw std::invalid_argument("malformed text"); \
+  } while (false)
+#define TOML_ASSERT_ASSUME(condition) TOML_ASSERT(condition)
 #include <fmt/format.h>
 
 #include <toml++/toml.h>
@@ -211,6 +218,8 @@ void readConfigText(const std::string& text, const std::string& name, Settings& 
   } catch (const toml::parse_error& error) {
     throw Error("not valid TOML: " + std::string(error.description()),
                 fmt::format("{} line {}", name, error.source().begin.line), "");
+  } catch (const std::invalid_argument& error) {
+    throw Error("not valid TOML: " + std::string(error.what()), name, "check its keys");
   }
 }
 

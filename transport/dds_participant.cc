@@ -209,8 +209,8 @@ dds::DataWriter* DdsParticipant::createWriter(const TopicProfile& profile, dds::
   // another reader (StatefulWriter::matched_reader_remove against FlowControllerImpl::run): the daemon would
   // stand still for good.
   qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
-  qos.publish_mode().kind =
-      dds::SYNCHRONOUS_PUBLISH_MODE;  // asynchronous, samples are replaced before they are sent
+  // Asynchronously, samples would be replaced before they are sent.
+  qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   auto& times = qos.reliable_writer_qos().times;
   times.heartbeatPeriod = {0, 20000000};
   times.nackResponseDelay = {0, 0};
