@@ -1,10 +1,9 @@
 #define TOML_HEADER_ONLY 1
 #include <stdexcept>
+
 // toml++ 3.3 asserts on some malformed keys; a configuration file must never end the program.
-#define TOML_ASSERT(condition)                                       \
-  do {                                                               \
-    if (!(condition)) throw std::invalid_argument("malformed text"); \
-  } while (false)
+[[noreturn]] static void refuseMalformedText() { throw std::invalid_argument("malformed text"); }
+#define TOML_ASSERT(condition) ((condition) ? static_cast<void>(0) : refuseMalformedText())
 #define TOML_ASSERT_ASSUME(condition) TOML_ASSERT(condition)
 #include <fmt/format.h>
 
