@@ -2,7 +2,7 @@
 #include <stdexcept>
 
 // toml++ 3.3 asserts on some malformed keys; a configuration file must never end the program.
-[[noreturn]] static void refuseMalformedText() { throw std::invalid_argument("malformed text"); }
+[[noreturn, maybe_unused]] static void refuseMalformedText() { throw std::invalid_argument("malformed text"); }
 #define TOML_ASSERT(condition) ((condition) ? static_cast<void>(0) : refuseMalformedText())
 #define TOML_ASSERT_ASSUME(condition) TOML_ASSERT(condition)
 #include <fmt/format.h>
