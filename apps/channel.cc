@@ -13,9 +13,6 @@
 namespace strandcast {
 namespace {
 
-// A rival's status reaches a newcomer within discovery plus one status interval.
-constexpr auto kRivalWait = std::chrono::milliseconds(1500);
-
 DdsOptions ddsOptions(const Settings& settings, uint64_t session) {
   return {settings.domain, settings.groom_id, session};
 }
@@ -28,7 +25,7 @@ std::unique_ptr<Subscriber> subscribe(const Settings& settings) {
 
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session) {
   std::unique_ptr<Publisher> publisher = makeDdsPublisher(ddsOptions(settings, session));
-  const auto deadline = std::chrono::steady_clock::now() + kRivalWait;
+  const auto deadline = std::chrono::steady_clock::now() + kRivalListenTime;
   while (std::chrono::steady_clock::now() < deadline) {
     if (const auto rival = publisher->rivalSession())
       throw Error(fmt::format("another daemon already casts groom {}", settings.groom_id),
