@@ -80,7 +80,7 @@ class RodStep {
   real bend(int j) const { return state(b.bend, 0, j); }
   real twist(int j) const { return state(b.twist, 0, j); }
   real mass(int i) const { return state(b.mass, 0, i); }
-  real weight(int i) const { return state(b.inverse_mass, 0, i); }
+  real weight(int i) const { return state(b.weight, 0, i); }
 
   void predict(const RootFrame& root);
   void eliminateTwist();
