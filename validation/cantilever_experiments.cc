@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "validation/elastica.h"
 #include "validation/experiments.h"
@@ -75,7 +76,7 @@ std::vector<Case> sag(const Laboratory& laboratory) {
 }
 
 // Slope of log |error| over log (edge length), by least squares.
-double orderOf(const std::vector<int>& edges, const std::vector<double>& errors) {
+double orderOf(std::span<const int> edges, std::span<const double> errors) {
   double x_mean = 0, y_mean = 0, xy = 0, xx = 0;
   const auto n = static_cast<double>(edges.size());
   for (size_t i = 0; i < edges.size(); ++i) {
@@ -108,13 +109,14 @@ std::vector<Case> convergence(const Laboratory& laboratory) {
   for (size_t g = 0; g < std::size(kConvergenceGammas); ++g) {
     const double truth = restingElastica(kConvergenceGammas[g], 0).slope();
     std::vector<double> errors;
-    std::string note = "errors of H/W at 8, 16, 32, 64 vertices:";
+    std::string note = "from 8, 16 and 32 vertices; errors of H/W at 8, 16, 32, 64:";
     for (size_t i = 0; i < edges.size(); ++i) {
       errors.push_back(100 * (slopes[g * edges.size() + i] / truth - 1));
       note += fmt::format(" {:.4f} %", errors.back());
     }
-    Case order =
-        atLeastCase({namesOfConvergence()[g], "order of convergence", ""}, orderOf(edges, errors), 2, 0.2);
+    // At 64 vertices rounding and time step weigh as much as the edges do.
+    const double slope = orderOf(std::span(edges).first(3), std::span(errors).first(3));
+    Case order = atLeastCase({namesOfConvergence()[g], "order of convergence", ""}, slope, 2, 0.2);
     order.note = note;
     cases.push_back(order);
   }

@@ -78,8 +78,24 @@ Vector3d solveTip(const HungRod& rod, Vector3d tip, const Vector3d& across) {
   return tip;
 }
 
-// The steps in which weight is laid on: small where gamma is, since a curled tip turns over early.
-double nextGamma(double gamma, double end) { return std::fmin(end, gamma * 1.1 + 0.5); }
+// The same for a rod that is curved in the plane of its first and third axis and clamped with its root
+// downwards: the stable shape hangs straight but for a hook at the tip. Its angle from the vertical falls
+// from the tip on, and where it comes to zero before the root the hook was too little open.
+Vector3d planarTip(const HungRod& rod) {
+  double low = 0, high = 3;
+  for (int i = 0; i < 60; ++i) {
+    const double angle = (low + high) / 2;
+    Eigen::Vector2d y(angle, -rod.curvature);
+    int step = 0;
+    for (; step < kSteps && y[0] > 0 && y[0] < 4; ++step)
+      y = rungeKuttaStep(static_cast<double>(step) / kSteps, y, 1.0 / kSteps,
+                         [&](double u, const Eigen::Vector2d& at) {
+                           return Eigen::Vector2d(at[1], rod.gamma * u * std::sin(at[0]));
+                         });
+    (y[0] > 0 ? high : low) = angle;
+  }
+  return {-std::sin(low), 0, std::cos(low)};
+}
 
 }  // namespace
 
@@ -89,41 +105,29 @@ double hangingDepth(const HungRod& rod) {
   now.gamma = 0;
   Vector3d tip = tipAtNoWeight(rod);
   while (now.gamma < rod.gamma) {
-    now.gamma = nextGamma(now.gamma, rod.gamma);
+    now.gamma = std::fmin(rod.gamma, now.gamma * 1.1 + 0.5);
     tip = solveTip(now, tip, across);
   }
   return atRoot(rod, tip)[6];
 }
 
 double bendTwistThreshold(double phi, double twist_ratio) {
-  const Vector3d across(0, 1, 0);  // out of the plane in which the rod is curved
   HungRod rod;
   rod.curvature = phi;
   rod.twist_ratio = twist_ratio;
-  Vector3d tip = tipAtNoWeight(rod);
-  const Tangents root(rod.down, across);
-  auto outOfPlane = [&] { return sensitivity(rod, tip, Tangents(tip, across), root)(0, 0); };
-  // Long rods leave their plane below 0.24 phi^3 at most (Poisson's ratio 0.5).
-  const double end = 0.3 * phi * phi * phi + 50;
-  double low = 0, high = 0, before = 0;
-  Vector3d tip_low = tip;
-  while (rod.gamma < end) {
-    const double last = rod.gamma;
-    const Vector3d tip_last = tip;
-    rod.gamma = nextGamma(rod.gamma, end);
-    tip = solveTip(rod, tip, across);
-    const double now = outOfPlane();
-    if (last > 0 && before * now < 0) {
-      low = last;
-      high = rod.gamma;
-      tip_low = tip_last;
-    }
-    before = now;
-  }
+  auto staysPlanar = [&](double gamma) {
+    rod.gamma = gamma;
+    // All that points out of the plane is exactly zero for the planar shape, so a tiny push keeps its digits.
+    constexpr double kPush = 1e-13;
+    return atRoot(rod, planarTip(rod) + Vector3d(0, kPush, 0))[4] > 0;
+  };
+  double high = 0.25 * phi * phi * phi + 20;  // more than at any threshold of a rod that is not short
+  while (staysPlanar(high)) high *= 0.97;
+  double low = high;
+  high /= 0.97;
   for (int i = 0; i < 30; ++i) {
-    rod.gamma = (low + high) / 2;
-    tip = solveTip(rod, tip_low, across);
-    (outOfPlane() * before > 0 ? high : low) = rod.gamma;
+    const double gamma = (low + high) / 2;
+    (staysPlanar(gamma) ? high : low) = gamma;
   }
   return low;
 }

@@ -19,7 +19,8 @@ struct HungRod {
 double hangingDepth(const HungRod& rod);
 
 /// The gamma below which a naturally curved rod of curvature x length `phi`, clamped with its root downwards,
-/// leaves its plane (Miller et al. 2014): there the planar rest shape has a neighbour out of the plane.
+/// leaves its plane (Miller et al. 2014): there the planar rest shape has a neighbour out of the plane. `phi`
+/// from 6 to 16.
 double bendTwistThreshold(double phi, double twist_ratio);
 
 }  // namespace strandcast
