@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -55,8 +54,13 @@ int validate(const Options& o) {
     return 0;
   }
   const SolverKind solver = solverKind(o.solver);
-  auto backend = [&] { return createBackend(knownBackends(), o.backend, o.threads, solver); };
-  const std::unique_ptr<Backend> shown = backend();
+  std::string name, device;
+  auto backend = [&] {
+    std::unique_ptr<Backend> made = createBackend(knownBackends(), o.backend, o.threads, solver);
+    name = made->name();
+    device = made->device();
+    return made;
+  };
   std::vector<Case> cases;
   {
     ProgressBar bar;
@@ -69,16 +73,15 @@ int validate(const Options& o) {
     nlohmann::json list = nlohmann::json::array();
     for (const Case& c : cases) list.push_back(toJson(c));
     fmt::print("{}\n", nlohmann::json({{"suite", suite.name},
-                                       {"backend", shown->name()},
-                                       {"device", shown->device()},
+                                       {"backend", name},
+                                       {"device", device},
                                        {"solver", solverName(solver)},
                                        {"cases", list},
                                        {"passed", passed},
                                        {"failed", failed}})
                            .dump());
   } else {
-    fmt::print("{}: {}, on {} ({}), solver {}\n", suite.name, suite.about, shown->name(), shown->device(),
-               solverName(solver));
+    fmt::print("{}: {}, on {} ({}), solver {}\n", suite.name, suite.about, name, device, solverName(solver));
     printTable(cases);
     fmt::print("{} passed, {} failed\n", passed, failed);
   }

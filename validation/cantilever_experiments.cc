@@ -126,7 +126,8 @@ std::vector<Case> convergence(const Laboratory& laboratory) {
 }  // namespace
 
 void addCantileverExperiments(std::vector<Experiment>& experiments) {
-  experiments.push_back({"horizontal strands sag under their own weight", namesOfSag(), sag});
+  experiments.push_back(
+      {"horizontal strands of as many edges sag under their own weight", namesOfSag(), sag});
   experiments.push_back({"the same with more and more vertices", namesOfConvergence(), convergence});
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "validation/experiments.h"
 #include "validation/specimen.h"
@@ -40,7 +41,7 @@ std::vector<Case> survive(const Laboratory& laboratory, const std::string& name,
 }
 
 Pose shaken(double t) {
-  return {Vec3(static_cast<float>(0.1 * std::sin(2 * M_PI * 5 * t)), 0, 0),
+  return {Vec3(static_cast<float>(0.1 * std::sin(2 * std::numbers::pi * 5 * t)), 0, 0),
           Quat(Eigen::AngleAxisf(static_cast<float>(0.8 * std::sin(9 * t)), Eigen::Vector3f::UnitY()))};
 }
 

@@ -1,7 +1,7 @@
 #include "validation/hung_rod.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
+#include <Eigen/QR>
 #include <cmath>
 
 #include "validation/runge_kutta.h"
@@ -42,45 +42,28 @@ Vector3d tipAtNoWeight(const HungRod& rod) {
   return Eigen::AngleAxisd(-w.norm(), w.normalized()) * rod.down;
 }
 
-// How gravity's direction at the root changes with that at the tip, in the tangent planes of both: `across`
-// and the direction that completes it to a right-handed frame.
-struct Tangents {
-  Vector3d first, second;
-  Tangents(const Vector3d& normal, const Vector3d& across)
-      : first((across - normal * normal.dot(across)).normalized()), second(normal.cross(first)) {}
-};
-Eigen::Matrix2d sensitivity(const HungRod& rod, const Vector3d& tip, const Tangents& at_tip,
-                            const Tangents& root) {
-  constexpr double kSmall = 1e-5;
-  Eigen::Matrix2d out;
-  for (int k = 0; k < 2; ++k) {
-    const Vector3d turn = (k == 0 ? at_tip.first : at_tip.second) * kSmall;
-    const Vector3d change = (atRoot(rod, (tip + turn).normalized()).segment<3>(3) -
-                             atRoot(rod, (tip - turn).normalized()).segment<3>(3)) /
-                            (2 * kSmall);
-    out.col(k) << change.dot(root.first), change.dot(root.second);
-  }
-  return out;
-}
-
 // Newton's method on the direction of gravity at the tip, so that it is `rod.down` at the root.
-Vector3d solveTip(const HungRod& rod, Vector3d tip, const Vector3d& across) {
-  const Tangents root(rod.down, across);
+Vector3d solveTip(const HungRod& rod, Vector3d tip) {
+  constexpr double kSmall = 1e-5;  // rad, of central differences
+  auto root = [&](const Vector3d& at_tip) -> Vector3d {
+    return atRoot(rod, at_tip.normalized()).segment<3>(3);
+  };
   for (int i = 0; i < 20; ++i) {
-    const Vector3d miss = rod.down - atRoot(rod, tip).segment<3>(3);
+    const Vector3d miss = rod.down - root(tip);
     if (miss.norm() < 1e-11) break;
-    const Tangents at_tip(tip, across);
-    const Eigen::Vector2d turn = sensitivity(rod, tip, at_tip, root)
-                                     .fullPivLu()
-                                     .solve(Eigen::Vector2d(miss.dot(root.first), miss.dot(root.second)));
-    tip = (tip + at_tip.first * turn[0] + at_tip.second * turn[1]).normalized();
+    Eigen::Matrix<double, 3, 2> turns, change;
+    turns.col(0) = tip.unitOrthogonal();
+    turns.col(1) = tip.cross(turns.col(0));
+    for (int k = 0; k < 2; ++k)
+      change.col(k) = (root(tip + kSmall * turns.col(k)) - root(tip - kSmall * turns.col(k))) / (2 * kSmall);
+    tip = (tip + turns * change.colPivHouseholderQr().solve(miss)).normalized();
   }
   return tip;
 }
 
-// The same for a rod that is curved in the plane of its first and third axis and clamped with its root
-// downwards: the stable shape hangs straight but for a hook at the tip. Its angle from the vertical falls
-// from the tip on, and where it comes to zero before the root the hook was too little open.
+// Gravity at the tip of a rod that is curved in the plane of its first and third axis and clamped with its
+// root downwards: the stable planar shape hangs straight but for a hook at the tip. Its angle from the
+// vertical falls from the tip on, and where it comes to zero before the root the hook was too little open.
 Vector3d planarTip(const HungRod& rod) {
   double low = 0, high = 3;
   for (int i = 0; i < 60; ++i) {
@@ -100,13 +83,12 @@ Vector3d planarTip(const HungRod& rod) {
 }  // namespace
 
 double hangingDepth(const HungRod& rod) {
-  const Vector3d across(1, 0, 0);
   HungRod now = rod;
   now.gamma = 0;
   Vector3d tip = tipAtNoWeight(rod);
   while (now.gamma < rod.gamma) {
     now.gamma = std::fmin(rod.gamma, now.gamma * 1.1 + 0.5);
-    tip = solveTip(now, tip, across);
+    tip = solveTip(now, tip);
   }
   return atRoot(rod, tip)[6];
 }

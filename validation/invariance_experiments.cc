@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "validation/experiments.h"
 #include "validation/specimen.h"
@@ -97,7 +98,7 @@ std::vector<Case> restShape(const Laboratory& laboratory) {
 }
 
 Pose nod(double t) {
-  const auto phase = static_cast<float>(2 * M_PI * t);
+  const auto phase = static_cast<float>(2 * std::numbers::pi * t);
   return {Vec3(0.05f * std::sin(phase), 0, 0),
           Quat(Eigen::AngleAxisf(0.4f * std::sin(phase), Eigen::Vector3f::UnitZ()))};
 }
