@@ -18,17 +18,17 @@ using Abuse = std::function<void(const Laboratory&, Simulation&, const std::func
 // Strands settle, are abused, and settle again: whether every number stays finite all the while, and how far
 // the tips then are from where they were, mm.
 std::vector<Case> survive(const Laboratory& laboratory, const std::string& name, const Material& material,
-                          const Abuse& abuse) {
-  constexpr double kSettling = 8;  // s
+                          const Parameters& parameters, const Abuse& abuse) {
+  constexpr double kSettling = 6;  // s
   Simulation simulation = laboratory.simulation(
       modelOf({straightStrand(0.25, kEdges, Vec3::UnitX()), helixStrand(0.01, 0.01, 0.2, kEdges)}, material),
-      laboratory.parameters(kRate, kDrag));
+      parameters);
   size_t non_finite = 0;
   auto look = [&] { non_finite = std::max(non_finite, simulation.measure().non_finite); };
   laboratory.advance(simulation, kSettling, look);
   const Vec3 before[] = {tipOf(simulation, 0), tipOf(simulation, 1)};
   abuse(laboratory, simulation, look);
-  simulation.setParameters(laboratory.parameters(kRate, kDrag));
+  simulation.setParameters(parameters);
   auto back = [&](double) { return Pose{}; };
   laboratory.advance(simulation, kSettling, back, look);
   double moved = 0;
@@ -52,6 +52,11 @@ void shakeFor(const Laboratory& laboratory, Simulation& simulation, double secon
       simulation, seconds, [&](double t) { return shaken(t - start); }, look);
 }
 
+void shakeForThreeSeconds(const Laboratory& laboratory, Simulation& simulation,
+                          const std::function<void()>& look) {
+  shakeFor(laboratory, simulation, 3, look);
+}
+
 Material hairTimes(float stiffness) {
   Material material;
   material.youngs_modulus *= stiffness;
@@ -59,14 +64,12 @@ Material hairTimes(float stiffness) {
 }
 
 std::vector<Case> stiff(const Laboratory& laboratory) {
-  return survive(laboratory, "1000 times the stiffness", hairTimes(1000),
-                 [](const Laboratory& lab, Simulation& simulation, const auto& look) {
-                   shakeFor(lab, simulation, 3, look);
-                 });
+  return survive(laboratory, "1000 times the stiffness", hairTimes(1000), laboratory.parameters(kRate, kDrag),
+                 shakeForThreeSeconds);
 }
 
 std::vector<Case> leap(const Laboratory& laboratory) {
-  return survive(laboratory, "leap of 1 m", {},
+  return survive(laboratory, "leap of 1 m", {}, laboratory.parameters(kRate, kDrag),
                  [](const Laboratory& lab, Simulation& simulation, const auto& look) {
                    lab.advance(
                        simulation, 1,
@@ -78,7 +81,7 @@ std::vector<Case> leap(const Laboratory& laboratory) {
 }
 
 std::vector<Case> timeSteps(const Laboratory& laboratory) {
-  return survive(laboratory, "changing time steps", {},
+  return survive(laboratory, "changing time steps", {}, laboratory.parameters(kRate, kDrag),
                  [](const Laboratory& lab, Simulation& simulation, const auto& look) {
                    for (const double rate : {30, 2000, 60, 1000, 30}) {
                      simulation.setParameters(lab.parameters(rate, kDrag));
@@ -88,7 +91,7 @@ std::vector<Case> timeSteps(const Laboratory& laboratory) {
 }
 
 std::vector<Case> substeps(const Laboratory& laboratory) {
-  return survive(laboratory, "changing substeps", {},
+  return survive(laboratory, "changing substeps", {}, laboratory.parameters(kRate, kDrag),
                  [](const Laboratory& lab, Simulation& simulation, const auto& look) {
                    for (const int substeps : {1, 64, 2, 16, 1}) {
                      Parameters parameters = lab.parameters(60, kDrag);
@@ -99,8 +102,24 @@ std::vector<Case> substeps(const Laboratory& laboratory) {
                  });
 }
 
+std::vector<Case> longestStep(const Laboratory& laboratory) {
+  return survive(laboratory, "time step of 1/30 s", {}, laboratory.parameters(30, kDrag),
+                 shakeForThreeSeconds);
+}
+
+std::vector<Case> frameStep(const Laboratory& laboratory) {
+  return survive(laboratory, "time step of 1/60 s", {}, laboratory.parameters(60, kDrag),
+                 shakeForThreeSeconds);
+}
+
+std::vector<Case> mostSubsteps(const Laboratory& laboratory) {
+  Parameters parameters = laboratory.parameters(30, kDrag);
+  parameters.substeps = 64;
+  return survive(laboratory, "64 substeps", {}, parameters, shakeForThreeSeconds);
+}
+
 std::vector<Case> coincident(const Laboratory& laboratory) {
-  return survive(laboratory, "coincident vertices", {},
+  return survive(laboratory, "coincident vertices", {}, laboratory.parameters(kRate, kDrag),
                  [](const Laboratory& lab, Simulation& simulation, const auto& look) {
                    StrandState state = simulation.state();
                    for (size_t v = 10; v < 20; ++v) state.positions[v] = state.positions[10];
@@ -120,6 +139,9 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
   };
   add("strands of 1000 times the stiffness of hair, shaken", "1000 times the stiffness", stiff);
   add("the root leaps by 1 m in one step, and back", "leap of 1 m", leap);
+  add("steps of 1/30 s all the time, shaken", "time step of 1/30 s", longestStep);
+  add("steps of 1/60 s all the time, shaken", "time step of 1/60 s", frameStep);
+  add("64 substeps of steps of 1/30 s all the time, shaken", "64 substeps", mostSubsteps);
   add("time steps of 1/30 to 1/2000 s by turns, shaken", "changing time steps", timeSteps);
   add("1 to 64 substeps of steps of 1/60 s by turns, shaken", "changing substeps", substeps);
   add("ten vertices in one point, then all of them", "coincident vertices", coincident);
