@@ -13,6 +13,8 @@ Case scored(const Quantity& quantity, double measured, double truth, double erro
 
 }  // namespace
 
+double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
+
 Case relativeCase(const Quantity& quantity, double measured, double truth, double limit_percent) {
   return scored(quantity, measured, truth, 100 * std::fabs(measured / truth - 1), limit_percent, "%");
 }

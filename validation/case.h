@@ -24,6 +24,9 @@ struct Quantity {
   std::string unit;
 };
 
+/// The larger error; not a number where either is.
+double worse(double a, double b);
+
 /// Error in percent of the truth.
 Case relativeCase(const Quantity& quantity, double measured, double truth, double limit_percent);
 /// Error in the unit of the quantity.

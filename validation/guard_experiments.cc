@@ -34,10 +34,8 @@ std::vector<Case> survive(const Laboratory& laboratory, const std::string& name,
   double moved = 0;
   laboratory.advance(simulation, kWatching, back, [&] {
     look();
-    for (size_t s = 0; s < 2; ++s) {
-      const double distance = 1e3 * (tipOf(simulation, s) - before[s]).cast<double>().norm();
-      if (!(distance <= moved)) moved = distance;
-    }
+    for (size_t s = 0; s < 2; ++s)
+      moved = worse(moved, 1e3 * (tipOf(simulation, s) - before[s]).cast<double>().norm());
   });
   return {absoluteCase({name + ": finite", "numbers not finite", ""}, static_cast<double>(non_finite), 0, 0),
           absoluteCase({name + ": returns", "largest distance of a tip", "mm"}, moved, 0, 1)};

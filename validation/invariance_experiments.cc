@@ -23,10 +23,7 @@ std::vector<StrandPoints> strands(float scale) {
 // The largest distance between vertices, % of the strand's length.
 double difference(std::span<const Vec3> a, std::span<const Vec3> b) {
   double largest = 0;
-  for (size_t v = 0; v < a.size(); ++v) {
-    const double distance = (a[v] - b[v]).cast<double>().norm();
-    if (!(distance <= largest)) largest = distance;
-  }
+  for (size_t v = 0; v < a.size(); ++v) largest = worse(largest, (a[v] - b[v]).cast<double>().norm());
   return 100 * largest / arcLength(a);
 }
 
@@ -43,10 +40,7 @@ Shapes shapesOf(Simulation& simulation) {
 
 double difference(const Shapes& a, const Shapes& b) {
   double largest = 0;
-  for (size_t s = 0; s < a.size(); ++s) {
-    const double distance = difference(a[s], b[s]);
-    if (!(distance <= largest)) largest = distance;
-  }
+  for (size_t s = 0; s < a.size(); ++s) largest = worse(largest, difference(a[s], b[s]));
   return largest;
 }
 
@@ -75,7 +69,7 @@ std::vector<Case> restShape(const Laboratory& laboratory) {
       laboratory.advance(simulation, 2);
       const Shapes now = shapesOf(simulation);
       for (size_t s = 0; s < now.size(); ++s)
-        by_drag[s] = std::fmax(by_drag[s], difference(by_rate.back()[s], now[s]));
+        by_drag[s] = worse(by_drag[s], difference(by_rate.back()[s], now[s]));
     }
   }
   std::vector<Case> cases;
@@ -84,7 +78,7 @@ std::vector<Case> restShape(const Laboratory& laboratory) {
     std::string note = "at 1/120, 1/240, 1/480 s against 1/960 s:";
     for (size_t r = 0; r + 1 < by_rate.size(); ++r) {
       const double apart = difference(by_rate.back()[s], by_rate[r][s]);
-      by_step = std::fmax(by_step, apart);
+      by_step = worse(by_step, apart);
       note += fmt::format(" {:.3f}", apart);
     }
     cases.push_back(

@@ -25,6 +25,9 @@ TEST(Case, IsPassedWithinItsLimitOnly) {
   EXPECT_FALSE(relativeCase({"a", "", ""}, none, 1, 1).passed);
   EXPECT_FALSE(absoluteCase({"a", "", ""}, none, 0, 1).passed);
   EXPECT_FALSE(atLeastCase({"a", "", ""}, none, 2, 1).passed);
+  EXPECT_TRUE(std::isnan(worse(none, 1)) && std::isnan(worse(1, none)));
+  EXPECT_EQ(worse(1, 2), 2);
+  EXPECT_EQ(worse(2, 1), 2);
 }
 
 TEST(Suites, CasesAreNamedOnceAndAsListed) {
