@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -103,14 +105,12 @@ std::vector<Case> substeps(const Laboratory& laboratory) {
                  });
 }
 
-std::vector<Case> longestStep(const Laboratory& laboratory) {
-  return survive(laboratory, "time step of 1/30 s", {}, laboratory.parameters(30, kDrag),
-                 shakeForThreeSeconds);
-}
+constexpr int kConstantRates[] = {30, 60, 2000};  // steps per second
 
-std::vector<Case> frameStep(const Laboratory& laboratory) {
-  return survive(laboratory, "time step of 1/60 s", {}, laboratory.parameters(60, kDrag),
-                 shakeForThreeSeconds);
+std::string nameOfRate(int rate) { return fmt::format("time step of 1/{} s", rate); }
+
+std::vector<Case> constantStep(const Laboratory& laboratory, int rate) {
+  return survive(laboratory, nameOfRate(rate), {}, laboratory.parameters(rate, kDrag), shakeForThreeSeconds);
 }
 
 std::vector<Case> mostSubsteps(const Laboratory& laboratory) {
@@ -140,8 +140,9 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
   };
   add("strands of 1000 times the stiffness of hair, shaken", "1000 times the stiffness", stiff);
   add("the root leaps by 1 m in one step, and back", "leap of 1 m", leap);
-  add("steps of 1/30 s all the time, shaken", "time step of 1/30 s", longestStep);
-  add("steps of 1/60 s all the time, shaken", "time step of 1/60 s", frameStep);
+  for (const int rate : kConstantRates)
+    add(fmt::format("steps of 1/{} s all the time, shaken", rate), nameOfRate(rate),
+        [rate](const Laboratory& laboratory) { return constantStep(laboratory, rate); });
   add("64 substeps of steps of 1/30 s all the time, shaken", "64 substeps", mostSubsteps);
   add("time steps of 1/30 to 1/2000 s by turns, shaken", "changing time steps", timeSteps);
   add("1 to 64 substeps of steps of 1/60 s by turns, shaken", "changing substeps", substeps);

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <cmath>
+#include <limits>
 
 #include "validation/runge_kutta.h"
 
@@ -14,6 +15,7 @@ using Eigen::Vector3d;
 using State = Eigen::Matrix<double, 7, 1>;
 
 constexpr int kSteps = 600;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 Vector3d darboux(const HungRod& rod, const Vector3d& moment) {
   return {moment.x(), rod.curvature + moment.y(), rod.torsion + moment.z() / rod.twist_ratio};
@@ -90,10 +92,12 @@ double hangingDepth(const HungRod& rod) {
     now.gamma = std::fmin(rod.gamma, now.gamma * 1.1 + 0.5);
     tip = solveTip(now, tip);
   }
-  return atRoot(rod, tip)[6];
+  const State root = atRoot(rod, tip);
+  return (root.segment<3>(3) - rod.down).norm() < 1e-8 ? root[6] : kNone;
 }
 
 double bendTwistThreshold(double phi, double twist_ratio) {
+  if (!(phi >= 6 && phi <= 16)) return kNone;
   HungRod rod;
   rod.curvature = phi;
   rod.twist_ratio = twist_ratio;

@@ -15,12 +15,12 @@ struct HungRod {
 };
 
 /// How far the tip hangs below the root at rest, in units of L. Shooting from the tip, followed from no
-/// weight on.
+/// weight on; not a number where that leads to no shape.
 double hangingDepth(const HungRod& rod);
 
 /// The gamma below which a naturally curved rod of curvature x length `phi`, clamped with its root downwards,
 /// leaves its plane (Miller et al. 2014): there the planar rest shape has a neighbour out of the plane. `phi`
-/// from 6 to 16.
+/// from 6 to 16, else not a number: in longer rods rounding drowns what the root feels of the tip.
 double bendTwistThreshold(double phi, double twist_ratio);
 
 }  // namespace strandcast

@@ -92,6 +92,7 @@ TEST(ExactSolutions, BendTwistThreshold) {
   const double phi[] = {2 * kPi, 8, 3 * kPi, 10, 4 * kPi, 5 * kPi};
   const double gamma[] = {44.76, 113.93, 190.37, 227.79, 452.5, 883.8};
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(bendTwistThreshold(phi[i], 1 / 1.45) / gamma[i], 1, 2e-4);
+  EXPECT_TRUE(std::isnan(bendTwistThreshold(40, 1 / 1.45)));
 }
 
 TEST(Oscillation, FrequencyAndDampingOfADecayingSine) {
