@@ -12,14 +12,13 @@ enum RodScratch : int {
   kFactor1 = 15,      // elimination factors
   kFactor2 = 16,
   kRight = 17,        // right-hand sides of twist, later of lengths
-  kCosine = 18,       // of the angle at a joint
-  kStiffness = 19,    // K of a joint
-  kMargin = 20,       // G of a joint
+  kCosine = 18,       // of the angle at a joint, later the softness of its vertex
+  kStiffness = 19,    // K of a joint, later elimination factors of tensions
+  kMargin = 20,       // G of a joint, later right-hand sides of tensions
   kRight2 = 21,
   kRodScratchPlanes = 22
 };
 
-constexpr double kWarmStart = 0.98;      // of last substep's tensions
 constexpr double kDirectionBlend = 0.9;  // of old and new edge in the direction of the tension
 
 class RodStep {
@@ -161,7 +160,7 @@ inline void RodStep::eliminateTwist() {
 
     const real half = (lit(1) + c) * lit(0.5);
     const real own = madd(kt - kb, half, kb);
-    const real across = lit(0) - madd(kb, c, (kt - kb) * half);
+    const real across = twistCoupling(kb, kt, c, moment, t_in, t);
     if (j > 0) {  // row j - 1 is complete now
       const real r = dot(moment - moment_before, t_in);
       const real inverse = lit(1) / max(diagonal + own - lower * factor, lit(1e-30));
@@ -200,12 +199,12 @@ inline void RodStep::eliminateBending() {
     const real kb = bend(e), il = inverseLength(e);
     const real3 moment = get3(kMoment, e) + momentOfTwist(t_in, t, phi_in, phi, kb, twist(e));
 
-    // Tension of the last substep, its compression held below the buckling load; it acts along a direction between the
-    // old and the new edge, which makes the motion of the chain second order in time.
-    const real kept = max(state(b.tension, 0, e) * lit(kWarmStart), kb * il * lit(-0.1 * h * h));
+    // The tension acts along a direction between the old and the new edge, which makes the motion of the chain second
+    // order in time.
+    const real3 old = get3(kOldTangent, e);
+    const real kept = keptTension(state(b.tension, 0, e) * lit(h * h), old, t, kb, il, lit(h * h));
     store(kept, b.tension + b.at(0, e));
     const real kappa = kb * il * il * lit(h * h) * weight(e + 1);
-    const real3 old = get3(kOldTangent, e);
     const real turned_little = clamp(dot(old, t) * lit(20) - lit(18), lit(0), lit(1));  // within 18 to 26 degrees
     const real sigma = turned_little * lit(kDirectionBlend) / madd(kappa, lit(0.05), lit(1));
     const real3 direction = madd(old - t, sigma, t);
@@ -220,6 +219,7 @@ inline void RodStep::eliminateBending() {
     const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1), k2 = get(kStiffness, e + 2);
     const real edge = madd((get(kMargin, e) + get(kMargin, e + 1)) * il, il,
                            max(kept, lit(0)) * il * (lit(1) - sigma * lit(0.75)));
+    set(kCosine, e + 1, e + 1 < ne ? tensionSoftness(m, k1, edge, il, get(kCosine, e + 1)) : lit(0));
     const real sum = il + il_out;
     const real diagonal = m + k0 * il * il + k1 * sum * sum + k2 * il_out * il_out + edge + edge_out;
     const real first = lit(0) - k1 * sum * il_out - k2 * il_out * (il_out + il_out2) - edge_out;
@@ -257,11 +257,13 @@ inline real3 RodStep::collide(int i, real3 x) {
   return x;
 }
 
-// Bending substituted from root to tip, first contact, and the elimination of the first length system.
+// Bending substituted from root to tip, first contact, and the elimination of the first length system; with it, of the
+// system whose solution is the change of the tensions.
 inline void RodStep::substituteBending() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real3 d1 = zero, d2 = zero, x_in = root_.position, t_in = zero, normal_in = zero;
   real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), w_in = lit(0), right = lit(0), inverse = lit(0);
+  real soft_in = lit(0), tension_right = lit(0), tension_inverse = lit(0);
   set3(kNormal, 0, zero);
   for (int e = 0; e < ne; ++e) {
     const real3 d = get3(kMoment, e) - d1 * l1_in - d2 * l2_in2;
@@ -280,15 +282,24 @@ inline void RodStep::substituteBending() {
     const real excess = dot(edge, t) - lengthOf(e);
     const real w = weight(e + 1);
     const real a = dot(t, normal_in), c = dot(t, normal), i = dot(t_in, normal_in);
-    const real diagonal = w_in * (lit(1) - a * a) + w * (lit(1) - c * c);
+    const real own_in = w_in * (lit(1) - a * a), own = w * (lit(1) - c * c);
     const real lower = lit(0) - w_in * (dot(t, t_in) - a * i);
     set(kFactor1, e, lower * inverse);  // of row e on row e - 1; symmetric
-    const real den = max(diagonal - lower * lower * inverse, max((w_in + w) * lit(0.05), lit(1e-6)));
+    const real den = max(own_in + own - lower * lower * inverse, max((w_in + w) * lit(0.05), lit(1e-6)));
     right = excess - lower * right;
     inverse = lit(1) / den;
     right = right * inverse;
     set(kRight, e, right);
     set3(kTangent, e, t);
+
+    const real soft = get(kCosine, e + 1);
+    const real softened = own_in * (lit(1) - soft_in) + own * (lit(1) - soft);
+    set(kStiffness, e, lower * tension_inverse);
+    tension_right = excess - lower * tension_right;
+    tension_inverse = lit(1) / max(softened - lower * lower * tension_inverse, max((w_in + w) * lit(1e-3), lit(1e-6)));
+    tension_right = tension_right * tension_inverse;
+    set(kMargin, e, tension_right);
+    soft_in = soft;
     x_in = x;
     t_in = t;
     w_in = w;
@@ -301,15 +312,20 @@ inline void RodStep::firstLengths() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real3 t_out = zero, x_out = zero, normal_out = zero, edge_t = zero;
   real pull_out = lit(0), w_out = lit(0), pull = get(kRight, ne - 1), right = lit(0), inverse = lit(0);
+  real tension_change = get(kMargin, ne - 1);
   for (int e = ne - 1; e >= -1; --e) {
     real3 t = zero, normal = zero, x = root_.position;
     real w = lit(0), applied = lit(0);
     if (e >= 0) {
       const real limit = lengthOf(e) * lit(20);
       applied = clamp(pull, lit(0) - limit, limit);
-      store(state(b.tension, 0, e) + applied, b.tension + b.at(0, e));
+      tension_change = clamp(tension_change, lit(0) - limit, limit);
+      store(state(b.tension, 0, e) + tension_change, b.tension + b.at(0, e));
       t = get3(kTangent, e);
-      if (e > 0) pull = get(kRight, e - 1) - get(kFactor1, e) * applied;
+      if (e > 0) {
+        pull = get(kRight, e - 1) - get(kFactor1, e) * applied;
+        tension_change = get(kMargin, e - 1) - get(kStiffness, e) * tension_change;
+      }
       normal = get3(kNormal, e + 1);
       real3 push = t_out * pull_out - t * applied;
       push = madd(normal, lit(0) - dot(push, normal), push);
@@ -356,7 +372,7 @@ inline void RodStep::finish() {
   real pull = bounded(0, get(kRight2, 0));
   real3 t = get3(kMoment, 0), before = root_.position, placed = root_.position;
   for (int e = 0; e < ne; ++e) {
-    store(state(b.tension, 0, e) + pull, b.tension + b.at(0, e));
+    store((state(b.tension, 0, e) + pull) * lit(1 / (h * h)), b.tension + b.at(0, e));
     real pull_out = lit(0);
     real3 t_out = zero;
     if (e + 1 < ne) {

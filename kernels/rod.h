@@ -37,6 +37,14 @@ FN real3 momentOfTwist(IN(real3) t_in, IN(real3) t, IN(real) phi_in, IN(real) ph
   return madd(turn, bend, mean * share);
 }
 
+// How the twists of the two edges of a joint are coupled, where their tangents t_in and t make an angle of cosine c: the
+// mixed second derivative of its energy. The part of its moment is held back where it would make the twist unstable.
+FN real twistCoupling(IN(real) bend, IN(real) twist, IN(real) c, IN(real3) moment, IN(real3) t_in, IN(real3) t) {
+  real turning = lit(0.5) * dot(moment, cross(t_in, t));
+  return lit(0) - bend * c - (twist - bend) * lit(0.5) * (lit(1) + c) -
+         min(turning, lit(0.9) * bend * (lit(1) - c));
+}
+
 // Frame turned about its own tangent by the small angle phi.
 FN quat twistFrame(IN(quat) q, IN(real) phi) {
   real h = phi * lit(0.5);
@@ -53,4 +61,22 @@ FN real bendMatrixStiffness(IN(real) bend, IN(real) c, IN(real) time2) {
 FN real bendMatrixMargin(IN(real) stiffness, IN(real) c, IN(real3) excess) {
   real fold = max(lit(2) - lit(2) * c, lit(0));
   return stiffness * madd(lit(3), fold, lit(10) * min(dot(excess, excess), lit(4)));
+}
+
+// The tension that a substep starts from, in units of length x mass: that of the last one. Edges that turn, from t_old to
+// t, forget 2 % of it, so that errors of fast motion do not stay; compression is held below the buckling load.
+FN real keptTension(IN(real) tension, IN(real3) t_old, IN(real3) t, IN(real) bend, IN(real) inverse_length,
+                    IN(real) time2) {
+  real forgotten = min((lit(1) - dot(t_old, t)) * lit(400), lit(0.02));
+  return max(tension * (lit(1) - forgotten), bend * inverse_length * time2 * lit(-0.1));
+}
+
+// In a curl, tension pulls a vertex inwards, against the bending matrix more than against its mass. This is the part of
+// a vertex's weight (1 / mass) by which tension moves it less than the mass alone would let it, along an edge next to it:
+// 0 on a straight strand. c: cosine at the vertex's joint; stiffness: of that joint in the bending matrix; edge: what
+// the matrix has on the edge before it. Tensions that are solved without it lag behind, which feeds energy to curls.
+FN real tensionSoftness(IN(real) mass, IN(real) stiffness, IN(real) edge, IN(real) inverse_length, IN(real) c) {
+  real fold = lit(2) - lit(2) * min(abs(c), lit(1));
+  real resistance = lit(1.6) * fold * madd(stiffness * inverse_length, inverse_length * fold, edge);
+  return lit(0.5) * fold * resistance / (mass + resistance);
 }
