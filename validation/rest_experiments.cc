@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/sag_free.h"
 #include "validation/catenary.h"
 #include "validation/elastica.h"
 #include "validation/experiments.h"
@@ -105,6 +106,27 @@ std::vector<Case> hungHelix(const Laboratory& laboratory) {
   return {relativeCase({"hung helix", "height", "mm"}, -1e3 * tipOf(simulation, 0).y(), truth, 3)};
 }
 
+// Groomed shapes that hair could not keep, made to: how far any vertex goes from its place once gravity acts.
+std::vector<Case> sagFree(const Laboratory& laboratory) {
+  StrandModel model =
+      modelOf({straightStrand(0.1, kEdges, Vec3::UnitX()), straightStrand(0.08, kEdges, Vec3::UnitY()),
+               helixStrand(0.01, 0.01, 0.2, kEdges), arcStrand(20, 0.15, kEdges)});
+  const Parameters parameters = laboratory.parameters(kRate, 2);
+  const SagFreeReport report = makeSagFree(model, parameters.gravity);
+  Simulation simulation = laboratory.simulation(std::move(model), parameters);
+  const StrandState groomed = simulation.state();
+  double drift = 0;
+  laboratory.advance(simulation, 3, [&] {
+    const std::span<const Vec3> now = simulation.guides();
+    for (size_t v = 0; v < now.size(); ++v)
+      drift = worse(drift, 1e3 * (now[v] - groomed.positions[v]).cast<double>().norm());
+  });
+  Case found = absoluteCase({"sag-free drift", "largest distance of a vertex", "mm"}, drift, 0, 0.1);
+  found.note = fmt::format("{} of 4 strands stiffened, by up to {:.1f}", report.stiffened.size(),
+                           report.largest_factor);
+  return {found};
+}
+
 }  // namespace
 
 void addRestExperiments(std::vector<Experiment>& experiments) {
@@ -112,6 +134,9 @@ void addRestExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back({"limp strands between two points of equal height", namesOfCatenary(), catenary});
   experiments.push_back(
       {"a helix of radius 1 cm, pitch 1 cm and length 20 cm hung by its root", {"hung helix"}, hungHelix});
+  experiments.push_back({"strands made to rest as groomed (core/sag_free.h): level, upright, helix, arc",
+                         {"sag-free drift"},
+                         sagFree});
 }
 
 }  // namespace strandcast
