@@ -26,6 +26,7 @@ const std::map<std::string, Folders> kAllowed = {
     {"scenes", {"core", "kernels", "collision", "groom"}},
     {"transport", {"core", "kernels"}},
     {"render", {"core", "kernels", "groom", "transport", "gl"}},
+    {"validation", {"core", "kernels"}},
 };
 const Folders kAnything = {"apps", "bench", "tests"};
 
