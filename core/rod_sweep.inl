@@ -8,9 +8,10 @@ enum RodScratch : int {
   kTangent = 3,       // 3, later of the lengths
   kMoment = 6,        // 3, later the right-hand sides of bending
   kNormal = 9,        // 3, of the contact at a vertex
-  kOldTangent = 12,   // 3, of the positions before the substep
+  kDirection = 12,    // 3, in which the last substep's tension acts
   kFactor1 = 15,      // elimination factors
   kFactor2 = 16,
+  kBlend = kFactor2,  // of an edge, until the elimination of bending
   kRight = 17,        // right-hand sides of twist, later of lengths
   kCosine = 18,       // of the angle at a joint
   kStiffness = 19,    // K of a joint
@@ -19,8 +20,7 @@ enum RodScratch : int {
   kRodScratchPlanes = 22
 };
 
-constexpr double kWarmStart = 0.98;      // of last substep's tensions
-constexpr double kDirectionBlend = 0.9;  // of old and new edge in the direction of the tension
+constexpr double kWarmStart = 0.98;  // of last substep's tensions
 
 class RodStep {
  public:
@@ -106,7 +106,7 @@ class RodStep {
   real3 jump_;          // m, unexpected motion of the root
 };
 
-// Root motion, inertial point, tangents, frames carried along.
+// Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
 inline void RodStep::predict(const RootFrame& root) {
   root_ = root;
   const real3 x0 = state3(b.position, 0);
@@ -114,27 +114,29 @@ inline void RodStep::predict(const RootFrame& root) {
   tangent_old_ = frameTangent(frame_);
   swing_ = tangent_new - tangent_old_;
   inner_frame_ = multiply(rotationBetween(tangent_new, tangent_old_), root.rotation);
-  const real3 root_velocity = state3(b.velocity, 0);
-  jump_ = root.position - madd(root_velocity, lit(h), x0);
+  jump_ = root.position - madd(state3(b.velocity, 0), lit(h), x0);
 
   set3(kNewPosition, 0, root.position);
   real3 before = x0;
-  real3 drag_before = root_velocity;
+  real3 unit_before = tangent_old_;
   for (int e = 0; e < ne; ++e) {
     const real3 x = state3(b.position, e + 1), v = state3(b.velocity, e + 1);
     const real3 held = rotate(root.rotation, state3(b.rest_local, e + 1)) + root.position;
     const real3 moved = select(weight(e + 1) > lit(0), madd(v, lit(h * keep_), x) + jump_, held);
     set3(kNewPosition, e + 1, moved);
-    const real3 edge = moved - get3(kNewPosition, e);
-    set3(kOldTangent, e, normalizeOrZero(x - before));
-    // Internal damping acts through frames that are ahead of the motion by the damping time.
-    const real3 ahead = madd(v - drag_before, lit(beta_), edge);
-    const quat frame = state4(b.frame, e);
-    const real3 t = directionOr(ahead, frameTangent(frame));
+    const real3 edge = moved - get3(kNewPosition, e), old = x - before;
+    const real3 advance = edge - old;
+    const real il = inverseLength(e);
+    const real3 unit = old * il;
+    const real blend = timeBlend(advance * il, unit - unit_before, bend(e) * il * il * lit(h * h) * weight(e + 1));
+    set(kBlend, e, blend);
+    // Internal damping acts through frames that are ahead of the motion by the damping time; tension is not damped.
+    const real3 t = directionOr(madd(advance, lit(beta_ / h) - blend, edge), frameTangent(state4(b.frame, e)));
     set3(kTangent, e, t);
-    setState4(b.frame, e, transportTo(frame, t));
+    set3(kDirection, e, madd(advance, lit(-beta_ / h) * il, t));
+    setState4(b.frame, e, transportTo(state4(b.frame, e), t));
     before = x;
-    drag_before = v;
+    unit_before = unit;
   }
 }
 
@@ -144,7 +146,6 @@ inline void RodStep::eliminateTwist() {
   real3 t_in = tangent_old_;
   real3 moment_before = makeReal3(lit(0), lit(0), lit(0));
   real factor = lit(0), right = lit(0), diagonal = lit(0), lower = lit(0);
-  const real time2 = lit(h * h + beta_ * h);
   for (int j = 0; j < ne; ++j) {
     const quat q = state4(b.frame, j);
     const real3 t = get3(kTangent, j);
@@ -153,7 +154,7 @@ inline void RodStep::eliminateTwist() {
     const real3 excess = strain - state3(b.rest_strain, j);
     const real3 moment = jointMoment(inner, strain, excess, kb, kt);
     const real c = dot(t_in, t);
-    const real stiffness = bendMatrixStiffness(kb, c, time2);
+    const real stiffness = bendMatrixStiffness(kb, c, madd(implicitShare(get(kBlend, j)), lit(h * h), lit(beta_ * h)));
     set3(kMoment, j, moment);
     set(kCosine, j, c);
     set(kStiffness, j, stiffness);
@@ -200,17 +201,11 @@ inline void RodStep::eliminateBending() {
     const real kb = bend(e), il = inverseLength(e);
     const real3 moment = get3(kMoment, e) + momentOfTwist(t_in, t, phi_in, phi, kb, twist(e));
 
-    // Tension of the last substep, its compression held below the buckling load; it acts along a direction between the
-    // old and the new edge, which makes the motion of the chain second order in time.
+    // Tension of the last substep, its compression held below the buckling load.
     const real kept = max(state(b.tension, 0, e) * lit(kWarmStart), kb * il * lit(-0.1 * h * h));
     store(kept, b.tension + b.at(0, e));
-    const real kappa = kb * il * il * lit(h * h) * weight(e + 1);
-    const real3 old = get3(kOldTangent, e);
-    const real turned_little = clamp(dot(old, t) * lit(20) - lit(18), lit(0), lit(1));  // within 18 to 26 degrees
-    const real sigma = turned_little * lit(kDirectionBlend) / madd(kappa, lit(0.05), lit(1));
-    const real3 direction = madd(old - t, sigma, t);
 
-    real3 force = cross(moment_out - moment, t) * (il * lit(h * h)) - direction * kept;
+    real3 force = cross(moment_out - moment, t) * (il * lit(h * h)) - get3(kDirection, e) * kept;
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
     const real3 total = madd(pull, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
@@ -219,7 +214,7 @@ inline void RodStep::eliminateBending() {
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
     const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1), k2 = get(kStiffness, e + 2);
     const real edge = madd((get(kMargin, e) + get(kMargin, e + 1)) * il, il,
-                           max(kept, lit(0)) * il * (lit(1) - sigma * lit(0.75)));
+                           max(kept, lit(0)) * il * implicitShare(get(kBlend, e)));
     const real sum = il + il_out;
     const real diagonal = m + k0 * il * il + k1 * sum * sum + k2 * il_out * il_out + edge + edge_out;
     const real first = lit(0) - k1 * sum * il_out - k2 * il_out * (il_out + il_out2) - edge_out;
