@@ -6,7 +6,7 @@
 enum RodScratch : int {
   kNewPosition = 0,   // 3
   kTangent = 3,       // 3, later of the lengths
-  kMoment = 6,        // 3, later the right-hand sides of bending
+  kStrain = 6,        // 3, of a joint, later the right-hand sides of bending
   kNormal = 9,        // 3, of the contact at a vertex
   kDirection = 12,    // 3, in which the last substep's tension acts
   kFactor1 = 15,      // elimination factors
@@ -140,31 +140,28 @@ inline void RodStep::predict(const RootFrame& root) {
   }
 }
 
-// Joint moments, and the elimination of the twist system from root to tip.
+// Joint strains, and the elimination of the twist system from root to tip.
 inline void RodStep::eliminateTwist() {
   quat inner = inner_frame_;
   real3 t_in = tangent_old_;
-  real3 moment_before = makeReal3(lit(0), lit(0), lit(0));
-  real factor = lit(0), right = lit(0), diagonal = lit(0), lower = lit(0);
+  real factor = lit(0), right = lit(0), diagonal = lit(0), lower = lit(0), torque_before = lit(0);
   for (int j = 0; j < ne; ++j) {
     const quat q = state4(b.frame, j);
     const real3 t = get3(kTangent, j);
     const real kb = bend(j), kt = twist(j);
     const real3 strain = jointStrain(inner, q);
     const real3 excess = strain - state3(b.rest_strain, j);
-    const real3 moment = jointMoment(inner, strain, excess, kb, kt);
     const real c = dot(t_in, t);
     const real stiffness = bendMatrixStiffness(kb, c, madd(implicitShare(get(kBlend, j)), lit(h * h), lit(beta_ * h)));
-    set3(kMoment, j, moment);
+    set3(kStrain, j, strain);
     set(kCosine, j, c);
     set(kStiffness, j, stiffness);
     set(kMargin, j, bendMatrixMargin(stiffness, c, excess));
 
-    const real half = (lit(1) + c) * lit(0.5);
-    const real own = madd(kt - kb, half, kb);
-    const real across = lit(0) - madd(kb, c, (kt - kb) * half);
+    const real coupling = twistOfBending(strain, excess, kb), shear = torqueDifference(strain, excess, kb);
+    const real own = kt + coupling, across = coupling - kt;
     if (j > 0) {  // row j - 1 is complete now
-      const real r = dot(moment - moment_before, t_in);
+      const real r = madd(kt, excess.z, shear) - torque_before;
       const real inverse = lit(1) / max(diagonal + own - lower * factor, lit(1e-30));
       right = (r - lower * right) * inverse;
       factor = across * inverse;
@@ -175,10 +172,10 @@ inline void RodStep::eliminateTwist() {
     diagonal = own;
     inner = q;
     t_in = t;
-    moment_before = moment;
+    torque_before = madd(kt, excess.z, lit(0) - shear);
   }
   const real inverse = lit(1) / max(diagonal - lower * factor, lit(1e-30));
-  set(kRight, ne - 1, (lit(0) - dot(moment_before, t_in) - lower * right) * inverse);
+  set(kRight, ne - 1, (lit(0) - torque_before - lower * right) * inverse);
   for (int j = ne; j < ne + 2; ++j) {
     set(kStiffness, j, lit(0));
     set(kMargin, j, lit(0));
@@ -190,16 +187,18 @@ inline void RodStep::eliminateBending() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   const real3 pull = fill3(p.gravity) * lit(h * h) + fill3(p.wind) * lit(h * (1 - keep_)) - jump_;
   real turn = get(kRight, ne - 1);
+  quat outer = twistFrame(state4(b.frame, ne - 1), clamp(turn, lit(-1), lit(1)));
   real3 moment_out = zero, force_out = zero, y1 = zero, y2 = zero;
   real edge_out = lit(0), id1 = lit(0), id2 = lit(0), l1_out = lit(0);
   for (int e = ne - 1; e >= 0; --e) {
     const real3 t = get3(kTangent, e);
-    const real3 t_in = e > 0 ? get3(kTangent, e - 1) : tangent_old_;
     const real turn_in = e > 0 ? get(kRight, e - 1) - get(kFactor1, e - 1) * turn : lit(0);
     const real phi = clamp(turn, lit(-1), lit(1)), phi_in = clamp(turn_in, lit(-1), lit(1));
-    setState4(b.frame, e, twistFrame(state4(b.frame, e), phi));
+    const quat inner = e > 0 ? twistFrame(state4(b.frame, e - 1), phi_in) : inner_frame_;
+    setState4(b.frame, e, outer);
     const real kb = bend(e), il = inverseLength(e);
-    const real3 moment = get3(kMoment, e) + momentOfTwist(t_in, t, phi_in, phi, kb, twist(e));
+    const real3 strain = twistedStrain(get3(kStrain, e), phi_in, phi);
+    const real3 moment = jointMoment(inner, strain, strain - state3(b.rest_strain, e), kb, twist(e));
 
     // Tension of the last substep, its compression held below the buckling load.
     const real kept = max(state(b.tension, 0, e) * lit(kWarmStart), kb * il * lit(-0.1 * h * h));
@@ -225,7 +224,7 @@ inline void RodStep::eliminateBending() {
     const real l1 = u1 * id1;
     const real inverse = lit(1) / (diagonal - l1 * u1 - l2 * second);
     const real3 y = total - y1 * l1 - y2 * l2;
-    set3(kMoment, e, y * inverse);
+    set3(kStrain, e, y * inverse);
     set(kFactor1, e, l1);
     set(kFactor2, e, l2);
     y2 = y1;
@@ -237,6 +236,7 @@ inline void RodStep::eliminateBending() {
     edge_out = edge;
     moment_out = moment;
     turn = turn_in;
+    outer = inner;
   }
 }
 
@@ -259,7 +259,7 @@ inline void RodStep::substituteBending() {
   real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), w_in = lit(0), right = lit(0), inverse = lit(0);
   set3(kNormal, 0, zero);
   for (int e = 0; e < ne; ++e) {
-    const real3 d = get3(kMoment, e) - d1 * l1_in - d2 * l2_in2;
+    const real3 d = get3(kStrain, e) - d1 * l1_in - d2 * l2_in2;
     l1_in = get(kFactor1, e);
     l2_in2 = l2_in;
     l2_in = get(kFactor2, e);
@@ -326,7 +326,7 @@ inline void RodStep::firstLengths() {
       inverse = lit(1) / den;
       right = right * inverse;
       set(kRight2, e + 1, right);
-      set3(kMoment, e + 1, d);
+      set3(kStrain, e + 1, d);
       edge_t = d;
     }
     x_out = x;
@@ -349,14 +349,14 @@ inline void RodStep::finish() {
   store3((root_.position - x0) * inverse_h, b, b.velocity, 0);
   store3(root_.position, b, b.position, 0);
   real pull = bounded(0, get(kRight2, 0));
-  real3 t = get3(kMoment, 0), before = root_.position, placed = root_.position;
+  real3 t = get3(kStrain, 0), before = root_.position, placed = root_.position;
   for (int e = 0; e < ne; ++e) {
     store(state(b.tension, 0, e) + pull, b.tension + b.at(0, e));
     real pull_out = lit(0);
     real3 t_out = zero;
     if (e + 1 < ne) {
       pull_out = bounded(e + 1, get(kRight2, e + 1) - get(kFactor2, e) * pull);
-      t_out = get3(kMoment, e + 1);
+      t_out = get3(kStrain, e + 1);
     }
     const real3 normal = get3(kNormal, e + 1);
     real3 push = t_out * pull_out - t * pull;

@@ -28,13 +28,21 @@ FN real3 jointMoment(IN(quat) a, IN(real3) strain, IN(real3) excess, IN(real) be
   return rotate(a, madd(cross(strain, c), lit(0.5), c));
 }
 
-// How the moment of a joint changes when its outer edge turns about its own tangent t by phi and its inner edge about
-// t_in by phi_in (radians, small).
-FN real3 momentOfTwist(IN(real3) t_in, IN(real3) t, IN(real) phi_in, IN(real) phi, IN(real) bend, IN(real) twist) {
-  real3 turn = madd(t, phi, t_in * (lit(0) - phi_in));
-  real3 mean = t_in + t;
-  real share = (twist - bend) * dot(mean, turn) / max(dot(mean, mean), lit(1e-3));
-  return madd(turn, bend, mean * share);
+// The torque of a joint about its inner edge's tangent is twist excess.z + d, about its outer edge's twist excess.z - d.
+// This is d.
+FN real torqueDifference(IN(real3) strain, IN(real3) excess, IN(real) bend) {
+  return lit(0.5) * bend * (strain.x * excess.y - strain.y * excess.x);
+}
+// What bending adds to the stiffness of twist: the torques change by (twist + a) phi on the edge of a joint that turns by
+// phi about its tangent and by (a - twist) phi on the other. This is a, without terms in strain.z, held positive.
+FN real twistOfBending(IN(real3) strain, IN(real3) excess, IN(real) bend) {
+  real3 rest = strain - excess;
+  return max(lit(0.25) * bend * madd(strain.x, rest.x, strain.y * rest.y), lit(0));
+}
+// Strain of a joint when its inner and outer edge have turned about their tangents by phi_in and phi (radians, small).
+FN real3 twistedStrain(IN(real3) strain, IN(real) phi_in, IN(real) phi) {
+  real mean = lit(0.5) * (phi_in + phi);
+  return makeReal3(madd(strain.y, mean, strain.x), madd(lit(0) - strain.x, mean, strain.y), strain.z + phi - phi_in);
 }
 
 // Frame turned about its own tangent by the small angle phi.
