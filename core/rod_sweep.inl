@@ -6,11 +6,12 @@
 enum RodScratch : int {
   kNewPosition = 0,   // 3
   kTangent = 3,       // 3, later of the lengths
-  kMoment = 6,        // 3, later the right-hand sides of bending
+  kStrain = 6,        // 3, of a joint, later the right-hand sides of bending
   kNormal = 9,        // 3, of the contact at a vertex
-  kOldTangent = 12,   // 3, of the positions before the substep
+  kDirection = 12,    // 3, in which the last substep's tension acts
   kFactor1 = 15,      // elimination factors
   kFactor2 = 16,
+  kBlend = kFactor2,  // of an edge, until the elimination of bending
   kRight = 17,        // right-hand sides of twist, later of lengths
   kCosine = 18,       // of the angle at a joint, later the softness of its vertex
   kStiffness = 19,    // K of a joint, later elimination factors of tensions
@@ -18,8 +19,6 @@ enum RodScratch : int {
   kRight2 = 21,
   kRodScratchPlanes = 22
 };
-
-constexpr double kDirectionBlend = 0.9;  // of old and new edge in the direction of the tension
 
 class RodStep {
  public:
@@ -39,6 +38,12 @@ class RodStep {
   }
 
   void run() {
+    real length = lit(0), hung = lit(0);
+    for (int e = 0; e < ne; ++e) {
+      length = length + lengthOf(e);
+      hung = hung + select(weight(e + 1) > lit(0), mass(e + 1), lit(0));
+    }
+    most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
     for (int substep = 0; substep < p.substeps; ++substep) {
       time_ = (substep + 1.0) / p.substeps;
       const RootFrame root{madd(end_.position - begin_.position, lit(time_), begin_.position),
@@ -103,9 +108,10 @@ class RodStep {
   quat inner_frame_;    // of the root, without the swing of this substep
   real3 tangent_old_, swing_;  // root tangent before the substep, and how it changes
   real3 jump_;          // m, unexpected motion of the root
+  real most_tension_;   // that is taken over from one substep to the next
 };
 
-// Root motion, inertial point, tangents, frames carried along.
+// Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
 inline void RodStep::predict(const RootFrame& root) {
   root_ = root;
   const real3 x0 = state3(b.position, 0);
@@ -113,56 +119,57 @@ inline void RodStep::predict(const RootFrame& root) {
   tangent_old_ = frameTangent(frame_);
   swing_ = tangent_new - tangent_old_;
   inner_frame_ = multiply(rotationBetween(tangent_new, tangent_old_), root.rotation);
-  const real3 root_velocity = state3(b.velocity, 0);
-  jump_ = root.position - madd(root_velocity, lit(h), x0);
+  jump_ = root.position - madd(state3(b.velocity, 0), lit(h), x0);
 
   set3(kNewPosition, 0, root.position);
   real3 before = x0;
-  real3 drag_before = root_velocity;
+  real3 unit_before = tangent_old_;
   for (int e = 0; e < ne; ++e) {
     const real3 x = state3(b.position, e + 1), v = state3(b.velocity, e + 1);
     const real3 held = rotate(root.rotation, state3(b.rest_local, e + 1)) + root.position;
     const real3 moved = select(weight(e + 1) > lit(0), madd(v, lit(h * keep_), x) + jump_, held);
     set3(kNewPosition, e + 1, moved);
-    const real3 edge = moved - get3(kNewPosition, e);
-    set3(kOldTangent, e, normalizeOrZero(x - before));
-    // Internal damping acts through frames that are ahead of the motion by the damping time.
-    const real3 ahead = madd(v - drag_before, lit(beta_), edge);
-    const quat frame = state4(b.frame, e);
-    const real3 t = directionOr(ahead, frameTangent(frame));
+    const real3 edge = moved - get3(kNewPosition, e), old = x - before;
+    const real3 advance = edge - old;
+    const real il = inverseLength(e);
+    const real3 unit = old * il;
+    const real kept = min(keptTension(state(b.tension, 0, e) * lit(h * h), advance * il, bend(e), il, lit(h * h)),
+                          most_tension_);
+    store(kept, b.tension + b.at(0, e));
+    const real blend = timeBlend(advance * il, unit - unit_before, bend(e) * il * il * lit(h * h) * weight(e + 1));
+    set(kBlend, e, blend);
+    // Internal damping acts through frames that are ahead of the motion by the damping time; tension is not damped.
+    const real3 t = directionOr(madd(advance, lit(beta_ / h) - blend, edge), frameTangent(state4(b.frame, e)));
     set3(kTangent, e, t);
-    setState4(b.frame, e, transportTo(frame, t));
+    set3(kDirection, e, madd(advance, lit(-beta_ / h) * il, t));
+    setState4(b.frame, e, transportTo(state4(b.frame, e), t));
     before = x;
-    drag_before = v;
+    unit_before = unit;
   }
 }
 
-// Joint moments, and the elimination of the twist system from root to tip.
+// Joint strains, and the elimination of the twist system from root to tip.
 inline void RodStep::eliminateTwist() {
   quat inner = inner_frame_;
   real3 t_in = tangent_old_;
-  real3 moment_before = makeReal3(lit(0), lit(0), lit(0));
-  real factor = lit(0), right = lit(0), diagonal = lit(0), lower = lit(0);
-  const real time2 = lit(h * h + beta_ * h);
+  real factor = lit(0), right = lit(0), diagonal = lit(0), lower = lit(0), torque_before = lit(0);
   for (int j = 0; j < ne; ++j) {
     const quat q = state4(b.frame, j);
     const real3 t = get3(kTangent, j);
     const real kb = bend(j), kt = twist(j);
     const real3 strain = jointStrain(inner, q);
     const real3 excess = strain - state3(b.rest_strain, j);
-    const real3 moment = jointMoment(inner, strain, excess, kb, kt);
     const real c = dot(t_in, t);
-    const real stiffness = bendMatrixStiffness(kb, c, time2);
-    set3(kMoment, j, moment);
+    const real stiffness = bendMatrixStiffness(kb, c, madd(implicitShare(get(kBlend, j)), lit(h * h), lit(beta_ * h)));
+    set3(kStrain, j, strain);
     set(kCosine, j, c);
     set(kStiffness, j, stiffness);
     set(kMargin, j, bendMatrixMargin(stiffness, c, excess));
 
-    const real half = (lit(1) + c) * lit(0.5);
-    const real own = madd(kt - kb, half, kb);
-    const real across = twistCoupling(kb, kt, c, moment, t_in, t);
+    const real coupling = twistOfBending(strain, excess, kb), shear = torqueDifference(strain, excess, kb);
+    const real own = kt + coupling, across = coupling - kt;
     if (j > 0) {  // row j - 1 is complete now
-      const real r = dot(moment - moment_before, t_in);
+      const real r = madd(kt, excess.z, shear) - torque_before;
       const real inverse = lit(1) / max(diagonal + own - lower * factor, lit(1e-30));
       right = (r - lower * right) * inverse;
       factor = across * inverse;
@@ -173,10 +180,10 @@ inline void RodStep::eliminateTwist() {
     diagonal = own;
     inner = q;
     t_in = t;
-    moment_before = moment;
+    torque_before = madd(kt, excess.z, lit(0) - shear);
   }
   const real inverse = lit(1) / max(diagonal - lower * factor, lit(1e-30));
-  set(kRight, ne - 1, (lit(0) - dot(moment_before, t_in) - lower * right) * inverse);
+  set(kRight, ne - 1, (lit(0) - torque_before - lower * right) * inverse);
   for (int j = ne; j < ne + 2; ++j) {
     set(kStiffness, j, lit(0));
     set(kMargin, j, lit(0));
@@ -188,28 +195,21 @@ inline void RodStep::eliminateBending() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   const real3 pull = fill3(p.gravity) * lit(h * h) + fill3(p.wind) * lit(h * (1 - keep_)) - jump_;
   real turn = get(kRight, ne - 1);
+  quat outer = twistFrame(state4(b.frame, ne - 1), clamp(turn, lit(-1), lit(1)));
   real3 moment_out = zero, force_out = zero, y1 = zero, y2 = zero;
   real edge_out = lit(0), id1 = lit(0), id2 = lit(0), l1_out = lit(0);
   for (int e = ne - 1; e >= 0; --e) {
     const real3 t = get3(kTangent, e);
-    const real3 t_in = e > 0 ? get3(kTangent, e - 1) : tangent_old_;
     const real turn_in = e > 0 ? get(kRight, e - 1) - get(kFactor1, e - 1) * turn : lit(0);
     const real phi = clamp(turn, lit(-1), lit(1)), phi_in = clamp(turn_in, lit(-1), lit(1));
-    setState4(b.frame, e, twistFrame(state4(b.frame, e), phi));
+    const quat inner = e > 0 ? twistFrame(state4(b.frame, e - 1), phi_in) : inner_frame_;
+    setState4(b.frame, e, outer);
     const real kb = bend(e), il = inverseLength(e);
-    const real3 moment = get3(kMoment, e) + momentOfTwist(t_in, t, phi_in, phi, kb, twist(e));
+    const real3 strain = twistedStrain(get3(kStrain, e), phi_in, phi);
+    const real3 moment = jointMoment(inner, strain, strain - state3(b.rest_strain, e), kb, twist(e));
+    const real kept = state(b.tension, 0, e);
 
-    // The tension acts along a direction between the old and the new edge, which makes the motion of the chain second
-    // order in time.
-    const real3 old = get3(kOldTangent, e);
-    const real kept = keptTension(state(b.tension, 0, e) * lit(h * h), old, t, kb, il, lit(h * h));
-    store(kept, b.tension + b.at(0, e));
-    const real kappa = kb * il * il * lit(h * h) * weight(e + 1);
-    const real turned_little = clamp(dot(old, t) * lit(20) - lit(18), lit(0), lit(1));  // within 18 to 26 degrees
-    const real sigma = turned_little * lit(kDirectionBlend) / madd(kappa, lit(0.05), lit(1));
-    const real3 direction = madd(old - t, sigma, t);
-
-    real3 force = cross(moment_out - moment, t) * (il * lit(h * h)) - direction * kept;
+    real3 force = cross(moment_out - moment, t) * (il * lit(h * h)) - get3(kDirection, e) * kept;
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
     const real3 total = madd(pull, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
@@ -218,7 +218,7 @@ inline void RodStep::eliminateBending() {
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
     const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1), k2 = get(kStiffness, e + 2);
     const real edge = madd((get(kMargin, e) + get(kMargin, e + 1)) * il, il,
-                           max(kept, lit(0)) * il * (lit(1) - sigma * lit(0.75)));
+                           max(kept, lit(0)) * il * implicitShare(get(kBlend, e)));
     set(kCosine, e + 1, e + 1 < ne ? tensionSoftness(m, k1, edge, il, get(kCosine, e + 1)) : lit(0));
     const real sum = il + il_out;
     const real diagonal = m + k0 * il * il + k1 * sum * sum + k2 * il_out * il_out + edge + edge_out;
@@ -230,7 +230,7 @@ inline void RodStep::eliminateBending() {
     const real l1 = u1 * id1;
     const real inverse = lit(1) / (diagonal - l1 * u1 - l2 * second);
     const real3 y = total - y1 * l1 - y2 * l2;
-    set3(kMoment, e, y * inverse);
+    set3(kStrain, e, y * inverse);
     set(kFactor1, e, l1);
     set(kFactor2, e, l2);
     y2 = y1;
@@ -242,6 +242,7 @@ inline void RodStep::eliminateBending() {
     edge_out = edge;
     moment_out = moment;
     turn = turn_in;
+    outer = inner;
   }
 }
 
@@ -266,7 +267,7 @@ inline void RodStep::substituteBending() {
   real soft_in = lit(0), tension_right = lit(0), tension_inverse = lit(0);
   set3(kNormal, 0, zero);
   for (int e = 0; e < ne; ++e) {
-    const real3 d = get3(kMoment, e) - d1 * l1_in - d2 * l2_in2;
+    const real3 d = get3(kStrain, e) - d1 * l1_in - d2 * l2_in2;
     l1_in = get(kFactor1, e);
     l2_in2 = l2_in;
     l2_in = get(kFactor2, e);
@@ -319,7 +320,9 @@ inline void RodStep::firstLengths() {
     if (e >= 0) {
       const real limit = lengthOf(e) * lit(20);
       applied = clamp(pull, lit(0) - limit, limit);
-      tension_change = clamp(tension_change, lit(0) - limit, limit);
+      // In violent motion not much more than what the masses take.
+      const real most = max(abs(applied) * lit(4), most_tension_ * lit(0.02));
+      tension_change = clamp(tension_change, lit(0) - most, most);
       store(state(b.tension, 0, e) + tension_change, b.tension + b.at(0, e));
       t = get3(kTangent, e);
       if (e > 0) {
@@ -347,7 +350,7 @@ inline void RodStep::firstLengths() {
       inverse = lit(1) / den;
       right = right * inverse;
       set(kRight2, e + 1, right);
-      set3(kMoment, e + 1, d);
+      set3(kStrain, e + 1, d);
       edge_t = d;
     }
     x_out = x;
@@ -370,14 +373,14 @@ inline void RodStep::finish() {
   store3((root_.position - x0) * inverse_h, b, b.velocity, 0);
   store3(root_.position, b, b.position, 0);
   real pull = bounded(0, get(kRight2, 0));
-  real3 t = get3(kMoment, 0), before = root_.position, placed = root_.position;
+  real3 t = get3(kStrain, 0), before = root_.position, placed = root_.position;
   for (int e = 0; e < ne; ++e) {
     store((state(b.tension, 0, e) + pull) * lit(1 / (h * h)), b.tension + b.at(0, e));
     real pull_out = lit(0);
     real3 t_out = zero;
     if (e + 1 < ne) {
       pull_out = bounded(e + 1, get(kRight2, e + 1) - get(kFactor2, e) * pull);
-      t_out = get3(kMoment, e + 1);
+      t_out = get3(kStrain, e + 1);
     }
     const real3 normal = get3(kNormal, e + 1);
     real3 push = t_out * pull_out - t * pull;

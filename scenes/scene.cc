@@ -15,6 +15,8 @@
 namespace strandcast {
 namespace {
 
+constexpr float kHairDamping = 0.002f;  // s: at 10 Hz, 6 % of critical
+
 struct NamedScene {
   SceneInfo info;
   ProceduralGroomOptions groom;
@@ -80,6 +82,7 @@ Scene makeProceduralScene(const SceneOptions& options, const Progress& progress)
   scene.bodies.push_back({std::move(body.shoulders), false});
   scene.head_pivot = body.neck_pivot;
   scene.motion = headMotion(options.motion.empty() ? named.motion : options.motion, scene.head_pivot);
+  scene.parameters.damping_time = kHairDamping;
   scene.parameters.shape_rate = named.shape_rate;
   scene.parameters.shape_rate_tip = named.shape_rate_tip;
   return scene;
@@ -138,6 +141,7 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
 
 Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   Scene scene;
+  scene.parameters.damping_time = kHairDamping;
   scene.name = options.groom.front().stem().string();
   report(progress, "reading the groom", 0.1);
   scene.groom = loadGroom(options.groom, options.units);

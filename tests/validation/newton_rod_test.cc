@@ -1,0 +1,174 @@
+#include "validation/newton_rod.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "core/backend.h"
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+Parameters rodParameters(double rate, double drag) {
+  Parameters parameters;
+  parameters.solver = SolverKind::kRod;
+  parameters.time_step = static_cast<float>(1 / rate);
+  parameters.substeps = 1;
+  parameters.air_drag = static_cast<float>(drag);
+  return parameters;
+}
+
+StrandModel modelOf(const std::vector<Vec3>& points) {
+  StrandSet set;
+  set.append(points);
+  return makeStrandModel(set);
+}
+
+StrandModel straight(double length, int edges, const Vec3& direction) {
+  std::vector<Vec3> points;
+  for (int i = 0; i <= edges; ++i) points.push_back(direction * static_cast<float>(length * i / edges));
+  return modelOf(points);
+}
+
+// A helix down from the root, radius and pitch 1 cm.
+StrandModel curl(double length, int edges) {
+  constexpr double kRadius = 0.01, kRise = 0.01 / kTurn;
+  std::vector<Vec3> points;
+  for (int i = 0; i <= edges; ++i) {
+    const double a = length * i / edges / std::hypot(kRadius, kRise);
+    points.push_back(
+        Eigen::Vector3d(kRadius * (std::cos(a) - 1), -kRise * a, kRadius * std::sin(a)).cast<float>());
+  }
+  return modelOf(points);
+}
+
+// Shaken and turned once a second, from rest without a jump of the acceleration.
+Pose shaken(double time) {
+  const double u = std::clamp(time / 0.25, 0.0, 1.0);
+  const double swing = u * u * u * (10 - 15 * u + 6 * u * u) * std::sin(kTurn * time);
+  return {
+      Vec3(static_cast<float>(0.1 * swing), 0, 0),
+      Quat(Eigen::AngleAxisf(static_cast<float>(std::numbers::pi / 4 * swing), Eigen::Vector3f::UnitZ()))};
+}
+
+using Path = std::vector<Eigen::Vector3d>;  // of the tip, 60 times a second
+constexpr double kSeconds = 0.5, kDrag = 2;
+
+Path pathOfNewton(const StrandModel& model, int rate) {
+  const Pose rest = model.rest_roots[0];
+  NewtonRod rod(model, 0, rodParameters(rate, kDrag), rest);
+  Path path;
+  for (int i = 1; i <= kSeconds * rate; ++i) {
+    rod.step(shaken((i - 1.0) / rate) * rest, shaken(static_cast<double>(i) / rate) * rest);
+    if (i % (rate / 60) == 0) path.push_back(rod.positions().back());
+  }
+  return path;
+}
+
+Path pathOfSolver(const StrandModel& model, int rate) {
+  const Parameters parameters = rodParameters(rate, kDrag);
+  std::vector<Pose> begin = model.rest_roots, end;
+  const auto backend = makeOracleBackend();
+  backend->load(model, restState(model, begin));
+  Path path;
+  for (int i = 1; i <= kSeconds * rate; ++i) {
+    end = {shaken(static_cast<double>(i) / rate) * model.rest_roots[0]};
+    backend->step({&parameters, begin, end, {}});
+    begin = end;
+    if (i % (rate / 60) == 0) path.push_back(backend->guides().back().cast<double>());
+  }
+  return path;
+}
+
+double distance(const Path& a, const Path& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+// Drop over reach of a heavy clamped elastica, theta'' = -gamma (1 - s) cos(theta), by shooting.
+TEST(NewtonRod, ACantileverSagsAsTheElasticaDoes) {
+  const Material hair;
+  const double r = hair.radius;
+  for (const auto& [gamma, exact, limit] :
+       {std::tuple(1.0, 0.124562, 0.0015), std::tuple(10.0, 1.066802, 0.0015),
+        std::tuple(100.0, 5.888105, 0.005)}) {
+    const double length = std::cbrt(gamma * hair.youngs_modulus * r * r / (4 * hair.density * 9.81));
+    const StrandModel model = straight(length, 32, Vec3::UnitX());
+    NewtonRod rod(model, 0, rodParameters(120, 5), model.rest_roots[0]);
+    for (int i = 0; i < 8 * 120; ++i) rod.step(model.rest_roots[0], model.rest_roots[0]);
+    const Eigen::Vector3d tip = rod.positions().back();
+    EXPECT_NEAR(-tip.y() / tip.x() / exact, 1, limit) << "gamma " << gamma;
+  }
+}
+
+TEST(NewtonRod, KeepsItsLengths) {
+  const StrandModel model = curl(0.2, 24);
+  const Pose rest = model.rest_roots[0];
+  NewtonRod rod(model, 0, rodParameters(720, kDrag), rest);
+  for (int i = 1; i <= 360; ++i) {
+    rod.step(shaken((i - 1) / 720.0) * rest, shaken(i / 720.0) * rest);
+    for (int e = 0; e < 24; ++e) {
+      const double length = (model.rest_local[e + 1] - model.rest_local[e]).cast<double>().norm();
+      EXPECT_NEAR((rod.positions()[e + 1] - rod.positions()[e]).norm(), length, 1e-9 * length);
+    }
+  }
+}
+
+TEST(NewtonRod, ConvergesWithTheSecondOrder) {
+  const StrandModel model = straight(0.2, 24, -Vec3::UnitY());
+  const Path coarse = pathOfNewton(model, 720), middle = pathOfNewton(model, 1440),
+             fine = pathOfNewton(model, 2880);
+  EXPECT_LT(distance(middle, fine), 0.3 * distance(coarse, middle));
+}
+
+// A straight strand let go sideways without drag: its energy stays. The energy of a straight joint whose
+// strain is 2 tan(theta / 2) and whose moment is `bend` times that is -4 bend log(cos(theta / 2)).
+TEST(NewtonRod, KeepsTheEnergyOfAFall) {
+  const StrandModel model = straight(0.15, 16, Vec3::UnitX());
+  NewtonRod rod(model, 0, rodParameters(5760, 0), model.rest_roots[0]);
+  double deepest = 0, largest_error = 0;
+  for (int i = 0; i < 5760 / 2; ++i) {
+    rod.step(model.rest_roots[0], model.rest_roots[0]);
+    double potential = 0, motion = 0, elastic = 0;
+    Eigen::Vector3d before = Eigen::Vector3d::UnitX();
+    for (int v = 1; v <= 16; ++v) {
+      const Eigen::Vector3d tangent = (rod.positions()[v] - rod.positions()[v - 1]).normalized();
+      elastic -= 2 * model.bend[v - 1] * std::log((1 + before.dot(tangent)) / 2);
+      potential += 9.81 * model.mass[v] * rod.positions()[v].y();
+      motion += 0.5 * model.mass[v] * rod.velocities()[v].squaredNorm();
+      before = tangent;
+    }
+    deepest = std::min(deepest, potential);
+    largest_error = std::max(largest_error, std::abs(motion + elastic + potential));
+  }
+  EXPECT_LT(largest_error, -0.001 * deepest);
+}
+
+TEST(NewtonRod, TheSolverRodConvergesToIt) {
+  const StrandModel model = curl(0.2, 24);
+  const Path exact = pathOfNewton(model, 5760);
+  const double coarse = distance(pathOfSolver(model, 1440), exact);
+  const double fine = distance(pathOfSolver(model, 5760), exact);
+  EXPECT_LT(fine, 0.5 * coarse);
+  EXPECT_LT(fine, 0.002);
+}
+
+TEST(NewtonRod, RefusesWhatItDoesNotHave) {
+  const StrandModel model = straight(0.1, 8, Vec3::UnitX());
+  Parameters damped = rodParameters(360, 1);
+  damped.damping_time = 0.001f;
+  EXPECT_THROW(NewtonRod(model, 0, damped, model.rest_roots[0]), Error);
+  StrandModel pinned = model;
+  pinned.inverse_mass[4] = 0;
+  EXPECT_THROW(NewtonRod(pinned, 0, rodParameters(360, 1), model.rest_roots[0]), Error);
+}
+
+}  // namespace
+}  // namespace strandcast
