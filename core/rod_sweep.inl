@@ -19,9 +19,6 @@ enum RodScratch : int {
   kRodScratchPlanes = 22
 };
 
-constexpr double kWarmStart = 0.98;      // of last substep's tensions
-constexpr double kDirectionBlend = 0.9;  // of old and new edge in the direction of the tension
-
 class RodStep {
  public:
   RodStep(const Block& block, const StepInput& input, Scalar* scratch)
@@ -159,9 +156,8 @@ inline void RodStep::eliminateTwist() {
     set(kStiffness, j, stiffness);
     set(kMargin, j, bendMatrixMargin(stiffness, c, excess));
 
-    const real half = (lit(1) + c) * lit(0.5);
-    const real own = madd(kt - kb, half, kb);
-    const real across = lit(0) - madd(kb, c, (kt - kb) * half);
+    const real own = twistOwn(kb, kt, c);
+    const real across = twistAcross(kb, kt, c);
     if (j > 0) {  // row j - 1 is complete now
       const real r = dot(moment - moment_before, t_in);
       const real inverse = lit(1) / max(diagonal + own - lower * factor, lit(1e-30));
@@ -200,15 +196,11 @@ inline void RodStep::eliminateBending() {
     const real kb = bend(e), il = inverseLength(e);
     const real3 moment = get3(kMoment, e) + momentOfTwist(t_in, t, phi_in, phi, kb, twist(e));
 
-    // Tension of the last substep, its compression held below the buckling load; it acts along a direction between the
-    // old and the new edge, which makes the motion of the chain second order in time.
-    const real kept = max(state(b.tension, 0, e) * lit(kWarmStart), kb * il * lit(-0.1 * h * h));
+    const real kept = keptTension(state(b.tension, 0, e), kb, il, lit(h * h));
     store(kept, b.tension + b.at(0, e));
-    const real kappa = kb * il * il * lit(h * h) * weight(e + 1);
     const real3 old = get3(kOldTangent, e);
-    const real turned_little = clamp(dot(old, t) * lit(20) - lit(18), lit(0), lit(1));  // within 18 to 26 degrees
-    const real sigma = turned_little * lit(kDirectionBlend) / madd(kappa, lit(0.05), lit(1));
-    const real3 direction = madd(old - t, sigma, t);
+    const real share = oldDirectionShare(old, t, kb, il, weight(e + 1), lit(h * h));
+    const real3 direction = madd(old - t, share, t);
 
     real3 force = cross(moment_out - moment, t) * (il * lit(h * h)) - direction * kept;
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
@@ -218,12 +210,10 @@ inline void RodStep::eliminateBending() {
     const real il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
     const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1), k2 = get(kStiffness, e + 2);
-    const real edge = madd((get(kMargin, e) + get(kMargin, e + 1)) * il, il,
-                           max(kept, lit(0)) * il * (lit(1) - sigma * lit(0.75)));
-    const real sum = il + il_out;
-    const real diagonal = m + k0 * il * il + k1 * sum * sum + k2 * il_out * il_out + edge + edge_out;
-    const real first = lit(0) - k1 * sum * il_out - k2 * il_out * (il_out + il_out2) - edge_out;
-    const real second = k2 * il_out * il_out2;
+    const real edge = edgeMatrixStiffness(get(kMargin, e) + get(kMargin, e + 1), il, kept, share);
+    const real diagonal = m + bendOwn(k0, k1, k2, il, il_out) + edge + edge_out;
+    const real first = bendAcross(k1, k2, il, il_out, il_out2) - edge_out;
+    const real second = bendAcrossTwo(k2, il_out, il_out2);
 
     const real l2 = second * id2;
     const real u1 = first - second * l1_out;
@@ -279,11 +269,10 @@ inline void RodStep::substituteBending() {
     const real3 t = directionOr(edge, get3(kTangent, e));
     const real excess = dot(edge, t) - lengthOf(e);
     const real w = weight(e + 1);
-    const real a = dot(t, normal_in), c = dot(t, normal), i = dot(t_in, normal_in);
-    const real diagonal = w_in * (lit(1) - a * a) + w * (lit(1) - c * c);
-    const real lower = lit(0) - w_in * (dot(t, t_in) - a * i);
+    const real diagonal = lengthOwn(t, normal_in, normal, w_in, w);
+    const real lower = lengthAcross(t, t_in, normal_in, w_in);
     set(kFactor1, e, lower * inverse);  // of row e on row e - 1; symmetric
-    const real den = max(diagonal - lower * lower * inverse, max((w_in + w) * lit(0.05), lit(1e-6)));
+    const real den = max(diagonal - lower * lower * inverse, lengthPivot(w_in, w));
     right = excess - lower * right;
     inverse = lit(1) / den;
     right = right * inverse;
@@ -305,14 +294,12 @@ inline void RodStep::firstLengths() {
     real3 t = zero, normal = zero, x = root_.position;
     real w = lit(0), applied = lit(0);
     if (e >= 0) {
-      const real limit = lengthOf(e) * lit(20);
-      applied = clamp(pull, lit(0) - limit, limit);
+      applied = boundedPull(pull, lengthOf(e));
       store(state(b.tension, 0, e) + applied, b.tension + b.at(0, e));
       t = get3(kTangent, e);
       if (e > 0) pull = get(kRight, e - 1) - get(kFactor1, e) * applied;
       normal = get3(kNormal, e + 1);
-      real3 push = t_out * pull_out - t * applied;
-      push = madd(normal, lit(0) - dot(push, normal), push);
+      const real3 push = alongSurface(t_out * pull_out - t * applied, normal);
       w = weight(e + 1);
       x = collide(e + 1, madd(push, w, get3(kNewPosition, e + 1)));
       normal = get3(kNormal, e + 1);
@@ -322,11 +309,10 @@ inline void RodStep::firstLengths() {
       const real3 edge = x_out - x;
       const real3 d = directionOr(edge, t_out);
       const real excess = dot(edge, d) - lengthOf(e + 1);
-      const real a = dot(d, normal), c = dot(d, normal_out), i = dot(edge_t, normal_out);
-      const real diagonal = w * (lit(1) - a * a) + w_out * (lit(1) - c * c);
-      const real upper = lit(0) - w_out * (dot(d, edge_t) - c * i);
+      const real diagonal = lengthOwn(d, normal, normal_out, w, w_out);
+      const real upper = lengthAcross(d, edge_t, normal_out, w_out);
       set(kFactor2, e + 1, upper * inverse);
-      const real den = max(diagonal - upper * upper * inverse, max((w + w_out) * lit(0.05), lit(1e-6)));
+      const real den = max(diagonal - upper * upper * inverse, lengthPivot(w, w_out));
       right = excess - upper * right;
       inverse = lit(1) / den;
       right = right * inverse;
@@ -346,26 +332,21 @@ inline void RodStep::firstLengths() {
 inline void RodStep::finish() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   const real inverse_h = lit(1 / h);
-  auto bounded = [&](int e, real pull) {
-    const real limit = lengthOf(e) * lit(20);
-    return clamp(pull, lit(0) - limit, limit);
-  };
   const real3 x0 = state3(b.position, 0);
   store3((root_.position - x0) * inverse_h, b, b.velocity, 0);
   store3(root_.position, b, b.position, 0);
-  real pull = bounded(0, get(kRight2, 0));
+  real pull = boundedPull(get(kRight2, 0), lengthOf(0));
   real3 t = get3(kMoment, 0), before = root_.position, placed = root_.position;
   for (int e = 0; e < ne; ++e) {
     store(state(b.tension, 0, e) + pull, b.tension + b.at(0, e));
     real pull_out = lit(0);
     real3 t_out = zero;
     if (e + 1 < ne) {
-      pull_out = bounded(e + 1, get(kRight2, e + 1) - get(kFactor2, e) * pull);
+      pull_out = boundedPull(get(kRight2, e + 1) - get(kFactor2, e) * pull, lengthOf(e + 1));
       t_out = get3(kMoment, e + 1);
     }
     const real3 normal = get3(kNormal, e + 1);
-    real3 push = t_out * pull_out - t * pull;
-    push = madd(normal, lit(0) - dot(push, normal), push);
+    const real3 push = alongSurface(t_out * pull_out - t * pull, normal);
     const real3 x = madd(push, weight(e + 1), get3(kNewPosition, e + 1));
     const mask free = weight(e + 1) > lit(0);
     placed = select(free, madd(directionOr(x - before, t), lengthOf(e), placed), x);

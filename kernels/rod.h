@@ -54,3 +54,64 @@ FN real bendMatrixMargin(IN(real) stiffness, IN(real) c, IN(real3) excess) {
   real fold = max(lit(2) - lit(2) * c, lit(0));
   return stiffness * madd(lit(3), fold, lit(10) * min(dot(excess, excess), lit(4)));
 }
+
+// The twist system, one unknown per edge: what a joint adds to the diagonal of both its edges, and what couples them.
+FN real twistOwn(IN(real) bend, IN(real) twist, IN(real) c) {
+  return madd(twist - bend, (lit(1) + c) * lit(0.5), bend);
+}
+FN real twistAcross(IN(real) bend, IN(real) twist, IN(real) c) {
+  return lit(0) - madd(bend, c, (twist - bend) * ((lit(1) + c) * lit(0.5)));
+}
+
+// What an edge starts a substep with of its tension (x dt^2, m) from the last one. Compression is held below the buckling
+// load: as a force of the past it would be unstable.
+FN real keptTension(IN(real) tension, IN(real) bend, IN(real) inverse_length, IN(real) dt2) {
+  return max(tension * lit(0.98), bend * inverse_length * (lit(-0.1) * dt2));
+}
+// The kept tension acts along `t + share (old - t)`, between the old and the new direction of its edge, which makes the
+// motion of the chain second order in time. No share where the edge turned by more than 26 degrees or is stiff.
+// `weight`: 1 / mass of its outer vertex.
+FN real oldDirectionShare(IN(real3) old, IN(real3) t, IN(real) bend, IN(real) inverse_length, IN(real) weight,
+                          IN(real) dt2) {
+  real stiff = bend * inverse_length * inverse_length * dt2 * weight;
+  real turned_little = clamp(dot(old, t) * lit(20) - lit(18), lit(0), lit(1));
+  return turned_little * lit(0.9) / madd(stiff, lit(0.05), lit(1));
+}
+// Stiffness of an edge in the bending matrix: the margins of its two joints, and its kept tension.
+FN real edgeMatrixStiffness(IN(real) margins, IN(real) inverse_length, IN(real) kept, IN(real) share) {
+  return madd(margins * inverse_length, inverse_length,
+              max(kept, lit(0)) * inverse_length * (lit(1) - share * lit(0.75)));
+}
+
+// `push` without its part along a contact's normal (zero where there is no contact).
+FN real3 alongSurface(IN(real3) push, IN(real3) normal) { return madd(normal, lit(0) - dot(push, normal), push); }
+
+// The bending system, one unknown displacement per vertex: what joints of stiffness k0 (before edge e), k1 and k2 (the two
+// after it) put on the diagonal of the outer vertex of edge e, and what couples it to the next vertex and the one after.
+// `il`, `il_out`, `il_out2`: inverse lengths of edge e and the two after it.
+FN real bendOwn(IN(real) k0, IN(real) k1, IN(real) k2, IN(real) il, IN(real) il_out) {
+  real sum = il + il_out;
+  return k0 * il * il + k1 * sum * sum + k2 * il_out * il_out;
+}
+FN real bendAcross(IN(real) k1, IN(real) k2, IN(real) il, IN(real) il_out, IN(real) il_out2) {
+  return lit(0) - k1 * (il + il_out) * il_out - k2 * il_out * (il_out + il_out2);
+}
+FN real bendAcrossTwo(IN(real) k2, IN(real) il_out, IN(real) il_out2) { return k2 * il_out * il_out2; }
+
+// The length system, one unknown (m, pull x weight) per edge: its diagonal, and what couples the edges t and t_other that
+// meet at a vertex. Vertices in contact give way along the surface only.
+FN real lengthOwn(IN(real3) t, IN(real3) normal_in, IN(real3) normal, IN(real) weight_in, IN(real) weight) {
+  real a = dot(t, normal_in);
+  real c = dot(t, normal);
+  return weight_in * (lit(1) - a * a) + weight * (lit(1) - c * c);
+}
+FN real lengthAcross(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) weight) {
+  return lit(0) - weight * (dot(t, t_other) - dot(t, normal) * dot(t_other, normal));
+}
+// What the elimination of the length system may divide by at least.
+FN real lengthPivot(IN(real) weight_in, IN(real) weight) { return max((weight_in + weight) * lit(0.05), lit(1e-6)); }
+// The pull of an edge, bounded so that no strand is torn apart in one substep.
+FN real boundedPull(IN(real) pull, IN(real) rest_length) {
+  real limit = rest_length * lit(20);
+  return clamp(pull, lit(0) - limit, limit);
+}
