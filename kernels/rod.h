@@ -109,7 +109,7 @@ FN real lengthAcross(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) 
   return lit(0) - weight * (dot(t, t_other) - dot(t, normal) * dot(t_other, normal));
 }
 // What the elimination of the length system may divide by at least.
-FN real lengthPivot(IN(real) weight_in, IN(real) weight) { return max((weight_in + weight) * lit(0.05), lit(1e-6)); }
+FN real lengthPivot(IN(real) weight_in, IN(real) weight) { return max((weight_in + weight) * lit(1e-3), lit(1e-6)); }
 // The pull of an edge, bounded so that no strand is torn apart in one substep.
 FN real boundedPull(IN(real) pull, IN(real) rest_length) {
   real limit = rest_length * lit(20);

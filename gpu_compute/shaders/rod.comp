@@ -19,6 +19,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/root_motion.glsl"
 #include "gpu_compute/shaders/tridiagonal.glsl"
 #include "gpu_compute/shaders/pentadiagonal.glsl"
+#include "gpu_compute/shaders/bounded_lengths.glsl"
 #if BODIES
 #include "gpu_compute/shaders/bodies.glsl"
 #endif
@@ -197,9 +198,27 @@ void collide(float time) {
 }
 #endif
 
-// One Newton step towards the rest lengths.
-void solveLengths(RootMotion root) {
+// The rows of the length system.
+void lengthRows(out float diagonal[PER_THREAD], out float lower[PER_THREAD], out float pivot[PER_THREAD],
+                out float excess[PER_THREAD]) {
+  vec3 inner = x_new_in, t_in = tangent_in, n_in = NORMAL_IN;
+  float w_in = hasBefore(1) ? weight_in : 0.0;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    diagonal[p] = isEdge(p) ? lengthOwn(tangent[p], n_in, NORMAL(p), w_in, weight(p)) : 1.0;
+    lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in) : 0.0;
+    pivot[p] = lengthPivot(w_in, weight(p));
+    excess[p] = isEdge(p) ? dot(x_new[p] - inner, tangent[p]) - restLength(p) : 0.0;
+    inner = x_new[p];
+    t_in = tangent[p];
+    n_in = NORMAL(p);
+    w_in = weight(p);
+  }
+}
+
+// One Newton step towards the rest lengths. `from_tip`: the order of elimination, where it matters.
+void solveLengths(RootMotion root, bool from_tip) {
   for (int p = 1; p < PER_THREAD; ++p) tangent[p] = directionOr(x_new[p] - x_new[p - 1], tangent[p]);
+  forgetBeyondBound();
   exchange_a[me].xyz = x_new[kLast];
   exchange_b[me].xyz = tangent[kLast];
 #if BODIES
@@ -221,31 +240,38 @@ void solveLengths(RootMotion root) {
   tangent[0] = directionOr(x_new[0] - x_new_in, tangent[0]);
 
   float diagonal[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD], pull[PER_THREAD];
-  vec3 inner = x_new_in, t_in = tangent_in, n_in = NORMAL_IN;
-  float w_in = hasBefore(1) ? weight_in : 0.0;
+  lengthRows(diagonal, lower, pivot, pull);
+  float pull_in = solveTridiagonal(diagonal, lower, pivot, pull);
+  bool beyond = false;
   for (int p = 0; p < PER_THREAD; ++p) {
-    diagonal[p] = isEdge(p) ? lengthOwn(tangent[p], n_in, NORMAL(p), w_in, weight(p)) : 1.0;
-    lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in) : 0.0;
-    pivot[p] = lengthPivot(w_in, weight(p));
-    pull[p] = isEdge(p) ? dot(x_new[p] - inner, tangent[p]) - restLength(p) : 0.0;
-    inner = x_new[p];
-    t_in = tangent[p];
-    n_in = NORMAL(p);
-    w_in = weight(p);
+    float bounded = boundedPull(pull[p], restLength(p));
+    beyond = beyond || (isEdge(p) && bounded != pull[p]);
+    pull[p] = bounded;
   }
-  float pull_in = boundedPull(solveTridiagonal(diagonal, lower, pivot, pull), lengthIn());
+  if (beyond) noteBeyondBound();
+  exchange_a[me].xyz = tangent[0] * pull[0];
+  barrier();
+  vec3 push_out = exchange_a[after(1)].xyz;
+  bool any_beyond = any_beyond_bound != 0u;
+  barrier();
+  if (any_beyond) {  // the same for the whole workgroup
+    float excess[PER_THREAD];
+    lengthRows(diagonal, lower, pivot, excess);
+    pull_in = solveBounded(diagonal, lower, excess, from_tip, pull, pull_in);
+    exchange_a[me].xyz = tangent[0] * pull[0];
+    barrier();
+    push_out = exchange_a[after(1)].xyz;
+    barrier();
+  }
+  pull_in = boundedPull(pull_in, lengthIn());
+  if (!hasAfter(1)) push_out = vec3(0);
 
   vec3 push[PER_THREAD + 1];
   for (int p = 0; p < PER_THREAD; ++p) {
-    pull[p] = boundedPull(pull[p], restLength(p));
     tension[p] += pull[p];
     push[p] = tangent[p] * pull[p];
   }
-  exchange_a[me].xyz = push[0];
-  barrier();
-  push[PER_THREAD] = exchange_a[after(1)].xyz;
-  barrier();
-  if (!hasAfter(1)) push[PER_THREAD] = vec3(0);
+  push[PER_THREAD] = push_out;
   for (int p = 0; p < PER_THREAD; ++p)
     x_new[p] = madd(alongSurface(push[p + 1] - push[p], NORMAL(p)), weight(p), x_new[p]);
   // The same for the vertex before slot 0, which saves an exchange.
@@ -316,11 +342,11 @@ void main() {
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
     collide(timeAfter(substep));
 #endif
-    solveLengths(root);
+    solveLengths(root, false);
 #if BODIES
     collide(timeAfter(substep));
 #endif
-    solveLengths(root);
+    solveLengths(root, true);
     finish(root);
   }
   storeStrand();
