@@ -2,11 +2,15 @@
 // is block tridiagonal. Of its two blocks an invocation eliminates the inner; the outer ones of neighbours are solved by
 // parallel cyclic reduction. Needs strand_threads.glsl.
 
-// Symmetric 2 x 2 matrices are (00, 01, 11), others (00, 01, 10, 11). Systems here are positive definite; the bound holds
-// where rounding of a nearly singular block would say otherwise.
+// Symmetric 2 x 2 matrices are (00, 01, 11), others (00, 01, 10, 11).
+
+// By pivots and not by the determinant: a stiff strand's blocks are nearly singular, and the rounding of a determinant would
+// act on all entries. Blocks are positive definite; the bounds hold where rounding says otherwise.
 vec3 inverseOf(vec3 s) {
-  float product = s.x * s.z;
-  return vec3(s.z, -s.y, s.x) / max(product - s.y * s.y, max(1e-7 * product, 1e-30));
+  float first = 1.0 / max(s.x, 1e-30);
+  float factor = s.y * first;
+  float second = 1.0 / max(s.z - s.y * factor, max(1e-7 * s.z, 1e-30));
+  return vec3(first + factor * factor * second, -factor * second, second);
 }
 vec4 symmetricTimes(vec3 s, vec4 m) {
   return vec4(s.x * m.x + s.y * m.z, s.x * m.y + s.y * m.w, s.y * m.x + s.z * m.z, s.y * m.y + s.z * m.w);
