@@ -108,3 +108,29 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
   f[0] = y0 - (before0 * to_before.x + before1 * to_before.y) - (f[2] * to_outer.x + f[3] * to_outer.y);
   f[1] = y1 - (before0 * to_before.z + before1 * to_before.w) - (f[2] * to_outer.z + f[3] * to_outer.w);
 }
+
+// What a solution x leaves of the right-hand sides f.
+void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD - 2], vec3 across,
+              vec3 x[PER_THREAD], inout vec3 f[PER_THREAD]) {
+  vec3 onto_before = x[0] * across.x;
+  exchange_a[me] = vec4(x[2], onto_before.x);
+  exchange_b[me] = vec4(x[3], onto_before.y);
+  exchange_c[me] = vec4(x[0] * across.y + x[1] * across.z, onto_before.z);
+  barrier();
+  vec3 before0 = exchange_a[before(1)].xyz, before1 = exchange_b[before(1)].xyz;
+  vec3 onto0 = vec3(exchange_a[after(1)].w, exchange_b[after(1)].w, exchange_c[after(1)].w);
+  vec3 onto1 = exchange_c[after(1)].xyz;
+  barrier();
+  if (hasBefore(1)) {
+    f[0] -= before0 * across.x + before1 * across.y;
+    f[1] -= before1 * across.z;
+  }
+  if (hasAfter(1)) {
+    f[2] -= onto0;
+    f[3] -= onto1;
+  }
+  f[0] -= x[0] * diagonal[0] + x[1] * first[0] + x[2] * second[0];
+  f[1] -= x[0] * first[0] + x[1] * diagonal[1] + x[2] * first[1] + x[3] * second[1];
+  f[2] -= x[0] * second[0] + x[1] * first[1] + x[2] * diagonal[2] + x[3] * first[2];
+  f[3] -= x[1] * second[1] + x[2] * first[2] + x[3] * diagonal[3];
+}

@@ -24,7 +24,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/bodies.glsl"
 #endif
 
-// Of the present substep; entry p is of slot p, entries from PER_THREAD on of the next invocation's.
+// Of the present substep; entry p is of slot p, entries from PER_THREAD on are of the next invocation.
 vec3 x_new[PER_THREAD];             // m
 vec3 x_new_in;                      // of the vertex before slot 0
 vec3 tangent[PER_THREAD], tangent_in;
@@ -145,7 +145,7 @@ vec3 edgeForce(int p, vec3 before_x, RootMotion root, out float edge_stiffness) 
 }
 
 void solveBending(RootMotion root) {
-  vec3 force[PER_THREAD + 1];
+  vec3 force[PER_THREAD], force_out;
   float edge_stiffness[PER_THREAD + 1];
   force[0] = edgeForce(0, x_in, root, edge_stiffness[0]);
   exchange_a[me] = vec4(force[0], edge_stiffness[0]);
@@ -158,7 +158,7 @@ void solveBending(RootMotion root) {
     a = vec4(0);
     b = vec3(0);
   }
-  force[PER_THREAD] = a.xyz;
+  force_out = a.xyz;
   edge_stiffness[PER_THREAD] = a.w;
   moment[PER_THREAD] = b;
   for (int p = 1; p < PER_THREAD; ++p) force[p] = edgeForce(p, x[p - 1], root, edge_stiffness[p]);
@@ -170,7 +170,8 @@ void solveBending(RootMotion root) {
   il[PER_THREAD] = inverseLengthOut();
   float diagonal[PER_THREAD], first[PER_THREAD - 1], second[PER_THREAD - 2];
   for (int p = 0; p < PER_THREAD; ++p) {
-    vec3 total = madd(pull, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - force[p + 1]);
+    vec3 outer = p < kLast ? force[min(p + 1, kLast)] : force_out;
+    vec3 total = madd(pull, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - outer);
     force[p] = isEdge(p) ? total : vec3(0);
     float own = mass(p) + bendOwn(stiffness[p], stiffness[p + 1], stiffness[p + 2], il[p], il[p + 1]);
     diagonal[p] = isEdge(p) ? own + edge_stiffness[p] + edge_stiffness[p + 1] : 1.0;
@@ -184,6 +185,12 @@ void solveBending(RootMotion root) {
   vec3 moved[PER_THREAD];
   for (int p = 0; p < PER_THREAD; ++p) moved[p] = force[p];
   solvePentadiagonal(diagonal, first, second, across, moved);
+#if THREADS > 16
+  // On so long a strand the reduction cancels stiffnesses down to their mass: refined once.
+  residual(diagonal, first, second, across, moved, force);
+  solvePentadiagonal(diagonal, first, second, across, force);
+  for (int p = 0; p < PER_THREAD; ++p) moved[p] += force[p];
+#endif
   for (int p = 0; p < PER_THREAD; ++p) x_new[p] += moved[p];
 }
 
