@@ -42,8 +42,8 @@ class Backend {
   /// Positions after the newest step, natural order, valid until the next step(). Waits for it.
   virtual std::span<const Vec3> guides() = 0;
 
-  /// How long a GPU worked on the newest step whose time is known, s, transfers aside. None on a CPU or where the
-  /// driver does not measure. Never waits.
+  /// How long a GPU worked on the newest step whose time is known, s, transfers aside. None on a CPU or where
+  /// the driver does not measure. Never waits.
   virtual std::optional<double> gpuSeconds() { return std::nullopt; }
 };
 

@@ -29,22 +29,25 @@ std::vector<Vec4> packRestEdges(const StrandModel& model) {
   return packed;
 }
 
+std::vector<uint32_t> threadsPerStrand(const StrandModel& model) {
+  std::vector<uint32_t> threads(model.strands());
+  for (size_t s = 0; s < threads.size(); ++s)
+    threads[s] = std::max(4u, std::bit_ceil(static_cast<uint32_t>(model.verticesOf(s))));
+  return threads;
+}
+
 }  // namespace
 
 GaussSeidelStrands::GaussSeidelStrands(const StrandModel& model)
-    : groups_(model.strands(),
-              [&](uint32_t strand) {
-                return std::max(4u, std::bit_ceil(static_cast<uint32_t>(model.verticesOf(strand))));
-              }),
-      rest_edge_(std::span<const Vec4>(packRestEdges(model))) {}
+    : groups_(threadsPerStrand(model)), rest_edge_(std::span<const Vec4>(packRestEdges(model))) {}
 
 void GaussSeidelStrands::step(ProgramCache& programs) {
   auto workgroup = [](const StrandGroup& group) { return std::max(32u, group.key); };
   if (programs_.empty())
     for (const StrandGroup& group : groups_.groups())
-      programs_.push_back(
-          &programs.get("gauss_seidel.comp", shaders::kGaussSeidelComp,
-                        fmt::format("#define THREADS {}\n#define WORKGROUP {}\n", group.key, workgroup(group))));
+      programs_.push_back(&programs.get(
+          "gauss_seidel.comp", shaders::kGaussSeidelComp,
+          fmt::format("#define THREADS {}\n#define WORKGROUP {}\n", group.key, workgroup(group))));
   rest_edge_.bindStorage(3);
   groups_.order().bindStorage(5);
   for (size_t g = 0; g < programs_.size(); ++g) {

@@ -85,8 +85,12 @@ std::unique_ptr<Backend> makeGpuBackend() {
 
 BackendInfo gpuBackendInfo() {
   // A software renderer does the same work as the simd backend, more slowly.
-  return {"gpu", probe().available, probe().text, probe().software ? 2 : 100,
-          [](int) { return makeGpuBackend(); }, {SolverKind::kGaussSeidel, SolverKind::kRod}};
+  return {"gpu",
+          probe().available,
+          probe().text,
+          probe().software ? 2 : 100,
+          [](int) { return makeGpuBackend(); },
+          {SolverKind::kGaussSeidel, SolverKind::kRod}};
 }
 
 }  // namespace strandcast

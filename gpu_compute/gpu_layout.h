@@ -15,7 +15,7 @@ struct Settings {
   float strength_root;  ///< of the angular constraint, per iteration, 0 to 1
   float strength_tip;
   float damping_time;  ///< s, of the rod
-  float hair_radius;  ///< m
+  float hair_radius;   ///< m
   uint32_t substeps;
   uint32_t iterations;
   uint32_t primitive_count;

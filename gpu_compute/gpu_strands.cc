@@ -26,8 +26,8 @@ std::vector<Vec4> packRestLocal(const StrandModel& model) {
   return packed;
 }
 
-// Calls body(edge, vertex at its end) for every edge. The unused last entry of a strand's edges goes with its root, so
-// that what is uploaded comes back whole.
+// Calls body(edge, vertex at its end) for every edge. The unused last entry of a strand's edges goes with its
+// root, so that what is uploaded comes back whole.
 template <class Body>
 void forEdges(std::span<const uint32_t> offsets, const Body& body) {
   for (size_t s = 0; s + 1 < offsets.size(); ++s) {

@@ -9,7 +9,8 @@
 
 namespace strandcast::gpu {
 
-/// One model on the GPU: its state, and the commands of a step. Every call needs the context that made it current.
+/// One model on the GPU: its state, and the commands of a step. Every call needs the context that made it
+/// current.
 class GpuStrands {
  public:
   /// Throws Error when the model does not fit the device. `programs` outlives this.
@@ -17,8 +18,8 @@ class GpuStrands {
 
   void upload(const StrandState& state);
   void download(StrandState& state) const;
-  /// The first step with a solver, and its first with bodies, compile; that may throw Error. No other one does,
-  /// nor allocates, unless there are more bodies than ever before.
+  /// The first step with a solver, and its first with bodies, compile; that may throw Error. No other one
+  /// does, nor allocates, unless there are more bodies than ever before.
   void step(const StepInput& input);
   std::span<const Vec3> guides();
   /// guides() need not wait, nor the context.

@@ -21,9 +21,13 @@ constexpr uint32_t kWorkgroup = 32;  // invocations
 constexpr uint32_t kGeneral = 64;  // lengths, stiffnesses or masses differ along the strand
 constexpr uint32_t kPinned = 128;  // more than the root is pinned
 uint32_t threadsOf(uint32_t key) { return key & 63; }
+constexpr uint32_t kAnything = kGeneral | kPinned;
 
-// Strands whose lengths, stiffnesses and masses differ by less than this along them count as uniform. Points in
-// float, some metres from the origin and millimetres apart, do not tell more.
+// Fewer strands than this are not worth a program of their own: they are done as if they might be anything.
+constexpr size_t kOwnProgram = 512;
+
+// Strands whose lengths, stiffnesses and masses differ by less than this along them count as uniform. Points
+// in float, some metres from the origin and millimetres apart, do not tell more.
 constexpr float kUniform = 2e-5f;
 bool equal(float a, float b) { return std::fabs(a - b) <= kUniform * std::fabs(b); }
 
@@ -48,8 +52,14 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
   for (uint32_t e = 0; e < edges; ++e) total += restLength(model, first + e);
   const float length = total / static_cast<float>(edges);
   const uint32_t inner = first + std::min(1u, edges - 1);  // a joint that is not the first, if there is one
-  return {length,          1 / length,          model.bend[inner],      model.twist[inner],
-          model.bend[first], model.twist[first], kShortestEdge * length, 0};
+  return {length,
+          1 / length,
+          model.bend[inner],
+          model.twist[inner],
+          model.bend[first],
+          model.twist[first],
+          kShortestEdge * length,
+          0};
 }
 
 bool isUniform(const StrandModel& model, uint32_t strand) {
@@ -71,10 +81,18 @@ uint32_t keyOf(const StrandModel& model, uint32_t strand) {
   return threads | (pinned || !isUniform(model, strand) ? kGeneral : 0) | (pinned ? kPinned : 0);
 }
 
+std::vector<uint32_t> keysOf(const StrandModel& model) {
+  std::vector<uint32_t> keys(model.strands());
+  std::array<size_t, 256> count{};
+  for (uint32_t s = 0; s < keys.size(); ++s) ++count[keys[s] = keyOf(model, s)];
+  for (uint32_t& key : keys)
+    if (count[key] < kOwnProgram) key = threadsOf(key) | kAnything;
+  return keys;
+}
+
 }  // namespace
 
-RodStrands::RodStrands(const StrandModel& model)
-    : groups_(model.strands(), [&](uint32_t strand) { return keyOf(model, strand); }) {
+RodStrands::RodStrands(const StrandModel& model) : groups_(keysOf(model)) {
   std::vector<Vec4> joints(model.vertices()), edges(model.vertices());
   std::vector<StrandRest> strands(model.strands());
   for (uint32_t s = 0; s < model.strands(); ++s) {
@@ -93,7 +111,8 @@ RodStrands::RodStrands(const StrandModel& model)
   for (const StrandGroup& group : groups_.groups()) {
     const std::span<const uint32_t> members = groups_.strandsOf(group);
     const size_t vertices = model.verticesOf(members[0]);
-    const bool same = std::all_of(members.begin(), members.end(),
+    const bool same = members.size() >= kOwnProgram &&
+                      std::all_of(members.begin(), members.end(),
                                   [&](uint32_t s) { return model.verticesOf(s) == vertices; });
     edges_of_.push_back(same ? static_cast<uint32_t>(vertices) - 1 : 0);
   }
@@ -103,11 +122,11 @@ RodStrands::GroupPrograms RodStrands::compile(bool bodies, ProgramCache& program
   GroupPrograms out;
   for (size_t g = 0; g < edges_of_.size(); ++g) {
     const uint32_t key = groups_.groups()[g].key;
-    out.push_back(&programs.get(
-        "rod.comp", shaders::kRodComp,
-        fmt::format("#define THREADS {}\n#define EDGES {}\n#define UNIFORM {}\n#define PINNED {}\n#define BODIES {}\n",
-                    threadsOf(key), edges_of_[g], (key & kGeneral) == 0 ? 1 : 0, (key & kPinned) != 0 ? 1 : 0,
-                    bodies ? 1 : 0)));
+    out.push_back(&programs.get("rod.comp", shaders::kRodComp,
+                                fmt::format("#define THREADS {}\n#define EDGES {}\n#define UNIFORM "
+                                            "{}\n#define PINNED {}\n#define BODIES {}\n",
+                                            threadsOf(key), edges_of_[g], (key & kGeneral) == 0 ? 1 : 0,
+                                            (key & kPinned) != 0 ? 1 : 0, bodies ? 1 : 0)));
   }
   return out;
 }

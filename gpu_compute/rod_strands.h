@@ -11,16 +11,16 @@ namespace strandcast::gpu {
 class RodStrands {
  public:
   explicit RodStrands(const StrandModel& model);
-  /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one without and the first one
-  /// with bodies compile.
+  /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one without and the first
+  /// one with bodies compile.
   void step(bool bodies, ProgramCache& programs);
 
  private:
   using GroupPrograms = std::vector<const gl::Program*>;
   GroupPrograms compile(bool bodies, ProgramCache& programs) const;
 
-  StrandGroups groups_;              ///< key: see rod_strands.cc
-  std::vector<uint32_t> edges_of_;   ///< per group: edges of each of its strands, 0 where they differ
+  StrandGroups groups_;             ///< key: see rod_strands.cc
+  std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
   gl::Buffer joints_, edges_, strands_;
   std::array<GroupPrograms, 2> programs_;  ///< without and with bodies; empty until first needed
 };

@@ -19,7 +19,8 @@ class StepTimer {
   void end();
   /// Takes the answers that are there. Never waits.
   void poll();
-  /// Seconds, of the newest step whose answer was there; none where the driver does not measure (it answers 0).
+  /// Seconds, of the newest step whose answer was there; none where the driver does not measure (it answers
+  /// 0).
   std::optional<double> newest() const { return newest_; }
 
  private:

@@ -18,9 +18,7 @@ const gl::Program& ProgramCache::get(const char* name, const char* text, const s
   return found->second;
 }
 
-StrandGroups::StrandGroups(size_t strands, const std::function<uint32_t(uint32_t)>& key) : order_(strands) {
-  std::vector<uint32_t> keys(strands);
-  for (uint32_t s = 0; s < strands; ++s) keys[s] = key(s);
+StrandGroups::StrandGroups(std::span<const uint32_t> keys) : order_(keys.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
   std::stable_sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) { return keys[a] < keys[b]; });
   order_buffer_ = gl::Buffer(std::span<const uint32_t>(order_));

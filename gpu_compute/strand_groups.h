@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -11,8 +10,8 @@
 
 namespace strandcast::gpu {
 
-/// Programs by name and defines, compiled when first asked for. As long-lived as its context, so that a program
-/// serves every model that needs it.
+/// Programs by name and defines, compiled when first asked for. As long-lived as its context, so that a
+/// program serves every model that needs it.
 class ProgramCache {
  public:
   /// Throws Error with the driver's log when it does not build.
@@ -32,7 +31,7 @@ struct StrandGroup {
 /// The strands of a model sorted by what decides on their program.
 class StrandGroups {
  public:
-  StrandGroups(size_t strands, const std::function<uint32_t(uint32_t strand)>& key);
+  explicit StrandGroups(std::span<const uint32_t> keys);
 
   std::span<const StrandGroup> groups() const { return groups_; }
   std::span<const uint32_t> strandsOf(const StrandGroup& group) const {

@@ -182,16 +182,14 @@ void solveBending(RootMotion root) {
   vec3 across = vec3(bendAcrossTwo(stiffness[0], inverseLengthIn(), il[0]),
                      bendAcross(stiffness[0], stiffness[1], inverseLengthIn(), il[0], il[1]) - edge_stiffness[0],
                      bendAcrossTwo(stiffness[1], il[0], il[1]));
-  vec3 moved[PER_THREAD];
-  for (int p = 0; p < PER_THREAD; ++p) moved[p] = force[p];
-  solvePentadiagonal(diagonal, first, second, across, moved);
-#if THREADS > 16
-  // On so long a strand the reduction cancels stiffnesses down to their mass: refined once.
-  residual(diagonal, first, second, across, moved, force);
-  solvePentadiagonal(diagonal, first, second, across, force);
-  for (int p = 0; p < PER_THREAD; ++p) moved[p] += force[p];
-#endif
-  for (int p = 0; p < PER_THREAD; ++p) x_new[p] += moved[p];
+  // On a long strand the reduction cancels stiffnesses down to a mass: its solution is refined once.
+  const int solves = THREADS > 16 ? 2 : 1;
+  for (int i = 0; i < solves; ++i) {
+    vec3 moved[PER_THREAD] = force;
+    solvePentadiagonal(diagonal, first, second, across, moved);
+    for (int p = 0; p < PER_THREAD; ++p) x_new[p] += moved[p];
+    if (i + 1 < solves) residual(diagonal, first, second, across, moved, force);
+  }
 }
 
 #if BODIES
