@@ -18,7 +18,7 @@ constexpr uint32_t kPerThread = 4;   // edges of an invocation
 constexpr uint32_t kWorkgroup = 32;  // invocations
 
 // A group's key: invocations per strand, and what its strands let the shader do without.
-constexpr uint32_t kGeneral = 64;  // lengths, stiffnesses or masses differ along the strand
+constexpr uint32_t kGeneral = 64;  // lengths or masses differ along the strand
 constexpr uint32_t kPinned = 128;  // more than the root is pinned
 uint32_t threadsOf(uint32_t key) { return key & 63; }
 constexpr uint32_t kAnything = kGeneral | kPinned;
@@ -26,18 +26,27 @@ constexpr uint32_t kAnything = kGeneral | kPinned;
 // Fewer strands than this are not worth a program of their own: they are done as if they might be anything.
 constexpr size_t kOwnProgram = 512;
 
-// Strands whose lengths, stiffnesses and masses differ by less than this along them count as uniform. Points
-// in float, some metres from the origin and millimetres apart, do not tell more.
+// Edges and masses that differ by less than this along a strand count as equal. Points in float, some metres
+// from the origin and millimetres apart, do not tell more.
 constexpr float kUniform = 2e-5f;
 bool equal(float a, float b) { return std::fabs(a - b) <= kUniform * std::fabs(b); }
 
 /// Of shaders/rod_strand.glsl.
 struct StrandRest {
-  float length, inverse_length, bend, twist, bend_root, twist_root, shortest, unused;
+  float edge_length, inverse_length, twist_per_bend, shortest;
 };
 
 float restLength(const StrandModel& model, uint32_t edge) {
   return (model.rest_local[edge + 1] - model.rest_local[edge]).norm();
+}
+uint32_t edgesOf(const StrandModel& model, uint32_t strand) {
+  return static_cast<uint32_t>(model.verticesOf(strand)) - 1;
+}
+
+StrandRest strandRest(const StrandModel& model, uint32_t strand) {
+  const uint32_t first = model.offsets[strand], edges = edgesOf(model, strand);
+  const float mean = arcLength({model.rest_local.data() + first, edges + 1}) / static_cast<float>(edges);
+  return {mean, 1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean};
 }
 
 bool isPinned(const StrandModel& model, uint32_t strand) {
@@ -46,37 +55,20 @@ bool isPinned(const StrandModel& model, uint32_t strand) {
   return false;
 }
 
-StrandRest strandRest(const StrandModel& model, uint32_t strand) {
-  const uint32_t first = model.offsets[strand], edges = static_cast<uint32_t>(model.verticesOf(strand)) - 1;
-  float total = 0;
-  for (uint32_t e = 0; e < edges; ++e) total += restLength(model, first + e);
-  const float length = total / static_cast<float>(edges);
-  const uint32_t inner = first + std::min(1u, edges - 1);  // a joint that is not the first, if there is one
-  return {length,
-          1 / length,
-          model.bend[inner],
-          model.twist[inner],
-          model.bend[first],
-          model.twist[first],
-          kShortestEdge * length,
-          0};
-}
-
 bool isUniform(const StrandModel& model, uint32_t strand) {
   const StrandRest rest = strandRest(model, strand);
-  const uint32_t first = model.offsets[strand], edges = static_cast<uint32_t>(model.verticesOf(strand)) - 1;
-  for (uint32_t e = 0; e < edges; ++e) {
-    const uint32_t at = first + e;
-    if (!equal(restLength(model, at), rest.length) || !equal(model.mass[at + 1], e + 1 < edges ? 1.0f : 0.5f))
+  const uint32_t tip = model.offsets[strand + 1] - 1;
+  for (uint32_t e = model.offsets[strand]; e < tip; ++e) {
+    if (!equal(restLength(model, e), rest.edge_length) ||
+        !equal(model.mass[e + 1], e + 1 < tip ? 1.0f : 0.5f) ||
+        !equal(model.twist[e], rest.twist_per_bend * model.bend[e]))
       return false;
-    if (e > 0 && (!equal(model.bend[at], rest.bend) || !equal(model.twist[at], rest.twist))) return false;
   }
   return true;
 }
 
 uint32_t keyOf(const StrandModel& model, uint32_t strand) {
-  const uint32_t edges = static_cast<uint32_t>(model.verticesOf(strand)) - 1;
-  const uint32_t threads = std::bit_ceil((edges + kPerThread - 1) / kPerThread);
+  const uint32_t threads = std::bit_ceil((edgesOf(model, strand) + kPerThread - 1) / kPerThread);
   const bool pinned = isPinned(model, strand);
   return threads | (pinned || !isUniform(model, strand) ? kGeneral : 0) | (pinned ? kPinned : 0);
 }

@@ -1,6 +1,12 @@
 #include "gpu_compute/step_timer.h"
 
 namespace strandcast::gpu {
+namespace {
+
+constexpr GLuint64 kNothing =
+    1000;  // ns; less is no measurement: llvmpipe counts the giving of commands only
+
+}  // namespace
 
 StepTimer::StepTimer() {
   glCreateQueries(GL_TIME_ELAPSED, static_cast<GLsizei>(queries_.size()), queries_.data());
@@ -28,7 +34,7 @@ void StepTimer::poll() {
     if (there == GL_FALSE) return;
     GLuint64 nanoseconds = 0;
     glGetQueryObjectui64v(query, GL_QUERY_RESULT, &nanoseconds);
-    newest_ = nanoseconds > 0 ? std::optional(1e-9 * static_cast<double>(nanoseconds)) : std::nullopt;
+    newest_ = nanoseconds > kNothing ? std::optional(1e-9 * static_cast<double>(nanoseconds)) : std::nullopt;
     ++answered_;
   }
 }

@@ -3,8 +3,7 @@
 // One step of strands as inextensible rods, all substeps in one dispatch: core/rod_sweep.inl with the state in registers,
 // four edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
 // become: own slots by elimination, then the strand's invocations together by cyclic reduction.
-// EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges, stiffness and mass are the same along each
-// strand. PINNED: more vertices than the roots are. BODIES: there are some.
+// EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand. PINNED: more vertices than the roots are. BODIES: there are some.
 #define WORKGROUP 32
 layout(local_size_x = WORKGROUP) in;
 
@@ -290,7 +289,7 @@ void finish(RootMotion root) {
   vec3 sum = vec3(0), inner = x_new_in;
   bool fixed_here = false;
   for (int p = 0; p < PER_THREAD; ++p) {
-    sum = madd(directionOr(x_new[p] - inner, tangent[p]), isEdge(p) ? restLength(p) : 0.0, sum);
+    sum = madd(directionOr(x_new[p] - inner, tangent[p]), restLength(p), sum);
 #if PINNED
     if (weight(p) == 0.0) {
       sum = x_new[p] - root.position;

@@ -11,12 +11,11 @@ layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };      //
 layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // of the edge that starts at the vertex
 layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // rest strain, bend
 layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };     // length, twist; mass, weight of its end
-struct StrandRest {              // gpu_compute/rod_strands.cc
-  float edge_length, inverse_length;  // m, 1/m; uniform strands
-  float bend, twist;             // m^2/s^2; uniform strands, all joints but the first
-  float bend_root, twist_root;   // of the first joint
-  float shortest;                // m: shorter edges bend as if they were this long
-  float unused;
+struct StrandRest {      // gpu_compute/rod_strands.cc
+  float edge_length;     // m; of uniform strands
+  float inverse_length;  // 1/m
+  float twist_per_bend;  // of uniform strands
+  float shortest;        // m; shorter edges bend as if they were this long
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
 layout(location = 0) uniform uint first_strand;  // of this group, in order[]
@@ -31,6 +30,7 @@ float tension[PER_THREAD];          // as StrandState::tensions
 vec4 frame[PER_THREAD];
 vec3 rest_strain[PER_THREAD];
 vec3 x_in, v_in;                    // of the vertex before slot 0
+float bends[PER_THREAD];            // of joints, m^2/s^2
 
 #if EDGES > 0
 const int edges = EDGES;
@@ -47,14 +47,12 @@ bool isEdge(int p) {
 }
 
 #if UNIFORM
-// One length and stiffness along the strand; masses 1, at the tip 1/2; the first joint is half a cell.
+// One length along the strand; masses 1, at the tip 1/2; twist in one ratio to bend.
 const float weight_in = 1.0;
 bool isTip(int p) { return rank * PER_THREAD + p == edges - 1; }
-bool isFirst(int p) { return p == 0 && rank == 0; }
-float restLength(int p) { return rest.edge_length; }
+float restLength(int p) { return isEdge(p) ? rest.edge_length : 0.0; }
 float inverseLength(int p) { return rest.inverse_length; }
-float bend(int p) { return isEdge(p) ? (isFirst(p) ? rest.bend_root : rest.bend) : 0.0; }
-float twist(int p) { return isEdge(p) ? (isFirst(p) ? rest.twist_root : rest.twist) : 0.0; }
+float twist(int p) { return bends[p] * rest.twist_per_bend; }
 float mass(int p) { return isTip(p) ? 0.5 : 1.0; }
 float weight(int p) { return isTip(p) ? 2.0 : 1.0; }
 float lengthIn() { return rest.edge_length; }
@@ -62,14 +60,12 @@ float inverseLengthIn() { return rest.inverse_length; }
 float inverseLengthOut() { return rest.inverse_length; }
 #else
 vec4 edge[PER_THREAD];           // length, twist; mass, weight of the vertex
-float bends[PER_THREAD];
 float inverse_lengths[PER_THREAD];
 float length_in, weight_in, inverse_length_in;  // of the edge and vertex before slot 0
 float inverse_length_out;                       // of the edge after the last slot
 float boundedInverse(float edge_length) { return 1.0 / max(edge_length, rest.shortest); }
 float restLength(int p) { return edge[p].x; }
 float inverseLength(int p) { return inverse_lengths[p]; }
-float bend(int p) { return bends[p]; }
 float twist(int p) { return edge[p].y; }
 float mass(int p) { return edge[p].z; }
 float weight(int p) { return edge[p].w; }
@@ -77,6 +73,7 @@ float lengthIn() { return length_in; }
 float inverseLengthIn() { return inverse_length_in; }
 float inverseLengthOut() { return inverse_length_out; }
 #endif
+float bend(int p) { return bends[p]; }
 
 void loadStrand() {
   me = gl_LocalInvocationID.x;
@@ -98,11 +95,11 @@ void loadStrand() {
     tension[p] = isEdge(p) ? position.w : 0.0;
     frame[p] = frames[at];
     rest_strain[p] = joint.xyz;
+    bends[p] = isEdge(p) ? joint.w : 0.0;
 #if !UNIFORM
     edge[p] = edge_rest[at];
     inverse_lengths[p] = boundedInverse(edge[p].x);
-    bends[p] = joint.w;
-    if (!isEdge(p)) bends[p] = edge[p].x = edge[p].y = 0.0;
+    if (!isEdge(p)) edge[p].x = edge[p].y = 0.0;
 #endif
   }
   uint at = root_vertex + uint(min(rank * PER_THREAD, edges));
