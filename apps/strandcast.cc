@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
       "  strandcast view --scene curly              simulation and window in one process, no daemon\n"
       "  strandcast render --frames 60 --out out    draw what a daemon casts, as PNG files\n"
       "  strandcast info bob.tfx --json\n"
+      "  strandcast validate physics                the solver against exact solutions\n"
       "  strandcast ctl wind 3 0 0");
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
@@ -34,6 +35,7 @@ int main(int argc, char** argv) {
 #ifdef STRANDCAST_HAS_VIEW
   add("view", "Draw in a window, with or without a daemon", addView);
 #endif
+  add("validate", "Score the physics of strands against exact solutions", addValidate);
   add("ctl", "Steer a running daemon", addCtl);
   try {
     app.parse(argc, argv);

@@ -15,6 +15,7 @@ Verb addInfo(CLI::App& app);
 Verb addConvert(CLI::App& app);
 Verb addRender(CLI::App& app);
 Verb addView(CLI::App& app);
+Verb addValidate(CLI::App& app);
 Verb addCtl(CLI::App& app);
 
 }  // namespace strandcast

@@ -22,7 +22,8 @@ struct Parameters {
   float air_drag = 1.0f;          ///< 1/s, rate at which hair takes on the velocity of the air; 0 or more
   float shape_rate = 400.0f;      ///< 1/s, rate at which the local shape is restored at the root; 0 or more
   float shape_rate_tip = 100.0f;  ///< 1/s, the same at the tip; linear in between
-  float damping_time = 0;  ///< s, internal (Kelvin-Voigt) damping of the rod: zeta = omega damping_time / 2
+  float damping_time =
+      0.002f;  ///< s, internal (Kelvin-Voigt) damping of the rod: zeta = omega damping_time / 2
   float hair_radius = 40e-6f;  ///< m, kept between the hair's axis and every body
 };
 

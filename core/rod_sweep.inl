@@ -12,9 +12,9 @@ enum RodScratch : int {
   kFactor1 = 15,      // elimination factors
   kFactor2 = 16,
   kRight = 17,        // right-hand sides of twist, later of lengths
-  kCosine = 18,       // of the angle at a joint
-  kStiffness = 19,    // K of a joint
-  kMargin = 20,       // G of a joint
+  kCosine = 18,       // of the angle at a joint, later the softness of its vertex
+  kStiffness = 19,    // K of a joint, later elimination factors of tensions
+  kMargin = 20,       // G of a joint, later right-hand sides of tensions
   kRight2 = 21,
   kRodScratchPlanes = 22
 };
@@ -157,7 +157,7 @@ inline void RodStep::eliminateTwist() {
     set(kMargin, j, bendMatrixMargin(stiffness, c, excess));
 
     const real own = twistOwn(kb, kt, c);
-    const real across = twistAcross(kb, kt, c);
+    const real across = twistCoupling(kb, kt, c, moment, t_in, t);
     if (j > 0) {  // row j - 1 is complete now
       const real r = dot(moment - moment_before, t_in);
       const real inverse = lit(1) / max(diagonal + own - lower * factor, lit(1e-30));
@@ -196,9 +196,9 @@ inline void RodStep::eliminateBending() {
     const real kb = bend(e), il = inverseLength(e);
     const real3 moment = get3(kMoment, e) + momentOfTwist(t_in, t, phi_in, phi, kb, twist(e));
 
-    const real kept = keptTension(state(b.tension, 0, e), kb, il, lit(h * h));
-    store(kept, b.tension + b.at(0, e));
     const real3 old = get3(kOldTangent, e);
+    const real kept = keptTension(state(b.tension, 0, e) * lit(h * h), old, t, kb, il, lit(h * h));
+    store(kept, b.tension + b.at(0, e));
     const real share = oldDirectionShare(old, t, kb, il, weight(e + 1), lit(h * h));
     const real3 direction = madd(old - t, share, t);
 
@@ -211,6 +211,7 @@ inline void RodStep::eliminateBending() {
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
     const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1), k2 = get(kStiffness, e + 2);
     const real edge = edgeMatrixStiffness(get(kMargin, e) + get(kMargin, e + 1), il, kept, share);
+    set(kCosine, e + 1, e + 1 < ne ? tensionSoftness(m, k1, edge, il, get(kCosine, e + 1)) : lit(0));
     const real diagonal = m + bendOwn(k0, k1, k2, il, il_out) + edge + edge_out;
     const real first = bendAcross(k1, k2, il, il_out, il_out2) - edge_out;
     const real second = bendAcrossTwo(k2, il_out, il_out2);
@@ -247,11 +248,13 @@ inline real3 RodStep::collide(int i, real3 x) {
   return x;
 }
 
-// Bending substituted from root to tip, first contact, and the elimination of the first length system.
+// Bending substituted from root to tip, first contact, and the elimination of the first length system; with it, of the
+// system whose solution is the change of the tensions.
 inline void RodStep::substituteBending() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real3 d1 = zero, d2 = zero, x_in = root_.position, t_in = zero, normal_in = zero;
   real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), w_in = lit(0), right = lit(0), inverse = lit(0);
+  real soft_in = lit(0), tension_right = lit(0), tension_inverse = lit(0);
   set3(kNormal, 0, zero);
   for (int e = 0; e < ne; ++e) {
     const real3 d = get3(kMoment, e) - d1 * l1_in - d2 * l2_in2;
@@ -269,15 +272,24 @@ inline void RodStep::substituteBending() {
     const real3 t = directionOr(edge, get3(kTangent, e));
     const real excess = dot(edge, t) - lengthOf(e);
     const real w = weight(e + 1);
-    const real diagonal = lengthOwn(t, normal_in, normal, w_in, w);
+    const real own_in = weightAlong(t, normal_in, w_in), own = weightAlong(t, normal, w);
     const real lower = lengthAcross(t, t_in, normal_in, w_in);
     set(kFactor1, e, lower * inverse);  // of row e on row e - 1; symmetric
-    const real den = max(diagonal - lower * lower * inverse, lengthPivot(w_in, w));
+    const real den = max(own_in + own - lower * lower * inverse, lengthPivot(w_in, w));
     right = excess - lower * right;
     inverse = lit(1) / den;
     right = right * inverse;
     set(kRight, e, right);
     set3(kTangent, e, t);
+
+    const real soft = get(kCosine, e + 1);
+    const real softened = own_in * (lit(1) - soft_in) + own * (lit(1) - soft);
+    set(kStiffness, e, lower * tension_inverse);
+    tension_right = excess - lower * tension_right;
+    tension_inverse = lit(1) / max(softened - lower * lower * tension_inverse, lengthPivot(w_in, w));
+    tension_right = tension_right * tension_inverse;
+    set(kMargin, e, tension_right);
+    soft_in = soft;
     x_in = x;
     t_in = t;
     w_in = w;
@@ -290,14 +302,19 @@ inline void RodStep::firstLengths() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real3 t_out = zero, x_out = zero, normal_out = zero, edge_t = zero;
   real pull_out = lit(0), w_out = lit(0), pull = get(kRight, ne - 1), right = lit(0), inverse = lit(0);
+  real tension_change = get(kMargin, ne - 1);
   for (int e = ne - 1; e >= -1; --e) {
     real3 t = zero, normal = zero, x = root_.position;
     real w = lit(0), applied = lit(0);
     if (e >= 0) {
       applied = boundedPull(pull, lengthOf(e));
-      store(state(b.tension, 0, e) + applied, b.tension + b.at(0, e));
+      tension_change = boundedPull(tension_change, lengthOf(e));
+      store(state(b.tension, 0, e) + tension_change, b.tension + b.at(0, e));
       t = get3(kTangent, e);
-      if (e > 0) pull = get(kRight, e - 1) - get(kFactor1, e) * applied;
+      if (e > 0) {
+        pull = get(kRight, e - 1) - get(kFactor1, e) * applied;
+        tension_change = get(kMargin, e - 1) - get(kStiffness, e) * tension_change;
+      }
       normal = get3(kNormal, e + 1);
       const real3 push = alongSurface(t_out * pull_out - t * applied, normal);
       w = weight(e + 1);
@@ -309,7 +326,7 @@ inline void RodStep::firstLengths() {
       const real3 edge = x_out - x;
       const real3 d = directionOr(edge, t_out);
       const real excess = dot(edge, d) - lengthOf(e + 1);
-      const real diagonal = lengthOwn(d, normal, normal_out, w, w_out);
+      const real diagonal = weightAlong(d, normal, w) + weightAlong(d, normal_out, w_out);
       const real upper = lengthAcross(d, edge_t, normal_out, w_out);
       set(kFactor2, e + 1, upper * inverse);
       const real den = max(diagonal - upper * upper * inverse, lengthPivot(w, w_out));
@@ -338,7 +355,7 @@ inline void RodStep::finish() {
   real pull = boundedPull(get(kRight2, 0), lengthOf(0));
   real3 t = get3(kMoment, 0), before = root_.position, placed = root_.position;
   for (int e = 0; e < ne; ++e) {
-    store(state(b.tension, 0, e) + pull, b.tension + b.at(0, e));
+    store((state(b.tension, 0, e) + pull) * lit(1 / (h * h)), b.tension + b.at(0, e));
     real pull_out = lit(0);
     real3 t_out = zero;
     if (e + 1 < ne) {

@@ -117,6 +117,7 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
   model.bend.assign(rest.vertices(), 0.0f);
   model.twist.assign(rest.vertices(), 0.0f);
   model.mass.assign(rest.vertices(), 0.0f);
+  model.rest_tension.assign(rest.vertices(), 0.0f);
   model.reference_mass.resize(rest.strands());
   for (size_t s = 0; s < rest.strands(); ++s) {
     const std::span<const Vec3> points = rest.strand(s);
@@ -140,7 +141,7 @@ StrandState restState(const StrandModel& model, const std::vector<Pose>& roots) 
   state.positions.resize(model.vertices());
   state.frames.resize(model.vertices());
   state.velocities.assign(model.vertices(), Vec3::Zero());
-  state.tensions.assign(model.vertices(), 0.0f);
+  state.tensions = model.rest_tension;
   for (size_t s = 0; s < model.strands(); ++s) {
     for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
       state.positions[v] = roots[s].apply(model.rest_local[v]);

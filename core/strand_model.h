@@ -24,6 +24,7 @@ struct StrandModel {
   std::vector<float> bend;   ///< per joint, B / cell length, m^2/s^2; joint 0 has half a cell
   std::vector<float> twist;  ///< per joint, C / cell length, m^2/s^2
   std::vector<float> mass;   ///< per vertex, about 1
+  std::vector<float> rest_tension;    ///< per edge, m/s^2: what its rest shape is held with
   std::vector<float> reference_mass;  ///< per strand, kg: its mean vertex mass
 
   size_t strands() const { return offsets.size() - 1; }
@@ -38,7 +39,7 @@ struct StrandState {
   std::vector<Vec3> velocities;  ///< per vertex, m/s, world
   std::vector<Quat> frames;      ///< per edge (i, i + 1), world; z is the edge's direction
   std::vector<float>
-      tensions;  ///< per edge, tension x substep^2 / reference mass, m; what the next substep starts from
+      tensions;  ///< per edge, tension / reference mass, m/s^2; what the next substep starts from
 };
 
 /// Builds a model from rest strands. Strands must have 2 to 128 vertices and edges of positive length

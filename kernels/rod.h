@@ -37,6 +37,14 @@ FN real3 momentOfTwist(IN(real3) t_in, IN(real3) t, IN(real) phi_in, IN(real) ph
   return madd(turn, bend, mean * share);
 }
 
+// How the twists of the two edges of a joint are coupled, where their tangents t_in and t make an angle of cosine c: the
+// mixed second derivative of its energy. The part of its moment is held back where it would make the twist unstable.
+FN real twistCoupling(IN(real) bend, IN(real) twist, IN(real) c, IN(real3) moment, IN(real3) t_in, IN(real3) t) {
+  real turning = lit(0.5) * dot(moment, cross(t_in, t));
+  return lit(0) - bend * c - (twist - bend) * lit(0.5) * (lit(1) + c) -
+         min(turning, lit(0.9) * bend * (lit(1) - c));
+}
+
 // Frame turned about its own tangent by the small angle phi.
 FN quat twistFrame(IN(quat) q, IN(real) phi) {
   real h = phi * lit(0.5);
@@ -55,19 +63,11 @@ FN real bendMatrixMargin(IN(real) stiffness, IN(real) c, IN(real3) excess) {
   return stiffness * madd(lit(3), fold, lit(10) * min(dot(excess, excess), lit(4)));
 }
 
-// The twist system, one unknown per edge: what a joint adds to the diagonal of both its edges, and what couples them.
+// What a joint adds to the diagonal of the twist system on both its edges; `twistCoupling` couples them.
 FN real twistOwn(IN(real) bend, IN(real) twist, IN(real) c) {
   return madd(twist - bend, (lit(1) + c) * lit(0.5), bend);
 }
-FN real twistAcross(IN(real) bend, IN(real) twist, IN(real) c) {
-  return lit(0) - madd(bend, c, (twist - bend) * ((lit(1) + c) * lit(0.5)));
-}
 
-// What an edge starts a substep with of its tension (x dt^2, m) from the last one. Compression is held below the buckling
-// load: as a force of the past it would be unstable.
-FN real keptTension(IN(real) tension, IN(real) bend, IN(real) inverse_length, IN(real) dt2) {
-  return max(tension * lit(0.98), bend * inverse_length * (lit(-0.1) * dt2));
-}
 // The kept tension acts along `t + share (old - t)`, between the old and the new direction of its edge, which makes the
 // motion of the chain second order in time. No share where the edge turned by more than 26 degrees or is stiff.
 // `weight`: 1 / mass of its outer vertex.
@@ -98,13 +98,13 @@ FN real bendAcross(IN(real) k1, IN(real) k2, IN(real) il, IN(real) il_out, IN(re
 }
 FN real bendAcrossTwo(IN(real) k2, IN(real) il_out, IN(real) il_out2) { return k2 * il_out * il_out2; }
 
-// The length system, one unknown (m, pull x weight) per edge: its diagonal, and what couples the edges t and t_other that
-// meet at a vertex. Vertices in contact give way along the surface only.
-FN real lengthOwn(IN(real3) t, IN(real3) normal_in, IN(real3) normal, IN(real) weight_in, IN(real) weight) {
-  real a = dot(t, normal_in);
-  real c = dot(t, normal);
-  return weight_in * (lit(1) - a * a) + weight * (lit(1) - c * c);
+// What of a vertex's weight (1 / mass) acts along an edge t next to it: in contact it gives way along the surface only.
+FN real weightAlong(IN(real3) t, IN(real3) normal, IN(real) weight) {
+  real a = dot(t, normal);
+  return weight * (lit(1) - a * a);
 }
+// The length system has one unknown (m, pull x weight) per edge and on its diagonal the weights of both ends along it; this
+// couples the edges t and t_other that meet at a vertex.
 FN real lengthAcross(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) weight) {
   return lit(0) - weight * (dot(t, t_other) - dot(t, normal) * dot(t_other, normal));
 }
@@ -115,4 +115,22 @@ FN real lengthPivot(IN(real) weight_in, IN(real) weight) { return max((weight_in
 FN real boundedPull(IN(real) pull, IN(real) rest_length) {
   real limit = rest_length * lit(20);
   return clamp(pull, lit(0) - limit, limit);
+}
+
+// The tension that a substep starts from, in units of length x mass: that of the last one. Edges that turn, from t_old to
+// t, forget 2 % of it, so that errors of fast motion do not stay; compression is held below the buckling load.
+FN real keptTension(IN(real) tension, IN(real3) t_old, IN(real3) t, IN(real) bend, IN(real) inverse_length,
+                    IN(real) time2) {
+  real forgotten = min((lit(1) - dot(t_old, t)) * lit(400), lit(0.02));
+  return max(tension * (lit(1) - forgotten), bend * inverse_length * time2 * lit(-0.1));
+}
+
+// In a curl, tension pulls a vertex inwards, against the bending matrix more than against its mass. This is the part of
+// a vertex's weight (1 / mass) by which tension moves it less than the mass alone would let it, along an edge next to it:
+// 0 on a straight strand. c: cosine at the vertex's joint; stiffness: of that joint in the bending matrix; edge: what
+// the matrix has on the edge before it. Tensions that are solved without it lag behind, which feeds energy to curls.
+FN real tensionSoftness(IN(real) mass, IN(real) stiffness, IN(real) edge, IN(real) inverse_length, IN(real) c) {
+  real fold = lit(2) - lit(2) * min(abs(c), lit(1));
+  real resistance = lit(1.6) * fold * madd(stiffness * inverse_length, inverse_length * fold, edge);
+  return lit(0.5) * fold * resistance / (mass + resistance);
 }

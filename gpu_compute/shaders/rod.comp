@@ -30,6 +30,8 @@ vec3 tangent[PER_THREAD], tangent_in;
 vec3 moment[PER_THREAD + 1];        // m^2/s^2
 float stiffness[PER_THREAD + 2];    // of joints in the bending matrix
 float margin[PER_THREAD + 1];
+float cosine[PER_THREAD + 1];       // of the angle at joints
+float softness[PER_THREAD], softness_in;  // of vertices, see tensionSoftness
 #if BODIES
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
 #define NORMAL(p) normals[p]
@@ -88,27 +90,25 @@ void solveTwist(RootMotion root) {
     stiffness[p] = bendMatrixStiffness(bend(p), c, time2);
     margin[p] = bendMatrixMargin(stiffness[p], c, excess);
     own[p] = twistOwn(bend(p), twist(p), c);
-    lower[p] = twistAcross(bend(p), twist(p), c);
+    lower[p] = twistCoupling(bend(p), twist(p), c, moment[p], t_in, tangent[p]);
+    cosine[p] = c;
     inner = frame[p];
     t_in = tangent[p];
   }
   if (!hasBefore(1)) lower[0] = 0.0;
 
   exchange_a[me] = vec4(moment[0], own[0]);
-  exchange_b[me].xyz = vec3(stiffness[0], stiffness[1], margin[0]);
+  exchange_b[me] = vec4(stiffness[0], stiffness[1], margin[0], cosine[0]);
   barrier();
-  vec4 a = exchange_a[after(1)];
-  vec3 b = exchange_b[after(1)].xyz;
+  vec4 a = exchange_a[after(1)], b = exchange_b[after(1)];
   barrier();
-  if (!hasAfter(1)) {
-    a = vec4(0);
-    b = vec3(0);
-  }
+  if (!hasAfter(1)) a = b = vec4(0);
   moment[PER_THREAD] = a.xyz;
   own[PER_THREAD] = a.w;
   stiffness[PER_THREAD] = b.x;
   stiffness[PER_THREAD + 1] = b.y;
   margin[PER_THREAD] = b.z;
+  cosine[PER_THREAD] = b.w;
 
   float diagonal[PER_THREAD], pivot[PER_THREAD], turn[PER_THREAD];
   for (int p = 0; p < PER_THREAD; ++p) {
@@ -133,11 +133,12 @@ void solveTwist(RootMotion root) {
 vec3 edgeForce(int p, vec3 before_x, RootMotion root, out float edge_stiffness) {
   const float dt2 = settings.substep * settings.substep;
   float il = inverseLength(p);
-  float kept = keptTension(tension[p], bend(p), il, dt2);
-  tension[p] = kept;
   vec3 old = normalizeOrZero(x[p] - before_x);
+  float kept = keptTension(tension[p], old, tangent[p], bend(p), il, dt2);
+  tension[p] = kept;
   float share = oldDirectionShare(old, tangent[p], bend(p), il, weight(p), dt2);
   edge_stiffness = edgeMatrixStiffness(margin[p] + margin[p + 1], il, kept, share);
+  softness[p] = isTip(p) ? 0.0 : tensionSoftness(mass(p), stiffness[p + 1], edge_stiffness, il, cosine[p + 1]);
   vec3 force = cross(moment[p + 1] - moment[p], tangent[p]) * (il * dt2) - madd(old - tangent[p], share, tangent[p]) * kept;
   if (p == 0 && rank == 0) force += root.swing * (stiffness[0] * il);
   return force;
@@ -202,13 +203,15 @@ void collide(float time) {
 }
 #endif
 
-// The rows of the length system.
-void lengthRows(out float diagonal[PER_THREAD], out float lower[PER_THREAD], out float pivot[PER_THREAD],
-                out float excess[PER_THREAD]) {
+// The rows of the length system, and the diagonal that it has for the change of the tensions.
+void lengthRows(out float diagonal[PER_THREAD], out float softened[PER_THREAD], out float lower[PER_THREAD],
+                out float pivot[PER_THREAD], out float excess[PER_THREAD]) {
   vec3 inner = x_new_in, t_in = tangent_in, n_in = NORMAL_IN;
-  float w_in = hasBefore(1) ? weight_in : 0.0;
+  float w_in = hasBefore(1) ? weight_in : 0.0, soft_in = softness_in;
   for (int p = 0; p < PER_THREAD; ++p) {
-    diagonal[p] = isEdge(p) ? lengthOwn(tangent[p], n_in, NORMAL(p), w_in, weight(p)) : 1.0;
+    float own_in = weightAlong(tangent[p], n_in, w_in), own = weightAlong(tangent[p], NORMAL(p), weight(p));
+    diagonal[p] = isEdge(p) ? own_in + own : 1.0;
+    softened[p] = isEdge(p) ? own_in * (1.0 - soft_in) + own * (1.0 - softness[p]) : 1.0;
     lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in) : 0.0;
     pivot[p] = lengthPivot(w_in, weight(p));
     excess[p] = isEdge(p) ? dot(x_new[p] - inner, tangent[p]) - restLength(p) : 0.0;
@@ -216,20 +219,33 @@ void lengthRows(out float diagonal[PER_THREAD], out float lower[PER_THREAD], out
     t_in = tangent[p];
     n_in = NORMAL(p);
     w_in = weight(p);
+    soft_in = softness[p];
   }
 }
 
-// One Newton step towards the rest lengths. `from_tip`: the order of elimination, where it matters.
-void solveLengths(RootMotion root, bool from_tip) {
+// Whether a solution goes beyond its bounds; it is held to them.
+bool bound(inout float pull[PER_THREAD]) {
+  bool beyond = false;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    float bounded = boundedPull(pull[p], restLength(p));
+    beyond = beyond || (isEdge(p) && bounded != pull[p]);
+    pull[p] = bounded;
+  }
+  return beyond;
+}
+
+// One Newton step towards the rest lengths. The first of a substep changes the tensions by the softened system's solution.
+void solveLengths(RootMotion root, bool first) {
   for (int p = 1; p < PER_THREAD; ++p) tangent[p] = directionOr(x_new[p] - x_new[p - 1], tangent[p]);
   forgetBeyondBound();
-  exchange_a[me].xyz = x_new[kLast];
+  exchange_a[me] = vec4(x_new[kLast], softness[kLast]);
   exchange_b[me].xyz = tangent[kLast];
 #if BODIES
   exchange_c[me].xyz = normals[kLast];
 #endif
   barrier();
   x_new_in = exchange_a[before(1)].xyz;
+  softness_in = exchange_a[before(1)].w;
   tangent_in = exchange_b[before(1)].xyz;
 #if BODIES
   normal_in = exchange_c[before(1)].xyz;
@@ -237,20 +253,21 @@ void solveLengths(RootMotion root, bool from_tip) {
   barrier();
   if (!hasBefore(1)) {
     x_new_in = root.position;
+    softness_in = 0.0;
 #if BODIES
     normal_in = vec3(0);
 #endif
   }
   tangent[0] = directionOr(x_new[0] - x_new_in, tangent[0]);
 
-  float diagonal[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD], pull[PER_THREAD];
-  lengthRows(diagonal, lower, pivot, pull);
+  float diagonal[PER_THREAD], softened[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD], pull[PER_THREAD];
+  lengthRows(diagonal, softened, lower, pivot, pull);
+  float change[PER_THREAD] = pull;
   float pull_in = solveTridiagonal(diagonal, lower, pivot, pull);
-  bool beyond = false;
-  for (int p = 0; p < PER_THREAD; ++p) {
-    float bounded = boundedPull(pull[p], restLength(p));
-    beyond = beyond || (isEdge(p) && bounded != pull[p]);
-    pull[p] = bounded;
+  bool beyond = bound(pull);
+  if (first) {
+    solveTridiagonal(softened, lower, pivot, change);
+    beyond = bound(change) || beyond;
   }
   if (beyond) noteBeyondBound();
   exchange_a[me].xyz = tangent[0] * pull[0];
@@ -260,8 +277,9 @@ void solveLengths(RootMotion root, bool from_tip) {
   barrier();
   if (any_beyond) {  // the same for the whole workgroup
     float excess[PER_THREAD];
-    lengthRows(diagonal, lower, pivot, excess);
-    pull_in = solveBounded(diagonal, lower, excess, from_tip, pull, pull_in);
+    lengthRows(diagonal, softened, lower, pivot, excess);
+    pull_in = solveBounded(diagonal, lower, excess, !first, pull, pull_in);
+    if (first) solveBounded(softened, lower, excess, false, change, 0.0);
     exchange_a[me].xyz = tangent[0] * pull[0];
     barrier();
     push_out = exchange_a[after(1)].xyz;
@@ -272,7 +290,7 @@ void solveLengths(RootMotion root, bool from_tip) {
 
   vec3 push[PER_THREAD + 1];
   for (int p = 0; p < PER_THREAD; ++p) {
-    tension[p] += pull[p];
+    tension[p] += first ? change[p] : pull[p];
     push[p] = tangent[p] * pull[p];
   }
   push[PER_THREAD] = push_out;
@@ -346,11 +364,11 @@ void main() {
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
     collide(timeAfter(substep));
 #endif
-    solveLengths(root, false);
+    solveLengths(root, true);
 #if BODIES
     collide(timeAfter(substep));
 #endif
-    solveLengths(root, true);
+    solveLengths(root, false);
     finish(root);
   }
   storeStrand();

@@ -26,7 +26,7 @@ StrandRest rest;
 bool exists;  // invocations past the last strand go along with copies of it, because every one must reach each barrier
 
 vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
-float tension[PER_THREAD];          // as StrandState::tensions
+float tension[PER_THREAD];          // m: StrandState::tensions x substep^2
 vec4 frame[PER_THREAD];
 vec3 rest_strain[PER_THREAD];
 vec3 x_in, v_in;                    // of the vertex before slot 0
@@ -46,10 +46,18 @@ bool isEdge(int p) {
 #endif
 }
 
+// Whether the vertex of slot p is the last of its strand.
+bool isTip(int p) {
+#if EDGES > 0
+  return p == (EDGES - 1) % PER_THREAD && rank == (EDGES - 1) / PER_THREAD;
+#else
+  return rank * PER_THREAD + p == edges - 1;
+#endif
+}
+
 #if UNIFORM
 // One length along the strand; masses 1, at the tip 1/2; twist in one ratio to bend.
 const float weight_in = 1.0;
-bool isTip(int p) { return rank * PER_THREAD + p == edges - 1; }
 float restLength(int p) { return isEdge(p) ? rest.edge_length : 0.0; }
 float inverseLength(int p) { return rest.inverse_length; }
 float twist(int p) { return bends[p] * rest.twist_per_bend; }
@@ -92,7 +100,7 @@ void loadStrand() {
     vec4 position = positions[at + 1u], joint = joints[at];
     x[p] = position.xyz;
     v[p] = velocities[at + 1u].xyz;
-    tension[p] = isEdge(p) ? position.w : 0.0;
+    tension[p] = isEdge(p) ? position.w * settings.substep * settings.substep : 0.0;
     frame[p] = frames[at];
     rest_strain[p] = joint.xyz;
     bends[p] = isEdge(p) ? joint.w : 0.0;
@@ -130,7 +138,7 @@ void storeStrand() {
   for (int p = 0; p < PER_THREAD; ++p) {
     if (!isEdge(p)) continue;
     uint at = root_vertex + uint(rank * PER_THREAD + p);
-    positions[at + 1u] = vec4(x[p], tension[p]);
+    positions[at + 1u] = vec4(x[p], tension[p] * settings.per_substep * settings.per_substep);
     velocities[at + 1u] = vec4(v[p], 0);
     frames[at] = frame[p];
     storeGuide(at + 1u, x[p]);

@@ -83,7 +83,8 @@ class Programs : public ::testing::Test {
 };
 
 TEST_F(Programs, HelpTeachesAndExitsWithZero) {
-  for (const char* words : {" --help", " info --help", " convert --help", " render --help", " ctl --help"}) {
+  for (const char* words :
+       {" --help", " info --help", " convert --help", " render --help", " ctl --help", " validate --help"}) {
     const Outcome r = run(program_ + words);
     EXPECT_EQ(r.exit_code, 0) << words << r.err;
     EXPECT_GT(r.out.size(), 200u) << words;
@@ -103,7 +104,9 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
         program_ + " info " + (folder_ / "short.tfx").string(),
         program_ + " info " + (folder_ / "noise.hair").string(),
         program_ + " info " + (folder_ / "absent.tfx").string(), program_ + " info " + folder_.string(),
-        program_ + " info",
+        program_ + " info", program_ + " validate chemistry",
+        program_ + " validate physics --only 'no such case'",
+        program_ + " validate cantilever --solver magic --backend reference",
         program_ + " convert " + (folder_ / "empty.tfx").string() + " " + (folder_ / "x.hair").string(),
         daemon_ + " --config " + (folder_ / "bad.toml").string(), daemon_ + " --scene bald",
         daemon_ + " --groom " + (folder_ / "short.tfx").string(), daemon_ + " --set air_drag=fast",
@@ -115,6 +118,22 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
   }
   EXPECT_EQ(run(program_ + " fly").exit_code, 2);
   EXPECT_EQ(run(daemon_ + " --rate zero").exit_code, 2);
+}
+
+TEST_F(Programs, ValidateExitsWithOneWhenACaseFails) {
+  const std::string command =
+      program_ + " validate cantilever --backend reference --only 'gamma=10 vertices=32 rate' --json";
+  const Outcome good = run(command);
+  EXPECT_EQ(good.exit_code, 0) << good.err;
+  const nlohmann::json rod = nlohmann::json::parse(good.out);
+  EXPECT_EQ(rod["solver"], "rod");
+  EXPECT_EQ(rod["passed"], rod["cases"].size());
+  const Outcome bad = run(command + " --solver gauss_seidel");
+  EXPECT_EQ(bad.exit_code, 1) << bad.err;
+  EXPECT_GT(nlohmann::json::parse(bad.out)["failed"], 0);
+  const Outcome list = run(program_ + " validate physics --list");
+  EXPECT_EQ(list.exit_code, 0);
+  EXPECT_NE(list.out.find("hung helix"), std::string::npos);
 }
 
 TEST_F(Programs, ConvertKeepsEveryBitOfThePositions) {

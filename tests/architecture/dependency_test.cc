@@ -24,6 +24,7 @@ const std::map<std::string, Folders> kAllowed = {
     {"collision", {"core", "kernels"}},
     {"groom", {"core", "kernels"}},
     {"scenes", {"core", "kernels", "collision", "groom"}},
+    {"validation", {"core", "kernels"}},
     {"transport", {"core", "kernels"}},
     {"render", {"core", "kernels", "groom", "transport", "gl"}},
 };

@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/backends.h"
+#include "apps/console.h"
+#include "apps/interrupt.h"
+#include "apps/verbs.h"
+#include "core/backend_registry.h"
+#include "validation/suite.h"
+
+namespace strandcast {
+namespace {
+
+struct Options {
+  std::string suite, backend = "auto", solver = "rod", only;
+  int threads = 0;
+  bool json = false, list = false;
+};
+
+void printList(const Suite& suite) {
+  for (const Experiment& experiment : suite.experiments) {
+    fmt::print("{}\n", experiment.about);
+    for (const std::string& name : experiment.cases) fmt::print("  {}\n", name);
+  }
+}
+
+nlohmann::json toJson(const Case& c) {
+  return {{"name", c.name},     {"quantity", c.quantity}, {"unit", c.unit},   {"measured", c.measured},
+          {"truth", c.truth},   {"error", c.error},       {"limit", c.limit}, {"error_unit", c.error_unit},
+          {"passed", c.passed}, {"note", c.note}};
+}
+
+void printTable(const std::vector<Case>& cases) {
+  size_t width = 4;
+  for (const Case& c : cases) width = std::max(width, c.name.size());
+  fmt::print("      {:<{}}  {:>12} {:>12}  {:>10} {:>8}\n", "case", width, "measured", "truth", "error",
+             "limit");
+  for (const Case& c : cases) {
+    fmt::print("{:<4}  {:<{}}  {:>12.6g} {:>12.6g}  {:>10.3g} {:>8g} {:<8} {}{}\n", c.passed ? "ok" : "FAIL",
+               c.name, width, c.measured, c.truth, c.error, c.limit, c.error_unit, c.quantity,
+               c.unit.empty() ? "" : ", " + c.unit);
+    if (!c.note.empty()) fmt::print("      {:<{}}  {}\n", "", width, c.note);
+  }
+}
+
+int validate(const Options& o) {
+  const Suite& suite = validationSuite(o.suite);
+  if (o.list) {
+    printList(suite);
+    return 0;
+  }
+  const SolverKind solver = solverKind(o.solver);
+  std::string name, device;
+  auto backend = [&] {
+    std::unique_ptr<Backend> made = createBackend(knownBackends(), o.backend, o.threads, solver);
+    name = made->name();
+    device = made->device();
+    return made;
+  };
+  std::vector<Case> cases;
+  {
+    ProgressBar bar;
+    cases = runSuite(suite, Laboratory(backend, solver, [] { return g_interrupted.load(); }), o.only,
+                     [&](const std::string& what, double part) { bar.show(what, part); });
+  }
+  const auto passed = std::count_if(cases.begin(), cases.end(), [](const Case& c) { return c.passed; });
+  const auto failed = static_cast<long>(cases.size()) - passed;
+  if (o.json) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const Case& c : cases) list.push_back(toJson(c));
+    fmt::print("{}\n", nlohmann::json({{"suite", suite.name},
+                                       {"backend", name},
+                                       {"device", device},
+                                       {"solver", solverName(solver)},
+                                       {"cases", list},
+                                       {"passed", passed},
+                                       {"failed", failed}})
+                           .dump());
+  } else {
+    fmt::print("{}: {}, on {} ({}), solver {}\n", suite.name, suite.about, name, device, solverName(solver));
+    printTable(cases);
+    fmt::print("{} passed, {} failed\n", passed, failed);
+  }
+  if (g_interrupted) return kExitInterrupted;
+  return failed > 0 ? kExitCheckFailed : 0;
+}
+
+}  // namespace
+
+Verb addValidate(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  std::string suites;
+  for (const Suite& suite : validationSuites())
+    suites += fmt::format("\n  {:<12}{}", suite.name, suite.about);
+  app.description(app.get_description() + ".\nSuites:" + suites +
+                  "\n\nExit code 0: every case within its limit; 1: a case failed; 2: it could not run.\n"
+                  "Examples:\n"
+                  "  strandcast validate cantilever --backend simd\n"
+                  "  strandcast validate physics --only helix --json\n"
+                  "  strandcast validate cantilever --solver gauss_seidel   what the other solver misses");
+  app.add_option("SUITE", o->suite, "which suite")->required();
+  app.add_option("--backend", o->backend, "auto, reference, simd or gpu")->capture_default_str();
+  app.add_option("--solver", o->solver, "rod or gauss_seidel")->capture_default_str();
+  app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
+  app.add_option("--only", o->only, "run the cases that have this in their name");
+  app.add_flag("--list", o->list, "name the cases and what is done, without running them");
+  app.add_flag("--json", o->json, "print one JSON object");
+  return [o] { return validate(*o); };
+}
+
+}  // namespace strandcast

@@ -1,0 +1,162 @@
+#include "core/sag_free.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "kernels/scalar_double.h"
+
+namespace strandcast {
+namespace {
+
+using Vector = Eigen::Vector3d;
+using Matrix = Eigen::Matrix3d;
+
+Matrix crossMatrix(const Vector& v) {
+  Matrix m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+/// One strand in its root frame: edge e and the joint before it at entry e.
+class Strand {
+ public:
+  struct Joint {
+    Eigen::Quaterniond inner;  ///< frame before the joint
+    Vector strain;             ///< in that frame
+    Vector answer;             ///< K x (strain - rest strain) that balances the weight, in that frame
+    Vector moment;             ///< of the weight, in the root frame
+    Vector stiffness;          ///< K: bending, bending, twist, m^2/s^2
+  };
+  std::vector<Joint> joints;
+  std::vector<Vector> edges, pulls;  ///< l t, m; W, m/s^2
+
+  void read(const StrandModel& model, size_t s, const Vec3& gravity);
+  /// To be called when the joints' stiffness is settled, before stable().
+  void linearise();
+  /// Whether the second variation of elastic energy and weight in the rotations of the edges is positive,
+  /// with all stiffness times `factor`.
+  bool stable(double factor);
+
+ private:
+  std::vector<Matrix> elastic_, geometric_, weight_;  ///< second variations: of joints, of joints, of edges
+};
+
+void Strand::read(const StrandModel& model, size_t s, const Vec3& gravity) {
+  namespace f64 = kernels::f64;
+  const uint32_t first = model.offsets[s];
+  const size_t count = model.verticesOf(s) - 1;
+  const Vector g = (model.rest_roots[s].rotation.conjugate() * gravity).cast<double>();
+  joints.resize(count);
+  edges.resize(count);
+  pulls.resize(count);
+  Vector pull = Vector::Zero(), moment = Vector::Zero();
+  for (size_t e = count; e-- > 0;) {
+    const uint32_t v = first + static_cast<uint32_t>(e);
+    if (model.inverse_mass[v + 1] == 0)
+      pull.setZero();
+    else
+      pull += g * model.mass[v + 1];
+    edges[e] = (model.rest_local[v + 1] - model.rest_local[v]).cast<double>();
+    pulls[e] = pull;
+    moment += edges[e].cross(pull);
+
+    Joint& joint = joints[e];
+    joint.inner = e > 0 ? model.rest_frames[v - 1].cast<double>() : Eigen::Quaterniond::Identity();
+    const Eigen::Quaterniond outer = model.rest_frames[v].cast<double>();
+    const f64::real3 strain =
+        f64::jointStrain({joint.inner.x(), joint.inner.y(), joint.inner.z(), joint.inner.w()},
+                         {outer.x(), outer.y(), outer.z(), outer.w()});
+    joint.strain = Vector(strain.x, strain.y, strain.z);
+    joint.moment = moment;
+    joint.stiffness = Vector(model.bend[v], model.bend[v], model.twist[v]);
+    // jointMoment in kernels/rod.h is c + (strain / 2) x c; solved for c.
+    const Vector m = joint.inner.conjugate() * moment, u = joint.strain / 2;
+    joint.answer = (m + u * u.dot(m) - u.cross(m)) / (1 + u.squaredNorm());
+  }
+}
+
+// How the moment of a joint answers a small rotation of its outer edge: the derivative of jointStrain and
+// jointMoment.
+void Strand::linearise() {
+  auto symmetric = [](const Matrix& m) -> Matrix { return 0.5 * (m + m.transpose()); };
+  elastic_.resize(joints.size());
+  geometric_.resize(joints.size());
+  weight_.resize(joints.size());
+  for (size_t e = 0; e < joints.size(); ++e) {
+    const Joint& joint = joints[e];
+    const Matrix half = 0.5 * crossMatrix(joint.strain), frame = joint.inner.toRotationMatrix();
+    const Matrix strain = Matrix::Identity() - half + 0.25 * joint.strain * joint.strain.transpose();
+    const Matrix moment = (Matrix::Identity() + half) * joint.stiffness.asDiagonal();
+    elastic_[e] = frame * symmetric(moment * strain) * frame.transpose();
+    geometric_[e] = frame * symmetric(-0.5 * crossMatrix(joint.answer) * strain) * frame.transpose();
+    weight_[e] = edges[e].dot(pulls[e]) * Matrix::Identity() - symmetric(pulls[e] * edges[e].transpose());
+  }
+}
+
+bool Strand::stable(double factor) {
+  auto joint = [&](size_t e) -> Matrix { return factor * elastic_[e] + geometric_[e]; };
+  size_t e = joints.size() - 1;
+  Matrix outer = joint(e);
+  Matrix diagonal = weight_[e] + outer;
+  for (;; --e) {
+    // A positive matrix, by its leading minors.
+    const double minor = diagonal(0, 0) * diagonal(1, 1) - diagonal(0, 1) * diagonal(1, 0);
+    if (!(diagonal(0, 0) > 0 && minor > 0 && diagonal.determinant() > 0)) return false;
+    if (e == 0) return true;
+    // Two rotations one after the other turn by half their cross product more than their sum.
+    const Matrix coupling = -outer - 0.5 * crossMatrix(joints[e].moment);
+    const Matrix inner = joint(e - 1);
+    diagonal = (weight_[e - 1] + outer + inner - coupling.transpose() * diagonal.inverse() * coupling).eval();
+    outer = inner;
+  }
+}
+
+}  // namespace
+
+SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity) {
+  constexpr double kGrowth = 1.5;  // of the factor from one trial to the next
+  std::vector<float> factors(model.strands());
+  auto work = [&](size_t begin, size_t end) {
+    Strand strand;
+    for (size_t s = begin; s < end; ++s) {
+      strand.read(model, s, gravity);
+      double largest = 1;
+      for (Strand::Joint& joint : strand.joints) {
+        const double change = joint.answer.cwiseQuotient(joint.stiffness).norm();
+        const double factor = std::max(1.0, change / kLargestChange);
+        joint.stiffness *= factor;
+        largest = std::max(largest, factor);
+      }
+      strand.linearise();
+      double whole = 1;
+      while (whole <= kMostStiffening && !strand.stable(whole / kWeightHeld)) whole *= kGrowth;
+      factors[s] = static_cast<float>(whole <= kMostStiffening ? largest * whole : -1);
+      for (size_t e = 0; e < strand.joints.size(); ++e) {
+        const uint32_t v = model.offsets[s] + static_cast<uint32_t>(e);
+        const Strand::Joint& joint = strand.joints[e];
+        const Vector stiffness = joint.stiffness * whole;
+        model.bend[v] = static_cast<float>(stiffness.x());
+        model.twist[v] = static_cast<float>(stiffness.z());
+        model.rest_strain[v] = (joint.strain - joint.answer.cwiseQuotient(stiffness)).cast<float>();
+        model.rest_tension[v] = static_cast<float>(strand.edges[e].normalized().dot(strand.pulls[e]));
+      }
+    }
+  };
+  const size_t parts = std::clamp<size_t>(std::thread::hardware_concurrency(), 1, 1 + model.strands() / 256);
+  std::vector<std::thread> others;
+  for (size_t part = 1; part < parts; ++part)
+    others.emplace_back(work, model.strands() * part / parts, model.strands() * (part + 1) / parts);
+  work(0, model.strands() / parts);
+  for (std::thread& other : others) other.join();
+
+  SagFreeReport report;
+  for (size_t s = 0; s < factors.size(); ++s) {
+    if (factors[s] < 0) report.unstable.push_back(static_cast<uint32_t>(s));
+    if (factors[s] > 1) report.stiffened.push_back(static_cast<uint32_t>(s));
+    report.largest_factor = std::max(report.largest_factor, factors[s]);
+  }
+  return report;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,130 @@
+#include "core/sag_free.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "core/simulation.h"
+
+namespace strandcast {
+namespace {
+
+const Vec3 kGravity(0, -9.81f, 0);
+
+std::vector<Vec3> line(const Vec3& direction, float length, int edges) {
+  std::vector<Vec3> points;
+  for (int i = 0; i <= edges; ++i)
+    points.push_back(direction.normalized() * (length * static_cast<float>(i) / static_cast<float>(edges)));
+  return points;
+}
+
+std::vector<Vec3> helix(float radius, float pitch, float length, int edges) {
+  std::vector<Vec3> points;
+  const float turn = std::hypot(2 * 3.14159265f * radius, pitch);
+  for (int i = 0; i <= edges; ++i) {
+    const float turns = length / turn * static_cast<float>(i) / static_cast<float>(edges);
+    const float angle = 2 * 3.14159265f * turns;
+    points.emplace_back(radius * (std::cos(angle) - 1), -pitch * turns, radius * std::sin(angle));
+  }
+  return points;
+}
+
+// The farthest that a vertex goes from its groomed place in `seconds` of motionless head.
+double drift(const StrandModel& model, double seconds, float hertz = 60) {
+  Parameters parameters;
+  parameters.solver = SolverKind::kRod;
+  parameters.time_step = 1 / hertz;
+  parameters.substeps = 4;
+  parameters.air_drag = 2;
+  Simulation simulation(model, {}, parameters, makeReferenceBackend());
+  const StrandState rest = simulation.state();
+  double farthest = 0;
+  for (int i = 0; i < seconds * hertz; ++i) {
+    simulation.step();
+    const std::span<const Vec3> now = simulation.guides();
+    for (size_t v = 0; v < now.size(); ++v)
+      farthest = std::max<double>(farthest, (now[v] - rest.positions[v]).norm());
+  }
+  return farthest;
+}
+
+StrandSet grooms() {
+  StrandSet set;
+  set.append(line(Vec3(1, 0, 0), 0.08f, 20));
+  set.append(line(Vec3(1, -1, 0.3f), 0.15f, 31));
+  set.append(line(Vec3(0, 1, 0), 0.08f, 16));
+  set.append(helix(0.01f, 0.01f, 0.15f, 40));
+  set.append(helix(0.02f, 0.03f, 0.20f, 31));
+  return set;
+}
+
+TEST(SagFree, TheGroomedShapeStaysWhereItIs) {
+  StrandModel model = makeStrandModel(grooms());
+  makeSagFree(model, kGravity);
+  EXPECT_LT(drift(model, 3), 1e-4);
+}
+
+TEST(SagFree, WithoutItHairSags) { EXPECT_GT(drift(makeStrandModel(grooms()), 1), 1e-2); }
+
+TEST(SagFree, HairThatHangsStraightIsLeftAsItWas) {
+  StrandSet set;
+  set.append(line(Vec3(0, -1, 0), 0.3f, 31));
+  const StrandModel before = makeStrandModel(set);
+  StrandModel after = before;
+  const SagFreeReport report = makeSagFree(after, kGravity);
+  EXPECT_TRUE(report.stiffened.empty());
+  EXPECT_EQ(after.bend, before.bend);
+  for (size_t j = 0; j < 31; ++j) EXPECT_LT((after.rest_strain[j] - before.rest_strain[j]).norm(), 1e-5f);
+}
+
+// Greenhill: a clamped upright rod buckles under its own weight at gamma = 7.837; it is to hold twice its
+// weight.
+TEST(SagFree, StiffensUprightHairAboveGreenhillsLength) {
+  const Material hair;
+  auto upright = [&](double gamma) {
+    const double length =
+        std::cbrt(gamma * hair.youngs_modulus * hair.radius * hair.radius / (4 * hair.density * 9.81));
+    StrandSet set;
+    set.append(line(Vec3(0, 1, 0), static_cast<float>(length), 40));
+    StrandModel model = makeStrandModel(set);
+    return makeSagFree(model, kGravity);
+  };
+  EXPECT_TRUE(upright(7.6 / kWeightHeld).stiffened.empty());
+  const SagFreeReport report = upright(8.1 / kWeightHeld);
+  EXPECT_EQ(report.stiffened, std::vector<uint32_t>{0});
+  EXPECT_GT(report.largest_factor, 1.2f);
+}
+
+TEST(SagFree, StiffensWhatWouldHaveToBeWoundUp) {
+  StrandSet set;
+  set.append(line(Vec3(1, 0, 0), 0.5f, 31));
+  StrandModel model = makeStrandModel(set);
+  const SagFreeReport report = makeSagFree(model, kGravity);
+  EXPECT_EQ(report.stiffened.size(), 1u);
+  EXPECT_TRUE(report.unstable.empty());
+  for (const Vec3& strain : model.rest_strain) EXPECT_LE(strain.norm(), kLargestChange + 1e-4);
+  EXPECT_LT(drift(model, 3), 1e-4);
+}
+
+TEST(SagFree, TenThousandStrandsAreQuick) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> any;
+  StrandSet set;
+  for (int s = 0; s < 10000; ++s) {
+    const Vec3 direction(any(random), any(random) - 1, any(random));
+    set.append(line(direction, 0.2f, 31));
+  }
+  StrandModel model = makeStrandModel(set);
+  const auto start = std::chrono::steady_clock::now();
+  const SagFreeReport report = makeSagFree(model, kGravity);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  std::printf("             10,000 x 32 in %.3f s, %zu stiffened, at most x%.0f, %zu unstable\n", seconds,
+              report.stiffened.size(), report.largest_factor, report.unstable.size());
+  EXPECT_LT(seconds, 10) << "an order of magnitude, for a loaded machine";
+}
+
+}  // namespace
+}  // namespace strandcast

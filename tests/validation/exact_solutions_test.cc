@@ -1,0 +1,114 @@
+// Each solution is held against published values or against another way to the same number.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "validation/beam_modes.h"
+#include "validation/catenary.h"
+#include "validation/elastica.h"
+#include "validation/hanging_chain.h"
+#include "validation/hung_rod.h"
+#include "validation/oscillation.h"
+#include "validation/pendulum.h"
+
+namespace strandcast {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+TEST(ExactSolutions, HeavyElastica) {
+  struct Row {
+    double gamma, drop, reach, slope;
+  };
+  for (const Row& row :
+       {Row{0.1, 0.012498, 0.999911, 0.012500}, Row{1, 0.123471, 0.991246, 0.124562},
+        Row{10, 0.700200, 0.656354, 1.066802}, Row{100, 0.937524, 0.159223, 5.888105},
+        Row{1000, 0.981141, 0.045986, 21.335440}, Row{10000, 0.994110, 0.014261, 69.708830}}) {
+    const ElasticaTip tip = restingElastica(row.gamma, 0);
+    EXPECT_NEAR(tip.drop, row.drop, 2e-6) << row.gamma;
+    EXPECT_NEAR(tip.reach, row.reach, 2e-6) << row.gamma;
+    EXPECT_NEAR(tip.slope() / row.slope, 1, 5e-5) << row.gamma;
+  }
+}
+
+TEST(ExactSolutions, ElasticaWithTipLoad) {
+  struct Row {
+    double alpha, drop, shortfall;
+  };
+  for (const Row& row : {Row{0.5, 0.162144, 0.015919}, Row{1, 0.301721, 0.056433}, Row{2, 0.493457, 0.160642},
+                         Row{10, 0.810609, 0.554996}}) {
+    const ElasticaTip tip = restingElastica(0, row.alpha);
+    EXPECT_NEAR(tip.drop, row.drop, 2e-6) << row.alpha;
+    EXPECT_NEAR(1 - tip.reach, row.shortfall, 2e-6) << row.alpha;
+  }
+  // Small loads add up: w L^4 / (8 B) and P L^3 / (3 B).
+  EXPECT_NEAR(restingElastica(1e-3, 2e-3).drop, 1e-3 / 8 + 2e-3 / 3, 1e-8);
+}
+
+TEST(ExactSolutions, Modes) {
+  const double beam[] = {3.51602, 22.0345, 61.6972}, chain[] = {1.20241, 2.76004, 4.32686};
+  for (int n = 1; n <= 3; ++n) {
+    EXPECT_NEAR(beamRoot(n) * beamRoot(n), beam[n - 1], 1e-4);
+    EXPECT_NEAR(chainRoot(n) / 2, chain[n - 1], 1e-5);
+    EXPECT_NEAR(chainShape(n, 0), 0, 1e-12);
+    EXPECT_NEAR(chainShape(n, 1), 1, 1e-12);
+    EXPECT_NEAR(beamShape(n, 0), 0, 1e-9);
+    EXPECT_NEAR(std::fabs(beamShape(n, 1)), 2, 1e-6);
+  }
+}
+
+TEST(ExactSolutions, Pendulum) {
+  const double degrees[] = {10, 30, 60, 90}, period[] = {1.001907, 1.017409, 1.073182, 1.180341};
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(pendulumPeriod(degrees[i] * kPi / 180), period[i], 1e-6);
+}
+
+TEST(ExactSolutions, Catenary) {
+  const double span[] = {0.2, 0.4, 0.5, 0.6, 0.8}, sag[] = {0.472834, 0.427752, 0.398194, 0.362782, 0.265438};
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(catenarySag(span[i]), sag[i], 1e-6);
+}
+
+TEST(ExactSolutions, AHungRodWithoutCurvatureClampedLevelIsTheElastica) {
+  HungRod rod;
+  rod.gamma = 10;
+  rod.down = Eigen::Vector3d(1, 0, 0);
+  EXPECT_NEAR(hangingDepth(rod), 0.700200, 2e-6);
+}
+
+TEST(ExactSolutions, AHeavyHelixKeepsItsPitchWithoutWeightAndLengthensWithIt) {
+  constexpr double kRadius = 0.01, kRise = 0.01 / (2 * kPi), kLength = 0.2;
+  const double square = kRadius * kRadius + kRise * kRise;
+  HungRod rod;
+  rod.curvature = kLength * kRadius / square;
+  rod.torsion = kLength * kRise / square;
+  rod.down = Eigen::Vector3d(0, kRadius, kRise) / std::sqrt(square);
+  EXPECT_NEAR(hangingDepth(rod), kRise / std::sqrt(square), 1e-9);
+  rod.gamma = 4 * 1300 * 9.81 * std::pow(kLength, 3) / (4e9 * 40e-6 * 40e-6);
+  EXPECT_NEAR(kLength * hangingDepth(rod), 0.05185, 2e-5);
+}
+
+TEST(ExactSolutions, BendTwistThreshold) {
+  const double phi[] = {2 * kPi, 8, 3 * kPi, 10, 4 * kPi, 5 * kPi};
+  const double gamma[] = {44.76, 113.93, 190.37, 227.79, 452.5, 883.8};
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(bendTwistThreshold(phi[i], 1 / 1.45) / gamma[i], 1, 2e-4);
+  EXPECT_TRUE(std::isnan(bendTwistThreshold(40, 1 / 1.45)));
+}
+
+TEST(Oscillation, FrequencyAndDampingOfADecayingSine) {
+  constexpr double kInterval = 1.0 / 360, kOmega = 7, kDecay = 0.3;
+  std::vector<double> samples;
+  for (int i = 1; i < 2000; ++i) {
+    const double t = i * kInterval;
+    samples.push_back(std::exp(-kDecay * t) * std::sin(kOmega * t));
+  }
+  const Oscillation found = oscillationOf(samples, kInterval);
+  EXPECT_NEAR(found.angular_frequency, kOmega, 1e-4);
+  EXPECT_NEAR(found.decrement, kDecay * 2 * kPi / kOmega, 1e-4);
+  EXPECT_NEAR(found.dampingRatio(), kDecay / std::hypot(kDecay, kOmega), 1e-5);
+  EXPECT_NEAR(found.energyLostPerCycle(), 1 - std::exp(-4 * kPi * kDecay / kOmega), 1e-4);
+  EXPECT_TRUE(std::isnan(oscillationOf(std::vector<double>(100, 1.0), kInterval).angular_frequency));
+}
+
+}  // namespace
+}  // namespace strandcast

@@ -1,0 +1,81 @@
+#include "validation/suite.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+Laboratory reference(SolverKind solver) { return {makeReferenceBackend, solver}; }
+
+TEST(Case, IsPassedWithinItsLimitOnly) {
+  EXPECT_TRUE(relativeCase({"a", "", ""}, 1.009, 1, 1).passed);
+  EXPECT_FALSE(relativeCase({"a", "", ""}, 0.98, 1, 1).passed);
+  EXPECT_TRUE(absoluteCase({"a", "", "m"}, 0, 0, 0).passed);
+  EXPECT_FALSE(absoluteCase({"a", "", "m"}, -0.2, 0, 0.1).passed);
+  EXPECT_TRUE(atLeastCase({"a", "", ""}, 3, 2, 0).passed);
+  EXPECT_FALSE(atLeastCase({"a", "", ""}, 1.7, 2, 0.2).passed);
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(relativeCase({"a", "", ""}, none, 1, 1).passed);
+  EXPECT_FALSE(absoluteCase({"a", "", ""}, none, 0, 1).passed);
+  EXPECT_FALSE(atLeastCase({"a", "", ""}, none, 2, 1).passed);
+  EXPECT_TRUE(std::isnan(worse(none, 1)) && std::isnan(worse(1, none)));
+  EXPECT_EQ(worse(1, 2), 2);
+  EXPECT_EQ(worse(2, 1), 2);
+}
+
+TEST(Suites, CasesAreNamedOnceAndAsListed) {
+  for (const Suite& suite : validationSuites()) {
+    std::set<std::string> names;
+    for (const Experiment& experiment : suite.experiments)
+      for (const std::string& name : experiment.cases) EXPECT_TRUE(names.insert(name).second) << name;
+    EXPECT_GE(names.size(), 15u) << suite.name;
+  }
+  const Suite& physics = validationSuite("physics");
+  const Experiment& first = physics.experiments.front();
+  const std::vector<Case> cases = first.run(reference(SolverKind::kRod));
+  ASSERT_EQ(cases.size(), first.cases.size());
+  for (size_t i = 0; i < cases.size(); ++i) EXPECT_EQ(cases[i].name, first.cases[i]);
+}
+
+TEST(Suites, TheRodPassesTheCantileverAtEveryWeight) {
+  const std::vector<Case> cases =
+      runSuite(validationSuite("cantilever"), reference(SolverKind::kRod), "gamma=");
+  for (const Case& c : cases)
+    if (c.name.find("agree") == std::string::npos) {
+      EXPECT_TRUE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
+    }
+}
+
+// The suite must tell a wrong answer from a right one: the other solver sags as its sweeps have it.
+TEST(Suites, GaussSeidelFailsTheCantilever) {
+  const std::vector<Case> cases =
+      runSuite(validationSuite("cantilever"), reference(SolverKind::kGaussSeidel), "vertices=32");
+  ASSERT_EQ(cases.size(), 12u);
+  EXPECT_GE(std::count_if(cases.begin(), cases.end(), [](const Case& c) { return !c.passed; }), 8);
+}
+
+TEST(Suites, OnlyCasesThatAreNamedAreGiven) {
+  const Suite& cantilever = validationSuite("cantilever");
+  const std::vector<Case> cases = runSuite(cantilever, reference(SolverKind::kRod), "gamma=10 convergence");
+  ASSERT_EQ(cases.size(), 1u);
+  EXPECT_GT(cases[0].measured, 1.8);
+  EXPECT_THROW(runSuite(cantilever, reference(SolverKind::kRod), "gamma=7"), Error);
+  EXPECT_THROW(validationSuite("chemistry"), Error);
+}
+
+TEST(Suites, StopWhereTheyAreTold) {
+  int asked = 0;
+  const Laboratory stopped(makeReferenceBackend, SolverKind::kRod, [&] { return ++asked > 10; });
+  EXPECT_TRUE(runSuite(validationSuite("cantilever"), stopped).empty());
+  EXPECT_EQ(asked, 11);
+}
+
+}  // namespace
+}  // namespace strandcast

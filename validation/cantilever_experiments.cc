@@ -1,0 +1,134 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <span>
+
+#include "validation/elastica.h"
+#include "validation/experiments.h"
+#include "validation/specimen.h"
+
+namespace strandcast {
+namespace {
+
+constexpr double kSettling = 8;  // s
+constexpr float kDrag = 5;       // 1/s
+constexpr double kRates[] = {360, 720};
+
+struct Cantilever {
+  double gamma;
+  int edges;  ///< what the names of cases call vertices: those beside the clamped one
+};
+
+/// Drop over reach of the tips of horizontal strands of human hair, at rest.
+std::vector<double> restingSlopes(const Laboratory& laboratory, const std::vector<Cantilever>& cantilevers,
+                                  double rate) {
+  std::vector<StrandPoints> strands;
+  for (const Cantilever& c : cantilevers)
+    strands.push_back(straightStrand(lengthOfGamma(c.gamma, Material{}), c.edges, Vec3::UnitX()));
+  Simulation simulation = laboratory.simulation(modelOf(strands), laboratory.parameters(rate, kDrag));
+  laboratory.advance(simulation, kSettling);
+  std::vector<double> slopes;
+  for (size_t s = 0; s < strands.size(); ++s) {
+    const Vec3 tip = tipOf(simulation, s);
+    slopes.push_back(-static_cast<double>(tip.y()) / tip.x());
+  }
+  return slopes;
+}
+
+struct Scored {
+  Cantilever cantilever;
+  double limit;  ///< % of drop over reach
+};
+const std::vector<Scored>& scoredCantilevers() {
+  static const std::vector<Scored> list = {
+      {{0.1, 32}, 0.2}, {{1, 32}, 0.2}, {{10, 32}, 0.2}, {{100, 32}, 0.6}, {{1000, 64}, 1.5}};
+  return list;
+}
+
+std::string nameOf(const Cantilever& c) { return fmt::format("gamma={:g} vertices={}", c.gamma, c.edges); }
+
+std::vector<std::string> namesOfSag() {
+  std::vector<std::string> names;
+  for (const Scored& scored : scoredCantilevers()) {
+    const std::string name = nameOf(scored.cantilever);
+    names.insert(names.end(), {name, name + " rate=720", name + " rates agree"});
+  }
+  return names;
+}
+
+std::vector<Case> sag(const Laboratory& laboratory) {
+  std::vector<Cantilever> cantilevers;
+  for (const Scored& scored : scoredCantilevers()) cantilevers.push_back(scored.cantilever);
+  std::map<double, std::vector<double>> slopes;
+  for (const double rate : kRates) slopes[rate] = restingSlopes(laboratory, cantilevers, rate);
+  std::vector<Case> cases;
+  for (size_t i = 0; i < cantilevers.size(); ++i) {
+    const std::string name = nameOf(cantilevers[i]);
+    const double truth = restingElastica(cantilevers[i].gamma, 0).slope();
+    const double limit = scoredCantilevers()[i].limit;
+    cases.push_back(relativeCase({name, "tip H/W", ""}, slopes[360][i], truth, limit));
+    cases.push_back(relativeCase({name + " rate=720", "tip H/W", ""}, slopes[720][i], truth, limit));
+    const double apart = 100 * (slopes[360][i] - slopes[720][i]) / truth;
+    cases.push_back(absoluteCase({name + " rates agree", "H/W at 1/360 less 1/720", "%"}, apart, 0, 0.3));
+  }
+  return cases;
+}
+
+// Slope of log |error| over log (edge length), by least squares.
+double orderOf(std::span<const int> edges, std::span<const double> errors) {
+  double x_mean = 0, y_mean = 0, xy = 0, xx = 0;
+  const auto n = static_cast<double>(edges.size());
+  for (size_t i = 0; i < edges.size(); ++i) {
+    x_mean -= std::log(edges[i]) / n;
+    y_mean += std::log(std::fabs(errors[i])) / n;
+  }
+  for (size_t i = 0; i < edges.size(); ++i) {
+    const double x = -std::log(edges[i]) - x_mean;
+    xy += x * (std::log(std::fabs(errors[i])) - y_mean);
+    xx += x * x;
+  }
+  return xy / xx;
+}
+
+constexpr double kConvergenceGammas[] = {1, 10};
+
+std::vector<std::string> namesOfConvergence() {
+  std::vector<std::string> names;
+  for (const double gamma : kConvergenceGammas) names.push_back(fmt::format("gamma={:g} convergence", gamma));
+  return names;
+}
+
+std::vector<Case> convergence(const Laboratory& laboratory) {
+  const std::vector<int> edges = {8, 16, 32, 64};
+  std::vector<Cantilever> cantilevers;
+  for (const double gamma : kConvergenceGammas)
+    for (const int n : edges) cantilevers.push_back({gamma, n});
+  const std::vector<double> slopes = restingSlopes(laboratory, cantilevers, 720);
+  std::vector<Case> cases;
+  for (size_t g = 0; g < std::size(kConvergenceGammas); ++g) {
+    const double truth = restingElastica(kConvergenceGammas[g], 0).slope();
+    std::vector<double> errors;
+    std::string note = "from 8, 16 and 32 vertices; errors of H/W at 8, 16, 32, 64:";
+    for (size_t i = 0; i < edges.size(); ++i) {
+      errors.push_back(100 * (slopes[g * edges.size() + i] / truth - 1));
+      note += fmt::format(" {:.4f} %", errors.back());
+    }
+    // At 64 vertices rounding and time step weigh as much as the edges do.
+    const double slope = orderOf(std::span(edges).first(3), std::span(errors).first(3));
+    Case order = atLeastCase({namesOfConvergence()[g], "order of convergence", ""}, slope, 2, 0.2);
+    order.note = note;
+    cases.push_back(order);
+  }
+  return cases;
+}
+
+}  // namespace
+
+void addCantileverExperiments(std::vector<Experiment>& experiments) {
+  experiments.push_back(
+      {"horizontal strands of as many edges sag under their own weight", namesOfSag(), sag});
+  experiments.push_back({"the same with more and more vertices", namesOfConvergence(), convergence});
+}
+
+}  // namespace strandcast

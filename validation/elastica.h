@@ -1,0 +1,17 @@
+#pragma once
+
+namespace strandcast {
+
+/// Where the tip of a clamped, horizontal, straight elastica comes to rest, in units of its length.
+struct ElasticaTip {
+  double drop = 0;   ///< below the clamp
+  double reach = 0;  ///< away from it
+
+  double slope() const { return drop / reach; }
+};
+
+/// Under its own weight, gamma = w L^3 / B (w: weight per length, B: bending stiffness), and a load P at its
+/// tip, alpha = P L^2 / B; both 0 or more, at most about 1e5, not both 0. Solved by shooting from the tip.
+ElasticaTip restingElastica(double gamma, double alpha);
+
+}  // namespace strandcast

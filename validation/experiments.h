@@ -1,0 +1,19 @@
+#pragma once
+#include <vector>
+
+#include "validation/suite.h"
+
+namespace strandcast {
+
+/// Each appends its experiments, in a file of its name.
+void addCantileverExperiments(
+    std::vector<Experiment>& experiments);  ///< heavy elastica over gamma, edges, time step
+void addRestExperiments(std::vector<Experiment>& experiments);       ///< tip loads, catenary, hung helix
+void addVibrationExperiments(std::vector<Experiment>& experiments);  ///< beam, chain, pendulum, damping
+void addBendTwistExperiments(
+    std::vector<Experiment>& experiments);  ///< leaving the plane; twist from root to tip
+void addInvarianceExperiments(std::vector<Experiment>& experiments);  ///< time step, drag, order, units
+void addMotionExperiments(std::vector<Experiment>& experiments);      ///< a shaken root: stretch, tip error
+void addGuardExperiments(std::vector<Experiment>& experiments);       ///< abuse
+
+}  // namespace strandcast

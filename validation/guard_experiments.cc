@@ -1,0 +1,152 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "validation/experiments.h"
+#include "validation/specimen.h"
+
+namespace strandcast {
+namespace {
+
+constexpr int kEdges = 32;
+constexpr double kRate = 360;
+constexpr float kDrag = 5;
+
+// What may be done to hair at rest.
+using Abuse = std::function<void(const Laboratory&, Simulation&, const std::function<void()>& look)>;
+
+// Strands settle, are abused, and settle again: whether every number stays finite all the while, and how far
+// the tips are from where they were, mm, at most over the last second.
+std::vector<Case> survive(const Laboratory& laboratory, const std::string& name, const Material& material,
+                          const Parameters& parameters, const Abuse& abuse) {
+  constexpr double kSettling = 6, kWatching = 1;  // s
+  Simulation simulation = laboratory.simulation(
+      modelOf({straightStrand(0.25, kEdges, Vec3::UnitX()), helixStrand(0.01, 0.01, 0.2, kEdges)}, material),
+      parameters);
+  size_t non_finite = 0;
+  auto look = [&] { non_finite = std::max(non_finite, simulation.measure().non_finite); };
+  laboratory.advance(simulation, kSettling, look);
+  const Vec3 before[] = {tipOf(simulation, 0), tipOf(simulation, 1)};
+  abuse(laboratory, simulation, look);
+  simulation.setParameters(parameters);
+  auto back = [](double) { return Pose{}; };
+  laboratory.advance(simulation, kSettling - kWatching, back, look);
+  double moved = 0;
+  laboratory.advance(simulation, kWatching, back, [&] {
+    look();
+    for (size_t s = 0; s < 2; ++s)
+      moved = worse(moved, 1e3 * (tipOf(simulation, s) - before[s]).cast<double>().norm());
+  });
+  return {absoluteCase({name + ": finite", "numbers not finite", ""}, static_cast<double>(non_finite), 0, 0),
+          absoluteCase({name + ": returns", "largest distance of a tip", "mm"}, moved, 0, 1)};
+}
+
+Pose shaken(double t) {
+  return {Vec3(static_cast<float>(0.1 * std::sin(2 * std::numbers::pi * 5 * t)), 0, 0),
+          Quat(Eigen::AngleAxisf(static_cast<float>(0.8 * std::sin(9 * t)), Eigen::Vector3f::UnitY()))};
+}
+
+void shakeFor(const Laboratory& laboratory, Simulation& simulation, double seconds,
+              const std::function<void()>& look) {
+  const double start = simulation.time();
+  laboratory.advance(
+      simulation, seconds, [&](double t) { return shaken(t - start); }, look);
+}
+
+void shakeForThreeSeconds(const Laboratory& laboratory, Simulation& simulation,
+                          const std::function<void()>& look) {
+  shakeFor(laboratory, simulation, 3, look);
+}
+
+Material hairTimes(float stiffness) {
+  Material material;
+  material.youngs_modulus *= stiffness;
+  return material;
+}
+
+std::vector<Case> stiff(const Laboratory& laboratory) {
+  return survive(laboratory, "1000 times the stiffness", hairTimes(1000), laboratory.parameters(kRate, kDrag),
+                 shakeForThreeSeconds);
+}
+
+std::vector<Case> leap(const Laboratory& laboratory) {
+  return survive(laboratory, "leap of 1 m", {}, laboratory.parameters(kRate, kDrag),
+                 [](const Laboratory& lab, Simulation& simulation, const auto& look) {
+                   lab.advance(
+                       simulation, 1,
+                       [](double) {
+                         return Pose{Vec3(0.6f, 0.0f, 0.8f), Quat::Identity()};
+                       },
+                       look);
+                 });
+}
+
+std::vector<Case> timeSteps(const Laboratory& laboratory) {
+  return survive(laboratory, "changing time steps", {}, laboratory.parameters(kRate, kDrag),
+                 [](const Laboratory& lab, Simulation& simulation, const auto& look) {
+                   for (const double rate : {30, 2000, 60, 1000, 30}) {
+                     simulation.setParameters(lab.parameters(rate, kDrag));
+                     shakeFor(lab, simulation, 0.5, look);
+                   }
+                 });
+}
+
+std::vector<Case> substeps(const Laboratory& laboratory) {
+  return survive(laboratory, "changing substeps", {}, laboratory.parameters(kRate, kDrag),
+                 [](const Laboratory& lab, Simulation& simulation, const auto& look) {
+                   for (const int substeps : {1, 64, 2, 16, 1}) {
+                     Parameters parameters = lab.parameters(60, kDrag);
+                     parameters.substeps = substeps;
+                     simulation.setParameters(parameters);
+                     shakeFor(lab, simulation, 0.5, look);
+                   }
+                 });
+}
+
+constexpr int kConstantRates[] = {30, 60, 2000};  // steps per second
+
+std::string nameOfRate(int rate) { return fmt::format("time step of 1/{} s", rate); }
+
+std::vector<Case> constantStep(const Laboratory& laboratory, int rate) {
+  return survive(laboratory, nameOfRate(rate), {}, laboratory.parameters(rate, kDrag), shakeForThreeSeconds);
+}
+
+std::vector<Case> mostSubsteps(const Laboratory& laboratory) {
+  Parameters parameters = laboratory.parameters(30, kDrag);
+  parameters.substeps = 64;
+  return survive(laboratory, "64 substeps", {}, parameters, shakeForThreeSeconds);
+}
+
+std::vector<Case> coincident(const Laboratory& laboratory) {
+  return survive(laboratory, "coincident vertices", {}, laboratory.parameters(kRate, kDrag),
+                 [](const Laboratory& lab, Simulation& simulation, const auto& look) {
+                   StrandState state = simulation.state();
+                   for (size_t v = 10; v < 20; ++v) state.positions[v] = state.positions[10];
+                   simulation.backend().upload(state);
+                   lab.advance(simulation, 1, look);
+                   for (size_t v = 0; v < state.positions.size(); ++v) state.positions[v] = Vec3::Zero();
+                   simulation.backend().upload(state);
+                   lab.advance(simulation, 1, look);
+                 });
+}
+
+}  // namespace
+
+void addGuardExperiments(std::vector<Experiment>& experiments) {
+  auto add = [&](const std::string& about, const std::string& name, auto run) {
+    experiments.push_back({about, {name + ": finite", name + ": returns"}, run});
+  };
+  add("strands of 1000 times the stiffness of hair, shaken", "1000 times the stiffness", stiff);
+  add("the root leaps by 1 m in one step, and back", "leap of 1 m", leap);
+  for (const int rate : kConstantRates)
+    add(fmt::format("steps of 1/{} s all the time, shaken", rate), nameOfRate(rate),
+        [rate](const Laboratory& laboratory) { return constantStep(laboratory, rate); });
+  add("64 substeps of steps of 1/30 s all the time, shaken", "64 substeps", mostSubsteps);
+  add("time steps of 1/30 to 1/2000 s by turns, shaken", "changing time steps", timeSteps);
+  add("1 to 64 substeps of steps of 1/60 s by turns, shaken", "changing substeps", substeps);
+  add("ten vertices in one point, then all of them", "coincident vertices", coincident);
+}
+
+}  // namespace strandcast

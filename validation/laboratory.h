@@ -1,0 +1,43 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "core/simulation.h"
+
+namespace strandcast {
+
+/// What experiments are run with: the backend and the solver under test.
+class Laboratory {
+ public:
+  /// `backend` makes a backend for each simulation. `stopped` is asked at every step; where it says yes, the
+  /// experiment is given up.
+  Laboratory(
+      std::function<std::unique_ptr<Backend>()> backend, SolverKind solver,
+      std::function<bool()> stopped = [] { return false; })
+      : backend_(std::move(backend)), solver_(solver), stopped_(std::move(stopped)) {}
+
+  /// One substep per step, `rate` steps per second.
+  Parameters parameters(double rate, float air_drag) const;
+  Simulation simulation(StrandModel model, const Parameters& parameters) const;
+
+  /// Steps until `seconds` more have passed; `after_step` may look at the simulation. Throws Stopped.
+  void advance(Simulation& simulation, double seconds, const std::function<void()>& after_step = {}) const;
+  /// The same under a motion of the head, given over the simulation's time.
+  void advance(Simulation& simulation, double seconds, const std::function<Pose(double)>& motion,
+               const std::function<void()>& after_step) const;
+
+  struct Stopped {};
+
+ private:
+  std::function<std::unique_ptr<Backend>()> backend_;
+  SolverKind solver_;
+  std::function<bool()> stopped_;
+};
+
+/// The newest positions of strand s.
+std::span<const Vec3> strandOf(Simulation& simulation, size_t s);
+/// The last of them.
+Vec3 tipOf(Simulation& simulation, size_t s);
+
+}  // namespace strandcast

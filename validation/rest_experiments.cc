@@ -1,0 +1,142 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/sag_free.h"
+#include "validation/catenary.h"
+#include "validation/elastica.h"
+#include "validation/experiments.h"
+#include "validation/hung_rod.h"
+#include "validation/specimen.h"
+
+namespace strandcast {
+namespace {
+
+constexpr int kEdges = 32;
+constexpr double kRate = 360;
+constexpr double kSettling = 10;  // s
+
+constexpr double kTipLoads[] = {1, 5, 10};  // alpha = P L^2 / B
+constexpr double kTipToStrand = 5;          // weight of the load over that of the strand
+
+std::vector<std::string> namesOfTipLoad() {
+  std::vector<std::string> names;
+  for (const double alpha : kTipLoads) names.push_back(fmt::format("tip load alpha={:g}", alpha));
+  return names;
+}
+
+// The load is a heavy last vertex. The strand keeps its own weight, which the truth has too; gravity is so
+// weak that the strand may be long, because a short one is too stiff for the time step.
+std::vector<Case> tipLoad(const Laboratory& laboratory) {
+  constexpr double kLength = 0.07;  // m
+  std::vector<Case> cases;
+  std::vector<StrandPoints> strands;
+  std::vector<Material> materials;
+  for (const double alpha : kTipLoads) {
+    strands.push_back(straightStrand(kLength, kEdges, Vec3::UnitX()));
+    materials.emplace_back();
+    materials.back().youngs_modulus /= static_cast<float>(alpha);
+  }
+  StrandModel model = modelOf(strands, materials);
+  for (size_t s = 0; s < strands.size(); ++s) model.mass[model.offsets[s + 1] - 1] += kTipToStrand * kEdges;
+  Parameters parameters = laboratory.parameters(kRate, 5);
+  parameters.gravity.y() =
+      static_cast<float>(-bendingOverMass(Material{}) / (kTipToStrand * std::pow(kLength, 3)));
+  Simulation simulation = laboratory.simulation(std::move(model), parameters);
+  laboratory.advance(simulation, 12);
+  for (size_t s = 0; s < strands.size(); ++s) {
+    const double truth = restingElastica(kTipLoads[s] / kTipToStrand, kTipLoads[s]).drop;
+    cases.push_back(relativeCase({namesOfTipLoad()[s], "tip drop/L", ""}, -tipOf(simulation, s).y() / kLength,
+                                 truth, 0.5));
+  }
+  return cases;
+}
+
+constexpr double kSpans[] = {0.2, 0.5, 0.8};
+
+std::vector<std::string> namesOfCatenary() {
+  std::vector<std::string> names;
+  for (const double span : kSpans) names.push_back(fmt::format("catenary span={:g}", span));
+  return names;
+}
+
+std::vector<Case> catenary(const Laboratory& laboratory) {
+  constexpr float kLength = 0.25f;
+  Material limp;
+  limp.youngs_modulus = 1e3f;
+  StrandSet set;
+  for (const double span : kSpans) {  // at first two straight halves that meet below
+    const Vec3 middle =
+        Vec3(static_cast<float>(span), -static_cast<float>(std::sqrt(1 - span * span)), 0) * kLength / 2;
+    StrandPoints points;
+    for (int i = 0; i <= kEdges; ++i) {
+      const float along = 2.0f * static_cast<float>(std::min(i, kEdges - i)) / kEdges;
+      Vec3 point = middle * along;
+      if (2 * i > kEdges) point.x() = 2 * middle.x() - point.x();
+      points.push_back(point);
+    }
+    set.append(points);
+    set.pinned.resize(set.vertices(), 0);
+    set.pinned.back() = 1;
+  }
+  Simulation simulation =
+      laboratory.simulation(makeStrandModel(set, {limp}), laboratory.parameters(kRate, 5));
+  laboratory.advance(simulation, kSettling);
+  std::vector<Case> cases;
+  for (size_t s = 0; s < std::size(kSpans); ++s) {
+    const double sag = -strandOf(simulation, s)[kEdges / 2].y() / kLength;
+    cases.push_back(relativeCase({namesOfCatenary()[s], "sag/L", ""}, sag, catenarySag(kSpans[s]), 0.5));
+  }
+  return cases;
+}
+
+std::vector<Case> hungHelix(const Laboratory& laboratory) {
+  constexpr double kRadius = 0.01, kPitch = 0.01, kLength = 0.2;  // m
+  const double rise = kPitch / (2 * std::numbers::pi), square = kRadius * kRadius + rise * rise;
+  HungRod rod;
+  rod.gamma = kGravity * std::pow(kLength, 3) / bendingOverMass(Material{});
+  rod.curvature = kLength * kRadius / square;
+  rod.torsion = kLength * rise / square;
+  rod.down = Eigen::Vector3d(0, kRadius, rise) / std::sqrt(square);
+  const double truth = 1e3 * kLength * hangingDepth(rod);
+  Simulation simulation = laboratory.simulation(modelOf({helixStrand(kRadius, kPitch, kLength, kEdges)}),
+                                                laboratory.parameters(kRate, 5));
+  laboratory.advance(simulation, kSettling);
+  return {relativeCase({"hung helix", "height", "mm"}, -1e3 * tipOf(simulation, 0).y(), truth, 3)};
+}
+
+// Groomed shapes that hair could not keep, made to: how far any vertex goes from its place once gravity acts.
+std::vector<Case> sagFree(const Laboratory& laboratory) {
+  StrandModel model =
+      modelOf({straightStrand(0.1, kEdges, Vec3::UnitX()), straightStrand(0.08, kEdges, Vec3::UnitY()),
+               helixStrand(0.01, 0.01, 0.2, kEdges), arcStrand(20, 0.15, kEdges)});
+  const Parameters parameters = laboratory.parameters(kRate, 2);
+  const SagFreeReport report = makeSagFree(model, parameters.gravity);
+  Simulation simulation = laboratory.simulation(std::move(model), parameters);
+  const StrandState groomed = simulation.state();
+  double drift = 0;
+  laboratory.advance(simulation, 3, [&] {
+    const std::span<const Vec3> now = simulation.guides();
+    for (size_t v = 0; v < now.size(); ++v)
+      drift = worse(drift, 1e3 * (now[v] - groomed.positions[v]).cast<double>().norm());
+  });
+  Case found = absoluteCase({"sag-free drift", "largest distance of a vertex", "mm"}, drift, 0, 0.1);
+  found.note = fmt::format("{} of 4 strands stiffened, by up to {:.1f}", report.stiffened.size(),
+                           report.largest_factor);
+  return {found};
+}
+
+}  // namespace
+
+void addRestExperiments(std::vector<Experiment>& experiments) {
+  experiments.push_back({"horizontal strands with a load at the tip", namesOfTipLoad(), tipLoad});
+  experiments.push_back({"limp strands between two points of equal height", namesOfCatenary(), catenary});
+  experiments.push_back(
+      {"a helix of radius 1 cm, pitch 1 cm and length 20 cm hung by its root", {"hung helix"}, hungHelix});
+  experiments.push_back({"strands made to rest as groomed (core/sag_free.h): level, upright, helix, arc",
+                         {"sag-free drift"},
+                         sagFree});
+}
+
+}  // namespace strandcast

@@ -1,0 +1,28 @@
+#pragma once
+#include <vector>
+
+#include "core/strand_model.h"
+
+namespace strandcast {
+
+/// Strands as the experiments take them. Number of edges, lengths in metres, Y up; the root is at the origin.
+using StrandPoints = std::vector<Vec3>;
+
+StrandPoints straightStrand(double length, int edges, const Vec3& direction);
+/// A right-handed helix about the downward axis.
+StrandPoints helixStrand(double radius, double pitch, double length, int edges);
+/// A part of a circle in the plane of X and Y that begins downwards and bends towards X.
+StrandPoints arcStrand(double curvature, double length, int edges);
+
+/// Length at which a strand of this material has the gravito-bending number gamma = 4 rho g L^3 / (E R^2).
+double lengthOfGamma(double gamma, const Material& material);
+/// Bending stiffness over mass per length, m^4/s^2.
+double bendingOverMass(const Material& material);
+
+/// One groom of strands that each have their own material.
+StrandModel modelOf(const std::vector<StrandPoints>& strands, const std::vector<Material>& materials);
+StrandModel modelOf(const std::vector<StrandPoints>& strands, const Material& material = {});
+
+constexpr double kGravity = 9.81;  ///< m/s^2, of every experiment that has any
+
+}  // namespace strandcast

@@ -1,0 +1,56 @@
+#include "validation/suite.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "validation/experiments.h"
+
+namespace strandcast {
+
+const std::vector<Suite>& validationSuites() {
+  static const std::vector<Suite> suites = [] {
+    Suite cantilever{"cantilever", "a heavy clamped elastica at rest, for weights over five decades", {}};
+    addCantileverExperiments(cantilever.experiments);
+    Suite physics{"physics", "rest shapes, vibrations, buckling, invariances and abuse", {}};
+    addRestExperiments(physics.experiments);
+    addVibrationExperiments(physics.experiments);
+    addBendTwistExperiments(physics.experiments);
+    addInvarianceExperiments(physics.experiments);
+    addMotionExperiments(physics.experiments);
+    addGuardExperiments(physics.experiments);
+    return std::vector<Suite>{cantilever, physics};
+  }();
+  return suites;
+}
+
+const Suite& validationSuite(const std::string& name) {
+  std::string names;
+  for (const Suite& suite : validationSuites()) {
+    if (suite.name == name) return suite;
+    names += (names.empty() ? "" : ", ") + suite.name;
+  }
+  throw Error("unknown suite", name, "choose one of " + names);
+}
+
+std::vector<Case> runSuite(const Suite& suite, const Laboratory& laboratory, const std::string& only,
+                           const std::function<void(const std::string&, double)>& starting) {
+  auto wanted = [&](const std::string& name) { return name.find(only) != std::string::npos; };
+  std::vector<const Experiment*> chosen;
+  for (const Experiment& experiment : suite.experiments)
+    if (std::any_of(experiment.cases.begin(), experiment.cases.end(), wanted)) chosen.push_back(&experiment);
+  if (chosen.empty())
+    throw Error("no case of this suite has '" + only + "' in its name", suite.name,
+                "see `strandcast validate " + suite.name + " --list`");
+  std::vector<Case> cases;
+  try {
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      if (starting) starting(chosen[i]->about, static_cast<double>(i) / static_cast<double>(chosen.size()));
+      for (Case& measured : chosen[i]->run(laboratory))
+        if (wanted(measured.name)) cases.push_back(std::move(measured));
+    }
+  } catch (const Laboratory::Stopped&) {
+  }
+  return cases;
+}
+
+}  // namespace strandcast
