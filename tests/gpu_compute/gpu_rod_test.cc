@@ -79,9 +79,28 @@ class GpuRod : public testing::Test {
   std::unique_ptr<Backend> backend_;
 };
 
+struct Deviation {
+  double position = 0;  // m
+  double turn = 0;      // rad, of frames
+};
+
+// Of each strand, the largest.
+std::vector<Deviation> deviations(const StrandModel& model, const StrandState& a, const StrandState& b) {
+  std::vector<Deviation> out(model.strands());
+  for (size_t s = 0; s < out.size(); ++s) {
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
+      out[s].position = std::max<double>(out[s].position, (a.positions[v] - b.positions[v]).norm());
+      if (v + 1 < model.offsets[s + 1])
+        out[s].turn = std::max<double>(out[s].turn, a.frames[v].angularDistance(b.frames[v]));
+    }
+  }
+  return out;
+}
+
 // 600 strands are enough for programs of their own: uniform and general, of one length and of mixed ones. A
-// strand may differ as the conformance test allows; with bodies one in a hundred may graze them in one
-// precision only.
+// strand may differ as the conformance test allows. Where the float reference is off too, because a strand is
+// too sensitive or grazes a body in one precision only, the GPU may be as often, and on one strand in a
+// hundred more.
 TEST_F(GpuRod, EveryVariantAgreesWithTheOracle) {
   for (const std::vector<int>& counts : {std::vector<int>{32}, {16, 13, 17}}) {
     for (const bool uneven : {false, true}) {
@@ -93,30 +112,23 @@ TEST_F(GpuRod, EveryVariantAgreesWithTheOracle) {
       for (const bool contact : {false, true}) {
         parameters_.damping_time = contact ? 0.0f : 2e-3f;
         const auto bodies = contact ? movingBodies(parameters_.time_step) : std::vector<MovingPrimitive>();
-        const StrandState mine = run(*backend_, model, from, 1, bodies);
         const StrandState truth = run(*makeOracleBackend(), model, from, 1, bodies);
-        const StrandState other = run(*makeOracleBackend(), model, nudged, 1, bodies);
-        size_t far = 0;
-        double turn = 0, moved = 0;
-        for (size_t s = 0; s < model.strands(); ++s) {
-          double error = 0, sensitivity = 0;
-          for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
-            ASSERT_TRUE(mine.positions[v].allFinite());
-            error = std::max<double>(error, (mine.positions[v] - truth.positions[v]).norm());
-            sensitivity = std::max<double>(sensitivity, (other.positions[v] - truth.positions[v]).norm());
-            moved = std::max<double>(moved, (from.positions[v] - truth.positions[v]).norm());
-            if (v + 1 < model.offsets[s + 1])
-              turn = std::max<double>(turn, mine.frames[v].angularDistance(truth.frames[v]));
-          }
-          far += error > 5e-5 * lengthOf(model, s) + 10 * sensitivity;
-        }
-        std::printf("             %d vertices, uneven %d, contact %d: %zu of %zu far, frames %.1e rad\n",
-                    counts[0], uneven, contact, far, model.strands(), turn);
-        EXPECT_LE(far, contact ? model.strands() / 100 : 0);
-        EXPECT_GT(moved, 1e-3);
-        if (!contact) {
-          EXPECT_LT(turn, 5e-4);
-        }
+        const auto sensitivity =
+            deviations(model, run(*makeOracleBackend(), model, nudged, 1, bodies), truth);
+        auto off = [&](const StrandState& state) {
+          const auto error = deviations(model, state, truth);
+          size_t count = 0;
+          for (size_t s = 0; s < error.size(); ++s)
+            count += !(error[s].position < 5e-5 * lengthOf(model, s) + 10 * sensitivity[s].position &&
+                       error[s].turn < 5e-4 + 10 * sensitivity[s].turn);
+          return count;
+        };
+        const size_t mine = off(run(*backend_, model, from, 1, bodies));
+        const size_t reference = off(run(*makeReferenceBackend(), model, from, 1, bodies));
+        std::printf("             %d vertices, uneven %d, contact %d: %zu of %zu off, of the reference %zu\n",
+                    counts[0], uneven, contact, mine, model.strands(), reference);
+        EXPECT_LE(mine, reference + model.strands() / 100);
+        EXPECT_GT(difference(model, truth, from), 1e-3) << "the step must do something";
       }
     }
   }
@@ -145,6 +157,23 @@ TEST_F(GpuRod, ManySubstepsOfOneStepAreAsManySteps) {
   EXPECT_GT(difference(model, once, from), 1e-3);
 }
 
+// The largest deviation of an edge from its rest length over its strand's length, infinity where one is not
+// finite.
+double stretch(const StrandModel& model, std::span<const Vec3> positions) {
+  double worst = 0;
+  for (size_t s = 0; s < model.strands(); ++s) {
+    for (uint32_t v = model.offsets[s] + 1; v < model.offsets[s + 1]; ++v) {
+      const double wanted = (model.rest_local[v] - model.rest_local[v - 1]).norm();
+      const double error = std::fabs((positions[v] - positions[v - 1]).norm() - wanted) / lengthOf(model, s);
+      if (!std::isfinite(error)) return std::numeric_limits<double>::infinity();
+      worst = std::max(worst, error);
+    }
+  }
+  return worst;
+}
+
+// Where real hair comes to rest after this depends on how it fell: only stiff hair has one place to come back
+// to.
 TEST_F(GpuRod, ComesBackFromFoldsAndCoincidentVertices) {
   for (const float stiffness : {1.0f, 1000.0f}) {
     const StrandModel model = arcs(12, {2, 5, 16, 24}, 0.25f, false, stiffness);
@@ -154,8 +183,11 @@ TEST_F(GpuRod, ComesBackFromFoldsAndCoincidentVertices) {
       for (size_t s = 0; s < model.strands(); ++s)
         for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
           from.positions[v] = from.positions[model.offsets[s] + (fold ? (v - model.offsets[s]) % 2 : 0)];
-      EXPECT_LT(difference(model, run(*backend_, model, from, kSettle), rest), 0.01)
-          << "stiffness " << stiffness << ", folded " << fold;
+      const StrandState after = run(*backend_, model, from, kSettle);
+      EXPECT_LT(stretch(model, after.positions), 1e-5) << "stiffness " << stiffness << ", folded " << fold;
+      if (stiffness > 1) {
+        EXPECT_LT(difference(model, after, rest), 0.02) << "folded " << fold;
+      }
     }
   }
 }
@@ -168,11 +200,15 @@ TEST_F(GpuRod, ComesBackWhenTheRootLeapsAMetreInAStep) {
     for (Pose& root : away) root.position += Vec3(1, 0, 0);
     backend_->load(model, rest);
     backend_->step({&parameters_, model.rest_roots, away, {}});
+    EXPECT_LT(stretch(model, backend_->guides()), 1e-5) << "stiffness " << stiffness;
     backend_->step({&parameters_, away, model.rest_roots, {}});
     for (int i = 0; i < kSettle; ++i) backend_->step({&parameters_, model.rest_roots, model.rest_roots, {}});
     StrandState state;
     backend_->download(state);
-    EXPECT_LT(difference(model, state, rest), 0.01) << "stiffness " << stiffness;
+    EXPECT_LT(stretch(model, state.positions), 1e-5) << "stiffness " << stiffness;
+    if (stiffness > 1) {
+      EXPECT_LT(difference(model, state, rest), 0.02);
+    }
   }
 }
 
@@ -201,15 +237,7 @@ TEST_F(GpuRod, StaysFiniteAndKeepsLengthsWhenShakenWithShortEdges) {
       for (size_t s = 0; s < end.size(); ++s) end[s] = head * model.rest_roots[s];
       backend_->step({&parameters_, begin, end, {}});
       begin = end;
-      const std::span<const Vec3> guides = backend_->guides();
-      for (size_t s = 0; s < model.strands(); ++s) {
-        for (uint32_t v = model.offsets[s] + 1; v < model.offsets[s + 1]; ++v) {
-          const double wanted = (model.rest_local[v] - model.rest_local[v - 1]).norm();
-          const double error = std::fabs((guides[v] - guides[v - 1]).norm() - wanted) / lengthOf(model, s);
-          ASSERT_TRUE(std::isfinite(error)) << "stiffness " << stiffness << ", step " << i;
-          worst = std::max(worst, error);
-        }
-      }
+      worst = std::max(worst, stretch(model, backend_->guides()));
     }
     EXPECT_LT(worst, 1e-5) << "stiffness " << stiffness;
   }
