@@ -172,8 +172,9 @@ double stretch(const StrandModel& model, std::span<const Vec3> positions) {
   return worst;
 }
 
-// Where real hair comes to rest after this depends on how it fell: only stiff hair has one place to come back
-// to.
+// Stiff hair must come back; hair as soft as real hair must stay finite and keep its lengths. It need not
+// come to rest: on every backend, the softened tensions (tensionSoftness in kernels/rod.h) can keep it
+// whirling after a fold.
 TEST_F(GpuRod, ComesBackFromFoldsAndCoincidentVertices) {
   for (const float stiffness : {1.0f, 1000.0f}) {
     const StrandModel model = arcs(12, {2, 5, 16, 24}, 0.25f, false, stiffness);
