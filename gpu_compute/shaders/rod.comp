@@ -3,7 +3,8 @@
 // One step of strands as inextensible rods, all substeps in one dispatch: core/rod_sweep.inl with the state in registers,
 // four edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
 // become: own slots by elimination, then the strand's invocations together by cyclic reduction.
-// EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand. PINNED: more vertices than the roots are. BODIES: there are some.
+// EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
+// PINNED: more vertices than the roots are. BODIES: there are some.
 #define WORKGROUP 32
 layout(local_size_x = WORKGROUP) in;
 
@@ -11,7 +12,6 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/rotation.h"
 #include "kernels/contact.h"
 #include "kernels/rod.h"
-
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/strand_threads.glsl"
 #include "gpu_compute/shaders/rod_strand.glsl"
