@@ -362,13 +362,13 @@ void main() {
     solveBending(root);
 #if BODIES
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
-    collide(timeAfter(substep));
 #endif
-    solveLengths(root, true);
+    for (int iteration = 0; iteration < 2; ++iteration) {
 #if BODIES
-    collide(timeAfter(substep));
+      collide(timeAfter(substep));
 #endif
-    solveLengths(root, false);
+      solveLengths(root, iteration == 0);
+    }
     finish(root);
   }
   storeStrand();
