@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,6 +41,10 @@ class Backend {
   virtual void step(const StepInput& input) = 0;
   /// Positions after the newest step, natural order, valid until the next step(). Waits for it.
   virtual std::span<const Vec3> guides() = 0;
+
+  /// How long a GPU worked on the newest step whose time is known, s, transfers aside. None on a CPU or where
+  /// the driver does not measure. Never waits.
+  virtual std::optional<double> gpuSeconds() { return std::nullopt; }
 };
 
 /// A way of computing that this program knows of.

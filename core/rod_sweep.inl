@@ -217,13 +217,11 @@ inline void RodStep::eliminateBending() {
     const real il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
     const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1), k2 = get(kStiffness, e + 2);
-    const real edge = madd((get(kMargin, e) + get(kMargin, e + 1)) * il, il,
-                           max(kept, lit(0)) * il * implicitShare(get(kBlend, e)));
+    const real edge = edgeMatrixStiffness(get(kMargin, e) + get(kMargin, e + 1), il, kept, get(kBlend, e));
     set(kCosine, e + 1, e + 1 < ne ? tensionSoftness(m, k1, edge, il, get(kCosine, e + 1)) : lit(0));
-    const real sum = il + il_out;
-    const real diagonal = m + k0 * il * il + k1 * sum * sum + k2 * il_out * il_out + edge + edge_out;
-    const real first = lit(0) - k1 * sum * il_out - k2 * il_out * (il_out + il_out2) - edge_out;
-    const real second = k2 * il_out * il_out2;
+    const real diagonal = m + bendOwn(k0, k1, k2, il, il_out) + edge + edge_out;
+    const real first = bendAcross(k1, k2, il, il_out, il_out2) - edge_out;
+    const real second = bendAcrossTwo(k2, il_out, il_out2);
 
     const real l2 = second * id2;
     const real u1 = first - second * l1_out;
@@ -282,11 +280,10 @@ inline void RodStep::substituteBending() {
     const real3 t = directionOr(edge, get3(kTangent, e));
     const real excess = dot(edge, t) - lengthOf(e);
     const real w = weight(e + 1);
-    const real a = dot(t, normal_in), c = dot(t, normal), i = dot(t_in, normal_in);
-    const real own_in = w_in * (lit(1) - a * a), own = w * (lit(1) - c * c);
-    const real lower = lit(0) - w_in * (dot(t, t_in) - a * i);
+    const real own_in = weightAlong(t, normal_in, w_in), own = weightAlong(t, normal, w);
+    const real lower = lengthAcross(t, t_in, normal_in, w_in);
     set(kFactor1, e, lower * inverse);  // of row e on row e - 1; symmetric
-    const real den = max(own_in + own - lower * lower * inverse, max((w_in + w) * lit(0.05), lit(1e-6)));
+    const real den = max(own_in + own - lower * lower * inverse, lengthPivot(w_in, w));
     right = excess - lower * right;
     inverse = lit(1) / den;
     right = right * inverse;
@@ -297,7 +294,7 @@ inline void RodStep::substituteBending() {
     const real softened = own_in * (lit(1) - soft_in) + own * (lit(1) - soft);
     set(kStiffness, e, lower * tension_inverse);
     tension_right = excess - lower * tension_right;
-    tension_inverse = lit(1) / max(softened - lower * lower * tension_inverse, max((w_in + w) * lit(1e-3), lit(1e-6)));
+    tension_inverse = lit(1) / max(softened - lower * lower * tension_inverse, lengthPivot(w_in, w));
     tension_right = tension_right * tension_inverse;
     set(kMargin, e, tension_right);
     soft_in = soft;
@@ -318,20 +315,17 @@ inline void RodStep::firstLengths() {
     real3 t = zero, normal = zero, x = root_.position;
     real w = lit(0), applied = lit(0);
     if (e >= 0) {
-      const real limit = lengthOf(e) * lit(20);
-      applied = clamp(pull, lit(0) - limit, limit);
+      applied = boundedPull(pull, lengthOf(e));
       // In violent motion not much more than what the masses take.
       const real most = max(abs(applied) * lit(4), most_tension_ * lit(0.02));
-      tension_change = clamp(tension_change, lit(0) - most, most);
-      store(state(b.tension, 0, e) + tension_change, b.tension + b.at(0, e));
+      store(state(b.tension, 0, e) + clamp(tension_change, lit(0) - most, most), b.tension + b.at(0, e));
       t = get3(kTangent, e);
       if (e > 0) {
         pull = get(kRight, e - 1) - get(kFactor1, e) * applied;
         tension_change = get(kMargin, e - 1) - get(kStiffness, e) * tension_change;
       }
       normal = get3(kNormal, e + 1);
-      real3 push = t_out * pull_out - t * applied;
-      push = madd(normal, lit(0) - dot(push, normal), push);
+      const real3 push = alongSurface(t_out * pull_out - t * applied, normal);
       w = weight(e + 1);
       x = collide(e + 1, madd(push, w, get3(kNewPosition, e + 1)));
       normal = get3(kNormal, e + 1);
@@ -341,11 +335,10 @@ inline void RodStep::firstLengths() {
       const real3 edge = x_out - x;
       const real3 d = directionOr(edge, t_out);
       const real excess = dot(edge, d) - lengthOf(e + 1);
-      const real a = dot(d, normal), c = dot(d, normal_out), i = dot(edge_t, normal_out);
-      const real diagonal = w * (lit(1) - a * a) + w_out * (lit(1) - c * c);
-      const real upper = lit(0) - w_out * (dot(d, edge_t) - c * i);
+      const real diagonal = weightAlong(d, normal, w) + weightAlong(d, normal_out, w_out);
+      const real upper = lengthAcross(d, edge_t, normal_out, w_out);
       set(kFactor2, e + 1, upper * inverse);
-      const real den = max(diagonal - upper * upper * inverse, max((w + w_out) * lit(0.05), lit(1e-6)));
+      const real den = max(diagonal - upper * upper * inverse, lengthPivot(w, w_out));
       right = excess - upper * right;
       inverse = lit(1) / den;
       right = right * inverse;
@@ -365,26 +358,21 @@ inline void RodStep::firstLengths() {
 inline void RodStep::finish() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   const real inverse_h = lit(1 / h);
-  auto bounded = [&](int e, real pull) {
-    const real limit = lengthOf(e) * lit(20);
-    return clamp(pull, lit(0) - limit, limit);
-  };
   const real3 x0 = state3(b.position, 0);
   store3((root_.position - x0) * inverse_h, b, b.velocity, 0);
   store3(root_.position, b, b.position, 0);
-  real pull = bounded(0, get(kRight2, 0));
+  real pull = boundedPull(get(kRight2, 0), lengthOf(0));
   real3 t = get3(kStrain, 0), before = root_.position, placed = root_.position;
   for (int e = 0; e < ne; ++e) {
     store((state(b.tension, 0, e) + pull) * lit(1 / (h * h)), b.tension + b.at(0, e));
     real pull_out = lit(0);
     real3 t_out = zero;
     if (e + 1 < ne) {
-      pull_out = bounded(e + 1, get(kRight2, e + 1) - get(kFactor2, e) * pull);
+      pull_out = boundedPull(get(kRight2, e + 1) - get(kFactor2, e) * pull, lengthOf(e + 1));
       t_out = get3(kStrain, e + 1);
     }
     const real3 normal = get3(kNormal, e + 1);
-    real3 push = t_out * pull_out - t * pull;
-    push = madd(normal, lit(0) - dot(push, normal), push);
+    const real3 push = alongSurface(t_out * pull_out - t * pull, normal);
     const real3 x = madd(push, weight(e + 1), get3(kNewPosition, e + 1));
     const mask free = weight(e + 1) > lit(0);
     placed = select(free, madd(directionOr(x - before, t), lengthOf(e), placed), x);

@@ -26,9 +26,6 @@ enum Plane {
   kPlanes = 27
 };
 
-constexpr float kPinnedMass = 1e6f;    // of a vertex that the bending solve must not move
-constexpr float kShortestEdge = 0.1f;  // of the strand's mean: shorter edges bend as if they were this long
-
 }  // namespace
 
 void restEdges(std::span<const Vec3> rest_local, std::span<Vec3> edges) {

@@ -50,6 +50,9 @@ struct BlockView {
 
 constexpr int kRootPlanes = 14;
 
+constexpr float kPinnedMass = 1e6f;    ///< of a vertex that the rod's bending solve must not move
+constexpr float kShortestEdge = 0.1f;  ///< of the strand's mean: shorter edges bend as if they were this long
+
 /// Scalars of scratch memory that a step of a block needs.
 constexpr size_t blockScratch(int vertices, int lanes) {
   return static_cast<size_t>(22) * (vertices + 2) * lanes;

@@ -71,10 +71,3 @@ inline real3 pushOut(const SubstepBody& body, const real3& x, const real3& x_sta
   normal = select(touches, out, normal);
   return select(touches, outside, x);
 }
-
-// Unit vector along `edge`, or `otherwise` where the edge is shorter than a nanometre.
-inline real3 directionOr(const real3& edge, const real3& otherwise) {
-  const real l2 = dot(edge, edge);
-  const mask tiny = l2 < lit(1e-18);
-  return select(tiny, otherwise, edge * (lit(1) / sqrt(select(tiny, lit(1), l2))));
-}

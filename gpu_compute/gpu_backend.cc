@@ -12,12 +12,13 @@ namespace {
 class GpuBackend final : public Backend {
  public:
   ~GpuBackend() override {
-    if (!strands_) return;
     try {
       const gl::MakeCurrent current(context_);
       strands_.reset();
-    } catch (const Error&) {  // the driver is gone, and the buffers with it
+      programs_.reset();
+    } catch (const Error&) {  // the driver is gone, and what it held with it
       static_cast<void>(strands_.release());
+      static_cast<void>(programs_.release());
     }
   }
 
@@ -27,22 +28,16 @@ class GpuBackend final : public Backend {
   void load(const StrandModel& model, const StrandState& state) override {
     const gl::MakeCurrent current(context_);
     strands_.reset();
-    strands_ = std::make_unique<gpu::GpuStrands>(model);
+    strands_ = std::make_unique<gpu::GpuStrands>(model, *programs_);
     strands_->upload(state);
-    frames_ = state.frames;
-    tensions_ = state.tensions;
   }
   void upload(const StrandState& state) override {
     const gl::MakeCurrent current(context_);
     strands_->upload(state);
-    frames_ = state.frames;
-    tensions_ = state.tensions;
   }
   void download(StrandState& state) override {
     const gl::MakeCurrent current(context_);
     strands_->download(state);
-    state.frames = frames_;
-    state.tensions = tensions_;
   }
   void step(const StepInput& input) override {
     const gl::MakeCurrent current(context_);
@@ -53,12 +48,12 @@ class GpuBackend final : public Backend {
     const gl::MakeCurrent current(context_);
     return strands_->guides();
   }
+  std::optional<double> gpuSeconds() override { return strands_ ? strands_->gpuSeconds() : std::nullopt; }
 
  private:
   gl::HeadlessContext context_;
+  std::unique_ptr<gpu::ProgramCache> programs_ = std::make_unique<gpu::ProgramCache>();
   std::unique_ptr<gpu::GpuStrands> strands_;
-  std::vector<Quat> frames_;     // of the rod, which has no shader: kept as they came
-  std::vector<float> tensions_;
 };
 
 struct Probe {
@@ -90,8 +85,12 @@ std::unique_ptr<Backend> makeGpuBackend() {
 
 BackendInfo gpuBackendInfo() {
   // A software renderer does the same work as the simd backend, more slowly.
-  return {"gpu", probe().available, probe().text, probe().software ? 2 : 100,
-          [](int) { return makeGpuBackend(); }};
+  return {"gpu",
+          probe().available,
+          probe().text,
+          probe().software ? 2 : 100,
+          [](int) { return makeGpuBackend(); },
+          {SolverKind::kGaussSeidel, SolverKind::kRod}};
 }
 
 }  // namespace strandcast

@@ -17,6 +17,7 @@ Settings settingsOf(const StepInput& input) {
   s.per_substep = static_cast<float>(1 / h);
   s.strength_root = static_cast<float>(1 - std::exp(-p.shape_rate * h / p.iterations));
   s.strength_tip = static_cast<float>(1 - std::exp(-p.shape_rate_tip * h / p.iterations));
+  s.damping_time = p.damping_time;
   s.hair_radius = p.hair_radius;
   s.substeps = static_cast<uint32_t>(p.substeps);
   s.iterations = static_cast<uint32_t>(p.iterations);

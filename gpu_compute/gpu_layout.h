@@ -5,7 +5,7 @@
 
 namespace strandcast::gpu {
 
-/// The uniform block of shaders/gauss_seidel.comp, std140.
+/// The uniform block of shaders/step_input.glsl, std140.
 struct Settings {
   float gravity[4];
   float wind[4];
@@ -14,13 +14,14 @@ struct Settings {
   float per_substep;    ///< 1/s
   float strength_root;  ///< of the angular constraint, per iteration, 0 to 1
   float strength_tip;
-  float hair_radius;  ///< m
+  float damping_time;  ///< s, of the rod
+  float hair_radius;   ///< m
   uint32_t substeps;
   uint32_t iterations;
   uint32_t primitive_count;
   uint32_t strand_count;
 };
-static_assert(sizeof(Settings) == 72);
+static_assert(sizeof(Settings) == 76);
 static_assert(sizeof(Pose) == 28);  // the shader reads poses as 7 floats: position, rotation x y z w
 
 Settings settingsOf(const StepInput& input);

@@ -3,18 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
-#include <numeric>
 
 #include "core/error.h"
-#include "core/strand_block.h"
-#include "gpu_compute/shaders.h"
 
 namespace strandcast::gpu {
 namespace {
 
 constexpr size_t kFirstPrimitives = 256;  // what a step may bring before the ring is made anew, larger
-constexpr GLuint kMaxGroupsPerAxis = 65535;
 
 using Vec4 = std::array<float, 4>;
 
@@ -25,8 +20,21 @@ gl::Buffer storage(size_t count) {
   return gl::Buffer(count * sizeof(T), nullptr, GL_DYNAMIC_STORAGE_BIT);
 }
 
-// Invocations for a strand of so many vertices.
-uint32_t threadsFor(size_t vertices) { return std::max(4u, std::bit_ceil(static_cast<uint32_t>(vertices))); }
+std::vector<Vec4> packRestLocal(const StrandModel& model) {
+  std::vector<Vec4> packed(model.vertices());
+  for (size_t v = 0; v < packed.size(); ++v) packed[v] = vec4(model.rest_local[v], model.inverse_mass[v]);
+  return packed;
+}
+
+// Calls body(edge, vertex at its end) for every edge. The unused last entry of a strand's edges goes with its
+// root, so that what is uploaded comes back whole.
+template <class Body>
+void forEdges(std::span<const uint32_t> offsets, const Body& body) {
+  for (size_t s = 0; s + 1 < offsets.size(); ++s) {
+    for (uint32_t v = offsets[s]; v + 1 < offsets[s + 1]; ++v) body(v, v + 1);
+    body(offsets[s + 1] - 1, offsets[s]);
+  }
+}
 
 void checkFits(size_t vertices) {
   GLint64 limit = 0;
@@ -44,85 +52,71 @@ void discardErrors() {
 
 }  // namespace
 
-GpuStrands::GpuStrands(const StrandModel& model)
-    : vertices_((checkFits(model.vertices()), discardErrors(), model.vertices())),
+GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
+    : programs_(programs),
+      vertices_((checkFits(model.vertices()), discardErrors(), model.vertices())),
       strands_(model.strands()),
+      model_offsets_(model.offsets),
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
+      frames_(storage<Vec4>(vertices_)),
+      rest_local_(std::span<const Vec4>(packRestLocal(model))),
       offsets_(std::span<const uint32_t>(model.offsets)),
       guides_(storage<Vec3>(vertices_)),
+      gauss_seidel_(model),
+      rod_(model),
       uploads_(std::in_place, strands_, kFirstPrimitives),
       readback_(vertices_) {
-  std::vector<Vec4> local(vertices_), edge(vertices_);
-  std::array<Vec3, kMaxVerticesPerStrand> edges;
-  for (size_t s = 0; s < strands_; ++s) {
-    const uint32_t first = model.offsets[s];
-    const std::span<const Vec3> rest(model.rest_local.data() + first, model.verticesOf(s));
-    restEdges(rest, edges);
-    for (size_t i = 0; i < rest.size(); ++i) {
-      local[first + i] = vec4(rest[i], model.inverse_mass[first + i]);
-      edge[first + i] = vec4(edges[i], i + 1 < rest.size() ? (rest[i + 1] - rest[i]).norm() : 0.0f);
-    }
-  }
-  rest_local_ = gl::Buffer(std::span<const Vec4>(local));
-  rest_edge_ = gl::Buffer(std::span<const Vec4>(edge));
-  makeGroups(model);
   if (glGetError() == GL_OUT_OF_MEMORY)
     throw Error("the model does not fit the GPU's memory", fmt::format("{} vertices", vertices_),
                 "use fewer strands or --backend simd");
 }
 
-void GpuStrands::makeGroups(const StrandModel& model) {
-  std::vector<uint32_t> order(strands_);
-  std::iota(order.begin(), order.end(), 0u);
-  auto threads = [&](uint32_t strand) { return threadsFor(model.verticesOf(strand)); };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](uint32_t a, uint32_t b) { return threads(a) < threads(b); });
-  order_ = gl::Buffer(std::span<const uint32_t>(order));
-  for (size_t first = 0; first < order.size();) {
-    const uint32_t wide = threads(order[first]);
-    size_t end = first;
-    while (end < order.size() && threads(order[end]) == wide) ++end;
-    const uint32_t workgroup = std::max(32u, wide);
-    gl::Program program("gauss_seidel.comp",
-                        {{GL_COMPUTE_SHADER, shaders::kGaussSeidelComp,
-                          fmt::format("#define THREADS {}\n#define WORKGROUP {}\n", wide, workgroup)}});
-    program.set("first_strand", static_cast<unsigned>(first));
-    program.set("strands_in_group", static_cast<unsigned>(end - first));
-    const uint32_t per_workgroup = workgroup / wide;
-    const auto strands = static_cast<GLuint>(end - first);
-    groups_.push_back({std::move(program), strands, (strands + per_workgroup - 1) / per_workgroup});
-    first = end;
-  }
-}
-
 void GpuStrands::upload(const StrandState& state) {
   std::vector<Vec4> packed(vertices_);
-  auto write = [&](const std::vector<Vec3>& from, gl::Buffer& to) {
-    for (size_t i = 0; i < vertices_; ++i) packed[i] = vec4(from[i]);
-    to.write(std::span<const Vec4>(packed));
-  };
-  write(state.positions, positions_);
-  write(state.velocities, velocities_);
+  for (size_t i = 0; i < vertices_; ++i) packed[i] = vec4(state.positions[i]);
+  if (!state.tensions.empty())
+    forEdges(model_offsets_, [&](uint32_t edge, uint32_t end) { packed[end][3] = state.tensions[edge]; });
+  positions_.write(std::span<const Vec4>(packed));
+  for (size_t i = 0; i < vertices_; ++i) packed[i] = vec4(state.velocities[i]);
+  velocities_.write(std::span<const Vec4>(packed));
+  for (size_t i = 0; i < vertices_; ++i) {
+    const Quat frame = state.frames.empty() ? Quat(Quat::Identity()) : state.frames[i];
+    packed[i] = {frame.x(), frame.y(), frame.z(), frame.w()};
+  }
+  frames_.write(std::span<const Vec4>(packed));
   uploaded_ = state.positions;
 }
 
 void GpuStrands::download(StrandState& state) const {
   std::vector<Vec4> packed(vertices_);
-  auto read = [&](const gl::Buffer& from, std::vector<Vec3>& to) {
+  auto read = [&](const gl::Buffer& from) {
     glGetNamedBufferSubData(from.id(), 0, static_cast<GLsizeiptr>(vertices_ * sizeof(Vec4)), packed.data());
+  };
+  auto unpack = [&](std::vector<Vec3>& to) {
     to.resize(vertices_);
     for (size_t i = 0; i < vertices_; ++i) to[i] = Vec3(packed[i][0], packed[i][1], packed[i][2]);
   };
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  read(positions_, state.positions);
-  read(velocities_, state.velocities);
+  read(positions_);
+  unpack(state.positions);
+  state.tensions.resize(vertices_);
+  forEdges(model_offsets_, [&](uint32_t edge, uint32_t end) { state.tensions[edge] = packed[end][3]; });
+  read(velocities_);
+  unpack(state.velocities);
+  read(frames_);
+  state.frames.resize(vertices_);
+  for (size_t i = 0; i < vertices_; ++i)
+    state.frames[i] = Quat(packed[i][3], packed[i][0], packed[i][1], packed[i][2]);
 }
 
 void GpuStrands::bind() const {
-  const gl::Buffer* buffers[] = {&positions_, &velocities_, &rest_local_, &rest_edge_, &offsets_, &order_};
-  for (GLuint i = 0; i < std::size(buffers); ++i) buffers[i]->bindStorage(i);
+  positions_.bindStorage(0);
+  velocities_.bindStorage(1);
+  rest_local_.bindStorage(2);
+  offsets_.bindStorage(4);
   guides_.bindStorage(8);
+  frames_.bindStorage(9);
 }
 
 void GpuStrands::step(const StepInput& input) {
@@ -134,11 +128,12 @@ void GpuStrands::step(const StepInput& input) {
   }
   uploads_->write(input);
   bind();
-  for (const Group& group : groups_) {
-    group.program.use();
-    const GLuint wide = std::min(group.workgroups, kMaxGroupsPerAxis);
-    glDispatchCompute(wide, (group.workgroups + wide - 1) / wide, 1);
-  }
+  timer_.begin();
+  if (input.parameters->solver == SolverKind::kRod)
+    rod_.step(!input.primitives.empty(), programs_);
+  else
+    gauss_seidel_.step(programs_);
+  timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   uploads_->finish();
   readback_.copyFrom(guides_);
@@ -147,7 +142,9 @@ void GpuStrands::step(const StepInput& input) {
 
 std::span<const Vec3> GpuStrands::guides() {
   if (!uploaded_.empty() || vertices_ == 0) return uploaded_;
-  return readback_.newest();
+  const std::span<const Vec3> newest = readback_.newest();
+  timer_.poll();
+  return newest;
 }
 
 }  // namespace strandcast::gpu

@@ -2,40 +2,46 @@
 #include <optional>
 #include <vector>
 
-#include "gl/program.h"
+#include "gpu_compute/gauss_seidel_strands.h"
 #include "gpu_compute/mapped_rings.h"
+#include "gpu_compute/rod_strands.h"
+#include "gpu_compute/step_timer.h"
 
 namespace strandcast::gpu {
 
-/// One model on the GPU: its buffers and the dispatches of a step. Every call needs the context that made it
+/// One model on the GPU: its state, and the commands of a step. Every call needs the context that made it
 /// current.
 class GpuStrands {
  public:
-  /// Throws Error when the model does not fit the device.
-  explicit GpuStrands(const StrandModel& model);
+  /// Throws Error when the model does not fit the device. `programs` outlives this.
+  GpuStrands(const StrandModel& model, ProgramCache& programs);
 
   void upload(const StrandState& state);
   void download(StrandState& state) const;
+  /// The first step with a solver, and its first with bodies, compile; that may throw Error. No other one
+  /// does, nor allocates, unless there are more bodies than ever before.
   void step(const StepInput& input);
   std::span<const Vec3> guides();
   /// guides() need not wait, nor the context.
   bool guidesReady() const { return !uploaded_.empty() || readback_.ready(); }
+  /// Of the dispatches of a recent step alone; see StepTimer.
+  std::optional<double> gpuSeconds() const { return timer_.newest(); }
 
  private:
-  /// Strands of at most `threads` vertices (and more than half as many, or 4).
-  struct Group {
-    gl::Program program;
-    GLuint strands;
-    GLuint workgroups;
-  };
-  void makeGroups(const StrandModel& model);
   void bind() const;
 
+  ProgramCache& programs_;
   size_t vertices_, strands_;
-  gl::Buffer positions_, velocities_, rest_local_, rest_edge_, offsets_, order_, guides_;
+  std::vector<uint32_t> model_offsets_;
+  gl::Buffer positions_;   ///< xyz; w: tension of the edge that ends at the vertex
+  gl::Buffer velocities_;  ///< xyz
+  gl::Buffer frames_;      ///< of the edge that starts at the vertex
+  gl::Buffer rest_local_, offsets_, guides_;
+  GaussSeidelStrands gauss_seidel_;
+  RodStrands rod_;
   std::optional<UploadRing> uploads_;  ///< never empty
   Readback readback_;
-  std::vector<Group> groups_;
+  StepTimer timer_;
   std::vector<Vec3> uploaded_;  ///< what guides() returns until the first step
 };
 

@@ -65,8 +65,8 @@ void UploadRing::write(const StepInput& input) {
   std::memcpy(roots + roots_bytes_ / 2, static_cast<const void*>(input.roots_end.data()), roots_bytes_ / 2);
 
   const GLuint id = buffers_[slot_].id();
-  glBindBufferRange(GL_UNIFORM_BUFFER, 0, id, 0,
-                    sizeof(Settings) + 8);  // std140 rounds a block up to 16 bytes
+  constexpr GLsizeiptr kBlock = (sizeof(Settings) + 15) / 16 * 16;  // as std140 rounds it up
+  glBindBufferRange(GL_UNIFORM_BUFFER, 0, id, 0, kBlock);
   glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 6, id, static_cast<GLintptr>(roots_at_),
                     static_cast<GLsizeiptr>(roots_bytes_));
   glBindBufferRange(

@@ -77,6 +77,45 @@ FN real bendMatrixMargin(IN(real) stiffness, IN(real) c, IN(real3) excess) {
   return stiffness * madd(lit(1.25), fold, lit(5) * min(dot(excess, excess), lit(4)));
 }
 
+// Stiffness of an edge in the bending matrix: the margins of its two joints, and its kept tension.
+FN real edgeMatrixStiffness(IN(real) margins, IN(real) inverse_length, IN(real) kept, IN(real) blend) {
+  return madd(margins * inverse_length, inverse_length, max(kept, lit(0)) * inverse_length * implicitShare(blend));
+}
+
+// `push` without its part along a contact's normal (zero where there is no contact).
+FN real3 alongSurface(IN(real3) push, IN(real3) normal) { return madd(normal, lit(0) - dot(push, normal), push); }
+
+// The bending system, one unknown displacement per vertex: what joints of stiffness k0 (before edge e), k1 and k2 (the two
+// after it) put on the diagonal of the outer vertex of edge e, and what couples it to the next vertex and the one after.
+// `il`, `il_out`, `il_out2`: inverse lengths of edge e and the two after it.
+FN real bendOwn(IN(real) k0, IN(real) k1, IN(real) k2, IN(real) il, IN(real) il_out) {
+  real sum = il + il_out;
+  return k0 * il * il + k1 * sum * sum + k2 * il_out * il_out;
+}
+FN real bendAcross(IN(real) k1, IN(real) k2, IN(real) il, IN(real) il_out, IN(real) il_out2) {
+  return lit(0) - k1 * (il + il_out) * il_out - k2 * il_out * (il_out + il_out2);
+}
+FN real bendAcrossTwo(IN(real) k2, IN(real) il_out, IN(real) il_out2) { return k2 * il_out * il_out2; }
+
+// What of a vertex's weight (1 / mass) acts along an edge t next to it: in contact it gives way along the surface only.
+FN real weightAlong(IN(real3) t, IN(real3) normal, IN(real) weight) {
+  real a = dot(t, normal);
+  return weight * (lit(1) - a * a);
+}
+// The length system has one unknown (m, pull x weight) per edge and on its diagonal the weights of both ends along it; this
+// couples the edges t and t_other that meet at a vertex.
+FN real lengthAcross(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) weight) {
+  return lit(0) - weight * (dot(t, t_other) - dot(t, normal) * dot(t_other, normal));
+}
+// What the elimination of the length system may divide by at least. Low enough for strands of 128 vertices: on a straight
+// one of n the pivots fall to 1 / n, and what elimination gives must not depend on its order.
+FN real lengthPivot(IN(real) weight_in, IN(real) weight) { return max((weight_in + weight) * lit(1e-3), lit(1e-6)); }
+// The pull of an edge, bounded so that no strand is torn apart in one substep.
+FN real boundedPull(IN(real) pull, IN(real) rest_length) {
+  real limit = rest_length * lit(20);
+  return clamp(pull, lit(0) - limit, limit);
+}
+
 // The tension that a substep starts from, in units of length x mass: that of the last one. Edges that turn forget up to
 // 2 % of it, so that errors of fast motion do not stay; compression is held below the buckling load. `advance` as above.
 FN real keptTension(IN(real) tension, IN(real3) advance, IN(real) bend, IN(real) inverse_length, IN(real) time2) {

@@ -9,6 +9,13 @@ FN real3 normalizeOrZero(IN(real3) a) {
   return a * inverse;
 }
 
+// Unit vector along the edge, or `otherwise` where it is shorter than a nanometre.
+FN real3 directionOr(IN(real3) edge, IN(real3) otherwise) {
+  real l2 = dot(edge, edge);
+  mask tiny = l2 < lit(1e-18);
+  return select(tiny, otherwise, edge * (lit(1) / sqrt(select(tiny, lit(1), l2))));
+}
+
 // v turned by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), u = q.xyz.
 FN real3 rotate(IN(quat) q, IN(real3) v) {
   real3 u = makeReal3(q.x, q.y, q.z);

@@ -8,55 +8,21 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/rotation.h"
 #include "kernels/strand.h"
 #include "kernels/contact.h"
+#include "gpu_compute/shaders/step_input.glsl"
+#include "gpu_compute/shaders/bodies.glsl"
 
-struct Primitive {  // core/contact_primitive.h
-  vec4 a_begin_radius;
-  vec3 a_end;
-  uint kind;
-  vec4 b_begin_friction;
-  vec4 b_end;
-  vec4 angular_velocity;
-};
-
-layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
-  vec4 gravity;
-  vec4 wind;
-  float keep;           // exp(-drag substep)
-  float substep;        // s
-  float per_substep;    // 1 / substep
-  float strength_root;  // of the angular constraint, per iteration
-  float strength_tip;
-  float hair_radius;
-  uint substeps;
-  uint iterations;
-  uint primitive_count;
-  uint strand_count;
-} settings;
-layout(std430, binding = 0) buffer Positions { vec4 positions[]; };             // xyz, natural order
-layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };           // xyz, natural order
+layout(std430, binding = 0) buffer Positions { vec4 positions[]; };             // xyz; w is the rod's
+layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };           // xyz
 layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };   // xyz, inverse mass
 layout(std430, binding = 3) readonly buffer RestEdge { vec4 rest_edge[]; };     // xyz, rest length
 layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };        // first vertex of each strand
 layout(std430, binding = 5) readonly buffer Order { uint order[]; };            // strands by group
-layout(std430, binding = 6) readonly buffer Roots { float roots[]; };           // 7 per strand: begin poses, end poses
-layout(std430, binding = 7) readonly buffer Primitives { Primitive primitives[]; };
 layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };        // 3 per vertex
-uniform uint first_strand;     // of this group, in order[]
-uniform uint strands_in_group;
+layout(location = 0) uniform uint first_strand;  // of this group, in order[]
+layout(location = 1) uniform uint strands_in_group;
 
 shared vec4 shared_position[WORKGROUP];    // w: inverse mass
 shared vec4 shared_frame[2][WORKGROUP];    // two banks, so that a scan step needs one barrier
-
-struct Pose {
-  vec3 position;
-  vec4 rotation;
-};
-
-Pose rootPose(uint index) {
-  uint at = index * 7u;
-  return Pose(vec3(roots[at], roots[at + 1u], roots[at + 2u]),
-              vec4(roots[at + 3u], roots[at + 4u], roots[at + 5u], roots[at + 6u]));
-}
 
 // The rotation that the strand holds the rest edge of invocation k's edge with: the product of the transports over all
 // edges before it and the root's rotation, by a scan that keeps their order.
@@ -79,28 +45,8 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
 }
 
 vec3 resolveContacts(vec3 x, vec3 start, float time) {
-  float part = 1.0 / float(settings.substeps);
-  for (uint i = 0u; i < settings.primitive_count; ++i) {
-    Primitive p = primitives[i];
-    vec3 a_step = p.a_end - p.a_begin_radius.xyz, b_step = p.b_end.xyz - p.b_begin_friction.xyz;
-    vec3 a = madd(a_step, time, p.a_begin_radius.xyz), b = madd(b_step, time, p.b_begin_friction.xyz);
-    float radius = p.a_begin_radius.w;
-    vec3 normal, axis_point = a, axis_step = a_step;
-    float distance;
-    if (p.kind == 0u) {
-      distance = sphereDistance(x, a, radius, normal);
-    } else if (p.kind == 1u) {
-      float along;
-      distance = capsuleDistance(x, a, b, radius, normal, along);
-      axis_point = madd(b - a, along, a);
-      axis_step = madd(b_step - a_step, along, a_step);
-    } else {
-      distance = planeDistance(x, a, b, normal);
-    }
-    vec3 motion = surfaceMotion(x, axis_point, axis_step * part, p.angular_velocity.xyz, settings.substep);
-    vec3 outside = resolveContact(x, start, motion, normal, distance - settings.hair_radius, p.b_begin_friction.w);
-    if (distance - settings.hair_radius < 0.0) x = outside;
-  }
+  vec3 normal;
+  for (uint i = 0u; i < settings.primitive_count; ++i) pushOut(bodyAt(i, time), start, x, normal);
   return x;
 }
 
@@ -170,8 +116,8 @@ void main() {
   }
 
   if (stores) {
-    positions[vertex] = vec4(x, 0);
-    velocities[vertex] = vec4(v, 0);
+    positions[vertex].xyz = x;
+    velocities[vertex].xyz = v;
     guides[vertex * 3u] = x.x;
     guides[vertex * 3u + 1u] = x.y;
     guides[vertex * 3u + 2u] = x.z;

@@ -1,0 +1,59 @@
+#include "gpu_compute/gauss_seidel_strands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "core/strand_block.h"
+#include "gpu_compute/shaders.h"
+
+namespace strandcast::gpu {
+namespace {
+
+using Vec4 = std::array<float, 4>;
+
+std::vector<Vec4> packRestEdges(const StrandModel& model) {
+  std::vector<Vec4> packed(model.vertices());
+  std::array<Vec3, kMaxVerticesPerStrand> edges;
+  for (size_t s = 0; s < model.strands(); ++s) {
+    const uint32_t first = model.offsets[s];
+    const std::span<const Vec3> rest(model.rest_local.data() + first, model.verticesOf(s));
+    restEdges(rest, edges);
+    for (size_t i = 0; i < rest.size(); ++i) {
+      const float length = i + 1 < rest.size() ? (rest[i + 1] - rest[i]).norm() : 0.0f;
+      packed[first + i] = {edges[i].x(), edges[i].y(), edges[i].z(), length};
+    }
+  }
+  return packed;
+}
+
+std::vector<uint32_t> threadsPerStrand(const StrandModel& model) {
+  std::vector<uint32_t> threads(model.strands());
+  for (size_t s = 0; s < threads.size(); ++s)
+    threads[s] = std::max(4u, std::bit_ceil(static_cast<uint32_t>(model.verticesOf(s))));
+  return threads;
+}
+
+}  // namespace
+
+GaussSeidelStrands::GaussSeidelStrands(const StrandModel& model)
+    : groups_(threadsPerStrand(model)), rest_edge_(std::span<const Vec4>(packRestEdges(model))) {}
+
+void GaussSeidelStrands::step(ProgramCache& programs) {
+  auto workgroup = [](const StrandGroup& group) { return std::max(32u, group.key); };
+  if (programs_.empty())
+    for (const StrandGroup& group : groups_.groups())
+      programs_.push_back(&programs.get(
+          "gauss_seidel.comp", shaders::kGaussSeidelComp,
+          fmt::format("#define THREADS {}\n#define WORKGROUP {}\n", group.key, workgroup(group))));
+  rest_edge_.bindStorage(3);
+  groups_.order().bindStorage(5);
+  for (size_t g = 0; g < programs_.size(); ++g) {
+    const StrandGroup& group = groups_.groups()[g];
+    dispatch(*programs_[g], group, workgroup(group) / group.key);
+  }
+}
+
+}  // namespace strandcast::gpu

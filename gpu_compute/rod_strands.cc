@@ -1,0 +1,139 @@
+#include "gpu_compute/rod_strands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/strand_block.h"
+#include "gpu_compute/shaders.h"
+
+namespace strandcast::gpu {
+namespace {
+
+using Vec4 = std::array<float, 4>;
+
+constexpr uint32_t kPerThread = 4;   // edges of an invocation
+constexpr uint32_t kWorkgroup = 32;  // invocations
+
+// A group's key: invocations per strand, and what its strands let the shader do without.
+constexpr uint32_t kGeneral = 64;  // lengths or masses differ along the strand
+constexpr uint32_t kPinned = 128;  // more than the root is pinned
+uint32_t threadsOf(uint32_t key) { return key & 63; }
+constexpr uint32_t kAnything = kGeneral | kPinned;
+
+// Fewer strands than this are not worth a program of their own: they are done as if they might be anything.
+constexpr size_t kOwnProgram = 512;
+
+// Edges and masses that differ by less than this along a strand count as equal. Points in float, some metres
+// from the origin and millimetres apart, do not tell more.
+constexpr float kUniform = 2e-5f;
+bool equal(float a, float b) { return std::fabs(a - b) <= kUniform * std::fabs(b); }
+
+/// Of shaders/rod_strand.glsl.
+struct StrandRest {
+  float edge_length, inverse_length, twist_per_bend, shortest;
+};
+
+float restLength(const StrandModel& model, uint32_t edge) {
+  return (model.rest_local[edge + 1] - model.rest_local[edge]).norm();
+}
+uint32_t edgesOf(const StrandModel& model, uint32_t strand) {
+  return static_cast<uint32_t>(model.verticesOf(strand)) - 1;
+}
+
+StrandRest strandRest(const StrandModel& model, uint32_t strand) {
+  const uint32_t first = model.offsets[strand], edges = edgesOf(model, strand);
+  const float mean = arcLength({model.rest_local.data() + first, edges + 1}) / static_cast<float>(edges);
+  return {mean, 1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean};
+}
+
+bool isPinned(const StrandModel& model, uint32_t strand) {
+  for (uint32_t v = model.offsets[strand] + 1; v < model.offsets[strand + 1]; ++v)
+    if (model.inverse_mass[v] == 0) return true;
+  return false;
+}
+
+bool isUniform(const StrandModel& model, uint32_t strand) {
+  const StrandRest rest = strandRest(model, strand);
+  const uint32_t tip = model.offsets[strand + 1] - 1;
+  for (uint32_t e = model.offsets[strand]; e < tip; ++e) {
+    if (!equal(restLength(model, e), rest.edge_length) ||
+        !equal(model.mass[e + 1], e + 1 < tip ? 1.0f : 0.5f) ||
+        !equal(model.twist[e], rest.twist_per_bend * model.bend[e]))
+      return false;
+  }
+  return true;
+}
+
+uint32_t keyOf(const StrandModel& model, uint32_t strand) {
+  const uint32_t threads = std::bit_ceil((edgesOf(model, strand) + kPerThread - 1) / kPerThread);
+  const bool pinned = isPinned(model, strand);
+  return threads | (pinned || !isUniform(model, strand) ? kGeneral : 0) | (pinned ? kPinned : 0);
+}
+
+std::vector<uint32_t> keysOf(const StrandModel& model) {
+  std::vector<uint32_t> keys(model.strands());
+  std::array<size_t, 256> count{};
+  for (uint32_t s = 0; s < keys.size(); ++s) ++count[keys[s] = keyOf(model, s)];
+  for (uint32_t& key : keys)
+    if (count[key] < kOwnProgram) key = threadsOf(key) | kAnything;
+  return keys;
+}
+
+}  // namespace
+
+RodStrands::RodStrands(const StrandModel& model) : groups_(keysOf(model)) {
+  std::vector<Vec4> joints(model.vertices()), edges(model.vertices());
+  std::vector<StrandRest> strands(model.strands());
+  for (uint32_t s = 0; s < model.strands(); ++s) {
+    strands[s] = strandRest(model, s);
+    for (uint32_t v = model.offsets[s]; v + 1 < model.offsets[s + 1]; ++v) {
+      const Vec3& strain = model.rest_strain[v];
+      const bool pinned = model.inverse_mass[v + 1] == 0;
+      joints[v] = {strain.x(), strain.y(), strain.z(), model.bend[v]};
+      edges[v] = {restLength(model, v), model.twist[v], pinned ? kPinnedMass : model.mass[v + 1],
+                  pinned ? 0.0f : 1 / model.mass[v + 1]};
+    }
+  }
+  joints_ = gl::Buffer(std::span<const Vec4>(joints));
+  edges_ = gl::Buffer(std::span<const Vec4>(edges));
+  strands_ = gl::Buffer(std::span<const StrandRest>(strands));
+  for (const StrandGroup& group : groups_.groups()) {
+    const std::span<const uint32_t> members = groups_.strandsOf(group);
+    const size_t vertices = model.verticesOf(members[0]);
+    const bool same = members.size() >= kOwnProgram &&
+                      std::all_of(members.begin(), members.end(),
+                                  [&](uint32_t s) { return model.verticesOf(s) == vertices; });
+    edges_of_.push_back(same ? static_cast<uint32_t>(vertices) - 1 : 0);
+  }
+}
+
+RodStrands::GroupPrograms RodStrands::compile(bool bodies, ProgramCache& programs) const {
+  GroupPrograms out;
+  for (size_t g = 0; g < edges_of_.size(); ++g) {
+    const uint32_t key = groups_.groups()[g].key;
+    out.push_back(&programs.get("rod.comp", shaders::kRodComp,
+                                fmt::format("#define THREADS {}\n#define EDGES {}\n#define UNIFORM "
+                                            "{}\n#define PINNED {}\n#define BODIES {}\n",
+                                            threadsOf(key), edges_of_[g], (key & kGeneral) == 0 ? 1 : 0,
+                                            (key & kPinned) != 0 ? 1 : 0, bodies ? 1 : 0)));
+  }
+  return out;
+}
+
+void RodStrands::step(bool bodies, ProgramCache& programs) {
+  GroupPrograms& mine = programs_[bodies ? 1 : 0];
+  if (mine.empty()) mine = compile(bodies, programs);
+  groups_.order().bindStorage(5);
+  joints_.bindStorage(10);
+  edges_.bindStorage(11);
+  strands_.bindStorage(12);
+  for (size_t g = 0; g < mine.size(); ++g) {
+    const StrandGroup& group = groups_.groups()[g];
+    dispatch(*mine[g], group, kWorkgroup / threadsOf(group.key));
+  }
+}
+
+}  // namespace strandcast::gpu

@@ -1,0 +1,28 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "core/strand_model.h"
+#include "gpu_compute/strand_groups.h"
+
+namespace strandcast::gpu {
+
+/// What the rod needs of a model, and its dispatches: four edges per invocation (shaders/rod.comp).
+class RodStrands {
+ public:
+  explicit RodStrands(const StrandModel& model);
+  /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one without and the first
+  /// one with bodies compile.
+  void step(bool bodies, ProgramCache& programs);
+
+ private:
+  using GroupPrograms = std::vector<const gl::Program*>;
+  GroupPrograms compile(bool bodies, ProgramCache& programs) const;
+
+  StrandGroups groups_;             ///< key: see rod_strands.cc
+  std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
+  gl::Buffer joints_, edges_, strands_;
+  std::array<GroupPrograms, 2> programs_;  ///< without and with bodies; empty until first needed
+};
+
+}  // namespace strandcast::gpu

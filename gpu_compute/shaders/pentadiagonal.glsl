@@ -1,0 +1,136 @@
+// A symmetric pentadiagonal system along a strand, a row per edge, with x, y and z as right-hand sides: in 2 x 2 blocks it
+// is block tridiagonal. Of its two blocks an invocation eliminates the inner; the outer ones of neighbours are solved by
+// parallel cyclic reduction. Needs strand_threads.glsl.
+
+// Symmetric 2 x 2 matrices are (00, 01, 11), others (00, 01, 10, 11).
+
+// By pivots and not by the determinant: a stiff strand's blocks are nearly singular, and the rounding of a determinant would
+// act on all entries. Blocks are positive definite; the bounds hold where rounding says otherwise.
+vec3 inverseOf(vec3 s) {
+  float first = 1.0 / max(s.x, 1e-30);
+  float factor = s.y * first;
+  float second = 1.0 / max(s.z - s.y * factor, max(1e-7 * s.z, 1e-30));
+  return vec3(first + factor * factor * second, -factor * second, second);
+}
+vec4 symmetricTimes(vec3 s, vec4 m) {
+  return vec4(s.x * m.x + s.y * m.z, s.x * m.y + s.y * m.w, s.y * m.x + s.z * m.z, s.y * m.y + s.z * m.w);
+}
+vec4 timesSymmetric(vec4 m, vec3 s) {
+  return vec4(m.x * s.x + m.y * s.y, m.x * s.y + m.y * s.z, m.z * s.x + m.w * s.y, m.z * s.y + m.w * s.z);
+}
+vec4 product(vec4 a, vec4 b) {
+  return vec4(a.x * b.x + a.y * b.z, a.x * b.y + a.y * b.w, a.z * b.x + a.w * b.z, a.z * b.y + a.w * b.w);
+}
+vec4 transposedTimes(vec4 a, vec4 b) {
+  return vec4(a.x * b.x + a.z * b.z, a.x * b.y + a.z * b.w, a.y * b.x + a.w * b.z, a.y * b.y + a.w * b.w);
+}
+// Of products that are symmetric: transpose(a) b and a transpose(b).
+vec3 symmetricTN(vec4 a, vec4 b) {
+  return vec3(a.x * b.x + a.z * b.z, a.x * b.y + a.z * b.w, a.y * b.y + a.w * b.w);
+}
+vec3 symmetricNT(vec4 a, vec4 b) {
+  return vec3(a.x * b.x + a.y * b.y, a.x * b.z + a.y * b.w, a.z * b.z + a.w * b.w);
+}
+
+#if THREADS > 1
+// The outer blocks: own diagonal d, coupling `c` to the block before (its transpose couples that one to this), right-hand
+// sides f0, f1.
+void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
+  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+    int distance = 1 << doubling;
+    exchange_a[me] = vec4(inverseOf(d), c.x);
+    exchange_b[me] = vec4(f0, c.y);
+    exchange_c[me] = vec4(f1, c.z);
+    exchange_d[me] = c.w;
+    barrier();
+    uint inner = before(distance), outer = after(distance);
+    vec4 a = exchange_a[inner], b = exchange_b[inner], e = exchange_c[inner];
+    float w = exchange_d[inner];
+    vec4 from = timesSymmetric(c, a.xyz);
+    d -= symmetricNT(from, c);
+    f0 -= b.xyz * from.x + e.xyz * from.y;
+    f1 -= b.xyz * from.z + e.xyz * from.w;
+    c = -product(from, vec4(a.w, b.w, e.w, w));
+    a = exchange_a[outer];
+    b = exchange_b[outer];
+    e = exchange_c[outer];
+    w = exchange_d[outer];
+    barrier();
+    vec4 up = hasAfter(distance) ? vec4(a.w, e.w, b.w, w) : vec4(0);
+    from = timesSymmetric(up, a.xyz);
+    d -= symmetricNT(from, up);
+    f0 -= b.xyz * from.x + e.xyz * from.y;
+    f1 -= b.xyz * from.z + e.xyz * from.w;
+  }
+}
+#endif
+
+// Solves in place of f. first[p] couples rows p and p + 1, second[p] rows p and p + 2. across: what couples row 0 to the
+// last but one and to the last row of the invocation before, and row 1 to its last.
+void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD - 2], vec3 across,
+                        inout vec3 f[PER_THREAD]) {
+  vec4 coupling = hasBefore(1) ? vec4(across.x, across.y, 0, across.z) : vec4(0);
+  vec4 right = vec4(second[0], 0, first[1], second[1]);
+  vec3 inverse = inverseOf(vec3(diagonal[0], first[0], diagonal[1]));
+  vec4 to_before = symmetricTimes(inverse, coupling), to_outer = symmetricTimes(inverse, right);
+  vec3 y0 = f[0] * inverse.x + f[1] * inverse.y, y1 = f[0] * inverse.y + f[1] * inverse.z;
+  vec3 d = vec3(diagonal[2], first[2], diagonal[3]) - symmetricTN(right, to_outer);
+  vec3 f0 = f[2] - (y0 * right.x + y1 * right.z), f1 = f[3] - y1 * right.w;
+  vec3 before0 = vec3(0), before1 = vec3(0);
+#if THREADS > 1
+  vec3 folded = symmetricTN(coupling, to_before);
+  exchange_a[me] = vec4(y0 * coupling.x + y1 * coupling.z, folded.x);
+  exchange_b[me] = vec4(y0 * coupling.y + y1 * coupling.w, folded.y);
+  exchange_d[me] = folded.z;
+  barrier();
+  vec4 a = exchange_a[after(1)], b = exchange_b[after(1)];
+  float w = exchange_d[after(1)];
+  barrier();
+  if (hasAfter(1)) {
+    d -= vec3(a.w, b.w, w);
+    f0 -= a.xyz;
+    f1 -= b.xyz;
+  }
+  reduceBlocks(d, -transposedTimes(right, to_before), f0, f1);
+#endif
+  inverse = inverseOf(d);
+  f[2] = f0 * inverse.x + f1 * inverse.y;
+  f[3] = f0 * inverse.y + f1 * inverse.z;
+#if THREADS > 1
+  exchange_a[me].xyz = f[2];
+  exchange_b[me].xyz = f[3];
+  barrier();
+  before0 = exchange_a[before(1)].xyz;
+  before1 = exchange_b[before(1)].xyz;
+  barrier();
+  if (!hasBefore(1)) before0 = before1 = vec3(0);
+#endif
+  f[0] = y0 - (before0 * to_before.x + before1 * to_before.y) - (f[2] * to_outer.x + f[3] * to_outer.y);
+  f[1] = y1 - (before0 * to_before.z + before1 * to_before.w) - (f[2] * to_outer.z + f[3] * to_outer.w);
+}
+
+// What a solution x leaves of the right-hand sides f.
+void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD - 2], vec3 across,
+              vec3 x[PER_THREAD], inout vec3 f[PER_THREAD]) {
+  vec3 onto_before = x[0] * across.x;
+  exchange_a[me] = vec4(x[2], onto_before.x);
+  exchange_b[me] = vec4(x[3], onto_before.y);
+  exchange_c[me] = vec4(x[0] * across.y + x[1] * across.z, onto_before.z);
+  barrier();
+  vec3 before0 = exchange_a[before(1)].xyz, before1 = exchange_b[before(1)].xyz;
+  vec3 onto0 = vec3(exchange_a[after(1)].w, exchange_b[after(1)].w, exchange_c[after(1)].w);
+  vec3 onto1 = exchange_c[after(1)].xyz;
+  barrier();
+  if (hasBefore(1)) {
+    f[0] -= before0 * across.x + before1 * across.y;
+    f[1] -= before1 * across.z;
+  }
+  if (hasAfter(1)) {
+    f[2] -= onto0;
+    f[3] -= onto1;
+  }
+  f[0] -= x[0] * diagonal[0] + x[1] * first[0] + x[2] * second[0];
+  f[1] -= x[0] * first[0] + x[1] * diagonal[1] + x[2] * first[1] + x[3] * second[1];
+  f[2] -= x[0] * second[0] + x[1] * first[1] + x[2] * diagonal[2] + x[3] * first[2];
+  f[3] -= x[1] * second[1] + x[2] * first[2] + x[3] * diagonal[3];
+}

@@ -1,0 +1,375 @@
+#version 450
+// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0
+// One step of strands as inextensible rods, all substeps in one dispatch: core/rod_sweep.inl with the state in registers,
+// four edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
+// become: own slots by elimination, then the strand's invocations together by cyclic reduction.
+// EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
+// PINNED: more vertices than the roots are. BODIES: there are some.
+#define WORKGROUP 32
+layout(local_size_x = WORKGROUP) in;
+
+#include "kernels/lanes_glsl.h"
+#include "kernels/rotation.h"
+#include "kernels/contact.h"
+#include "kernels/rod.h"
+#include "gpu_compute/shaders/step_input.glsl"
+#include "gpu_compute/shaders/strand_threads.glsl"
+#include "gpu_compute/shaders/rod_strand.glsl"
+#include "gpu_compute/shaders/root_motion.glsl"
+#include "gpu_compute/shaders/tridiagonal.glsl"
+#include "gpu_compute/shaders/pentadiagonal.glsl"
+#include "gpu_compute/shaders/bounded_lengths.glsl"
+#if BODIES
+#include "gpu_compute/shaders/bodies.glsl"
+#endif
+
+// Of the present substep; entry p is of slot p, entries from PER_THREAD on are of the next invocation.
+vec3 x_new[PER_THREAD];             // m
+vec3 x_new_in;                      // of the vertex before slot 0
+vec3 tangent[PER_THREAD], tangent_in;
+vec3 moment[PER_THREAD + 1];        // m^2/s^2
+float stiffness[PER_THREAD + 2];    // of joints in the bending matrix
+float margin[PER_THREAD + 1];
+float cosine[PER_THREAD + 1];       // of the angle at joints
+float softness[PER_THREAD], softness_in;  // of vertices, see tensionSoftness
+#if BODIES
+vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
+#define NORMAL(p) normals[p]
+#define NORMAL_IN normal_in
+#else
+#define NORMAL(p) vec3(0)
+#define NORMAL_IN vec3(0)
+#endif
+
+// Where a vertex would go by itself; pinned ones ride on the root frame.
+vec3 inertialPoint(vec3 position, vec3 velocity, float weight, uint vertex, RootMotion root) {
+  vec3 moved = madd(velocity, settings.substep * settings.keep, position) + root.jump;
+#if PINNED
+  if (weight == 0.0) moved = rotate(root.rotation, rest_local[vertex].xyz) + root.position;
+#endif
+  return moved;
+}
+
+// Inertial point, tangents, frames carried along.
+void predict(RootMotion root) {
+  uint vertex = root_vertex + uint(min(rank * PER_THREAD, edges));
+  x_new_in = rank > 0 ? inertialPoint(x_in, v_in, weight_in, vertex, root) : root.position;
+  vec3 inner = x_new_in, v_inner = v_in;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    vertex = root_vertex + uint(min(rank * PER_THREAD + p + 1, edges));
+    x_new[p] = inertialPoint(x[p], v[p], weight(p), vertex, root);
+    // Internal damping acts through frames that are ahead of the motion by the damping time.
+    vec3 ahead = madd(v[p] - v_inner, settings.damping_time, x_new[p] - inner);
+    tangent[p] = directionOr(ahead, frameTangent(frame[p]));
+    frame[p] = transportTo(frame[p], tangent[p]);
+    inner = x_new[p];
+    v_inner = v[p];
+  }
+}
+
+// Joint moments and what they put into the bending matrix; then the frames twisted to where the moments balance.
+void solveTwist(RootMotion root) {
+  exchange_a[me] = frame[kLast];
+  exchange_b[me].xyz = tangent[kLast];
+  barrier();
+  vec4 frame_in = exchange_a[before(1)];
+  tangent_in = exchange_b[before(1)].xyz;
+  barrier();
+  if (!hasBefore(1)) {
+    frame_in = root.inner_frame;
+    tangent_in = root.tangent_old;
+  }
+  const float time2 = settings.substep * (settings.substep + settings.damping_time);
+  float own[PER_THREAD + 1], lower[PER_THREAD];
+  vec4 inner = frame_in;
+  vec3 t_in = tangent_in;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    vec3 strain = jointStrain(inner, frame[p]), excess = strain - rest_strain[p];
+    float c = dot(t_in, tangent[p]);
+    moment[p] = jointMoment(inner, strain, excess, bend(p), twist(p));
+    stiffness[p] = bendMatrixStiffness(bend(p), c, time2);
+    margin[p] = bendMatrixMargin(stiffness[p], c, excess);
+    own[p] = twistOwn(bend(p), twist(p), c);
+    lower[p] = twistCoupling(bend(p), twist(p), c, moment[p], t_in, tangent[p]);
+    cosine[p] = c;
+    inner = frame[p];
+    t_in = tangent[p];
+  }
+  if (!hasBefore(1)) lower[0] = 0.0;
+
+  exchange_a[me] = vec4(moment[0], own[0]);
+  exchange_b[me] = vec4(stiffness[0], stiffness[1], margin[0], cosine[0]);
+  barrier();
+  vec4 a = exchange_a[after(1)], b = exchange_b[after(1)];
+  barrier();
+  if (!hasAfter(1)) a = b = vec4(0);
+  moment[PER_THREAD] = a.xyz;
+  own[PER_THREAD] = a.w;
+  stiffness[PER_THREAD] = b.x;
+  stiffness[PER_THREAD + 1] = b.y;
+  margin[PER_THREAD] = b.z;
+  cosine[PER_THREAD] = b.w;
+
+  float diagonal[PER_THREAD], pivot[PER_THREAD], turn[PER_THREAD];
+  for (int p = 0; p < PER_THREAD; ++p) {
+    diagonal[p] = isEdge(p) ? own[p] + own[p + 1] : 1.0;
+    lower[p] = isEdge(p) ? lower[p] : 0.0;
+    turn[p] = isEdge(p) ? dot(moment[p + 1] - moment[p], tangent[p]) : 0.0;
+    pivot[p] = 1e-30;
+  }
+  float turn_in = clamp(solveTridiagonal(diagonal, lower, pivot, turn), -1.0, 1.0);
+  t_in = tangent_in;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    turn[p] = clamp(turn[p], -1.0, 1.0);
+    frame[p] = twistFrame(frame[p], turn[p]);
+    moment[p] += momentOfTwist(t_in, tangent[p], turn_in, turn[p], bend(p), twist(p));
+    turn_in = turn[p];
+    t_in = tangent[p];
+  }
+}
+
+// What the edge of slot p pushes its outer vertex with (x dt^2, m) and its stiffness in the bending matrix. `before`: its
+// inner vertex before the substep.
+vec3 edgeForce(int p, vec3 before_x, RootMotion root, out float edge_stiffness) {
+  const float dt2 = settings.substep * settings.substep;
+  float il = inverseLength(p);
+  vec3 old = normalizeOrZero(x[p] - before_x);
+  float kept = keptTension(tension[p], old, tangent[p], bend(p), il, dt2);
+  tension[p] = kept;
+  float share = oldDirectionShare(old, tangent[p], bend(p), il, weight(p), dt2);
+  edge_stiffness = edgeMatrixStiffness(margin[p] + margin[p + 1], il, kept, share);
+  softness[p] = isTip(p) ? 0.0 : tensionSoftness(mass(p), stiffness[p + 1], edge_stiffness, il, cosine[p + 1]);
+  vec3 force = cross(moment[p + 1] - moment[p], tangent[p]) * (il * dt2) - madd(old - tangent[p], share, tangent[p]) * kept;
+  if (p == 0 && rank == 0) force += root.swing * (stiffness[0] * il);
+  return force;
+}
+
+void solveBending(RootMotion root) {
+  vec3 force[PER_THREAD], force_out;
+  float edge_stiffness[PER_THREAD + 1];
+  force[0] = edgeForce(0, x_in, root, edge_stiffness[0]);
+  exchange_a[me] = vec4(force[0], edge_stiffness[0]);
+  exchange_b[me].xyz = moment[0];
+  barrier();
+  vec4 a = exchange_a[after(1)];
+  vec3 b = exchange_b[after(1)].xyz;
+  barrier();
+  if (!hasAfter(1)) {
+    a = vec4(0);
+    b = vec3(0);
+  }
+  force_out = a.xyz;
+  edge_stiffness[PER_THREAD] = a.w;
+  moment[PER_THREAD] = b;
+  for (int p = 1; p < PER_THREAD; ++p) force[p] = edgeForce(p, x[p - 1], root, edge_stiffness[p]);
+
+  const vec3 pull = settings.gravity.xyz * (settings.substep * settings.substep) +
+                    settings.wind.xyz * (settings.substep * (1.0 - settings.keep)) - root.jump;
+  float il[PER_THREAD + 1];
+  for (int p = 0; p < PER_THREAD; ++p) il[p] = inverseLength(p);
+  il[PER_THREAD] = inverseLengthOut();
+  float diagonal[PER_THREAD], first[PER_THREAD - 1], second[PER_THREAD - 2];
+  for (int p = 0; p < PER_THREAD; ++p) {
+    vec3 outer = p < kLast ? force[min(p + 1, kLast)] : force_out;
+    vec3 total = madd(pull, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - outer);
+    force[p] = isEdge(p) ? total : vec3(0);
+    float own = mass(p) + bendOwn(stiffness[p], stiffness[p + 1], stiffness[p + 2], il[p], il[p + 1]);
+    diagonal[p] = isEdge(p) ? own + edge_stiffness[p] + edge_stiffness[p + 1] : 1.0;
+  }
+  for (int p = 0; p < PER_THREAD - 1; ++p)
+    first[p] = bendAcross(stiffness[p + 1], stiffness[p + 2], il[p], il[p + 1], il[p + 2]) - edge_stiffness[p + 1];
+  for (int p = 0; p < PER_THREAD - 2; ++p) second[p] = bendAcrossTwo(stiffness[p + 2], il[p + 1], il[p + 2]);
+  vec3 across = vec3(bendAcrossTwo(stiffness[0], inverseLengthIn(), il[0]),
+                     bendAcross(stiffness[0], stiffness[1], inverseLengthIn(), il[0], il[1]) - edge_stiffness[0],
+                     bendAcrossTwo(stiffness[1], il[0], il[1]));
+  // On a long strand the reduction cancels stiffnesses down to a mass: its solution is refined once.
+  const int solves = THREADS > 16 ? 2 : 1;
+  for (int i = 0; i < solves; ++i) {
+    vec3 moved[PER_THREAD] = force;
+    solvePentadiagonal(diagonal, first, second, across, moved);
+    for (int p = 0; p < PER_THREAD; ++p) x_new[p] += moved[p];
+    if (i + 1 < solves) residual(diagonal, first, second, across, moved, force);
+  }
+}
+
+#if BODIES
+// Pushes vertices out of the bodies; the normals are kept for the length solve, which must not push them back in.
+void collide(float time) {
+  for (uint i = 0u; i < settings.primitive_count; ++i) {
+    SubstepBody body = bodyAt(i, time);
+    for (int p = 0; p < PER_THREAD; ++p)
+      if (weight(p) > 0.0) pushOut(body, x[p], x_new[p], normals[p]);
+  }
+}
+#endif
+
+// The rows of the length system, and the diagonal that it has for the change of the tensions.
+void lengthRows(out float diagonal[PER_THREAD], out float softened[PER_THREAD], out float lower[PER_THREAD],
+                out float pivot[PER_THREAD], out float excess[PER_THREAD]) {
+  vec3 inner = x_new_in, t_in = tangent_in, n_in = NORMAL_IN;
+  float w_in = hasBefore(1) ? weight_in : 0.0, soft_in = softness_in;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    float own_in = weightAlong(tangent[p], n_in, w_in), own = weightAlong(tangent[p], NORMAL(p), weight(p));
+    diagonal[p] = isEdge(p) ? own_in + own : 1.0;
+    softened[p] = isEdge(p) ? own_in * (1.0 - soft_in) + own * (1.0 - softness[p]) : 1.0;
+    lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in) : 0.0;
+    pivot[p] = lengthPivot(w_in, weight(p));
+    excess[p] = isEdge(p) ? dot(x_new[p] - inner, tangent[p]) - restLength(p) : 0.0;
+    inner = x_new[p];
+    t_in = tangent[p];
+    n_in = NORMAL(p);
+    w_in = weight(p);
+    soft_in = softness[p];
+  }
+}
+
+// Whether a solution goes beyond its bounds; it is held to them.
+bool bound(inout float pull[PER_THREAD]) {
+  bool beyond = false;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    float bounded = boundedPull(pull[p], restLength(p));
+    beyond = beyond || (isEdge(p) && bounded != pull[p]);
+    pull[p] = bounded;
+  }
+  return beyond;
+}
+
+// One Newton step towards the rest lengths. The first of a substep changes the tensions by the softened system's solution.
+void solveLengths(RootMotion root, bool first) {
+  for (int p = 1; p < PER_THREAD; ++p) tangent[p] = directionOr(x_new[p] - x_new[p - 1], tangent[p]);
+  forgetBeyondBound();
+  exchange_a[me] = vec4(x_new[kLast], softness[kLast]);
+  exchange_b[me].xyz = tangent[kLast];
+#if BODIES
+  exchange_c[me].xyz = normals[kLast];
+#endif
+  barrier();
+  x_new_in = exchange_a[before(1)].xyz;
+  softness_in = exchange_a[before(1)].w;
+  tangent_in = exchange_b[before(1)].xyz;
+#if BODIES
+  normal_in = exchange_c[before(1)].xyz;
+#endif
+  barrier();
+  if (!hasBefore(1)) {
+    x_new_in = root.position;
+    softness_in = 0.0;
+#if BODIES
+    normal_in = vec3(0);
+#endif
+  }
+  tangent[0] = directionOr(x_new[0] - x_new_in, tangent[0]);
+
+  float diagonal[PER_THREAD], softened[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD], pull[PER_THREAD];
+  lengthRows(diagonal, softened, lower, pivot, pull);
+  float change[PER_THREAD] = pull;
+  float pull_in = solveTridiagonal(diagonal, lower, pivot, pull);
+  bool beyond = bound(pull);
+  if (first) {
+    solveTridiagonal(softened, lower, pivot, change);
+    beyond = bound(change) || beyond;
+  }
+  if (beyond) noteBeyondBound();
+  exchange_a[me].xyz = tangent[0] * pull[0];
+  barrier();
+  vec3 push_out = exchange_a[after(1)].xyz;
+  bool any_beyond = any_beyond_bound != 0u;
+  barrier();
+  if (any_beyond) {  // the same for the whole workgroup
+    float excess[PER_THREAD];
+    lengthRows(diagonal, softened, lower, pivot, excess);
+    pull_in = solveBounded(diagonal, lower, excess, !first, pull, pull_in);
+    if (first) solveBounded(softened, lower, excess, false, change, 0.0);
+    exchange_a[me].xyz = tangent[0] * pull[0];
+    barrier();
+    push_out = exchange_a[after(1)].xyz;
+    barrier();
+  }
+  pull_in = boundedPull(pull_in, lengthIn());
+  if (!hasAfter(1)) push_out = vec3(0);
+
+  vec3 push[PER_THREAD + 1];
+  for (int p = 0; p < PER_THREAD; ++p) {
+    tension[p] += first ? change[p] : pull[p];
+    push[p] = tangent[p] * pull[p];
+  }
+  push[PER_THREAD] = push_out;
+  for (int p = 0; p < PER_THREAD; ++p)
+    x_new[p] = madd(alongSurface(push[p + 1] - push[p], NORMAL(p)), weight(p), x_new[p]);
+  // The same for the vertex before slot 0, which saves an exchange.
+  if (hasBefore(1)) x_new_in = madd(alongSurface(push[0] - tangent_in * pull_in, NORMAL_IN), weight_in, x_new_in);
+}
+
+// Exact lengths along the directions found, from the root or the last pinned vertex on: a scan. Then velocities.
+void finish(RootMotion root) {
+  vec3 along[PER_THREAD];  // from the root, or from the vertex before slot 0
+  bool anchored[PER_THREAD];
+  vec3 sum = vec3(0), inner = x_new_in;
+  bool fixed_here = false;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    sum = madd(directionOr(x_new[p] - inner, tangent[p]), restLength(p), sum);
+#if PINNED
+    if (weight(p) == 0.0) {
+      sum = x_new[p] - root.position;
+      fixed_here = true;
+    }
+#endif
+    inner = x_new[p];
+    along[p] = sum;
+    anchored[p] = fixed_here;
+  }
+  vec3 offset = vec3(0);
+#if THREADS > 1
+  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+    int distance = 1 << doubling;
+    exchange_a[me] = vec4(sum, fixed_here ? 1 : 0);
+    barrier();
+    vec4 other = exchange_a[before(distance)];
+    barrier();
+    if (hasBefore(distance) && !fixed_here) {
+      sum += other.xyz;
+      fixed_here = other.w > 0.5;
+    }
+  }
+#if PINNED
+  exchange_a[me].xyz = sum;
+  barrier();
+  offset = exchange_a[before(1)].xyz;
+  barrier();
+  if (!hasBefore(1)) offset = vec3(0);
+#else
+  offset = sum - along[kLast];
+#endif
+#endif
+  vec3 start = root.position + offset;
+  v_in = (start - x_in) * settings.per_substep;
+  x_in = start;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    vec3 placed = along[p] + (anchored[p] ? root.position : start);
+    v[p] = (placed - x[p]) * settings.per_substep;
+    x[p] = placed;
+  }
+}
+
+void main() {
+  loadStrand();
+  for (int substep = 0; substep < int(settings.substeps); ++substep) {
+    int ahead = substep % THREADS;
+    if (ahead == 0) placeRoots(substep);
+    RootMotion root = rootMotion(ahead);
+    predict(root);
+    solveTwist(root);
+    solveBending(root);
+#if BODIES
+    for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
+#endif
+    for (int iteration = 0; iteration < 2; ++iteration) {
+#if BODIES
+      collide(timeAfter(substep));
+#endif
+      solveLengths(root, iteration == 0);
+    }
+    finish(root);
+  }
+  storeStrand();
+}

@@ -1,0 +1,146 @@
+// The strand of an invocation while a step lasts: rest shape and state of its PER_THREAD slots. Slot p is the joint, the
+// edge and the vertex at the edge's end with the number PER_THREAD rank + p. Slots past the strand's last edge are padding:
+// they repeat its tip, without length and stiffness. Needs strand_threads.glsl and step_input.glsl.
+
+layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
+layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz
+layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass
+layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };      // first vertex of each strand
+layout(std430, binding = 5) readonly buffer Order { uint order[]; };          // strands by group
+layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };      // 3 per vertex
+layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // of the edge that starts at the vertex
+layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // rest strain, bend
+layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };     // length, twist; mass, weight of its end
+struct StrandRest {      // gpu_compute/rod_strands.cc
+  float edge_length;     // m; of uniform strands
+  float inverse_length;  // 1/m
+  float twist_per_bend;  // of uniform strands
+  float shortest;        // m; shorter edges bend as if they were this long
+};
+layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
+layout(location = 0) uniform uint first_strand;  // of this group, in order[]
+layout(location = 1) uniform uint strands_in_group;
+
+uint strand, root_vertex;
+StrandRest rest;
+bool exists;  // invocations past the last strand go along with copies of it, because every one must reach each barrier
+
+vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
+float tension[PER_THREAD];          // m: StrandState::tensions x substep^2
+vec4 frame[PER_THREAD];
+vec3 rest_strain[PER_THREAD];
+vec3 x_in, v_in;                    // of the vertex before slot 0
+float bends[PER_THREAD];            // of joints, m^2/s^2
+
+#if EDGES > 0
+const int edges = EDGES;
+#else
+int edges;
+#endif
+
+bool isEdge(int p) {
+#if EDGES > 0 && EDGES > (THREADS - 1) * PER_THREAD
+  return p < EDGES - (THREADS - 1) * PER_THREAD || hasAfter(1);  // padding is in the last invocation only
+#else
+  return rank * PER_THREAD + p < edges;
+#endif
+}
+
+// Whether the vertex of slot p is the last of its strand.
+bool isTip(int p) {
+#if EDGES > 0
+  return p == (EDGES - 1) % PER_THREAD && rank == (EDGES - 1) / PER_THREAD;
+#else
+  return rank * PER_THREAD + p == edges - 1;
+#endif
+}
+
+#if UNIFORM
+// One length along the strand; masses 1, at the tip 1/2; twist in one ratio to bend.
+const float weight_in = 1.0;
+float restLength(int p) { return isEdge(p) ? rest.edge_length : 0.0; }
+float inverseLength(int p) { return rest.inverse_length; }
+float twist(int p) { return bends[p] * rest.twist_per_bend; }
+float mass(int p) { return isTip(p) ? 0.5 : 1.0; }
+float weight(int p) { return isTip(p) ? 2.0 : 1.0; }
+float lengthIn() { return rest.edge_length; }
+float inverseLengthIn() { return rest.inverse_length; }
+float inverseLengthOut() { return rest.inverse_length; }
+#else
+vec4 edge[PER_THREAD];           // length, twist; mass, weight of the vertex
+float inverse_lengths[PER_THREAD];
+float length_in, weight_in, inverse_length_in;  // of the edge and vertex before slot 0
+float inverse_length_out;                       // of the edge after the last slot
+float boundedInverse(float edge_length) { return 1.0 / max(edge_length, rest.shortest); }
+float restLength(int p) { return edge[p].x; }
+float inverseLength(int p) { return inverse_lengths[p]; }
+float twist(int p) { return edge[p].y; }
+float mass(int p) { return edge[p].z; }
+float weight(int p) { return edge[p].w; }
+float lengthIn() { return length_in; }
+float inverseLengthIn() { return inverse_length_in; }
+float inverseLengthOut() { return inverse_length_out; }
+#endif
+float bend(int p) { return bends[p]; }
+
+void loadStrand() {
+  me = gl_LocalInvocationID.x;
+  rank = int(me) % THREADS;
+  uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  uint slot = group * uint(WORKGROUP / THREADS) + me / uint(THREADS);
+  exists = slot < strands_in_group;
+  strand = order[first_strand + min(slot, strands_in_group - 1u)];
+  rest = strand_rest[strand];
+  root_vertex = offsets[strand];
+#if EDGES == 0
+  edges = int(offsets[strand + 1u] - root_vertex) - 1;
+#endif
+  for (int p = 0; p < PER_THREAD; ++p) {
+    uint at = root_vertex + uint(min(rank * PER_THREAD + p, edges - 1));
+    vec4 position = positions[at + 1u], joint = joints[at];
+    x[p] = position.xyz;
+    v[p] = velocities[at + 1u].xyz;
+    tension[p] = isEdge(p) ? position.w * settings.substep * settings.substep : 0.0;
+    frame[p] = frames[at];
+    rest_strain[p] = joint.xyz;
+    bends[p] = isEdge(p) ? joint.w : 0.0;
+#if !UNIFORM
+    edge[p] = edge_rest[at];
+    inverse_lengths[p] = boundedInverse(edge[p].x);
+    if (!isEdge(p)) edge[p].x = edge[p].y = 0.0;
+#endif
+  }
+  uint at = root_vertex + uint(min(rank * PER_THREAD, edges));
+  x_in = positions[at].xyz;
+  v_in = velocities[at].xyz;
+#if !UNIFORM
+  vec4 edge_in = edge_rest[max(at, root_vertex + 1u) - 1u];
+  length_in = edge_in.x;
+  weight_in = rank > 0 ? edge_in.w : 0.0;
+  inverse_length_in = boundedInverse(edge_in.x);
+  inverse_length_out = boundedInverse(edge_rest[root_vertex + uint(min((rank + 1) * PER_THREAD, edges - 1))].x);
+#endif
+}
+
+void storeGuide(uint vertex, vec3 position) {
+  guides[vertex * 3u] = position.x;
+  guides[vertex * 3u + 1u] = position.y;
+  guides[vertex * 3u + 2u] = position.z;
+}
+
+void storeStrand() {
+  if (!exists) return;
+  if (rank == 0) {
+    positions[root_vertex].xyz = x_in;
+    velocities[root_vertex].xyz = v_in;
+    storeGuide(root_vertex, x_in);
+  }
+  for (int p = 0; p < PER_THREAD; ++p) {
+    if (!isEdge(p)) continue;
+    uint at = root_vertex + uint(rank * PER_THREAD + p);
+    positions[at + 1u] = vec4(x[p], tension[p] * settings.per_substep * settings.per_substep);
+    velocities[at + 1u] = vec4(v[p], 0);
+    frames[at] = frame[p];
+    storeGuide(at + 1u, x[p]);
+  }
+}

@@ -1,0 +1,58 @@
+// How a strand's root moves in each substep. The invocations of a strand work out THREADS substeps at once, one each, and
+// share them. Needs rod_strand.glsl.
+
+struct RootMotion {
+  vec3 position;     // m, at the end of the substep
+  vec3 jump;         // m, unexpected motion
+  vec3 tangent_old;  // of the root before the substep
+  vec3 swing;        // how it changes
+  vec4 inner_frame;  // of the root, without the swing of this substep
+  vec4 rotation;     // at the end of the substep, for pinned vertices
+};
+
+shared vec4 root_position[WORKGROUP];  // w: x, y, z of the jump
+shared vec4 root_tangent[WORKGROUP];
+shared vec4 root_swing[WORKGROUP];
+shared vec4 root_frame[WORKGROUP];
+#if PINNED
+shared vec4 root_rotation[WORKGROUP];
+#endif
+
+float timeAfter(int substep) { return float(substep + 1) / float(settings.substeps); }
+
+// For the substeps from `first` on.
+void placeRoots(int first) {
+  int substep = first + rank;
+  if (substep < int(settings.substeps)) {
+    Pose begin = rootPose(strand), end = rootPose(settings.strand_count + strand);
+    vec3 way = end.position - begin.position, start = positions[root_vertex].xyz;
+    vec3 position = madd(way, timeAfter(substep), begin.position);
+    vec3 last = substep > 0 ? madd(way, timeAfter(substep - 1), begin.position) : start;
+    vec3 one_more = substep > 1 ? madd(way, timeAfter(substep - 2), begin.position) : start;
+    vec3 velocity = substep > 0 ? (last - one_more) * settings.per_substep : velocities[root_vertex].xyz;
+    vec3 jump = position - madd(velocity, settings.substep, last);
+    vec4 rotation = interpolateRotation(begin.rotation, end.rotation, timeAfter(substep));
+    vec4 old = substep > 0 ? interpolateRotation(begin.rotation, end.rotation, timeAfter(substep - 1)) : begin.rotation;
+    vec3 tangent = frameTangent(rotation), tangent_old = frameTangent(old);
+    root_position[me] = vec4(position, jump.x);
+    root_tangent[me] = vec4(tangent_old, jump.y);
+    root_swing[me] = vec4(tangent - tangent_old, jump.z);
+    root_frame[me] = multiply(rotationBetween(tangent, tangent_old), rotation);
+#if PINNED
+    root_rotation[me] = rotation;
+#endif
+  }
+  barrier();
+}
+
+// Of the substep that is `ahead` of the first of those placed last.
+RootMotion rootMotion(int ahead) {
+  uint at = me - uint(rank) + uint(ahead);
+  vec4 a = root_position[at], b = root_tangent[at], c = root_swing[at];
+#if PINNED
+  vec4 rotation = root_rotation[at];
+#else
+  const vec4 rotation = vec4(0, 0, 0, 1);
+#endif
+  return RootMotion(a.xyz, vec3(a.w, b.w, c.w), b.xyz, c.xyz, root_frame[at], rotation);
+}

@@ -1,0 +1,36 @@
+// A strand spread over THREADS neighbouring invocations of a workgroup, PER_THREAD edges each, and the memory through which
+// they pass values: write own entry, barrier, read a neighbour's, barrier. With one bank of memory and 32 invocations the
+// second barrier costs less than a second bank would: on NVIDIA a GL program gets some 64 KB of shared memory per
+// multiprocessor, so 4 KB per 32 invocations is what the whole shader may use before fewer of them run at once.
+#define PER_THREAD 4
+const int kLast = PER_THREAD - 1;
+
+uint me;   // this invocation in its workgroup
+int rank;  // and in its strand, from the root
+
+shared vec4 exchange_a[WORKGROUP];
+shared vec4 exchange_b[WORKGROUP];
+shared vec4 exchange_c[WORKGROUP];
+shared float exchange_d[WORKGROUP];
+
+// Neighbours towards the root and the tip. Past the ends of the strand it is this invocation itself, so that nothing, not
+// even a NaN, is ever read from another strand; callers select what holds there.
+uint before(int distance) { return rank >= distance ? me - uint(distance) : me; }
+uint after(int distance) { return rank + distance < THREADS ? me + uint(distance) : me; }
+bool hasBefore(int distance) { return rank >= distance; }
+bool hasAfter(int distance) { return rank + distance < THREADS; }
+
+// Doublings from 1 to THREADS.
+#if THREADS == 1
+const int kDoublings = 0;
+#elif THREADS == 2
+const int kDoublings = 1;
+#elif THREADS == 4
+const int kDoublings = 2;
+#elif THREADS == 8
+const int kDoublings = 3;
+#elif THREADS == 16
+const int kDoublings = 4;
+#else
+const int kDoublings = 5;
+#endif

@@ -1,0 +1,65 @@
+// A symmetric tridiagonal system along a strand, a row per edge. Every invocation eliminates its rows but the last; what is
+// left couples only the last rows of neighbours and is solved by parallel cyclic reduction (Hockney 1965).
+// In place of the diagonal each row keeps its slack, the diagonal less the absolute couplings: elimination only adds to it
+// (as in Grassmann, Taksar and Heyman 1985), where the diagonal of a chain would cancel down to a small part of itself.
+// Needs strand_threads.glsl.
+
+// Solves in place of `value`, the right-hand sides; `lower[p]` couples row p to the row before it, 0 in the strand's first.
+// Pivots are held above `pivot`, one per row; in the reduction, where the pivots of a chain fall with its length, above a
+// tenth of that. Returns the solution in the row before row 0, or 0 where there is none.
+float solveTridiagonal(float diagonal[PER_THREAD], float lower[PER_THREAD], float pivot[PER_THREAD],
+                       inout float value[PER_THREAD]) {
+  float to_before[PER_THREAD], to_after[PER_THREAD];
+  float coupling = lower[0], slack = diagonal[0] - abs(lower[0]);  // of row p, less what couples it to row p + 1
+  float slack_before = 0.0, value_before = 0.0;                    // what elimination adds to the row before row 0
+  for (int p = 0; p < kLast; ++p) {
+    slack -= abs(lower[p + 1]);
+    float inverse = 1.0 / max(slack + abs(coupling) + abs(lower[p + 1]), pivot[p]);
+    to_before[p] = coupling * inverse;
+    to_after[p] = lower[p + 1] * inverse;
+    value[p] *= inverse;
+    slack_before += abs(to_before[p]) * slack;
+    value_before -= coupling * value[p];
+    slack = abs(to_after[p]) * slack + (diagonal[p + 1] - abs(lower[p + 1]));
+    value[p + 1] -= lower[p + 1] * value[p];
+    coupling = -lower[p + 1] * to_before[p];
+  }
+  float solved = value[kLast], solved_before = 0.0;
+#if THREADS == 1
+  solved /= max(slack + abs(coupling), pivot[kLast]);
+#else
+  const float least = 0.1 * pivot[kLast];
+  exchange_a[me] = vec4(slack_before - abs(lower[0]), value_before, coupling, 0);
+  barrier();
+  vec3 folded = exchange_a[after(1)].xyz;
+  barrier();
+  if (!hasAfter(1)) folded = vec3(0);
+  slack += folded.x;
+  solved += folded.y;
+  float up = folded.z;  // what couples this row to the one after
+  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+    int distance = 1 << doubling;
+    float inverse = 1.0 / max(slack + abs(coupling) + abs(up), least);
+    exchange_a[me] = vec4(coupling, up, inverse, solved);
+    exchange_d[me] = slack * inverse;
+    barrier();
+    vec4 inner = exchange_a[before(distance)], outer = exchange_a[after(distance)];
+    float inner_slack = exchange_d[before(distance)], outer_slack = exchange_d[after(distance)];
+    barrier();
+    float from_inner = coupling * inner.z, from_outer = up * outer.z;
+    slack += abs(coupling) * inner_slack + abs(up) * outer_slack;
+    solved -= from_inner * inner.w + from_outer * outer.w;
+    coupling = -from_inner * inner.x;
+    up = -from_outer * outer.y;
+  }
+  solved /= max(slack, least);
+  exchange_d[me] = solved;
+  barrier();
+  solved_before = exchange_d[before(1)];
+  barrier();
+  if (!hasBefore(1)) solved_before = 0.0;
+#endif
+  value[kLast] = solved;
+  for (int p = kLast - 1; p >= 0; --p) value[p] -= to_before[p] * solved_before + to_after[p] * value[p + 1];
+  return solved_before;
+}

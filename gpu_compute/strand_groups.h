@@ -1,0 +1,52 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gl/buffer.h"
+#include "gl/program.h"
+
+namespace strandcast::gpu {
+
+/// Programs by name and defines, compiled when first asked for. As long-lived as its context, so that a
+/// program serves every model that needs it.
+class ProgramCache {
+ public:
+  /// Throws Error with the driver's log when it does not build.
+  const gl::Program& get(const char* name, const char* text, const std::string& defines);
+
+ private:
+  std::map<std::string, gl::Program> programs_;
+};
+
+/// Strands that one dispatch does.
+struct StrandGroup {
+  uint32_t key;    ///< what they have in common
+  uint32_t first;  ///< in the order of StrandGroups
+  uint32_t count;
+};
+
+/// The strands of a model sorted by what decides on their program.
+class StrandGroups {
+ public:
+  explicit StrandGroups(std::span<const uint32_t> keys);
+
+  std::span<const StrandGroup> groups() const { return groups_; }
+  std::span<const uint32_t> strandsOf(const StrandGroup& group) const {
+    return {order_.data() + group.first, group.count};
+  }
+  /// Strands by group, for the shaders' binding 5.
+  const gl::Buffer& order() const { return order_buffer_; }
+
+ private:
+  std::vector<uint32_t> order_;
+  std::vector<StrandGroup> groups_;
+  gl::Buffer order_buffer_;
+};
+
+/// Dispatches `program`, which has `per_workgroup` strands in a workgroup, over a group.
+void dispatch(const gl::Program& program, const StrandGroup& group, uint32_t per_workgroup);
+
+}  // namespace strandcast::gpu
