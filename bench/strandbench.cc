@@ -1,5 +1,6 @@
 // strandbench step: how long a step takes, and in the same run what it computed. ms: of a step and of reading
-// its guides, by the wall; gpu ms: of a step's dispatches alone, by the GPU's own clock.
+// its guides, by the wall; gpu ms: of a step's dispatches alone, by the GPU's own clock; of peak: the
+// operations of the step, counted, against what the same threads reach with multiply-adds alone, measured.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,9 +8,11 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 
 #include "apps/backends.h"
 #include "apps/console.h"
+#include "bench/operation_count.h"
 #include "core/backend_registry.h"
 #include "core/simulation.h"
 #include "scenes/scene.h"
@@ -19,7 +22,7 @@ using namespace strandcast;
 namespace {
 
 struct Options {
-  std::string backend = "auto", scene = "straight", solver = "rod";
+  std::string backend = "auto", scene = "straight", solver = "rod", bodies = "none";
   int strands = 2000, vertices = 32, substeps = 4, iterations = 6, threads = 0, warmup = 20, steps = 60;
   uint64_t seed = 1;
   bool json = false, csv = false;
@@ -29,16 +32,43 @@ struct Result {
   std::string backend, device;
   double ms_min, ms_median, ms_p95, ns_per_vertex_substep, vertices_per_s;
   std::optional<double> gpu_ms;  // of the dispatches alone, median
+  double operations;             // floating-point, per vertex and substep
+  std::optional<double> fraction_of_peak;
   Measurement measured;
   uint64_t hash;
 };
+
+std::vector<RigidBody> bodiesOf(const Options& o, const Scene& scene) {
+  if (o.bodies == "none") return {};
+  if (o.bodies == "scene") return scene.bodies;
+  ContactPrimitive head;  // a sphere that hair lies on
+  head.a = scene.head_pivot + Vec3(0, 0.08f, 0);
+  head.radius = 0.06f;
+  return {{{head}, true}};
+}
+
+// What one more step of the simulation computes.
+double operationsOf(Simulation& simulation, const Parameters& parameters,
+                    const std::vector<RigidBody>& bodies) {
+  const StrandModel& model = simulation.model();
+  const Pose& head = simulation.headPose();
+  std::vector<Pose> roots;
+  for (const Pose& root : model.rest_roots) roots.push_back(head * root);
+  std::vector<MovingPrimitive> primitives;
+  for (const RigidBody& body : bodies)
+    for (const ContactPrimitive& primitive : body.primitives) {
+      const Pose pose = body.follows_head ? head : Pose{};
+      primitives.push_back(moved(primitive, pose, pose, parameters.time_step));
+    }
+  return operationsPerVertexSubstep(model, simulation.state(), {&parameters, roots, roots, primitives});
+}
 
 Result run(const Options& o, const Scene& scene, const std::string& backend) {
   Parameters parameters = scene.parameters;
   parameters.substeps = o.substeps;
   parameters.iterations = o.iterations;
   parameters.solver = solverKind(o.solver);
-  Simulation simulation(makeStrandModel(scene.groom.strands), scene.bodies, parameters,
+  Simulation simulation(makeStrandModel(scene.groom.strands), bodiesOf(o, scene), parameters,
                         createBackend(knownBackends(), backend, o.threads, parameters.solver));
   std::vector<double> ms, gpu_ms;
   for (int step = 0; step < o.warmup + o.steps; ++step) {
@@ -54,7 +84,15 @@ Result run(const Options& o, const Scene& scene, const std::string& backend) {
   std::sort(gpu_ms.begin(), gpu_ms.end());
   const double median = ms[ms.size() / 2];
   const double vertices = static_cast<double>(simulation.model().vertices());
-  return {simulation.backend().name(),
+  const double operations = operationsOf(simulation, parameters, bodiesOf(o, scene));
+  const std::string name = simulation.backend().name();
+  std::optional<double> fraction_of_peak;
+  if (name != "gpu") {
+    const int all = static_cast<int>(std::thread::hardware_concurrency());
+    const int threads = name == "reference" ? 1 : o.threads > 0 ? o.threads : all;
+    fraction_of_peak = operations * vertices * o.substeps / (1e-3 * median) / measuredPeak(threads);
+  }
+  return {name,
           simulation.backend().device(),
           ms.front(),
           median,
@@ -62,12 +100,15 @@ Result run(const Options& o, const Scene& scene, const std::string& backend) {
           1e6 * median / (vertices * o.substeps),
           1000 * vertices / median,
           gpu_ms.empty() ? std::nullopt : std::optional(gpu_ms[gpu_ms.size() / 2]),
+          operations,
+          fraction_of_peak,
           simulation.measure(),
           stateHash(simulation.state())};
 }
 
 nlohmann::json toJson(const Result& r) {
   const nlohmann::json gpu_ms = r.gpu_ms ? nlohmann::json(*r.gpu_ms) : nlohmann::json();
+  const nlohmann::json fraction = r.fraction_of_peak ? nlohmann::json(*r.fraction_of_peak) : nlohmann::json();
   return {{"case", r.backend},
           {"device", r.device},
           {"ms_min", r.ms_min},
@@ -76,6 +117,8 @@ nlohmann::json toJson(const Result& r) {
           {"gpu_ms", gpu_ms},
           {"ns_per_vertex_substep", r.ns_per_vertex_substep},
           {"vertices_per_s", r.vertices_per_s},
+          {"operations_per_vertex_substep", r.operations},
+          {"fraction_of_peak", fraction},
           {"mean_stretch", r.measured.mean_stretch},
           {"max_stretch", r.measured.max_stretch},
           {"max_penetration_m", r.measured.max_penetration},
@@ -92,16 +135,18 @@ int step(const Options& o) {
   nlohmann::json results = nlohmann::json::array();
   if (o.csv)
     fmt::print(
-        "backend,device,strands,vertices,substeps,iterations,ms_min,ms_median,ms_p95,gpu_ms,ns_per_vertex_"
-        "substep,"
-        "mean_stretch,max_stretch,max_penetration_m\n");
+        "backend,device,solver,scene,bodies,strands,vertices,substeps,iterations,ms_min,ms_median,ms_p95,gpu_"
+        "ms,"
+        "ns_per_vertex_substep,operations_per_vertex_substep,fraction_of_peak,mean_stretch,max_stretch,max_"
+        "penetration_m\n");
   else if (!o.json)
     fmt::print(
-        "scene {}, {} x {}, {} substeps, {} iterations, solver {}\n  {:<10} {:>9} {:>9} {:>9} {:>9} {:>12} "
-        "{:>12} "
-        "{:>12} {:>10}  {}\n",
-        o.scene, o.strands, o.vertices, o.substeps, o.iterations, o.solver, "backend", "ms min", "median",
-        "p95", "gpu ms", "ns/vtx/sub", "mean stretch", "max stretch", "depth mm", "device");
+        "scene {}, bodies {}, {} x {}, {} substeps, {} iterations, solver {}\n  {:<10} {:>9} {:>9} {:>9} "
+        "{:>9} {:>11} "
+        "{:>8} {:>12} {:>12} {:>10}  {}\n",
+        o.scene, o.bodies, o.strands, o.vertices, o.substeps, o.iterations, o.solver, "backend", "ms min",
+        "median", "p95", "gpu ms", "ns/vtx/sub", "of peak", "mean stretch", "max stretch", "depth mm",
+        "device");
   for (const BackendInfo& info : knownBackends()) {
     if (o.backend != "all" && o.backend != info.name && !(o.backend == "auto")) continue;
     const bool runs = info.available && std::find(info.solvers.begin(), info.solvers.end(),
@@ -109,17 +154,20 @@ int step(const Options& o) {
     if (!runs && o.backend == "all") continue;
     const Result r = run(o, scene, o.backend == "auto" ? "auto" : info.name);
     results.push_back(toJson(r));
+    const std::string fraction = r.fraction_of_peak ? fmt::format("{:.3f}", *r.fraction_of_peak) : "";
     const std::string gpu_ms = r.gpu_ms ? fmt::format("{:.4f}", *r.gpu_ms) : "";
     if (o.csv)
-      fmt::print("{},\"{}\",{},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.3f},{:.3e},{:.3e},{:.3e}\n", r.backend,
-                 r.device, o.strands, o.vertices, o.substeps, o.iterations, r.ms_min, r.ms_median, r.ms_p95,
-                 gpu_ms, r.ns_per_vertex_substep, r.measured.mean_stretch, r.measured.max_stretch,
-                 r.measured.max_penetration);
+      fmt::print(
+          "{},\"{}\",{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.3f},{:.1f},{},{:.3e},{:.3e},{:.3e}\n",
+          r.backend, r.device, o.solver, o.scene, o.bodies, o.strands, o.vertices, o.substeps, o.iterations,
+          r.ms_min, r.ms_median, r.ms_p95, gpu_ms, r.ns_per_vertex_substep, r.operations, fraction,
+          r.measured.mean_stretch, r.measured.max_stretch, r.measured.max_penetration);
     else if (!o.json)
-      fmt::print("  {:<10} {:>9.3f} {:>9.3f} {:>9.3f} {:>9} {:>12.2f} {:>12.2e} {:>12.2e} {:>10.3f}  {}\n",
-                 r.backend, r.ms_min, r.ms_median, r.ms_p95, gpu_ms.empty() ? "-" : gpu_ms,
-                 r.ns_per_vertex_substep, r.measured.mean_stretch, r.measured.max_stretch,
-                 1000 * r.measured.max_penetration, r.device);
+      fmt::print(
+          "  {:<10} {:>9.3f} {:>9.3f} {:>9.3f} {:>9} {:>11.2f} {:>8} {:>12.2e} {:>12.2e} {:>10.3f}  {}\n",
+          r.backend, r.ms_min, r.ms_median, r.ms_p95, gpu_ms.empty() ? "-" : gpu_ms, r.ns_per_vertex_substep,
+          fraction.empty() ? "-" : fraction, r.measured.mean_stretch, r.measured.max_stretch,
+          1000 * r.measured.max_penetration, r.device);
     std::fflush(stdout);
     if (o.backend == "auto") break;
   }
@@ -130,6 +178,7 @@ int step(const Options& o) {
                                        {"params",
                                         {{"scene", o.scene},
                                          {"solver", o.solver},
+                                         {"bodies", o.bodies},
                                          {"strands", o.strands},
                                          {"vertices", o.vertices},
                                          {"substeps", o.substeps},
@@ -154,6 +203,10 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"rod", "gauss_seidel"}))
       ->capture_default_str();
   verb->add_option("--scene", o.scene, "procedural scene")->capture_default_str();
+  verb->add_option("--bodies", o.bodies,
+                   "none; sphere: one with friction, in the head; scene: all of the scene's")
+      ->check(CLI::IsMember({"none", "sphere", "scene"}))
+      ->capture_default_str();
   verb->add_option("--strands", o.strands)->check(CLI::Range(1, 1000000))->capture_default_str();
   verb->add_option("--vertices", o.vertices, "per strand")->check(CLI::Range(2, 128))->capture_default_str();
   verb->add_option("--substeps", o.substeps)->check(CLI::Range(1, 64))->capture_default_str();

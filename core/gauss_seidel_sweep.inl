@@ -1,17 +1,7 @@
 // One step of a block of strands by the course's scheme. Included after core/strand_sweep.inl. The formulas are in
 // kernels/; here is only their order along the strand.
 
-inline real inverseMass(const Block& b, int i) { return load(b.inverse_mass + b.at(0, i)); }
-
-// One body pushes every free vertex out. `start`: positions at the start of the substep.
-inline void resolveContacts(const Block& block, const Scalar* start, const SubstepBody& body) {
-  real3 normal = makeReal3(lit(0), lit(0), lit(0));
-  for (int i = 0; i < block.vertices; ++i) {
-    const mask free = inverseMass(block, i) > lit(0.5);
-    const real3 x = load3(block, block.position, i);
-    store3(pushOut(body, x, load3(block, start, i), free, normal), block, block.position, i);
-  }
-}
+inline real inverseMass(const Block& b, int i) { return load(b.inverse_mass + at(0, i)); }
 
 // scratch: 6 planes of the block's vertices (start positions, then edge targets).
 inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scratch) {
@@ -22,32 +12,34 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
   const real keep = lit(std::exp(-p.air_drag * h));
   const double strength_root = 1 - std::exp(-p.shape_rate * h / p.iterations);
   const double strength_tip = 1 - std::exp(-p.shape_rate_tip * h / p.iterations);
+  NearBodies near(b, input);
   const RootFrame root_begin = loadRoot(b, 0), root_end = loadRoot(b, kRootPlanes / 2);
   const real3 forward = makeReal3(lit(0), lit(0), lit(1));
   Scalar* start = scratch;
-  Scalar* target = scratch + b.at(3, 0);
+  Scalar* target = scratch + at(3, 0);
 
   for (int substep = 0; substep < p.substeps; ++substep) {
     const double time = (substep + 1.0) / p.substeps;
+    near.place(input, time);
     const RootFrame root{madd(root_end.position - root_begin.position, lit(time), root_begin.position),
                          interpolateRotation(root_begin.rotation, root_end.rotation, lit(time))};
 
     for (int i = 0; i < n; ++i) {  // predict; pinned vertices ride on the root frame
-      const real3 x = load3(b, b.position, i);
-      store3(x, b, start, i);
-      const real3 free = predictPosition(x, load3(b, b.velocity, i), gravity, wind, keep, lit(h));
-      const real3 held = rotate(root.rotation, load3(b, b.rest_local, i)) + root.position;
-      store3(select(inverseMass(b, i) < lit(0.5), held, free), b, b.position, i);
+      const real3 x = load3(b.position, i);
+      store3(x, start, i);
+      const real3 free = predictPosition(x, load3(b.velocity, i), gravity, wind, keep, lit(h));
+      const real3 held = rotate(root.rotation, load3(b.rest_local, i)) + root.position;
+      store3(select(inverseMass(b, i) < lit(0.5), held, free), b.position, i);
     }
 
     for (int iteration = 0; iteration < p.iterations; ++iteration) {
       quat frame = root.rotation;  // the rest edge, as the frame of the edge before it holds it now
       const real3 root_tangent = rotate(frame, forward);
       real3 tangent = root_tangent;
-      real3 x = load3(b, b.position, 0);
+      real3 x = load3(b.position, 0);
       for (int i = 0; i + 1 < n; ++i) {
-        store3(rotate(frame, load3(b, b.rest_edge, i)), b, target, i);
-        const real3 next_x = load3(b, b.position, i + 1);
+        store3(rotate(frame, load3(b.rest_edge, i)), target, i);
+        const real3 next_x = load3(b.position, i + 1);
         const real3 next_tangent = normalizeOrZero(next_x - x);
         frame = multiply(transportFrame(tangent, next_tangent), frame);
         tangent = next_tangent;
@@ -56,30 +48,33 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
       for (int color = 0; color < 3; ++color) {  // what is solved in one colour shares no vertex
         for (int i = color; i + 1 < n; i += 3) {
           const double along = n > 2 ? static_cast<double>(i) / (n - 2) : 0.0;
-          real3 a = load3(b, b.position, i), c = load3(b, b.position, i + 1);
+          real3 a = load3(b.position, i), c = load3(b.position, i + 1);
           real3 before = a - root_tangent;  // the root frame stands before the first edge
-          if (i > 0) before = load3(b, b.position, i - 1);
+          if (i > 0) before = load3(b.position, i - 1);
           solveAngular(before, a, c, i > 0 ? inverseMass(b, i - 1) : lit(0), inverseMass(b, i),
-                       inverseMass(b, i + 1), load3(b, target, i),
+                       inverseMass(b, i + 1), load3(target, i),
                        lit(strength_root + along * (strength_tip - strength_root)));
-          if (i > 0) store3(before, b, b.position, i - 1);
-          store3(a, b, b.position, i);
-          store3(c, b, b.position, i + 1);
+          if (i > 0) store3(before, b.position, i - 1);
+          store3(a, b.position, i);
+          store3(c, b.position, i + 1);
         }
       }
       for (int color = 0; color < 2; ++color) {
         for (int i = color; i + 1 < n; i += 2) {
-          real3 a = load3(b, b.position, i), c = load3(b, b.position, i + 1);
-          solveDistance(a, c, inverseMass(b, i), inverseMass(b, i + 1), load(b.rest_length + b.at(0, i)));
-          store3(a, b, b.position, i);
-          store3(c, b, b.position, i + 1);
+          real3 a = load3(b.position, i), c = load3(b.position, i + 1);
+          solveDistance(a, c, inverseMass(b, i), inverseMass(b, i + 1), load(b.rest_length + at(0, i)));
+          store3(a, b.position, i);
+          store3(c, b.position, i + 1);
         }
       }
-      for (const MovingPrimitive& primitive : input.primitives)
-        resolveContacts(b, start, bodyAt(primitive, input, time));
+      if (near.size() > 0) {
+        real3 normal = makeReal3(lit(0), lit(0), lit(0));
+        for (int i = 0; i < n; ++i)
+          store3(near.pushAllOut(load3(b.position, i), load3(start, i), inverseMass(b, i) > lit(0.5), normal), b.position, i);
+      }
     }
 
     for (int i = 0; i < n; ++i)
-      store3((load3(b, b.position, i) - load3(b, start, i)) * lit(1 / h), b, b.velocity, i);
+      store3((load3(b.position, i) - load3(start, i)) * lit(1 / h), b.velocity, i);
   }
 }

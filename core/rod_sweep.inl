@@ -2,7 +2,7 @@
 // (tridiagonal), bending (one pentadiagonal matrix for x, y, z) and lengths (tridiagonal, twice). Each solve eliminates in
 // one direction and substitutes in the other, so that all merge into five sweeps.
 
-// Planes of scratch, each of `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i.
+// Scratch, [row][plane][lane], `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i.
 enum RodScratch : int {
   kNewPosition = 0,   // 3
   kTangent = 3,       // 3, later of the lengths
@@ -26,6 +26,7 @@ class RodStep {
       : b(block),
         in(input),
         p(*input.parameters),
+        near_(block, input),
         scratch_(scratch),
         n(block.vertices),
         ne(block.vertices - 1),
@@ -45,9 +46,10 @@ class RodStep {
     }
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
     for (int substep = 0; substep < p.substeps; ++substep) {
-      time_ = (substep + 1.0) / p.substeps;
-      const RootFrame root{madd(end_.position - begin_.position, lit(time_), begin_.position),
-                           interpolateRotation(begin_.rotation, end_.rotation, lit(time_))};
+      const double time = (substep + 1.0) / p.substeps;
+      near_.place(in, time);
+      const RootFrame root{madd(end_.position - begin_.position, lit(time), begin_.position),
+                           interpolateRotation(begin_.rotation, end_.rotation, lit(time))};
       predict(root);
       eliminateTwist();
       eliminateBending();
@@ -67,24 +69,27 @@ class RodStep {
     set(plane + 1, i, v.y);
     set(plane + 2, i, v.z);
   }
-  size_t row(int plane, int i) const { return (static_cast<size_t>(plane) * (n + 2) + i) * b.lanes; }
-  real state(const Scalar* planes, int plane, int i) const { return load(planes + b.at(plane, i)); }
-  real3 state3(const Scalar* planes, int i) const { return load3(b, planes, i); }
+  size_t row(int plane, int i) const { return (static_cast<size_t>(i) * kRodScratchPlanes + plane) * kLanes; }
+  real state(const Scalar* planes, int plane, int i) const { return load(planes + at(plane, i)); }
+  real3 state3(const Scalar* planes, int i) const { return load3(planes, i); }
   quat state4(const Scalar* planes, int i) const {
     return {state(planes, 0, i), state(planes, 1, i), state(planes, 2, i), state(planes, 3, i)};
   }
   void setState4(Scalar* planes, int i, const quat& v) const {
-    store(v.x, planes + b.at(0, i));
-    store(v.y, planes + b.at(1, i));
-    store(v.z, planes + b.at(2, i));
-    store(v.w, planes + b.at(3, i));
+    store(v.x, planes + at(0, i));
+    store(v.y, planes + at(1, i));
+    store(v.z, planes + at(2, i));
+    store(v.w, planes + at(3, i));
   }
-  real lengthOf(int e) const { return state(b.rest_length, 0, e); }
-  real inverseLength(int e) const { return state(b.inverse_length, 0, e); }
+  // What is the same for all edges or vertices of a strand is read from one row, which stays in the nearest cache.
+  int rowOfEdge(int e) const { return b.uniform ? 0 : e; }
+  int rowOfVertex(int i) const { return b.uniform && i < ne ? 1 : i; }
+  real lengthOf(int e) const { return state(b.rest_length, 0, rowOfEdge(e)); }
+  real inverseLength(int e) const { return state(b.inverse_length, 0, rowOfEdge(e)); }
   real bend(int j) const { return state(b.bend, 0, j); }
   real twist(int j) const { return state(b.twist, 0, j); }
-  real mass(int i) const { return state(b.mass, 0, i); }
-  real weight(int i) const { return state(b.weight, 0, i); }
+  real mass(int i) const { return state(b.mass, 0, rowOfVertex(i)); }
+  real weight(int i) const { return state(b.weight, 0, rowOfVertex(i)); }
 
   void predict(const RootFrame& root);
   void eliminateTwist();
@@ -93,14 +98,19 @@ class RodStep {
   void firstLengths();
   void finish();
   real3 collide(int i, real3 x);
+  real3 normalAt(int i) const { return near_.size() > 0 ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
+  void setNormal(int i, const real3& normal) {
+    if (near_.size() > 0) set3(kNormal, i, normal);
+  }
 
   const Block& b;
   const StepInput& in;
   const Parameters& p;
+  NearBodies near_;
   Scalar* scratch_;
   const int n, ne;
   const double h;
-  double time_ = 0, keep_ = 1, beta_ = 0;
+  double keep_ = 1, beta_ = 0;
   RootFrame begin_, end_;
   quat frame_;          // of the root after the last substep
 
@@ -126,8 +136,11 @@ inline void RodStep::predict(const RootFrame& root) {
   real3 unit_before = tangent_old_;
   for (int e = 0; e < ne; ++e) {
     const real3 x = state3(b.position, e + 1), v = state3(b.velocity, e + 1);
-    const real3 held = rotate(root.rotation, state3(b.rest_local, e + 1)) + root.position;
-    const real3 moved = select(weight(e + 1) > lit(0), madd(v, lit(h * keep_), x) + jump_, held);
+    real3 moved = madd(v, lit(h * keep_), x) + jump_;
+    if (b.pinned) {
+      const real3 held = rotate(root.rotation, state3(b.rest_local, e + 1)) + root.position;
+      moved = select(weight(e + 1) > lit(0), moved, held);
+    }
     set3(kNewPosition, e + 1, moved);
     const real3 edge = moved - get3(kNewPosition, e), old = x - before;
     const real3 advance = edge - old;
@@ -135,13 +148,13 @@ inline void RodStep::predict(const RootFrame& root) {
     const real3 unit = old * il;
     const real kept = min(keptTension(state(b.tension, 0, e) * lit(h * h), advance * il, bend(e), il, lit(h * h)),
                           most_tension_);
-    store(kept, b.tension + b.at(0, e));
+    store(kept, b.tension + at(0, e));
     const real blend = timeBlend(advance * il, unit - unit_before, bend(e) * il * il * lit(h * h) * weight(e + 1));
     set(kBlend, e, blend);
     // Internal damping acts through frames that are ahead of the motion by the damping time; tension is not damped.
     const real3 t = directionOr(madd(advance, lit(beta_ / h) - blend, edge), frameTangent(state4(b.frame, e)));
     set3(kTangent, e, t);
-    set3(kDirection, e, madd(advance, lit(-beta_ / h) * il, t));
+    if (beta_ > 0) set3(kDirection, e, madd(advance, lit(-beta_ / h) * il, t));
     setState4(b.frame, e, transportTo(state4(b.frame, e), t));
     before = x;
     unit_before = unit;
@@ -170,9 +183,9 @@ inline void RodStep::eliminateTwist() {
     const real own = kt + coupling, across = coupling - kt;
     if (j > 0) {  // row j - 1 is complete now
       const real r = madd(kt, excess.z, shear) - torque_before;
-      const real inverse = lit(1) / max(diagonal + own - lower * factor, lit(1e-30));
-      right = (r - lower * right) * inverse;
-      factor = across * inverse;
+      const real pivot = inverse(max(diagonal + own - lower * factor, lit(1e-30)));
+      right = (r - lower * right) * pivot;
+      factor = across * pivot;
       set(kFactor1, j - 1, factor);
       set(kRight, j - 1, right);
       lower = across;
@@ -182,8 +195,8 @@ inline void RodStep::eliminateTwist() {
     t_in = t;
     torque_before = madd(kt, excess.z, lit(0) - shear);
   }
-  const real inverse = lit(1) / max(diagonal - lower * factor, lit(1e-30));
-  set(kRight, ne - 1, (lit(0) - torque_before - lower * right) * inverse);
+  const real pivot = inverse(max(diagonal - lower * factor, lit(1e-30)));
+  set(kRight, ne - 1, (lit(0) - torque_before - lower * right) * pivot);
   for (int j = ne; j < ne + 2; ++j) {
     set(kStiffness, j, lit(0));
     set(kMargin, j, lit(0));
@@ -209,7 +222,7 @@ inline void RodStep::eliminateBending() {
     const real3 moment = jointMoment(inner, strain, strain - state3(b.rest_strain, e), kb, twist(e));
     const real kept = state(b.tension, 0, e);
 
-    real3 force = cross(moment_out - moment, t) * (il * lit(h * h)) - get3(kDirection, e) * kept;
+    real3 force = cross(moment_out - moment, t) * (il * lit(h * h)) - (beta_ > 0 ? get3(kDirection, e) : t) * kept;
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
     const real3 total = madd(pull, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
@@ -226,15 +239,15 @@ inline void RodStep::eliminateBending() {
     const real l2 = second * id2;
     const real u1 = first - second * l1_out;
     const real l1 = u1 * id1;
-    const real inverse = lit(1) / (diagonal - l1 * u1 - l2 * second);
+    const real pivot = inverse(diagonal - l1 * u1 - l2 * second);
     const real3 y = total - y1 * l1 - y2 * l2;
-    set3(kStrain, e, y * inverse);
+    set3(kStrain, e, y * pivot);
     set(kFactor1, e, l1);
     set(kFactor2, e, l2);
     y2 = y1;
     y1 = y;
     id2 = id1;
-    id1 = inverse;
+    id1 = pivot;
     l1_out = l1;
     force_out = force;
     edge_out = edge;
@@ -246,12 +259,11 @@ inline void RodStep::eliminateBending() {
 
 // Pushes vertex i at x out of the bodies; the normal is kept for the length solve, which must not push it back in.
 inline real3 RodStep::collide(int i, real3 x) {
-  if (in.primitives.empty()) return x;
+  if (near_.size() == 0) return x;
   const mask free = weight(i) > lit(0);
   const real3 start = state3(b.position, i);
   real3 normal = get3(kNormal, i);
-  for (const MovingPrimitive& primitive : in.primitives)
-    x = pushOut(bodyAt(primitive, in, time_), x, start, free, normal);
+  x = near_.pushAllOut(x, start, free, normal);
   set3(kNormal, i, normal);
   return x;
 }
@@ -261,9 +273,9 @@ inline real3 RodStep::collide(int i, real3 x) {
 inline void RodStep::substituteBending() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real3 d1 = zero, d2 = zero, x_in = root_.position, t_in = zero, normal_in = zero;
-  real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), w_in = lit(0), right = lit(0), inverse = lit(0);
-  real soft_in = lit(0), tension_right = lit(0), tension_inverse = lit(0);
-  set3(kNormal, 0, zero);
+  real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), w_in = lit(0), right = lit(0), pivot = lit(0);
+  real soft_in = lit(0), tension_right = lit(0), tension_pivot = lit(0);
+  setNormal(0, zero);
   for (int e = 0; e < ne; ++e) {
     const real3 d = get3(kStrain, e) - d1 * l1_in - d2 * l2_in2;
     l1_in = get(kFactor1, e);
@@ -271,10 +283,10 @@ inline void RodStep::substituteBending() {
     l2_in = get(kFactor2, e);
     d2 = d1;
     d1 = d;
-    set3(kNormal, e + 1, zero);
+    setNormal(e + 1, zero);
     const real3 x = collide(e + 1, get3(kNewPosition, e + 1) + d);
     set3(kNewPosition, e + 1, x);
-    const real3 normal = get3(kNormal, e + 1);
+    const real3 normal = normalAt(e + 1);
 
     const real3 edge = x - x_in;
     const real3 t = directionOr(edge, get3(kTangent, e));
@@ -282,20 +294,20 @@ inline void RodStep::substituteBending() {
     const real w = weight(e + 1);
     const real own_in = weightAlong(t, normal_in, w_in), own = weightAlong(t, normal, w);
     const real lower = lengthAcross(t, t_in, normal_in, w_in);
-    set(kFactor1, e, lower * inverse);  // of row e on row e - 1; symmetric
-    const real den = max(own_in + own - lower * lower * inverse, lengthPivot(w_in, w));
+    set(kFactor1, e, lower * pivot);  // of row e on row e - 1; symmetric
+    const real den = max(own_in + own - lower * lower * pivot, lengthPivot(w_in, w));
     right = excess - lower * right;
-    inverse = lit(1) / den;
-    right = right * inverse;
+    pivot = inverse(den);
+    right = right * pivot;
     set(kRight, e, right);
     set3(kTangent, e, t);
 
     const real soft = get(kCosine, e + 1);
     const real softened = own_in * (lit(1) - soft_in) + own * (lit(1) - soft);
-    set(kStiffness, e, lower * tension_inverse);
+    set(kStiffness, e, lower * tension_pivot);
     tension_right = excess - lower * tension_right;
-    tension_inverse = lit(1) / max(softened - lower * lower * tension_inverse, lengthPivot(w_in, w));
-    tension_right = tension_right * tension_inverse;
+    tension_pivot = inverse(max(softened - lower * lower * tension_pivot, lengthPivot(w_in, w)));
+    tension_right = tension_right * tension_pivot;
     set(kMargin, e, tension_right);
     soft_in = soft;
     x_in = x;
@@ -309,7 +321,7 @@ inline void RodStep::substituteBending() {
 inline void RodStep::firstLengths() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real3 t_out = zero, x_out = zero, normal_out = zero, edge_t = zero;
-  real pull_out = lit(0), w_out = lit(0), pull = get(kRight, ne - 1), right = lit(0), inverse = lit(0);
+  real pull_out = lit(0), w_out = lit(0), pull = get(kRight, ne - 1), right = lit(0), pivot = lit(0);
   real tension_change = get(kMargin, ne - 1);
   for (int e = ne - 1; e >= -1; --e) {
     real3 t = zero, normal = zero, x = root_.position;
@@ -318,17 +330,17 @@ inline void RodStep::firstLengths() {
       applied = boundedPull(pull, lengthOf(e));
       // In violent motion not much more than what the masses take.
       const real most = max(abs(applied) * lit(4), most_tension_ * lit(0.02));
-      store(state(b.tension, 0, e) + clamp(tension_change, lit(0) - most, most), b.tension + b.at(0, e));
+      store(state(b.tension, 0, e) + clamp(tension_change, lit(0) - most, most), b.tension + at(0, e));
       t = get3(kTangent, e);
       if (e > 0) {
         pull = get(kRight, e - 1) - get(kFactor1, e) * applied;
         tension_change = get(kMargin, e - 1) - get(kStiffness, e) * tension_change;
       }
-      normal = get3(kNormal, e + 1);
+      normal = normalAt(e + 1);
       const real3 push = alongSurface(t_out * pull_out - t * applied, normal);
       w = weight(e + 1);
       x = collide(e + 1, madd(push, w, get3(kNewPosition, e + 1)));
-      normal = get3(kNormal, e + 1);
+      normal = normalAt(e + 1);
       set3(kNewPosition, e + 1, x);
     }
     if (e + 1 < ne) {  // the edge from here outwards has both its ends now
@@ -337,11 +349,11 @@ inline void RodStep::firstLengths() {
       const real excess = dot(edge, d) - lengthOf(e + 1);
       const real diagonal = weightAlong(d, normal, w) + weightAlong(d, normal_out, w_out);
       const real upper = lengthAcross(d, edge_t, normal_out, w_out);
-      set(kFactor2, e + 1, upper * inverse);
-      const real den = max(diagonal - upper * upper * inverse, lengthPivot(w, w_out));
+      set(kFactor2, e + 1, upper * pivot);
+      const real den = max(diagonal - upper * upper * pivot, lengthPivot(w, w_out));
       right = excess - upper * right;
-      inverse = lit(1) / den;
-      right = right * inverse;
+      pivot = inverse(den);
+      right = right * pivot;
       set(kRight2, e + 1, right);
       set3(kStrain, e + 1, d);
       edge_t = d;
@@ -359,25 +371,25 @@ inline void RodStep::finish() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   const real inverse_h = lit(1 / h);
   const real3 x0 = state3(b.position, 0);
-  store3((root_.position - x0) * inverse_h, b, b.velocity, 0);
-  store3(root_.position, b, b.position, 0);
+  store3((root_.position - x0) * inverse_h, b.velocity, 0);
+  store3(root_.position, b.position, 0);
   real pull = boundedPull(get(kRight2, 0), lengthOf(0));
   real3 t = get3(kStrain, 0), before = root_.position, placed = root_.position;
   for (int e = 0; e < ne; ++e) {
-    store((state(b.tension, 0, e) + pull) * lit(1 / (h * h)), b.tension + b.at(0, e));
+    store((state(b.tension, 0, e) + pull) * lit(1 / (h * h)), b.tension + at(0, e));
     real pull_out = lit(0);
     real3 t_out = zero;
     if (e + 1 < ne) {
       pull_out = boundedPull(get(kRight2, e + 1) - get(kFactor2, e) * pull, lengthOf(e + 1));
       t_out = get3(kStrain, e + 1);
     }
-    const real3 normal = get3(kNormal, e + 1);
+    const real3 normal = normalAt(e + 1);
     const real3 push = alongSurface(t_out * pull_out - t * pull, normal);
     const real3 x = madd(push, weight(e + 1), get3(kNewPosition, e + 1));
     const mask free = weight(e + 1) > lit(0);
     placed = select(free, madd(directionOr(x - before, t), lengthOf(e), placed), x);
-    store3((placed - state3(b.position, e + 1)) * inverse_h, b, b.velocity, e + 1);
-    store3(placed, b, b.position, e + 1);
+    store3((placed - state3(b.position, e + 1)) * inverse_h, b.velocity, e + 1);
+    store3(placed, b.position, e + 1);
     before = x;
     pull = pull_out;
     t = t_out;

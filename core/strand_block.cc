@@ -23,8 +23,23 @@ enum Plane {
   kTwist = 24,
   kMass = 25,
   kWeight = 26,
-  kPlanes = 27
 };
+static_assert(kWeight + 1 == kBlockPlanes);
+
+/// Places of the roots along a Z-order curve (Morton 1966) through their box: neighbours on it are neighbours
+/// on the head.
+std::vector<uint32_t> mortonCodes(const std::vector<Pose>& roots) {
+  Box box;
+  for (const Pose& root : roots) box.extend(root.position);
+  const float cell = std::max(box.sizes().maxCoeff(), 1e-6f) / 1023;
+  std::vector<uint32_t> codes(roots.size());
+  for (size_t s = 0; s < roots.size(); ++s)
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto place = static_cast<uint32_t>((roots[s].position[axis] - box.min()[axis]) / cell);
+      for (int bit = 0; bit < 10; ++bit) codes[s] |= (place >> bit & 1u) << (3 * bit + axis);
+    }
+  return codes;
+}
 
 }  // namespace
 
@@ -43,8 +58,18 @@ void restEdges(std::span<const Vec3> rest_local, std::span<Vec3> edges) {
 
 template <class Scalar>
 Scalar* BlockStore<Scalar>::planes(const Block& block, int plane) const {
-  return memory_.data() + block.memory + static_cast<size_t>(plane) * block.vertices * lanes_;
+  return memory_.data() + block.memory + static_cast<size_t>(plane) * lanes_;
 }
+template <class Scalar>
+Scalar& BlockStore<Scalar>::number(const Block& block, int plane, int vertex, int lane) const {
+  return planes(block, plane)[static_cast<size_t>(vertex) * kBlockPlanes * lanes_ + lane];
+}
+template <class Scalar>
+Scalar* BlockStore<Scalar>::roots(const Block& block) const {
+  return planes(block, 0) + static_cast<size_t>(block.vertices) * kBlockPlanes * lanes_;
+}
+
+constexpr float kAlike = 2e-6f;  // relative, of lengths and of masses that count as equal
 
 template <class Scalar>
 void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
@@ -54,8 +79,10 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
   max_vertices_ = 0;
   order_.resize(model.strands());
   std::iota(order_.begin(), order_.end(), 0u);
-  std::stable_sort(order_.begin(), order_.end(),
-                   [&](uint32_t a, uint32_t b) { return model.verticesOf(a) < model.verticesOf(b); });
+  const std::vector<uint32_t> place = mortonCodes(model.rest_roots);
+  std::stable_sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) {
+    return std::pair(model.verticesOf(a), place[a]) < std::pair(model.verticesOf(b), place[b]);
+  });
   size_t memory = 0;
   for (size_t first = 0; first < order_.size();) {
     const int vertices = static_cast<int>(model.verticesOf(order_[first]));
@@ -63,8 +90,8 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
     while (count < static_cast<size_t>(lanes) && first + count < order_.size() &&
            model.verticesOf(order_[first + count]) == static_cast<size_t>(vertices))
       ++count;
-    blocks_.push_back({vertices, first, count, memory});
-    memory += static_cast<size_t>(kPlanes * vertices + kRootPlanes) * lanes;
+    blocks_.push_back({vertices, false, true, first, count, memory});
+    memory += static_cast<size_t>(kBlockPlanes * vertices + kRootPlanes) * lanes;
     memory = (memory + 15) / 16 * 16;
     max_vertices_ = std::max(max_vertices_, vertices);
     first += count;
@@ -72,7 +99,7 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
   memory_.assign(memory, Scalar(0));
 
   std::array<Vec3, kMaxVerticesPerStrand> edges;
-  for (const Block& block : blocks_) {
+  for (Block& block : blocks_) {
     for (int lane = 0; lane < lanes_; ++lane) {
       const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
       const std::span<const Vec3> rest(model.rest_local.data() + offsets_[strand], block.vertices);
@@ -80,7 +107,7 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
       const float mean_length = arcLength(rest) / static_cast<float>(block.vertices - 1);
       for (int i = 0; i < block.vertices; ++i) {
         auto put = [&](int plane, float value) {
-          planes(block, plane)[static_cast<size_t>(i) * lanes_ + lane] = static_cast<Scalar>(value);
+          number(block, plane, i, lane) = static_cast<Scalar>(value);
         };
         for (int c = 0; c < 3; ++c) put(kRestLocal + c, rest[i][c]);
         for (int c = 0; c < 3; ++c) put(kRestEdge + c, edges[i][c]);
@@ -95,7 +122,24 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
         put(kTwist, model.twist[v]);
         put(kMass, pinned ? kPinnedMass : model.mass[v]);
         put(kWeight, pinned ? 0.0f : 1 / model.mass[v]);
+        if (i > 0) block.pinned = block.pinned || pinned;
       }
+      // Lengths and masses of a strand that was resampled evenly differ by rounding only: then they are made
+      // equal, so that one row of them may stand for all.
+      auto alike = [&](int plane, int row, int first_row) {
+        const Scalar one = number(block, plane, first_row, lane);
+        return std::abs(number(block, plane, row, lane) - one) <= Scalar(kAlike) * one;
+      };
+      bool even = true;
+      for (int i = 1; i + 1 < block.vertices; ++i)
+        even = even && alike(kRestLength, i, 0) && alike(kMass, i, 1);
+      for (int i = 1; even && i + 1 < block.vertices; ++i) {
+        for (const int plane : {kRestLength, kInverseLength})
+          number(block, plane, i, lane) = number(block, plane, 0, lane);
+        for (const int plane : {kMass, kWeight})
+          number(block, plane, i, lane) = number(block, plane, 1, lane);
+      }
+      block.uniform = block.uniform && even;
     }
   }
 }
@@ -106,15 +150,17 @@ void BlockStore<Scalar>::upload(const StrandState& state) {
     for (int lane = 0; lane < lanes_; ++lane) {
       const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
       for (int i = 0; i < block.vertices; ++i) {
-        const size_t at = static_cast<size_t>(i) * lanes_ + lane;
         for (int c = 0; c < 3; ++c) {
-          planes(block, kPosition + c)[at] = static_cast<Scalar>(state.positions[offsets_[strand] + i][c]);
-          planes(block, kVelocity + c)[at] = static_cast<Scalar>(state.velocities[offsets_[strand] + i][c]);
+          number(block, kPosition + c, i, lane) =
+              static_cast<Scalar>(state.positions[offsets_[strand] + i][c]);
+          number(block, kVelocity + c, i, lane) =
+              static_cast<Scalar>(state.velocities[offsets_[strand] + i][c]);
         }
         const uint32_t v = offsets_[strand] + i;
         const Quat frame = state.frames.empty() ? Quat(Quat::Identity()) : state.frames[v];
-        for (int c = 0; c < 4; ++c) planes(block, kFrame + c)[at] = static_cast<Scalar>(frame.coeffs()[c]);
-        planes(block, kTension)[at] =
+        for (int c = 0; c < 4; ++c)
+          number(block, kFrame + c, i, lane) = static_cast<Scalar>(frame.coeffs()[c]);
+        number(block, kTension, i, lane) =
             state.tensions.empty() ? Scalar(0) : static_cast<Scalar>(state.tensions[v]);
       }
     }
@@ -134,7 +180,7 @@ void BlockStore<Scalar>::download(StrandState& state) const {
       const uint32_t first = offsets_[order_[block.first + lane]];
       for (int i = 0; i < block.vertices; ++i) {
         auto get = [&](int plane) {
-          return static_cast<float>(planes(block, plane)[static_cast<size_t>(i) * lanes_ + lane]);
+          return static_cast<float>(number(block, plane, i, static_cast<int>(lane)));
         };
         for (int c = 0; c < 3; ++c) state.velocities[first + i][c] = get(kVelocity + c);
         for (int c = 0; c < 4; ++c) state.frames[first + i].coeffs()[c] = get(kFrame + c);
@@ -151,14 +197,14 @@ void BlockStore<Scalar>::readPositions(size_t b, std::span<Vec3> positions) cons
     Vec3* out = positions.data() + offsets_[order_[block.first + lane]];
     for (int i = 0; i < block.vertices; ++i)
       for (int c = 0; c < 3; ++c)
-        out[i][c] = static_cast<float>(planes(block, kPosition + c)[static_cast<size_t>(i) * lanes_ + lane]);
+        out[i][c] = static_cast<float>(number(block, kPosition + c, i, static_cast<int>(lane)));
   }
 }
 
 template <class Scalar>
 void BlockStore<Scalar>::setRoots(size_t b, std::span<const Pose> begin, std::span<const Pose> end) {
   const Block& block = blocks_[b];
-  Scalar* root = planes(block, kPlanes);
+  Scalar* root = roots(block);
   for (int lane = 0; lane < lanes_; ++lane) {
     const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
     Scalar* plane = root + lane;
@@ -174,6 +220,8 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
   const Block& block = blocks_[b];
   return {block.vertices,
           lanes_,
+          block.pinned,
+          block.uniform,
           planes(block, kPosition),
           planes(block, kVelocity),
           planes(block, kRestLocal),
@@ -188,7 +236,7 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           planes(block, kTwist),
           planes(block, kMass),
           planes(block, kWeight),
-          planes(block, kPlanes)};
+          roots(block)};
 }
 
 template class BlockStore<float>;

@@ -21,14 +21,19 @@ struct CacheLineAllocator {
   bool operator==(const CacheLineAllocator&) const { return true; }
 };
 
-/// The planes of one block: [plane][vertex][lane] for what is per vertex, [plane][lane] for the roots. A lane
-/// is a strand; the loop runs along it. Lanes past the last strand hold copies of it and are not read back.
+constexpr int kBlockPlanes = 27;  ///< numbers per vertex
+
+/// One block: [vertex][plane][lane] for what is per vertex, so that a sweep along the strands is one stream
+/// through memory; [plane][lane] for the roots. A lane is a strand; the loop runs along it. Lanes past the
+/// last strand hold copies of it and are not read back.
 template <class Scalar>
 struct BlockView {
   int vertices;
   int lanes;
-  Scalar* position;          ///< 3 planes, m
-  Scalar* velocity;          ///< 3 planes, m/s
+  bool pinned;       ///< some vertex but the roots is
+  bool uniform;      ///< the edges of each strand have one length, its vertices but root and tip one mass
+  Scalar* position;  ///< 3 planes, m
+  Scalar* velocity;  ///< 3 planes, m/s
   const Scalar* rest_local;  ///< 3 planes, m, in the root frame
   const Scalar* rest_edge;  ///< 3 planes, m: edge (i, i+1) at rest, in the Bishop frame of the edge before it
   const Scalar* rest_length;   ///< 1 plane, m, of edge (i, i+1)
@@ -45,7 +50,10 @@ struct BlockView {
   const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
 
-  size_t at(int plane, int vertex) const { return (static_cast<size_t>(plane) * vertices + vertex) * lanes; }
+  /// Where row `vertex` of a quantity's plane starts, from that quantity's pointer.
+  size_t at(int plane, int vertex) const {
+    return (static_cast<size_t>(vertex) * kBlockPlanes + plane) * lanes;
+  }
 };
 
 constexpr int kRootPlanes = 14;
@@ -55,12 +63,12 @@ constexpr float kShortestEdge = 0.1f;  ///< of the strand's mean: shorter edges 
 
 /// Scalars of scratch memory that a step of a block needs.
 constexpr size_t blockScratch(int vertices, int lanes) {
-  return static_cast<size_t>(22) * (vertices + 2) * lanes;
+  return static_cast<size_t>(kBlockPlanes) * (vertices + 2) * lanes;
 }
 
-/// The working store of the CPU backends: strands sorted by vertex count, cut into blocks of `lanes` strands
-/// of equal count. A block is contiguous, small enough to stay in the near caches through all substeps of a
-/// step.
+/// The working store of the CPU backends: strands sorted by vertex count and by where their roots are, cut
+/// into blocks of `lanes` strands of equal count. A block is contiguous, small enough to stay in the near
+/// caches through all substeps of a step.
 template <class Scalar>
 class BlockStore {
  public:
@@ -80,11 +88,14 @@ class BlockStore {
  private:
   struct Block {
     int vertices;
+    bool pinned, uniform;
     size_t first;   ///< in order_
     size_t count;   ///< strands, at most lanes_
     size_t memory;  ///< index of its first scalar in memory_
   };
   Scalar* planes(const Block& block, int plane) const;
+  Scalar& number(const Block& block, int plane, int vertex, int lane) const;
+  Scalar* roots(const Block& block) const;
 
   int lanes_ = 1;
   int max_vertices_ = 0;

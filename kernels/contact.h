@@ -6,7 +6,7 @@ FN real sphereDistance(IN(real3) p, IN(real3) centre, IN(real) radius, OUT(real3
   real l = length(d);
   mask at_centre = l < lit(1e-12);
   real3 up = makeReal3(lit(0), lit(1), lit(0));
-  normal = select(at_centre, up, d * (lit(1) / select(at_centre, lit(1), l)));
+  normal = select(at_centre, up, d * inverse(select(at_centre, lit(1), l)));
   return l - radius;
 }
 

@@ -12,6 +12,8 @@
 #define makeReal3(x, y, z) vec3(x, y, z)
 #define makeQuat(x, y, z, w) vec4(x, y, z, w)
 
+float inverse(float a) { return 1.0 / a; }
+float inverseSqrt(float a) { return inversesqrt(a); }
 float madd(float a, float b, float c) { return fma(a, b, c); }
 vec3 madd(vec3 a, float s, vec3 c) { return fma(a, vec3(s), c); }
 float select(bool m, float a, float b) { return m ? a : b; }

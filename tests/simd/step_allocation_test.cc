@@ -10,7 +10,8 @@
 #include "simd/simd_backend.h"
 #include "tests/conformance/conformance_model.h"
 
-// g++ sees malloc through operator new below where it inlines the one and not the other, and calls free a mismatch.
+// g++ sees malloc through operator new below where it inlines the one and not the other, and calls free a
+// mismatch.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wmismatched-new-delete"
 #endif

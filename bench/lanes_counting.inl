@@ -1,0 +1,36 @@
+// Lane vocabulary over one float that counts what is computed with it, as one operation each: additions, multiplications
+// (two for a fused pair), divisions and roots. Comparing, choosing and moving are not counted. Included inside a namespace.
+using Scalar = float;
+constexpr int kLanes = 1;
+using mask = bool;
+struct real {
+  float v;
+};
+inline uint64_t operations = 0;
+
+inline real counted(float value, int count = 1) {
+  operations += count;
+  return {value};
+}
+inline real lit(double value) { return {static_cast<float>(value)}; }
+inline real operator+(real a, real b) { return counted(a.v + b.v); }
+inline real operator-(real a, real b) { return counted(a.v - b.v); }
+inline real operator*(real a, real b) { return counted(a.v * b.v); }
+inline real operator/(real a, real b) { return counted(a.v / b.v); }
+inline real madd(real a, real b, real c) { return counted(std::fma(a.v, b.v, c.v), 2); }
+inline real sqrt(real a) { return counted(std::sqrt(a.v)); }
+inline real inverse(real a) { return counted(1 / a.v); }
+inline real inverseSqrt(real a) { return counted(1 / std::sqrt(a.v)); }
+inline real abs(real a) { return {std::fabs(a.v)}; }
+inline real min(real a, real b) { return a.v < b.v ? a : b; }
+inline real max(real a, real b) { return a.v > b.v ? a : b; }
+inline mask operator<(real a, real b) { return a.v < b.v; }
+inline mask operator>(real a, real b) { return a.v > b.v; }
+inline mask operator<=(real a, real b) { return a.v <= b.v; }
+inline mask operator>=(real a, real b) { return a.v >= b.v; }
+inline real select(mask m, real a, real b) { return m ? a : b; }
+inline real load(const Scalar* p) { return {*p}; }
+inline void store(real value, Scalar* p) { *p = value.v; }
+inline bool anyTrue(mask m) { return m; }
+
+#include "kernels/lanes_vector.inl"

@@ -1,0 +1,36 @@
+#include "bench/operation_count.h"
+
+#include <cmath>
+
+#include "core/strand_block.h"
+
+namespace strandcast {
+namespace kernels::counting {
+// The order matters.
+// clang-format off
+#include "bench/lanes_counting.inl"
+#include "kernels/rotation.h"
+#include "kernels/strand.h"
+#include "kernels/contact.h"
+#include "kernels/rod.h"
+#include "kernels/end_lanes.inl"
+#include "core/block_step.inl"
+// clang-format on
+}  // namespace kernels::counting
+
+double operationsPerVertexSubstep(const StrandModel& model, const StrandState& state,
+                                  const StepInput& input) {
+  BlockStore<float> store;
+  store.load(model, 1);
+  store.upload(state);
+  std::vector<float> scratch(blockScratch(store.maxVertices(), 1));
+  kernels::counting::operations = 0;
+  for (size_t b = 0; b < store.blocks(); ++b) {
+    store.setRoots(b, input.roots_begin, input.roots_end);
+    kernels::counting::stepBlock(store.block(b), input, scratch.data());
+  }
+  return static_cast<double>(kernels::counting::operations) /
+         (static_cast<double>(model.vertices()) * input.parameters->substeps);
+}
+
+}  // namespace strandcast
