@@ -42,6 +42,13 @@ class Section {
       set(*value);
     });
   }
+  void flag(const char* key, const std::function<void(bool)>& set) {
+    read(key, [&](const toml::node& node) {
+      const std::optional<bool> value = node.value_exact<bool>();
+      if (!value) fail(node, key, "give true or false");
+      set(*value);
+    });
+  }
   void numbers(const char* key, size_t count, const std::function<void(const std::vector<double>&)>& set) {
     read(key, [&](const toml::node& node) { set(components(node, key, count)); });
   }
@@ -187,6 +194,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   root.section("daemon", [&](Section& daemon) {
     daemon.text("backend", [&](const std::string& v) { s.backend = v; });
     daemon.text("solver", [&](const std::string& v) { s.solver = solverKind(v); });
+    daemon.flag("sag_free", [&](bool v) { s.sag_free = v; });
     daemon.number("threads", 0, 1024, [&](double v) { s.threads = static_cast<int>(v); });
     daemon.number("rate", 1, 1000, [&](double v) { s.rate = v; });
     daemon.number("duration", 0, 1e9, [&](double v) { s.duration = v; });

@@ -12,6 +12,7 @@
 #include "apps/backends.h"
 #include "core/backend_registry.h"
 #include "core/error.h"
+#include "core/sag_free.h"
 
 namespace strandcast {
 namespace {
@@ -45,6 +46,19 @@ HeadMotion rampTo(const Pose& from, const Pose& to) {
   };
 }
 
+StrandModel modelOf(const Scene& scene, const Settings& settings) {
+  StrandModel model = makeStrandModel(scene.groom.strands);
+  if (!settings.sag_free || settings.solver != SolverKind::kRod) return model;
+  const SagFreeReport report = makeSagFree(model, sceneParameters(scene, settings).gravity);
+  if (!report.stiffened.empty())
+    spdlog::info("{}: {} of {} strands stiffened, up to x{:.0f}, to hold their shape under gravity",
+                 scene.name, report.stiffened.size(), model.strands(), report.largest_factor);
+  if (!report.unstable.empty())
+    spdlog::warn("{}: {} strands cannot hold their shape under gravity, e.g. strand {}", scene.name,
+                 report.unstable.size(), report.unstable.front());
+  return model;
+}
+
 }  // namespace
 
 uint64_t newSession() {
@@ -59,7 +73,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
       publisher_(publisher),
       motion_(scene.motion),
       head_pivot_(scene.head_pivot),
-      simulation_(makeStrandModel(scene.groom.strands), scene.bodies, sceneParameters(scene, settings),
+      simulation_(modelOf(scene, settings), scene.bodies, sceneParameters(scene, settings),
                   createBackend(knownBackends(), settings.backend, settings.threads, settings.solver)) {
   frame_.groom_id = settings.groom_id;
   frame_.session = session;
@@ -142,7 +156,8 @@ void Daemon::advance() {
   const Clock::time_point start = Clock::now();
   simulation_.setHeadPose(motion_(simulation_.time() + simulation_.parameters().time_step - motion_start_));
   simulation_.step();
-  simulation_.guides();  // waits for the backend: the time is that of the whole step
+  status_.strands_reset +=
+      simulation_.resetBroken();  // waits for the backend: the time is that of the whole step
   const double ms = milliseconds(Clock::now() - start);
   if (step_ms_.size() < kStepWindow)
     step_ms_.push_back(ms);

@@ -97,6 +97,9 @@ SettingsOptions::SettingsOptions(CLI::App& app) : app_(app) {
       ->add_option("--solver", solver_,
                    "rod: elastic rods that keep their length (default); gauss_seidel: iterated constraints")
       ->check(CLI::IsMember({"rod", "gauss_seidel"}));
+  simulation->add_flag(
+      "--sag-free,!--no-sag-free", sag_free_,
+      "the groomed shape is the shape at rest under gravity (default), or hair as it is made that sags");
   simulation->add_option("--threads", given_.threads, "of the simd backend; 0 = all")
       ->check(CLI::Range(0, 1024));
   simulation->add_option("--set", set_, parameterHelp());
@@ -130,6 +133,7 @@ Settings SettingsOptions::resolve() const {
   lay("--length", out.scene.length, given_.scene.length);
   lay("--seed", out.scene.seed, given_.scene.seed);
   if (app_.count("--solver") > 0) out.solver = solverKind(solver_);
+  lay("--sag-free", out.sag_free, sag_free_);
   lay("--backend", out.backend, given_.backend);
   lay("--threads", out.threads, given_.threads);
   lay("--rate", out.rate, given_.rate);

@@ -22,6 +22,7 @@ struct Settings {
       parameters;  ///< by name, on top of the scene's own
 
   SolverKind solver = SolverKind::kRod;
+  bool sag_free = true;  ///< the groomed shape is the shape at rest under gravity (rod only)
   std::string backend = "auto";
   int threads = 0;                ///< of the simd backend; 0 = all
   std::string transport = "dds";  ///< "dds"
@@ -46,6 +47,7 @@ class SettingsOptions {
   std::filesystem::path config_;
   Settings given_;
   std::string up_, solver_;
+  bool sag_free_ = true;
   std::vector<std::string> groom_, set_;
 };
 

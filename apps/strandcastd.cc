@@ -32,6 +32,7 @@ void report(const DaemonSummary& summary, bool json) {
   out.add("max_stretch", "max stretch", s.max_stretch, "", 6);
   out.add("max_penetration_m", "max penetration", s.max_penetration, "m", 6);
   out.addCount("non_finite", "non-finite vertices", s.non_finite);
+  out.addCount("strands_reset", "strands reset", s.strands_reset);
   out.print(json);
 }
 

@@ -87,6 +87,7 @@ nlohmann::json toJson(const Status& s) {
           {"max_stretch", s.max_stretch},
           {"max_penetration_m", s.max_penetration},
           {"non_finite", s.non_finite},
+          {"strands_reset", s.strands_reset},
           {"readers", s.readers},
           {"last_command_error", s.last_command_error}};
 }

@@ -10,6 +10,8 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
       backend_(std::move(backend)),
       roots_begin_(model_.rest_roots),
       roots_end_(model_.rest_roots) {
+  for (size_t s = 0; s < model_.strands(); ++s)
+    lengths_.push_back(arcLength({model_.rest_local.data() + model_.offsets[s], model_.verticesOf(s)}));
   size_t primitives = 0;
   for (const RigidBody& body : bodies_) primitives += body.primitives.size();
   primitives_.resize(primitives);
@@ -42,6 +44,33 @@ void Simulation::step() {
 }
 
 void Simulation::reset() { teleport(head_begin_, restState(model_, roots_begin_)); }
+
+size_t Simulation::resetBroken() {
+  constexpr float kTooFar = 2;  // times its length: what only gauss_seidel could reach
+  const std::span<const Vec3> now = guides();
+  std::vector<size_t> broken;
+  for (size_t s = 0; s < model_.strands(); ++s) {
+    const uint32_t first = model_.offsets[s], end = model_.offsets[s + 1];
+    const float far = kTooFar * lengths_[s];
+    bool good = true;
+    for (uint32_t v = first; v < end; ++v) good = good && (now[v] - now[first]).squaredNorm() <= far * far;
+    if (!good) broken.push_back(s);
+  }
+  if (broken.empty()) return 0;
+  StrandState state;
+  backend_->download(state);
+  const StrandState rest = restState(model_, roots_begin_);
+  for (const size_t s : broken) {
+    for (uint32_t v = model_.offsets[s]; v < model_.offsets[s + 1]; ++v) {
+      state.positions[v] = rest.positions[v];
+      state.velocities[v] = rest.velocities[v];
+      state.frames[v] = rest.frames[v];
+      state.tensions[v] = rest.tensions[v];
+    }
+  }
+  backend_->upload(state);
+  return broken.size();
+}
 
 void Simulation::teleport(const Pose& head) {
   StrandState state;

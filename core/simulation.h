@@ -32,6 +32,9 @@ class Simulation {
   void step();
   /// Back to the rest shape at the present head pose, at rest.
   void reset();
+  /// Puts strands with a vertex that is not finite, or farther from the root than the strand is long, back to their rest
+  /// shape; gives how many. Waits for the backend. Allocates only when there are some.
+  size_t resetBroken();
   /// Carries the hair rigidly to `head` with no motion in between.
   void teleport(const Pose& head);
 
@@ -56,6 +59,7 @@ class Simulation {
   std::unique_ptr<Backend> backend_;
   Pose head_begin_, head_end_;
   std::vector<Pose> roots_begin_, roots_end_;
+  std::vector<float> lengths_;  ///< of strands at rest, m
   std::vector<MovingPrimitive> primitives_;
   double time_ = 0;
   uint64_t steps_ = 0;

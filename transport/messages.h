@@ -68,9 +68,10 @@ struct Status {
   double mean_stretch = 0, max_stretch = 0;  ///< of the newest frame, relative
   double max_penetration = 0;                ///< m, deepest since the start
   uint64_t non_finite = 0;                   ///< vertices in the newest frame
-  uint32_t readers = 0;                      ///< matched subscribers of the guides
-  uint64_t last_command = 0;                 ///< id of the newest command carried out or refused
-  std::string last_command_error;            ///< empty when it was carried out
+  uint64_t strands_reset = 0;      ///< put back to their rest shape because they went wrong, since the start
+  uint32_t readers = 0;            ///< matched subscribers of the guides
+  uint64_t last_command = 0;       ///< id of the newest command carried out or refused
+  std::string last_command_error;  ///< empty when it was carried out
 };
 
 }  // namespace strandcast

@@ -145,6 +145,7 @@ void toWire(const Status& status, v1::Status& wire) {
   wire.vertices(status.vertices);
   wire.frames(status.frames);
   wire.non_finite(status.non_finite);
+  wire.strands_reset(status.strands_reset);
   wire.last_command(status.last_command);
   wire.simulation_time(status.simulation_time);
   wire.step_ms_median(status.step_ms_median);
@@ -166,6 +167,7 @@ void fromWire(const v1::Status& wire, Status& status) {
   status.vertices = wire.vertices();
   status.frames = wire.frames();
   status.non_finite = wire.non_finite();
+  status.strands_reset = wire.strands_reset();
   status.last_command = wire.last_command();
   status.simulation_time = wire.simulation_time();
   status.step_ms_median = wire.step_ms_median();

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace strandcast {
 namespace {
 
@@ -173,6 +175,28 @@ TEST(Simulation, TheReferenceBackendKeepsItsGoldenHash) {
     simulation.step();
   }
   EXPECT_EQ(stateHash(simulation.state()), kGoldenHash);
+}
+
+TEST(Simulation, AStrandThatWentWrongIsResetAlone) {
+  StrandSet set;
+  for (int s = 0; s < 3; ++s) {
+    const auto x = static_cast<float>(s);
+    set.append(std::vector<Vec3>{Vec3(x, 0, 0), Vec3(x, -0.1f, 0), Vec3(x, -0.2f, 0)});
+  }
+  Parameters parameters;
+  parameters.solver = SolverKind::kRod;
+  Simulation simulation(makeStrandModel(set), {}, parameters, makeReferenceBackend());
+  for (int i = 0; i < 10; ++i) simulation.step();
+  EXPECT_EQ(simulation.resetBroken(), 0u);
+  StrandState state = simulation.state();
+  state.positions[4].x() = std::numeric_limits<float>::quiet_NaN();
+  simulation.backend().upload(state);
+  simulation.step();
+  EXPECT_EQ(simulation.measure().non_finite, 2u) << "of the second strand, all but its root";
+  EXPECT_EQ(simulation.resetBroken(), 1u);
+  EXPECT_EQ(simulation.measure().non_finite, 0u);
+  simulation.step();
+  EXPECT_EQ(simulation.resetBroken(), 0u);
 }
 
 }  // namespace
