@@ -96,7 +96,7 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
 void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   vec3 strain[PER_THREAD];
   float margin[PER_THREAD + 1], cosine[PER_THREAD + 1];  // of the angle at joints
-  float diagonal[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD], turn[PER_THREAD];
+  float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD], turn[PER_THREAD];
   float own_first, torque_first;  // what joint 0 adds to the last row of the invocation before
   vec4 inner = frame_in;
   vec3 t_in = tangent_in;
@@ -110,12 +110,13 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     cosine[p] = c;
     float coupling = twistOfBending(strain[p], excess, bend(p)), shear = torqueDifference(strain[p], excess, bend(p));
     float own = twist(p) + coupling, torque = madd(twist(p), excess.z, shear);
-    diagonal[p] = own;
+    float less = 2.0 * min(coupling, twist(p));  // own less the absolute coupling, without its rounding
+    slack[p] = p > 0 || hasBefore(1) ? less : own;
     lower[p] = coupling - twist(p);
     turn[p] = shear - twist(p) * excess.z;
     pivot[p] = 1e-30;
     if (p > 0) {
-      diagonal[p - 1] += own;
+      slack[p - 1] += less;
       turn[p - 1] += torque;
     } else {
       own_first = own;
@@ -140,19 +141,19 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   stiffness[PER_THREAD + 1] = a.y;
   margin[PER_THREAD] = a.z;
   cosine[PER_THREAD] = a.w;
-  diagonal[kLast] += b.x;
+  slack[kLast] += b.x;
   turn[kLast] += b.y;
   for (int p = 0; p < PER_THREAD; ++p) {
     float il = inverseLength(p);
     edge_stiffness[p] = edgeMatrixStiffness(margin[p] + margin[p + 1], il, tension[p], blend[p]);
     softness[p] = isTip(p) ? 0.0 : tensionSoftness(mass(p), stiffness[p + 1], edge_stiffness[p], il, cosine[p + 1]);
     if (!isEdge(p)) {
-      diagonal[p] = 1.0;
+      slack[p] = 1.0;
       lower[p] = turn[p] = 0.0;
     }
   }
 
-  float turn_in = clamp(solveTridiagonal(diagonal, lower, pivot, turn), -1.0, 1.0);
+  float turn_in = clamp(solveTridiagonal(slack, lower, pivot, turn), -1.0, 1.0);
   inner = twistFrame(frame_in, turn_in);
   for (int p = 0; p < PER_THREAD; ++p) {
     turn[p] = clamp(turn[p], -1.0, 1.0);
@@ -295,6 +296,8 @@ void solveLengths(RootMotion root, bool first) {
   float pivot[PER_THREAD], pull[PER_THREAD];
   lengthRows(diagonal, lower, softened, softened_lower, pivot, pull);
   float change[PER_THREAD] = pull;
+  diagonalToSlack(diagonal, lower);
+  diagonalToSlack(softened, softened_lower);
   float pull_in = solveTridiagonal(diagonal, lower, pivot, pull);
   if (first) solveTridiagonal(softened, softened_lower, pivot, change);
   if (bound(pull)) noteBeyondBound();
