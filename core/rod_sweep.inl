@@ -274,7 +274,7 @@ inline void RodStep::substituteBending() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real3 d1 = zero, d2 = zero, x_in = root_.position, t_in = zero, normal_in = zero;
   real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), w_in = lit(0), right = lit(0), pivot = lit(0);
-  real soft_in = lit(0), tension_right = lit(0), tension_pivot = lit(0);
+  real soft_in = lit(0), own_before = lit(0), tension_right = lit(0), tension_pivot = lit(0);
   setNormal(0, zero);
   for (int e = 0; e < ne; ++e) {
     const real3 d = get3(kStrain, e) - d1 * l1_in - d2 * l2_in2;
@@ -304,12 +304,14 @@ inline void RodStep::substituteBending() {
 
     const real soft = get(kCosine, e + 1);
     const real softened = own_in * (lit(1) - soft_in) + own * (lit(1) - soft);
-    set(kStiffness, e, lower * tension_pivot);
-    tension_right = excess - lower * tension_right;
-    tension_pivot = inverse(max(softened - lower * lower * tension_pivot, lengthPivot(w_in, w)));
+    const real across = softenedAcross(lower, own_before, own_in, soft_in);
+    set(kStiffness, e, across * tension_pivot);
+    tension_right = excess - across * tension_right;
+    tension_pivot = inverse(max(softened - across * across * tension_pivot, lengthPivot(w_in, w)));
     tension_right = tension_right * tension_pivot;
     set(kMargin, e, tension_right);
     soft_in = soft;
+    own_before = own;
     x_in = x;
     t_in = t;
     w_in = w;

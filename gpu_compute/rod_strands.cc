@@ -33,7 +33,7 @@ bool equal(float a, float b) { return std::fabs(a - b) <= kUniform * std::fabs(b
 
 /// Of shaders/rod_strand.glsl.
 struct StrandRest {
-  float edge_length, inverse_length, twist_per_bend, shortest;
+  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length;
 };
 
 float restLength(const StrandModel& model, uint32_t edge) {
@@ -45,8 +45,12 @@ uint32_t edgesOf(const StrandModel& model, uint32_t strand) {
 
 StrandRest strandRest(const StrandModel& model, uint32_t strand) {
   const uint32_t first = model.offsets[strand], edges = edgesOf(model, strand);
-  const float mean = arcLength({model.rest_local.data() + first, edges + 1}) / static_cast<float>(edges);
-  return {mean, 1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean};
+  const float length = arcLength({model.rest_local.data() + first, edges + 1});
+  const float mean = length / static_cast<float>(edges);
+  float free_mass = 0;
+  for (uint32_t v = first + 1; v <= first + edges; ++v)
+    if (model.inverse_mass[v] > 0) free_mass += model.mass[v];
+  return {mean, 1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass, length};
 }
 
 bool isPinned(const StrandModel& model, uint32_t strand) {

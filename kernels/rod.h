@@ -55,11 +55,12 @@ FN quat twistFrame(IN(quat) q, IN(real) phi) {
 // Forces on an edge are taken at a blend of its old position (1) and the inertial point (0). 0 is implicit Euler, which
 // damps a motion of angular frequency w by zeta = w dt / 2; 1 is the average acceleration method (Newmark 1959), which
 // damps nothing. Here 0.9 where the motion is smooth and 0 where the edge turns by more than 18 to 26 degrees in the
-// substep; less where a joint with some stiffness is bent and where `kappa` is large. `advance`: of the inertial edge on the old one,
-// `kink`: of the old edge on the one before it, both over the edge's length. `kappa` = dt^2 bend / (mass length^2).
+// substep; less where a joint with some stiffness is bent and where `kappa` is large. `advance`: of the inertial edge on
+// the old one, `kink`: of the old edge on the one before it, both over the edge's length. `kappa` = dt^2 bend / (mass
+// length^2).
 FN real timeBlend(IN(real3) advance, IN(real3) kink, IN(real) kappa) {
-  real smooth = clamp(lit(2) - lit(10) * dot(advance, advance), lit(0), lit(1));
-  return lit(0.9) * smooth *
+  real slow = clamp(lit(2) - lit(10) * dot(advance, advance), lit(0), lit(1));
+  return lit(0.9) * slow *
          inverse(madd(lit(0.05), kappa, madd(lit(20) * min(lit(10) * kappa, lit(1)), dot(kink, kink), lit(1))));
 }
 // Share of the new increment in the position where forces act: the matrix has this part of the stiffness. 1 for implicit
@@ -138,4 +139,10 @@ FN real tensionSoftness(IN(real) mass, IN(real) stiffness, IN(real) edge, IN(rea
   real fold = lit(2) - lit(2) * min(abs(c), lit(1));
   real resistance = lit(1.6) * fold * madd(stiffness * inverse_length, inverse_length * fold, edge);
   return lit(0.5) * fold * resistance * inverse(mass + resistance);
+}
+// `across` of the length system in the softened one, which it must not make indefinite where a joint has straightened since
+// its softness was found. `own_in` and `own`: what the vertex has on the diagonals of its two edges without the softness.
+FN real softenedAcross(IN(real) across, IN(real) own_in, IN(real) own, IN(real) softness) {
+  real most = (lit(1) - softness) * sqrt(max(own_in * own, lit(0)));
+  return clamp(across, lit(0) - most, most);
 }

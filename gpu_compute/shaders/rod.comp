@@ -29,8 +29,7 @@ vec3 x_new_in;                      // of the vertex before slot 0
 vec3 tangent[PER_THREAD], tangent_in;
 vec3 moment[PER_THREAD + 1];        // m^2/s^2
 float stiffness[PER_THREAD + 2];    // of joints in the bending matrix
-float margin[PER_THREAD + 1];
-float cosine[PER_THREAD + 1];       // of the angle at joints
+float edge_stiffness[PER_THREAD + 1];     // of edges in it
 float softness[PER_THREAD], softness_in;  // of vertices, see tensionSoftness
 #if BODIES
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
@@ -50,104 +49,135 @@ vec3 inertialPoint(vec3 position, vec3 velocity, float weight, uint vertex, Root
   return moved;
 }
 
-// Inertial point, tangents, frames carried along.
-void predict(RootMotion root) {
+vec3 oldEdge(int p) { return x[p] - (p > 0 ? x[max(p - 1, 0)] : x_in); }
+vec3 newEdge(int p) { return x_new[p] - (p > 0 ? x_new[max(p - 1, 0)] : x_new_in); }
+
+// The kept tension of the edge of slot p, its tangent between the old edge and the inertial one, its frame carried along.
+// Returns the blend of the two; `unit_in`: of the old edge before it.
+float predictEdge(int p, vec3 unit_in) {
+  const float dt2 = settings.substep * settings.substep;
+  float il = inverseLength(p);
+  vec3 edge = newEdge(p), old = oldEdge(p), advance = edge - old;
+  tension[p] = min(keptTension(tension[p], advance * il, bend(p), il, dt2), most_tension);
+  float blend = timeBlend(advance * il, old * il - unit_in, bend(p) * il * il * dt2 * weight(p));
+  // Internal damping acts through frames that are ahead of the motion by the damping time; tension is not damped.
+  float ahead = settings.damping_time * settings.per_substep;
+  tangent[p] = directionOr(madd(advance, ahead - blend, edge), frameTangent(frame[p]));
+  frame[p] = transportTo(frame[p], tangent[p]);
+  return blend;
+}
+
+// Inertial points and what follows from them for each edge. Returns the frame before slot 0.
+vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
   uint vertex = root_vertex + uint(min(rank * PER_THREAD, edges));
   x_new_in = rank > 0 ? inertialPoint(x_in, v_in, weight_in, vertex, root) : root.position;
-  vec3 inner = x_new_in, v_inner = v_in;
   for (int p = 0; p < PER_THREAD; ++p) {
     vertex = root_vertex + uint(min(rank * PER_THREAD + p + 1, edges));
     x_new[p] = inertialPoint(x[p], v[p], weight(p), vertex, root);
-    // Internal damping acts through frames that are ahead of the motion by the damping time.
-    vec3 ahead = madd(v[p] - v_inner, settings.damping_time, x_new[p] - inner);
-    tangent[p] = directionOr(ahead, frameTangent(frame[p]));
-    frame[p] = transportTo(frame[p], tangent[p]);
-    inner = x_new[p];
-    v_inner = v[p];
   }
-}
-
-// Joint moments and what they put into the bending matrix; then the frames twisted to where the moments balance.
-void solveTwist(RootMotion root) {
+  for (int p = 1; p < PER_THREAD; ++p) blend[p] = predictEdge(p, oldEdge(p - 1) * inverseLength(p - 1));
   exchange_a[me] = frame[kLast];
   exchange_b[me].xyz = tangent[kLast];
+  exchange_c[me].xyz = oldEdge(kLast) * inverseLength(kLast);
   barrier();
   vec4 frame_in = exchange_a[before(1)];
   tangent_in = exchange_b[before(1)].xyz;
+  vec3 unit_in = exchange_c[before(1)].xyz;
   barrier();
   if (!hasBefore(1)) {
     frame_in = root.inner_frame;
-    tangent_in = root.tangent_old;
+    tangent_in = unit_in = root.tangent_old;
   }
-  const float time2 = settings.substep * (settings.substep + settings.damping_time);
-  float own[PER_THREAD + 1], lower[PER_THREAD];
+  blend[0] = predictEdge(0, unit_in);
+  return frame_in;
+}
+
+// What joints and edges put into the bending matrix; the frames twisted to where the torques balance; then the moments.
+void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
+  vec3 strain[PER_THREAD];
+  float margin[PER_THREAD + 1], cosine[PER_THREAD + 1];  // of the angle at joints
+  float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD], turn[PER_THREAD];
+  float own_first, torque_first;  // what joint 0 adds to the last row of the invocation before
   vec4 inner = frame_in;
   vec3 t_in = tangent_in;
   for (int p = 0; p < PER_THREAD; ++p) {
-    vec3 strain = jointStrain(inner, frame[p]), excess = strain - rest_strain[p];
+    strain[p] = jointStrain(inner, frame[p]);
+    vec3 excess = strain[p] - rest_strain[p];
     float c = dot(t_in, tangent[p]);
-    moment[p] = jointMoment(inner, strain, excess, bend(p), twist(p));
+    float time2 = settings.substep * madd(implicitShare(blend[p]), settings.substep, settings.damping_time);
     stiffness[p] = bendMatrixStiffness(bend(p), c, time2);
     margin[p] = bendMatrixMargin(stiffness[p], c, excess);
-    own[p] = twistOwn(bend(p), twist(p), c);
-    lower[p] = twistCoupling(bend(p), twist(p), c, moment[p], t_in, tangent[p]);
     cosine[p] = c;
+    float coupling = twistOfBending(strain[p], excess, bend(p)), shear = torqueDifference(strain[p], excess, bend(p));
+    float own = twist(p) + coupling, torque = madd(twist(p), excess.z, shear);
+    float less = 2.0 * min(coupling, twist(p));  // own less the absolute coupling, without its rounding
+    slack[p] = p > 0 || hasBefore(1) ? less : own;
+    lower[p] = coupling - twist(p);
+    turn[p] = shear - twist(p) * excess.z;
+    pivot[p] = 1e-30;
+    if (p > 0) {
+      slack[p - 1] += less;
+      turn[p - 1] += torque;
+    } else {
+      own_first = own;
+      torque_first = torque;
+    }
     inner = frame[p];
     t_in = tangent[p];
   }
   if (!hasBefore(1)) lower[0] = 0.0;
 
-  exchange_a[me] = vec4(moment[0], own[0]);
-  exchange_b[me] = vec4(stiffness[0], stiffness[1], margin[0], cosine[0]);
+  exchange_a[me] = vec4(stiffness[0], stiffness[1], margin[0], cosine[0]);
+  exchange_b[me].xy = vec2(own_first, torque_first);
   barrier();
-  vec4 a = exchange_a[after(1)], b = exchange_b[after(1)];
+  vec4 a = exchange_a[after(1)];
+  vec2 b = exchange_b[after(1)].xy;
   barrier();
-  if (!hasAfter(1)) a = b = vec4(0);
-  moment[PER_THREAD] = a.xyz;
-  own[PER_THREAD] = a.w;
-  stiffness[PER_THREAD] = b.x;
-  stiffness[PER_THREAD + 1] = b.y;
-  margin[PER_THREAD] = b.z;
-  cosine[PER_THREAD] = b.w;
-
-  float diagonal[PER_THREAD], pivot[PER_THREAD], turn[PER_THREAD];
-  for (int p = 0; p < PER_THREAD; ++p) {
-    diagonal[p] = isEdge(p) ? own[p] + own[p + 1] : 1.0;
-    lower[p] = isEdge(p) ? lower[p] : 0.0;
-    turn[p] = isEdge(p) ? dot(moment[p + 1] - moment[p], tangent[p]) : 0.0;
-    pivot[p] = 1e-30;
+  if (!hasAfter(1)) {
+    a = vec4(0);
+    b = vec2(0);
   }
-  float turn_in = clamp(solveTridiagonal(diagonal, lower, pivot, turn), -1.0, 1.0);
-  t_in = tangent_in;
+  stiffness[PER_THREAD] = a.x;
+  stiffness[PER_THREAD + 1] = a.y;
+  margin[PER_THREAD] = a.z;
+  cosine[PER_THREAD] = a.w;
+  slack[kLast] += b.x;
+  turn[kLast] += b.y;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    float il = inverseLength(p);
+    edge_stiffness[p] = edgeMatrixStiffness(margin[p] + margin[p + 1], il, tension[p], blend[p]);
+    softness[p] = isTip(p) ? 0.0 : tensionSoftness(mass(p), stiffness[p + 1], edge_stiffness[p], il, cosine[p + 1]);
+    if (!isEdge(p)) {
+      slack[p] = 1.0;
+      lower[p] = turn[p] = 0.0;
+    }
+  }
+
+  float turn_in = clamp(solveTridiagonal(slack, lower, pivot, turn), -1.0, 1.0);
+  inner = twistFrame(frame_in, turn_in);
   for (int p = 0; p < PER_THREAD; ++p) {
     turn[p] = clamp(turn[p], -1.0, 1.0);
-    frame[p] = twistFrame(frame[p], turn[p]);
-    moment[p] += momentOfTwist(t_in, tangent[p], turn_in, turn[p], bend(p), twist(p));
+    strain[p] = twistedStrain(strain[p], turn_in, turn[p]);
+    moment[p] = jointMoment(inner, strain[p], strain[p] - rest_strain[p], bend(p), twist(p));
+    inner = frame[p] = twistFrame(frame[p], turn[p]);
     turn_in = turn[p];
-    t_in = tangent[p];
   }
 }
 
-// What the edge of slot p pushes its outer vertex with (x dt^2, m) and its stiffness in the bending matrix. `before`: its
-// inner vertex before the substep.
-vec3 edgeForce(int p, vec3 before_x, RootMotion root, out float edge_stiffness) {
+// What the edge of slot p pushes its outer vertex with (x dt^2, m), while x_new are the inertial points.
+vec3 edgeForce(int p, RootMotion root) {
   const float dt2 = settings.substep * settings.substep;
   float il = inverseLength(p);
-  vec3 old = normalizeOrZero(x[p] - before_x);
-  float kept = keptTension(tension[p], old, tangent[p], bend(p), il, dt2);
-  tension[p] = kept;
-  float share = oldDirectionShare(old, tangent[p], bend(p), il, weight(p), dt2);
-  edge_stiffness = edgeMatrixStiffness(margin[p] + margin[p + 1], il, kept, share);
-  softness[p] = isTip(p) ? 0.0 : tensionSoftness(mass(p), stiffness[p + 1], edge_stiffness, il, cosine[p + 1]);
-  vec3 force = cross(moment[p + 1] - moment[p], tangent[p]) * (il * dt2) - madd(old - tangent[p], share, tangent[p]) * kept;
+  float ahead = settings.damping_time * settings.per_substep;
+  vec3 direction = madd(newEdge(p) - oldEdge(p), -ahead * il, tangent[p]);
+  vec3 force = cross(moment[p + 1] - moment[p], tangent[p]) * (il * dt2) - direction * tension[p];
   if (p == 0 && rank == 0) force += root.swing * (stiffness[0] * il);
   return force;
 }
 
 void solveBending(RootMotion root) {
   vec3 force[PER_THREAD], force_out;
-  float edge_stiffness[PER_THREAD + 1];
-  force[0] = edgeForce(0, x_in, root, edge_stiffness[0]);
+  force[0] = edgeForce(0, root);
   exchange_a[me] = vec4(force[0], edge_stiffness[0]);
   exchange_b[me].xyz = moment[0];
   barrier();
@@ -161,7 +191,7 @@ void solveBending(RootMotion root) {
   force_out = a.xyz;
   edge_stiffness[PER_THREAD] = a.w;
   moment[PER_THREAD] = b;
-  for (int p = 1; p < PER_THREAD; ++p) force[p] = edgeForce(p, x[p - 1], root, edge_stiffness[p]);
+  for (int p = 1; p < PER_THREAD; ++p) force[p] = edgeForce(p, root);
 
   const vec3 pull = settings.gravity.xyz * (settings.substep * settings.substep) +
                     settings.wind.xyz * (settings.substep * (1.0 - settings.keep)) - root.jump;
@@ -203,16 +233,17 @@ void collide(float time) {
 }
 #endif
 
-// The rows of the length system, and the diagonal that it has for the change of the tensions.
-void lengthRows(out float diagonal[PER_THREAD], out float softened[PER_THREAD], out float lower[PER_THREAD],
-                out float pivot[PER_THREAD], out float excess[PER_THREAD]) {
+// The rows of the length system, and of the softened one for the change of the tensions.
+void lengthRows(out float diagonal[PER_THREAD], out float lower[PER_THREAD], out float softened[PER_THREAD],
+                out float softened_lower[PER_THREAD], out float pivot[PER_THREAD], out float excess[PER_THREAD]) {
   vec3 inner = x_new_in, t_in = tangent_in, n_in = NORMAL_IN;
-  float w_in = hasBefore(1) ? weight_in : 0.0, soft_in = softness_in;
+  float w_in = hasBefore(1) ? weight_in : 0.0, soft_in = softness_in, own_before = weightAlong(t_in, n_in, w_in);
   for (int p = 0; p < PER_THREAD; ++p) {
     float own_in = weightAlong(tangent[p], n_in, w_in), own = weightAlong(tangent[p], NORMAL(p), weight(p));
     diagonal[p] = isEdge(p) ? own_in + own : 1.0;
     softened[p] = isEdge(p) ? own_in * (1.0 - soft_in) + own * (1.0 - softness[p]) : 1.0;
     lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in) : 0.0;
+    softened_lower[p] = softenedAcross(lower[p], own_before, own_in, soft_in);
     pivot[p] = lengthPivot(w_in, weight(p));
     excess[p] = isEdge(p) ? dot(x_new[p] - inner, tangent[p]) - restLength(p) : 0.0;
     inner = x_new[p];
@@ -220,6 +251,7 @@ void lengthRows(out float diagonal[PER_THREAD], out float softened[PER_THREAD], 
     n_in = NORMAL(p);
     w_in = weight(p);
     soft_in = softness[p];
+    own_before = own;
   }
 }
 
@@ -260,16 +292,15 @@ void solveLengths(RootMotion root, bool first) {
   }
   tangent[0] = directionOr(x_new[0] - x_new_in, tangent[0]);
 
-  float diagonal[PER_THREAD], softened[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD], pull[PER_THREAD];
-  lengthRows(diagonal, softened, lower, pivot, pull);
+  float diagonal[PER_THREAD], lower[PER_THREAD], softened[PER_THREAD], softened_lower[PER_THREAD];
+  float pivot[PER_THREAD], pull[PER_THREAD];
+  lengthRows(diagonal, lower, softened, softened_lower, pivot, pull);
   float change[PER_THREAD] = pull;
+  diagonalToSlack(diagonal, lower);
+  diagonalToSlack(softened, softened_lower);
   float pull_in = solveTridiagonal(diagonal, lower, pivot, pull);
-  bool beyond = bound(pull);
-  if (first) {
-    solveTridiagonal(softened, lower, pivot, change);
-    beyond = bound(change) || beyond;
-  }
-  if (beyond) noteBeyondBound();
+  if (first) solveTridiagonal(softened, softened_lower, pivot, change);
+  if (bound(pull)) noteBeyondBound();
   exchange_a[me].xyz = tangent[0] * pull[0];
   barrier();
   vec3 push_out = exchange_a[after(1)].xyz;
@@ -277,9 +308,8 @@ void solveLengths(RootMotion root, bool first) {
   barrier();
   if (any_beyond) {  // the same for the whole workgroup
     float excess[PER_THREAD];
-    lengthRows(diagonal, softened, lower, pivot, excess);
+    lengthRows(diagonal, lower, softened, softened_lower, pivot, excess);
     pull_in = solveBounded(diagonal, lower, excess, !first, pull, pull_in);
-    if (first) solveBounded(softened, lower, excess, false, change, 0.0);
     exchange_a[me].xyz = tangent[0] * pull[0];
     barrier();
     push_out = exchange_a[after(1)].xyz;
@@ -290,7 +320,9 @@ void solveLengths(RootMotion root, bool first) {
 
   vec3 push[PER_THREAD + 1];
   for (int p = 0; p < PER_THREAD; ++p) {
-    tension[p] += first ? change[p] : pull[p];
+    // In violent motion not much more than what the masses take.
+    float most = max(4.0 * abs(pull[p]), 0.02 * most_tension);
+    tension[p] += first ? clamp(change[p], -most, most) : pull[p];
     push[p] = tangent[p] * pull[p];
   }
   push[PER_THREAD] = push_out;
@@ -357,8 +389,9 @@ void main() {
     int ahead = substep % THREADS;
     if (ahead == 0) placeRoots(substep);
     RootMotion root = rootMotion(ahead);
-    predict(root);
-    solveTwist(root);
+    float blend[PER_THREAD];
+    vec4 frame_in = predict(root, blend);
+    solveTwist(frame_in, blend);
     solveBending(root);
 #if BODIES
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);

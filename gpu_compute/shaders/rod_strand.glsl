@@ -1,6 +1,6 @@
 // The strand of an invocation while a step lasts: rest shape and state of its PER_THREAD slots. Slot p is the joint, the
 // edge and the vertex at the edge's end with the number PER_THREAD rank + p. Slots past the strand's last edge are padding:
-// they repeat its tip, without length and stiffness. Needs strand_threads.glsl and step_input.glsl.
+// they repeat its tip, without length and stiffness. Needs strand_threads.glsl, step_input.glsl and kernels/rod.h.
 
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz
@@ -16,6 +16,8 @@ struct StrandRest {      // gpu_compute/rod_strands.cc
   float inverse_length;  // 1/m
   float twist_per_bend;  // of uniform strands
   float shortest;        // m; shorter edges bend as if they were this long
+  float free_mass;       // of all vertices that are not pinned
+  float arc_length;      // m
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
 layout(location = 0) uniform uint first_strand;  // of this group, in order[]
@@ -27,6 +29,7 @@ bool exists;  // invocations past the last strand go along with copies of it, be
 
 vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
 float tension[PER_THREAD];          // m: StrandState::tensions x substep^2
+float most_tension;                 // m, that is taken over from one substep to the next
 vec4 frame[PER_THREAD];
 vec3 rest_strain[PER_THREAD];
 vec3 x_in, v_in;                    // of the vertex before slot 0
@@ -91,6 +94,8 @@ void loadStrand() {
   exists = slot < strands_in_group;
   strand = order[first_strand + min(slot, strands_in_group - 1u)];
   rest = strand_rest[strand];
+  most_tension =
+      tensionBound(rest.free_mass, rest.arc_length, length(settings.gravity.xyz), settings.substep * settings.substep);
   root_vertex = offsets[strand];
 #if EDGES == 0
   edges = int(offsets[strand + 1u] - root_vertex) - 1;

@@ -4,23 +4,29 @@
 // (as in Grassmann, Taksar and Heyman 1985), where the diagonal of a chain would cancel down to a small part of itself.
 // Needs strand_threads.glsl.
 
-// Solves in place of `value`, the right-hand sides; `lower[p]` couples row p to the row before it, 0 in the strand's first.
+// Makes of the diagonal what solveTridiagonal wants.
+void diagonalToSlack(inout float diagonal[PER_THREAD], float lower[PER_THREAD]) {
+  for (int p = 0; p < PER_THREAD; ++p) diagonal[p] -= abs(lower[p]) + (p < kLast ? abs(lower[min(p + 1, kLast)]) : 0.0);
+}
+
+// Solves in place of `value`, the right-hand sides. `slacks`: as above, the last still with the coupling to the row after
+// it; who knows them otherwise than by subtraction knows them better. `lower[p]` couples row p to the row before it, 0 in
+// the strand's first.
 // Pivots are held above `pivot`, one per row; in the reduction, where the pivots of a chain fall with its length, above a
 // tenth of that. Returns the solution in the row before row 0, or 0 where there is none.
-float solveTridiagonal(float diagonal[PER_THREAD], float lower[PER_THREAD], float pivot[PER_THREAD],
+float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float pivot[PER_THREAD],
                        inout float value[PER_THREAD]) {
   float to_before[PER_THREAD], to_after[PER_THREAD];
-  float coupling = lower[0], slack = diagonal[0] - abs(lower[0]);  // of row p, less what couples it to row p + 1
-  float slack_before = 0.0, value_before = 0.0;                    // what elimination adds to the row before row 0
+  float coupling = lower[0], slack = slacks[0];
+  float slack_before = 0.0, value_before = 0.0;  // what elimination adds to the row before row 0
   for (int p = 0; p < kLast; ++p) {
-    slack -= abs(lower[p + 1]);
     float inverse = 1.0 / max(slack + abs(coupling) + abs(lower[p + 1]), pivot[p]);
     to_before[p] = coupling * inverse;
     to_after[p] = lower[p + 1] * inverse;
     value[p] *= inverse;
     slack_before += abs(to_before[p]) * slack;
     value_before -= coupling * value[p];
-    slack = abs(to_after[p]) * slack + (diagonal[p + 1] - abs(lower[p + 1]));
+    slack = abs(to_after[p]) * slack + slacks[p + 1];
     value[p + 1] -= lower[p + 1] * value[p];
     coupling = -lower[p + 1] * to_before[p];
   }

@@ -172,9 +172,8 @@ double stretch(const StrandModel& model, std::span<const Vec3> positions) {
   return worst;
 }
 
-// Stiff hair must come back; hair as soft as real hair must stay finite and keep its lengths. It need not
-// come to rest: on every backend, the softened tensions (tensionSoftness in kernels/rod.h) can keep it
-// whirling after a fold.
+// Hair as soft as real hair is back in 4 s. A thousand times as stiff it may whirl longer: on every backend,
+// three strands in a hundred still do after 4 s and one after 6 s, so it has 16 s.
 TEST_F(GpuRod, ComesBackFromFoldsAndCoincidentVertices) {
   for (const float stiffness : {1.0f, 1000.0f}) {
     const StrandModel model = arcs(12, {2, 5, 16, 24}, 0.25f, false, stiffness);
@@ -184,11 +183,9 @@ TEST_F(GpuRod, ComesBackFromFoldsAndCoincidentVertices) {
       for (size_t s = 0; s < model.strands(); ++s)
         for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
           from.positions[v] = from.positions[model.offsets[s] + (fold ? (v - model.offsets[s]) % 2 : 0)];
-      const StrandState after = run(*backend_, model, from, kSettle);
+      const StrandState after = run(*backend_, model, from, stiffness > 1 ? 4 * kSettle : kSettle);
       EXPECT_LT(stretch(model, after.positions), 1e-5) << "stiffness " << stiffness << ", folded " << fold;
-      if (stiffness > 1) {
-        EXPECT_LT(difference(model, after, rest), 0.02) << "folded " << fold;
-      }
+      EXPECT_LT(difference(model, after, rest), 0.02) << "stiffness " << stiffness << ", folded " << fold;
     }
   }
 }
@@ -203,13 +200,12 @@ TEST_F(GpuRod, ComesBackWhenTheRootLeapsAMetreInAStep) {
     backend_->step({&parameters_, model.rest_roots, away, {}});
     EXPECT_LT(stretch(model, backend_->guides()), 1e-5) << "stiffness " << stiffness;
     backend_->step({&parameters_, away, model.rest_roots, {}});
-    for (int i = 0; i < kSettle; ++i) backend_->step({&parameters_, model.rest_roots, model.rest_roots, {}});
+    const int steps = stiffness > 1 ? 4 * kSettle : kSettle;  // as above
+    for (int i = 0; i < steps; ++i) backend_->step({&parameters_, model.rest_roots, model.rest_roots, {}});
     StrandState state;
     backend_->download(state);
     EXPECT_LT(stretch(model, state.positions), 1e-5) << "stiffness " << stiffness;
-    if (stiffness > 1) {
-      EXPECT_LT(difference(model, state, rest), 0.02);
-    }
+    EXPECT_LT(difference(model, state, rest), 0.02) << "stiffness " << stiffness;
   }
 }
 
