@@ -127,6 +127,37 @@ std::vector<Case> sagFree(const Laboratory& laboratory) {
   return {found};
 }
 
+// Curls and waves fall from their natural shape with a push, and come to rest. Edges turn by at most 60
+// degrees.
+std::vector<Case> helices(const Laboratory& laboratory) {
+  constexpr double kFall = 10;  // s
+  std::vector<StrandPoints> strands;
+  for (const double radius : {0.005, 0.01, 0.02})
+    for (const double pitch : {0.01, 0.03})
+      for (const double length : {0.15, 0.3})
+        for (const int edges : {31, 63}) {
+          const double turn =
+              2 * std::numbers::pi * length / std::hypot(2 * std::numbers::pi * radius, pitch);
+          if (turn / edges < std::numbers::pi / 3)
+            strands.push_back(helixStrand(radius, pitch, length, edges));
+        }
+  Simulation simulation = laboratory.simulation(modelOf(strands, Material{}), laboratory.parameters(kRate, 2));
+  StrandState state = simulation.state();
+  for (Vec3& velocity : state.velocities) velocity += Vec3(0.01f, 0.003f, -0.02f);
+  simulation.backend().upload(state);
+  laboratory.advance(simulation, kFall);
+  state = simulation.state();
+  double fastest = 0;
+  for (size_t s = 0; s < strands.size(); ++s) {
+    double sum = 0;
+    const StrandModel& model = simulation.model();
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+      sum += state.velocities[v].squaredNorm();
+    fastest = worse(fastest, 1e3 * std::sqrt(sum / static_cast<double>(model.verticesOf(s))));
+  }
+  return {absoluteCase({"helices come to rest", "largest rms speed of a strand", "mm/s"}, fastest, 0, 1)};
+}
+
 }  // namespace
 
 void addRestExperiments(std::vector<Experiment>& experiments) {
@@ -134,6 +165,10 @@ void addRestExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back({"limp strands between two points of equal height", namesOfCatenary(), catenary});
   experiments.push_back(
       {"a helix of radius 1 cm, pitch 1 cm and length 20 cm hung by its root", {"hung helix"}, hungHelix});
+  experiments.push_back(
+      {"helices of radius 5 to 20 mm, pitch 10 and 30 mm, 15 and 30 cm long, 10 s after they were let go",
+       {"helices come to rest"},
+       helices});
   experiments.push_back({"strands made to rest as groomed (core/sag_free.h): level, upright, helix, arc",
                          {"sag-free drift"},
                          sagFree});
