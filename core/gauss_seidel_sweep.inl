@@ -1,4 +1,4 @@
-// One step of a block of strands by the course's scheme. Included after core/strand_sweep.inl. The formulas are in
+// One step of a block of strands by the course's scheme. Included after core/near_bodies.inl. The formulas are in
 // kernels/; here is only their order along the strand.
 
 inline real inverseMass(const Block& b, int i) { return load(b.inverse_mass + at(0, i)); }
@@ -70,7 +70,8 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
       if (near.size() > 0) {
         real3 normal = makeReal3(lit(0), lit(0), lit(0));
         for (int i = 0; i < n; ++i)
-          store3(near.pushAllOut(load3(b.position, i), load3(start, i), inverseMass(b, i) > lit(0.5), normal), b.position, i);
+          store3(near.pushAllOut(load3(b.position, i), load3(start, i), inverseMass(b, i) > lit(0.5), normal), b.position,
+                 i);
       }
     }
 

@@ -1,6 +1,7 @@
-// One step of a block of strands as inextensible rods. Included after core/strand_sweep.inl. Linearised at the inertial point, with three direct solves along the strand: twist
-// (tridiagonal), bending (one pentadiagonal matrix for x, y, z) and lengths (tridiagonal, twice). Each solve eliminates in
-// one direction and substitutes in the other, so that all merge into five sweeps.
+// One step of a block of strands as inextensible rods: docs/solver.md. Included after core/near_bodies.inl. Linearised at the
+// inertial point, with direct solves along the strand: twist (tridiagonal), bending (one pentadiagonal matrix for x, y, z),
+// lengths (tridiagonal, twice) and tensions (tridiagonal). Each solve eliminates in one direction and substitutes in the
+// other, so that all merge into five sweeps.
 
 // Scratch, [row][plane][lane], `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i.
 enum RodScratch : int {

@@ -32,8 +32,8 @@ class Simulation {
   void step();
   /// Back to the rest shape at the present head pose, at rest.
   void reset();
-  /// Puts strands with a vertex that is not finite, or farther from the root than the strand is long, back to their rest
-  /// shape; gives how many. Waits for the backend. Allocates only when there are some.
+  /// Puts strands with a vertex that is not finite, or farther from the root than the strand is long, back to
+  /// their rest shape; gives how many. Waits for the backend. Allocates only when there are some.
   size_t resetBroken();
   /// Carries the hair rigidly to `head` with no motion in between.
   void teleport(const Pose& head);

@@ -106,7 +106,11 @@ std::vector<std::string> simdTargets() {
 }
 
 BackendInfo simdBackendInfo() {
-  BackendInfo info{"simd", !targets().empty(), "", 50, [](int threads) { return makeSimdBackend(threads); },
+  BackendInfo info{"simd",
+                   !targets().empty(),
+                   "",
+                   50,
+                   [](int threads) { return makeSimdBackend(threads); },
                    {SolverKind::kGaussSeidel, SolverKind::kRod}};
   info.reason =
       info.available ? targets().front().name : "no instruction set of this machine was compiled for";

@@ -141,7 +141,8 @@ std::vector<Case> helices(const Laboratory& laboratory) {
           if (turn / edges < std::numbers::pi / 3)
             strands.push_back(helixStrand(radius, pitch, length, edges));
         }
-  Simulation simulation = laboratory.simulation(modelOf(strands, Material{}), laboratory.parameters(kRate, 2));
+  Simulation simulation =
+      laboratory.simulation(modelOf(strands, Material{}), laboratory.parameters(kRate, 2));
   StrandState state = simulation.state();
   for (Vec3& velocity : state.velocities) velocity += Vec3(0.01f, 0.003f, -0.02f);
   simulation.backend().upload(state);

@@ -1,5 +1,5 @@
-// One body of tests for every backend and solver: reference, each instruction set of the simd backend that this
-// machine has, gpu.
+// One body of tests for every backend and solver: reference, each instruction set of the simd backend that
+// this machine has, gpu.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,14 +41,14 @@ std::vector<Contestant> contestants() {
 // unit in the last place. The second counts where a strand is folded sharply under a body, where frames turn
 // by much for little. Measured over all cases and backends: at most 3.1e-6.
 constexpr double kOneStepTolerance = 5e-6;
-// The rod's direct solves carry rounding from one end of a strand to the other. Its float form is held to this
-// where vertices are no denser than its rule of spacing allows: dt^2 B / (m l^2) at most 3000 at every joint
-// (measured: at most 3.7e-5 beyond the oracle's own sensitivity). Denser strands are held by what must hold over
-// many steps.
+// The rod's direct solves carry rounding from one end of a strand to the other. Its float form is held to
+// this where vertices are no denser than its rule of spacing allows: dt^2 B / (m l^2) at most 3000 at every
+// joint (measured: at most 3.7e-5 beyond the oracle's own sensitivity). Denser strands are held by what must
+// hold over many steps.
 constexpr double kRodOneStepTolerance = 5e-5;
 constexpr double kDensestRod = 3000;
-// A vertex that grazes a body may touch it in one precision and not in the other; the length solve then holds it or
-// does not. With bodies, one strand of the rod in a hundred may differ by this instead.
+// A vertex that grazes a body may touch it in one precision and not in the other; the length solve then holds
+// it or does not. With bodies, one strand of the rod in a hundred may differ by this instead.
 constexpr double kGrazingTolerance = 5e-3;
 constexpr double kSensitivityFactor = 10;
 
@@ -174,8 +174,8 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
       }
       EXPECT_LE(grazing, strands / 100);
       EXPECT_LT(dense, strands / 2 + 1) << "most strands must be compared";
-      std::printf("             %3zu strands (%zu too dense), %s: %.1e of a strand's length\n", strands, dense,
-                  c.name, worst);
+      std::printf("             %3zu strands (%zu too dense), %s: %.1e of a strand's length\n", strands,
+                  dense, c.name, worst);
       const std::span<const Vec3> guides = backend_->guides();
       EXPECT_TRUE(std::equal(guides.begin(), guides.end(), mine.positions.begin(), mine.positions.end()));
     }
@@ -270,9 +270,9 @@ TEST_P(Conformance, PinnedVerticesRideOnTheirRoot) {
   EXPECT_GT(pinned, model.strands());
 }
 
-// The rod keeps its lengths to rounding. The bounds on the stretch of the other solver are what it keeps on 16 vertices with 6 iterations in 4 substeps (mean
-// 0.052, max 0.26 on every backend) with about 40 % to spare: few Gauss-Seidel sweeps do not make hair
-// inextensible.
+// The rod keeps its lengths to rounding. The bounds on the stretch of the other solver are what it keeps on
+// 16 vertices with 6 iterations in 4 substeps (mean 0.052, max 0.26 on every backend) with about 40 % to
+// spare: few Gauss-Seidel sweeps do not make hair inextensible.
 TEST_P(Conformance, InvariantsHoldOver120Steps) {
   StrandSet set;
   std::mt19937 random(71);

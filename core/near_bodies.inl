@@ -1,0 +1,117 @@
+// The bodies that the strands of a block may touch in a step: those whose swept boxes meet the block's. Included after
+// core/strand_sweep.inl.
+class NearBodies {
+ public:
+  NearBodies(const Block& b, const StepInput& input) : bodies_(input.primitives) {
+    if (bodies_.empty()) return;
+    all_ = !calm(b, input);
+    if (all_) return;
+    const Box box = reach(b, input);
+    for (size_t i = 0; i < bodies_.size(); ++i) {
+      if (!meets(bodies_[i], box)) continue;
+      if (count_ == kMost) {  // then all are taken
+        all_ = true;
+        break;
+      }
+      near_[count_++] = static_cast<uint32_t>(i);
+    }
+  }
+  size_t size() const { return all_ ? bodies_.size() : count_; }
+  const MovingPrimitive& operator[](size_t i) const { return bodies_[all_ ? i : near_[i]]; }
+
+  /// To be called at the start of a substep, for pushAllOut(). `time` as of bodyAt().
+  void place(const StepInput& input, double time) {
+    for (size_t i = 0; i < size() && i < kPlaced; ++i) placed_[i] = bodyAt((*this)[i], input, time);
+    input_ = &input;
+    time_ = time;
+  }
+  /// pushOut() of every body.
+  real3 pushAllOut(real3 x, const real3& x_start, const mask& free, real3& normal) const {
+    for (size_t i = 0; i < size(); ++i)
+      x = pushOut(i < kPlaced ? placed_[i] : bodyAt((*this)[i], *input_, time_), x, x_start, free, normal);
+    return x;
+  }
+
+ private:
+  static constexpr size_t kMost = 64, kPlaced = 16, kMostLanes = 64;
+
+  // Whether the strands only move as their velocities say: no edge is stretched or stands across its frame, as after an
+  // upload of some other state. Only the rod keeps its lengths.
+  static bool calm(const Block& b, const StepInput& input) {
+    if (input.parameters->solver != SolverKind::kRod) return false;
+    for (int e = 0; e + 1 < b.vertices; ++e) {
+      const real3 edge = load3(b.position, e + 1) - load3(b.position, e);
+      const real length = load(b.rest_length + at(0, e));
+      const quat frame = {load(b.frame + at(0, e)), load(b.frame + at(1, e)), load(b.frame + at(2, e)),
+                          load(b.frame + at(3, e))};
+      const real along = dot(edge, frameTangent(frame));
+      const mask off = along < length * lit(0.9) || dot(edge, edge) > length * length * lit(1.02);
+      if (anyTrue(off)) return false;
+    }
+    return true;
+  }
+
+  // Where vertices may come in the step: twice as far from where they are as their speed and their root's motion say.
+  static Box reach(const Block& b, const StepInput& input) {
+    real3 low = load3(b.position, 0), high = low;
+    real speed2 = lit(0), length = lit(0);
+    for (int i = 0; i < b.vertices; ++i) {
+      const real3 x = load3(b.position, i), v = load3(b.velocity, i);
+      low = {min(low.x, x.x), min(low.y, x.y), min(low.z, x.z)};
+      high = {max(high.x, x.x), max(high.y, x.y), max(high.z, x.z)};
+      speed2 = max(speed2, dot(v, v));
+      length = length + load(b.rest_length + at(0, i));
+    }
+    const RootFrame begin = loadRoot(b, 0), end = loadRoot(b, kRootPlanes / 2);
+    const real3 moved = end.position - begin.position;
+    const quat p = begin.rotation, q = end.rotation;
+    const real cosine = min(abs(madd(p.x, q.x, madd(p.y, q.y, madd(p.z, q.z, p.w * q.w)))), lit(1));
+    const Parameters& parameters = *input.parameters;
+    const double dt = parameters.time_step;
+    const double pulled = parameters.gravity.norm() + 2 * parameters.air_drag * parameters.wind.norm();  // m/s^2
+    // 4 sqrt(1 - cosine) is more than the angle.
+    const real swung = sqrt(lit(1) - cosine) * lit(4) * length;
+    const real far =
+        lit(2) * (sqrt(speed2) * lit(dt) + sqrt(dot(moved, moved)) + swung + lit(0.5 * dt * dt * pulled));
+    low = {low.x - far, low.y - far, low.z - far};
+    high = {high.x + far, high.y + far, high.z + far};
+
+    alignas(64) Scalar lanes[6][kMostLanes];
+    const real bounds[6] = {low.x, low.y, low.z, high.x, high.y, high.z};
+    for (int k = 0; k < 6; ++k) store(bounds[k], lanes[k]);
+    Box box;
+    for (int lane = 0; lane < kLanes; ++lane)
+      for (int corner = 0; corner < 6; corner += 3)
+        box.extend(Vec3(static_cast<float>(lanes[corner][lane]), static_cast<float>(lanes[corner + 1][lane]),
+                        static_cast<float>(lanes[corner + 2][lane])));
+    const float radius = parameters.hair_radius;
+    box.min().array() -= radius;
+    box.max().array() += radius;
+    return box;
+  }
+
+  static bool meets(const MovingPrimitive& body, const Box& box) {
+    const Vec3 a_begin = Vec3(body.a_begin), a_end = Vec3(body.a_end);
+    const Vec3 b_begin = Vec3(body.b_begin), b_end = Vec3(body.b_end);
+    if (body.kind == static_cast<uint32_t>(PrimitiveKind::kPlane)) {
+      auto below = [&](const Vec3& point, const Vec3& normal) {
+        return (box.center() - point).dot(normal) < 0.5f * box.sizes().dot(normal.cwiseAbs());
+      };
+      return below(a_begin, b_begin) || below(a_end, b_end);
+    }
+    Box swept(a_begin);
+    swept.extend(a_end);
+    if (body.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule)) swept.extend(b_begin).extend(b_end);
+    swept.min().array() -= body.radius;
+    swept.max().array() += body.radius;
+    return box.intersects(swept);
+  }
+
+  std::span<const MovingPrimitive> bodies_;
+  uint32_t near_[kMost];
+  size_t count_ = 0;
+  bool all_ = false;
+  SubstepBody placed_[kPlaced];
+  const StepInput* input_ = nullptr;
+  double time_ = 0;
+};
