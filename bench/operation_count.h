@@ -4,7 +4,7 @@
 namespace strandcast {
 
 /// Floating-point operations of a step per vertex and substep: the step's own text run once with numbers that
-/// count.
+/// count, over about a thousand of the strands, evenly chosen.
 double operationsPerVertexSubstep(const StrandModel& model, const StrandState& state, const StepInput& input);
 
 /// Floating-point operations per second that `threads` threads reach with independent fused multiply-adds on

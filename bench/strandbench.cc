@@ -47,22 +47,6 @@ std::vector<RigidBody> bodiesOf(const Options& o, const Scene& scene) {
   return {{{head}, true}};
 }
 
-// What one more step of the simulation computes.
-double operationsOf(Simulation& simulation, const Parameters& parameters,
-                    const std::vector<RigidBody>& bodies) {
-  const StrandModel& model = simulation.model();
-  const Pose& head = simulation.headPose();
-  std::vector<Pose> roots;
-  for (const Pose& root : model.rest_roots) roots.push_back(head * root);
-  std::vector<MovingPrimitive> primitives;
-  for (const RigidBody& body : bodies)
-    for (const ContactPrimitive& primitive : body.primitives) {
-      const Pose pose = body.follows_head ? head : Pose{};
-      primitives.push_back(moved(primitive, pose, pose, parameters.time_step));
-    }
-  return operationsPerVertexSubstep(model, simulation.state(), {&parameters, roots, roots, primitives});
-}
-
 Result run(const Options& o, const Scene& scene, const std::string& backend) {
   Parameters parameters = scene.parameters;
   parameters.substeps = o.substeps;
@@ -84,7 +68,8 @@ Result run(const Options& o, const Scene& scene, const std::string& backend) {
   std::sort(gpu_ms.begin(), gpu_ms.end());
   const double median = ms[ms.size() / 2];
   const double vertices = static_cast<double>(simulation.model().vertices());
-  const double operations = operationsOf(simulation, parameters, bodiesOf(o, scene));
+  const double operations =
+      operationsPerVertexSubstep(simulation.model(), simulation.state(), simulation.nextInput());
   const std::string name = simulation.backend().name();
   std::optional<double> fraction_of_peak;
   if (name != "gpu") {

@@ -17,23 +17,24 @@ class NearBodies {
     }
   }
   size_t size() const { return all_ ? bodies_.size() : count_; }
-  const MovingPrimitive& operator[](size_t i) const { return bodies_[all_ ? i : near_[i]]; }
 
   /// To be called at the start of a substep, for pushAllOut(). `time` as of bodyAt().
   void place(const StepInput& input, double time) {
-    for (size_t i = 0; i < size() && i < kPlaced; ++i) placed_[i] = bodyAt((*this)[i], input, time);
+    for (size_t i = 0; i < size() && i < kPlaced; ++i) placed_[i] = bodyAt(body(i), input, time);
     input_ = &input;
     time_ = time;
   }
   /// pushOut() of every body.
   real3 pushAllOut(real3 x, const real3& x_start, const mask& free, real3& normal) const {
     for (size_t i = 0; i < size(); ++i)
-      x = pushOut(i < kPlaced ? placed_[i] : bodyAt((*this)[i], *input_, time_), x, x_start, free, normal);
+      x = pushOut(i < kPlaced ? placed_[i] : bodyAt(body(i), *input_, time_), x, x_start, free, normal);
     return x;
   }
 
  private:
   static constexpr size_t kMost = 64, kPlaced = 16, kMostLanes = 64;
+
+  const MovingPrimitive& body(size_t i) const { return bodies_[all_ ? i : near_[i]]; }
 
   // Whether the strands only move as their velocities say: no edge is stretched or stands across its frame, as after an
   // upload of some other state. Only the rod keeps its lengths.

@@ -4,19 +4,13 @@
 #include <cmath>
 #include <thread>
 
-#include "kernels/scalar_double.h"
+#include "core/joint_law.h"
 
 namespace strandcast {
 namespace {
 
 using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
-
-Matrix crossMatrix(const Vector& v) {
-  Matrix m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 /// One strand in its root frame: edge e and the joint before it at entry e.
 class Strand {
@@ -43,7 +37,6 @@ class Strand {
 };
 
 void Strand::read(const StrandModel& model, size_t s, const Vec3& gravity) {
-  namespace f64 = kernels::f64;
   const uint32_t first = model.offsets[s];
   const size_t count = model.verticesOf(s) - 1;
   const Vector g = (model.rest_roots[s].rotation.conjugate() * gravity).cast<double>();
@@ -64,10 +57,7 @@ void Strand::read(const StrandModel& model, size_t s, const Vec3& gravity) {
     Joint& joint = joints[e];
     joint.inner = e > 0 ? model.rest_frames[v - 1].cast<double>() : Eigen::Quaterniond::Identity();
     const Eigen::Quaterniond outer = model.rest_frames[v].cast<double>();
-    const f64::real3 strain =
-        f64::jointStrain({joint.inner.x(), joint.inner.y(), joint.inner.z(), joint.inner.w()},
-                         {outer.x(), outer.y(), outer.z(), outer.w()});
-    joint.strain = Vector(strain.x, strain.y, strain.z);
+    joint.strain = strainOfJoint(joint.inner, outer);
     joint.moment = moment;
     joint.stiffness = Vector(model.bend[v], model.bend[v], model.twist[v]);
     // jointMoment in kernels/rod.h is c + (strain / 2) x c; solved for c.
@@ -76,8 +66,6 @@ void Strand::read(const StrandModel& model, size_t s, const Vec3& gravity) {
   }
 }
 
-// How the moment of a joint answers a small rotation of its outer edge: the derivative of jointStrain and
-// jointMoment.
 void Strand::linearise() {
   auto symmetric = [](const Matrix& m) -> Matrix { return 0.5 * (m + m.transpose()); };
   elastic_.resize(joints.size());
@@ -85,11 +73,10 @@ void Strand::linearise() {
   weight_.resize(joints.size());
   for (size_t e = 0; e < joints.size(); ++e) {
     const Joint& joint = joints[e];
-    const Matrix half = 0.5 * crossMatrix(joint.strain), frame = joint.inner.toRotationMatrix();
-    const Matrix strain = Matrix::Identity() - half + 0.25 * joint.strain * joint.strain.transpose();
-    const Matrix moment = (Matrix::Identity() + half) * joint.stiffness.asDiagonal();
-    elastic_[e] = frame * symmetric(moment * strain) * frame.transpose();
-    geometric_[e] = frame * symmetric(-0.5 * crossMatrix(joint.answer) * strain) * frame.transpose();
+    const Matrix frame = joint.inner.toRotationMatrix();
+    const JointDerivative answer = jointDerivative(joint.strain, joint.answer, joint.stiffness);
+    elastic_[e] = frame * symmetric(answer.elastic) * frame.transpose();
+    geometric_[e] = frame * symmetric(answer.geometric) * frame.transpose();
     weight_[e] = edges[e].dot(pulls[e]) * Matrix::Identity() - symmetric(pulls[e] * edges[e].transpose());
   }
 }

@@ -33,10 +33,14 @@ void Simulation::placePrimitives() {
   }
 }
 
-void Simulation::step() {
+StepInput Simulation::nextInput() {
   placeRoots(head_end_, roots_end_);
   placePrimitives();
-  backend_->step({&parameters_, roots_begin_, roots_end_, primitives_});
+  return {&parameters_, roots_begin_, roots_end_, primitives_};
+}
+
+void Simulation::step() {
+  backend_->step(nextInput());
   std::swap(roots_begin_, roots_end_);
   head_begin_ = head_end_;
   time_ += parameters_.time_step;

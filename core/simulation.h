@@ -28,6 +28,9 @@ class Simulation {
   void setParameters(const Parameters& parameters) { parameters_ = parameters; }
   const Parameters& parameters() const { return parameters_; }
 
+  /// What the next step will be given: roots and bodies from where the head is to where it is to be. Valid
+  /// until it.
+  StepInput nextInput();
   /// One fixed step. Neither throws nor allocates.
   void step();
   /// Back to the rest shape at the present head pose, at rest.

@@ -26,6 +26,8 @@ enum Plane {
 };
 static_assert(kWeight + 1 == kBlockPlanes);
 
+constexpr float kAlike = 2e-6f;  // relative, of lengths and of masses that count as equal
+
 /// Places of the roots along a Z-order curve (Morton 1966) through their box: neighbours on it are neighbours
 /// on the head.
 std::vector<uint32_t> mortonCodes(const std::vector<Pose>& roots) {
@@ -68,8 +70,6 @@ template <class Scalar>
 Scalar* BlockStore<Scalar>::roots(const Block& block) const {
   return planes(block, 0) + static_cast<size_t>(block.vertices) * kBlockPlanes * lanes_;
 }
-
-constexpr float kAlike = 2e-6f;  // relative, of lengths and of masses that count as equal
 
 template <class Scalar>
 void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
@@ -219,7 +219,6 @@ template <class Scalar>
 BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
   const Block& block = blocks_[b];
   return {block.vertices,
-          lanes_,
           block.pinned,
           block.uniform,
           planes(block, kPosition),

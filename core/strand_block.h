@@ -29,7 +29,6 @@ constexpr int kBlockPlanes = 27;  ///< numbers per vertex
 template <class Scalar>
 struct BlockView {
   int vertices;
-  int lanes;
   bool pinned;       ///< some vertex but the roots is
   bool uniform;      ///< the edges of each strand have one length, its vertices but root and tip one mass
   Scalar* position;  ///< 3 planes, m
@@ -49,11 +48,6 @@ struct BlockView {
   const Scalar* mass;    ///< 1 plane, of vertices; large where pinned
   const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
-
-  /// Where row `vertex` of a quantity's plane starts, from that quantity's pointer.
-  size_t at(int plane, int vertex) const {
-    return (static_cast<size_t>(vertex) * kBlockPlanes + plane) * lanes;
-  }
 };
 
 constexpr int kRootPlanes = 14;

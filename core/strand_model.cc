@@ -6,14 +6,12 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "kernels/scalar_double.h"
+#include "core/joint_law.h"
 
 namespace strandcast {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-kernels::f64::quat toLanes(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
 void checkStrand(std::span<const Vec3> points, size_t strand) {
   const std::string where = fmt::format("strand {}", strand);
@@ -56,7 +54,6 @@ Eigen::Quaterniond restFrames(std::span<const Vec3> points, std::span<Quat> fram
 /// Mass, stiffness and rest strain of strand s (Romero, Neukirch, Bertails-Descoubes 2021: a rod whose root
 /// frame is clamped converges with the second order when the first joint gets half a cell).
 void setRod(StrandModel& model, size_t s, const Material& material) {
-  using namespace kernels::f64;
   const uint32_t first = model.offsets[s];
   const size_t edges = model.verticesOf(s) - 1;
   std::vector<double> length(edges);
@@ -91,11 +88,10 @@ void setRod(StrandModel& model, size_t s, const Material& material) {
     const double bending = material.youngs_modulus *
                            material.stiffness_scale.at(static_cast<float>(along / total)) * second_moment;
     const Eigen::Quaterniond outer(model.rest_frames[v].cast<double>());
-    const real3 strain = jointStrain(toLanes(inner), toLanes(outer));
     // The law is in 2 tan(theta/2): this keeps its stiffness at the rest angle that of the rod.
     const double cosine = std::fabs((inner.conjugate() * outer).w());
     const double scale = cosine * cosine / (cell * reference);
-    model.rest_strain[v] = Eigen::Vector3d(strain.x, strain.y, strain.z).cast<float>();
+    model.rest_strain[v] = strainOfJoint(inner, outer).cast<float>();
     model.bend[v] = static_cast<float>(bending * scale);
     model.twist[v] = static_cast<float>(bending / (1 + material.poisson_ratio) * scale);
     inner = outer;

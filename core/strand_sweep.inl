@@ -3,7 +3,7 @@
 
 using Block = BlockView<Scalar>;
 
-// Where row i of a quantity's plane starts: BlockView::at with the number of lanes known to the compiler.
+// Where row i of a quantity's plane starts, from that quantity's pointer in the block.
 constexpr size_t at(int plane, int i) { return (static_cast<size_t>(i) * kBlockPlanes + plane) * kLanes; }
 
 inline real3 load3(const Scalar* planes, int i) {

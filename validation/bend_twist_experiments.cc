@@ -18,9 +18,7 @@ constexpr double kParts[] = {0.91, 0.94, 0.97, 1,
                              1.03, 1.06, 1.09};  // of the threshold, of the strands' gamma
 
 std::vector<std::string> namesOfThreshold() {
-  std::vector<std::string> names;
-  for (const double phi : kCurvatures) names.push_back(fmt::format("bend-twist threshold phi={:g}", phi));
-  return names;
+  return caseNames("bend-twist threshold phi={:g}", kCurvatures);
 }
 
 double outOfPlane(Simulation& simulation, size_t s) {

@@ -94,9 +94,7 @@ double orderOf(std::span<const int> edges, std::span<const double> errors) {
 constexpr double kConvergenceGammas[] = {1, 10};
 
 std::vector<std::string> namesOfConvergence() {
-  std::vector<std::string> names;
-  for (const double gamma : kConvergenceGammas) names.push_back(fmt::format("gamma={:g} convergence", gamma));
-  return names;
+  return caseNames("gamma={:g} convergence", kConvergenceGammas);
 }
 
 std::vector<Case> convergence(const Laboratory& laboratory) {

@@ -1,5 +1,7 @@
 #include "validation/case.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace strandcast {
@@ -12,6 +14,12 @@ Case scored(const Quantity& quantity, double measured, double truth, double erro
 }
 
 }  // namespace
+
+std::vector<std::string> caseNames(std::string_view pattern, std::span<const double> values) {
+  std::vector<std::string> names;
+  for (const double value : values) names.push_back(fmt::format(fmt::runtime(pattern), value));
+  return names;
+}
 
 double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
 

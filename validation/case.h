@@ -1,5 +1,8 @@
 #pragma once
+#include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace strandcast {
 
@@ -23,6 +26,9 @@ struct Quantity {
   std::string quantity;
   std::string unit;
 };
+
+/// Names of one case per value: `pattern` has {:g} where the value goes.
+std::vector<std::string> caseNames(std::string_view pattern, std::span<const double> values);
 
 /// The larger error; not a number where either is.
 double worse(double a, double b);

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "kernels/scalar_double.h"
+#include "core/joint_law.h"
 
 namespace strandcast {
 namespace {
@@ -21,16 +21,6 @@ constexpr int kMaxIterations = 60;
 constexpr int kMaxHalvings = 30;
 // Of the largest residual, relative to lengths and stiffnesses: a few roundings of the largest terms.
 constexpr double kTolerance = 1e-11;
-
-f64::quat toLanes(const Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
-f64::real3 toLanes(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-Vector3d fromLanes(const f64::real3& v) { return {v.x, v.y, v.z}; }
-
-Matrix3d crossMatrix(const Vector3d& v) {
-  Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 Quaterniond rotationOf(const Vector3d& turn) {
   const double angle = turn.norm();
@@ -152,29 +142,22 @@ void NewtonRod::substep(const Vector3& root, const Quaterniond& root_frame) {
   has_history_ = true;
 }
 
-Eigen::Vector3d NewtonRod::strain(const Quaterniond& inner, const Quaterniond& outer) const {
-  return fromLanes(f64::jointStrain(toLanes(inner), toLanes(outer)));
-}
-
 Eigen::Vector3d NewtonRod::moment(const Unknowns& at, size_t j) const {
   const Quaterniond& inner = j > 0 ? at.frame[j - 1] : root_frame_;
-  const Vector3 u = strain(inner, at.frame[j]);
+  const Vector3 u = strainOfJoint(inner, at.frame[j]);
   return fromLanes(
       f64::jointMoment(toLanes(inner), toLanes(u), toLanes(u - rest_strain_[j]), bend_[j], twist_[j]));
 }
 
-// Derivatives of moment(j) to rotations (world, left) of the inner and the outer frame. In the inner frame A
-// an outer frame turned by eta changes the strain u by T eta, T = 1 - [u]/2 + u u^T / 4, and the moment is c
-// + u x c / 2 with c = K (u - rest).
+// Derivatives of moment(j) to rotations (world, left) of the inner and the outer frame.
 void NewtonRod::momentDerivatives(const Unknowns& at, size_t j, Matrix3& to_inner, Matrix3& to_outer) const {
   const Quaterniond& inner = j > 0 ? at.frame[j - 1] : root_frame_;
-  const Vector3 u = strain(inner, at.frame[j]);
-  const Matrix3 stiffness = Vector3(bend_[j], bend_[j], twist_[j]).asDiagonal();
-  const Vector3 c = stiffness * (u - rest_strain_[j]);
-  const Matrix3 strain_turn = Matrix3::Identity() - 0.5 * crossMatrix(u) + 0.25 * u * u.transpose();
-  const Matrix3 law = stiffness + 0.5 * crossMatrix(u) * stiffness - 0.5 * crossMatrix(c);
+  const Vector3 u = strainOfJoint(inner, at.frame[j]);
+  const Vector3 stiffness(bend_[j], bend_[j], twist_[j]);
+  const Vector3 c = stiffness.cwiseProduct(u - rest_strain_[j]);
+  const JointDerivative answer = jointDerivative(u, c, stiffness);
   const Matrix3 a = inner.toRotationMatrix();
-  to_outer = a * law * strain_turn * a.transpose();
+  to_outer = a * (answer.elastic + answer.geometric) * a.transpose();
   to_inner = -to_outer - crossMatrix(a * (c + 0.5 * u.cross(c)));
 }
 

@@ -48,8 +48,6 @@ class NewtonRod {
   void newtonStep(const Unknowns& at, const std::vector<Vector6>& r, std::vector<Vector6>& step) const;
   Vector3 moment(const Unknowns& at, size_t j) const;
   void momentDerivatives(const Unknowns& at, size_t j, Matrix3& to_inner, Matrix3& to_outer) const;
-  Vector3 strain(const Eigen::Quaterniond& inner, const Eigen::Quaterniond& outer) const;
-
   Parameters parameters_;
   std::vector<double> length_, bend_, twist_, mass_;  ///< as in StrandModel
   std::vector<Vector3> rest_strain_;

@@ -20,11 +20,7 @@ constexpr double kSettling = 10;  // s
 constexpr double kTipLoads[] = {1, 5, 10};  // alpha = P L^2 / B
 constexpr double kTipToStrand = 5;          // weight of the load over that of the strand
 
-std::vector<std::string> namesOfTipLoad() {
-  std::vector<std::string> names;
-  for (const double alpha : kTipLoads) names.push_back(fmt::format("tip load alpha={:g}", alpha));
-  return names;
-}
+std::vector<std::string> namesOfTipLoad() { return caseNames("tip load alpha={:g}", kTipLoads); }
 
 // The load is a heavy last vertex. The strand keeps its own weight, which the truth has too; gravity is so
 // weak that the strand may be long, because a short one is too stiff for the time step.
@@ -55,11 +51,7 @@ std::vector<Case> tipLoad(const Laboratory& laboratory) {
 
 constexpr double kSpans[] = {0.2, 0.5, 0.8};
 
-std::vector<std::string> namesOfCatenary() {
-  std::vector<std::string> names;
-  for (const double span : kSpans) names.push_back(fmt::format("catenary span={:g}", span));
-  return names;
-}
+std::vector<std::string> namesOfCatenary() { return caseNames("catenary span={:g}", kSpans); }
 
 std::vector<Case> catenary(const Laboratory& laboratory) {
   constexpr float kLength = 0.25f;

@@ -124,11 +124,7 @@ std::vector<Case> chain(const Laboratory& laboratory) {
 
 constexpr double kAngles[] = {30, 90};  // degrees
 
-std::vector<std::string> namesOfPendulum() {
-  std::vector<std::string> names;
-  for (const double angle : kAngles) names.push_back(fmt::format("pendulum angle={:g}", angle));
-  return names;
-}
+std::vector<std::string> namesOfPendulum() { return caseNames("pendulum angle={:g}", kAngles); }
 
 std::vector<Case> pendulum(const Laboratory& laboratory) {
   constexpr double kLength = 0.25;  // m

@@ -4,40 +4,11 @@
 #include <numbers>
 
 #include "core/simulation.h"
+#include "validation/elastica.h"
+#include "validation/specimen.h"
 
 namespace strandcast {
 namespace {
-
-constexpr double kGravity = 9.81;
-
-// Height over reach of a heavy clamped elastica at rest: theta'' = -gamma (1 - s) cos(theta), theta(0) = 0,
-// theta'(1) = 0, solved by shooting on theta'(0) with classical Runge-Kutta.
-double exactSag(double gamma) {
-  double drop = 0, reach = 0;
-  auto endCurvature = [&](double first) {
-    constexpr int kSteps = 4000;
-    const double h = 1.0 / kSteps;
-    double theta = 0, curvature = first;
-    drop = reach = 0;
-    for (int i = 0; i < kSteps; ++i) {
-      const double s = i * h;
-      auto bend = [&](double at, double angle) { return -gamma * (1 - at) * std::cos(angle); };
-      const double k1 = bend(s, theta), l1 = curvature;
-      const double k2 = bend(s + h / 2, theta + h / 2 * l1), l2 = curvature + h / 2 * k1;
-      const double k3 = bend(s + h / 2, theta + h / 2 * l2), l3 = curvature + h / 2 * k2;
-      const double k4 = bend(s + h, theta + h * l3), l4 = curvature + h * k3;
-      const double next = theta + h / 6 * (l1 + 2 * l2 + 2 * l3 + l4);
-      drop += h * std::sin((theta + next) / 2);
-      reach += h * std::cos((theta + next) / 2);
-      theta = next;
-      curvature += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
-    }
-    return curvature;
-  };
-  double low = 0, high = gamma;
-  for (int i = 0; i < 60; ++i) (endCurvature((low + high) / 2) > 0 ? high : low) = (low + high) / 2;
-  return drop / reach;
-}
 
 Parameters rodParameters(double rate) {
   Parameters parameters;
@@ -48,26 +19,17 @@ Parameters rodParameters(double rate) {
   return parameters;
 }
 
-double lengthOfGamma(double gamma) {
-  const Material hair;
-  const double r = hair.radius;
-  return std::cbrt(gamma * hair.youngs_modulus * r * r / (4 * hair.density * kGravity));
-}
-
 Simulation cantilever(double length, int edges, const Parameters& parameters) {
-  StrandSet set;
-  std::vector<Vec3> points;
-  for (int i = 0; i <= edges; ++i) points.emplace_back(static_cast<float>(length * i / edges), 0.0f, 0.0f);
-  set.append(points);
-  return Simulation(makeStrandModel(set), {}, parameters, makeReferenceBackend());
+  return Simulation(modelOf({straightStrand(length, edges, Vec3::UnitX())}), {}, parameters,
+                    makeReferenceBackend());
 }
 
 TEST(Rod, ACantileverSagsAsTheElasticaDoes) {
   for (const auto& [gamma, limit] :
        {std::pair(1.0, 0.002), std::pair(10.0, 0.002), std::pair(100.0, 0.006)}) {
-    const double exact = exactSag(gamma);
+    const double exact = restingElastica(gamma, 0).slope();
     for (const double rate : {360.0, 720.0}) {
-      Simulation simulation = cantilever(lengthOfGamma(gamma), 32, rodParameters(rate));
+      Simulation simulation = cantilever(lengthOfGamma(gamma, Material{}), 32, rodParameters(rate));
       for (int i = 0; i < 8 * rate; ++i) simulation.step();
       const Vec3 tip = simulation.guides().back();
       EXPECT_NEAR(-tip.y() / tip.x() / exact, 1, limit) << "gamma " << gamma << " at " << rate << " Hz";

@@ -8,29 +8,12 @@
 #include <random>
 
 #include "core/simulation.h"
+#include "validation/specimen.h"
 
 namespace strandcast {
 namespace {
 
 const Vec3 kGravity(0, -9.81f, 0);
-
-std::vector<Vec3> line(const Vec3& direction, float length, int edges) {
-  std::vector<Vec3> points;
-  for (int i = 0; i <= edges; ++i)
-    points.push_back(direction.normalized() * (length * static_cast<float>(i) / static_cast<float>(edges)));
-  return points;
-}
-
-std::vector<Vec3> helix(float radius, float pitch, float length, int edges) {
-  std::vector<Vec3> points;
-  const float turn = std::hypot(2 * 3.14159265f * radius, pitch);
-  for (int i = 0; i <= edges; ++i) {
-    const float turns = length / turn * static_cast<float>(i) / static_cast<float>(edges);
-    const float angle = 2 * 3.14159265f * turns;
-    points.emplace_back(radius * (std::cos(angle) - 1), -pitch * turns, radius * std::sin(angle));
-  }
-  return points;
-}
 
 // The farthest that a vertex goes from its groomed place in `seconds` of motionless head.
 double drift(const StrandModel& model, double seconds, float hertz = 60) {
@@ -53,11 +36,11 @@ double drift(const StrandModel& model, double seconds, float hertz = 60) {
 
 StrandSet grooms() {
   StrandSet set;
-  set.append(line(Vec3(1, 0, 0), 0.08f, 20));
-  set.append(line(Vec3(1, -1, 0.3f), 0.15f, 31));
-  set.append(line(Vec3(0, 1, 0), 0.08f, 16));
-  set.append(helix(0.01f, 0.01f, 0.15f, 40));
-  set.append(helix(0.02f, 0.03f, 0.20f, 31));
+  set.append(straightStrand(0.08f, 20, Vec3::UnitX()));
+  set.append(straightStrand(0.15f, 31, Vec3(1, -1, 0.3f).normalized()));
+  set.append(straightStrand(0.08f, 16, Vec3::UnitY()));
+  set.append(helixStrand(0.01, 0.01, 0.15, 40));
+  set.append(helixStrand(0.02, 0.03, 0.20, 31));
   return set;
 }
 
@@ -71,7 +54,7 @@ TEST(SagFree, WithoutItHairSags) { EXPECT_GT(drift(makeStrandModel(grooms()), 1)
 
 TEST(SagFree, HairThatHangsStraightIsLeftAsItWas) {
   StrandSet set;
-  set.append(line(Vec3(0, -1, 0), 0.3f, 31));
+  set.append(straightStrand(0.3f, 31, -Vec3::UnitY()));
   const StrandModel before = makeStrandModel(set);
   StrandModel after = before;
   const SagFreeReport report = makeSagFree(after, kGravity);
@@ -83,12 +66,9 @@ TEST(SagFree, HairThatHangsStraightIsLeftAsItWas) {
 // Greenhill: a clamped upright rod buckles under its own weight at gamma = 7.837; it is to hold twice its
 // weight.
 TEST(SagFree, StiffensUprightHairAboveGreenhillsLength) {
-  const Material hair;
-  auto upright = [&](double gamma) {
-    const double length =
-        std::cbrt(gamma * hair.youngs_modulus * hair.radius * hair.radius / (4 * hair.density * 9.81));
+  auto upright = [](double gamma) {
     StrandSet set;
-    set.append(line(Vec3(0, 1, 0), static_cast<float>(length), 40));
+    set.append(straightStrand(lengthOfGamma(gamma, Material{}), 40, Vec3::UnitY()));
     StrandModel model = makeStrandModel(set);
     return makeSagFree(model, kGravity);
   };
@@ -100,7 +80,7 @@ TEST(SagFree, StiffensUprightHairAboveGreenhillsLength) {
 
 TEST(SagFree, StiffensWhatWouldHaveToBeWoundUp) {
   StrandSet set;
-  set.append(line(Vec3(1, 0, 0), 0.5f, 31));
+  set.append(straightStrand(0.5f, 31, Vec3::UnitX()));
   StrandModel model = makeStrandModel(set);
   const SagFreeReport report = makeSagFree(model, kGravity);
   EXPECT_EQ(report.stiffened.size(), 1u);
@@ -115,7 +95,7 @@ TEST(SagFree, TenThousandStrandsAreQuick) {
   StrandSet set;
   for (int s = 0; s < 10000; ++s) {
     const Vec3 direction(any(random), any(random) - 1, any(random));
-    set.append(line(direction, 0.2f, 31));
+    set.append(straightStrand(0.2f, 31, direction.normalized()));
   }
   StrandModel model = makeStrandModel(set);
   const auto start = std::chrono::steady_clock::now();

@@ -4,58 +4,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 
 #include "core/backend.h"
 #include "core/error.h"
+#include "tests/validation/shaken_rod.h"
+#include "validation/specimen.h"
 
 namespace strandcast {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-
-Parameters rodParameters(double rate, double drag) {
-  Parameters parameters;
-  parameters.solver = SolverKind::kRod;
-  parameters.time_step = static_cast<float>(1 / rate);
-  parameters.substeps = 1;
-  parameters.air_drag = static_cast<float>(drag);
-  return parameters;
-}
-
-StrandModel modelOf(const std::vector<Vec3>& points) {
-  StrandSet set;
-  set.append(points);
-  return makeStrandModel(set);
-}
-
 StrandModel straight(double length, int edges, const Vec3& direction) {
-  std::vector<Vec3> points;
-  for (int i = 0; i <= edges; ++i) points.push_back(direction * static_cast<float>(length * i / edges));
-  return modelOf(points);
+  return modelOf({straightStrand(length, edges, direction)});
 }
 
-// A helix down from the root, radius and pitch 1 cm.
-StrandModel curl(double length, int edges) {
-  constexpr double kRadius = 0.01, kRise = 0.01 / kTurn;
-  std::vector<Vec3> points;
-  for (int i = 0; i <= edges; ++i) {
-    const double a = length * i / edges / std::hypot(kRadius, kRise);
-    points.push_back(
-        Eigen::Vector3d(kRadius * (std::cos(a) - 1), -kRise * a, kRadius * std::sin(a)).cast<float>());
-  }
-  return modelOf(points);
-}
+StrandModel curl(double length, int edges) { return modelOf({hungCurl(length, edges, 0.01)}); }
 
-// Shaken and turned once a second, from rest without a jump of the acceleration.
-Pose shaken(double time) {
-  const double u = std::clamp(time / 0.25, 0.0, 1.0);
-  const double swing = u * u * u * (10 - 15 * u + 6 * u * u) * std::sin(kTurn * time);
-  return {
-      Vec3(static_cast<float>(0.1 * swing), 0, 0),
-      Quat(Eigen::AngleAxisf(static_cast<float>(std::numbers::pi / 4 * swing), Eigen::Vector3f::UnitZ()))};
-}
+// From rest without a jump of the acceleration.
+Pose shaken(double time) { return shakenRoot(time, 0.25); }
 
 using Path = std::vector<Eigen::Vector3d>;  // of the tip, 60 times a second
 constexpr double kSeconds = 0.5, kDrag = 2;
@@ -94,13 +60,10 @@ double distance(const Path& a, const Path& b) {
 
 // Drop over reach of a heavy clamped elastica, theta'' = -gamma (1 - s) cos(theta), by shooting.
 TEST(NewtonRod, ACantileverSagsAsTheElasticaDoes) {
-  const Material hair;
-  const double r = hair.radius;
   for (const auto& [gamma, exact, limit] :
        {std::tuple(1.0, 0.124562, 0.0015), std::tuple(10.0, 1.066802, 0.0015),
         std::tuple(100.0, 5.888105, 0.005)}) {
-    const double length = std::cbrt(gamma * hair.youngs_modulus * r * r / (4 * hair.density * 9.81));
-    const StrandModel model = straight(length, 32, Vec3::UnitX());
+    const StrandModel model = straight(lengthOfGamma(gamma, Material{}), 32, Vec3::UnitX());
     NewtonRod rod(model, 0, rodParameters(120, 5), model.rest_roots[0]);
     for (int i = 0; i < 8 * 120; ++i) rod.step(model.rest_roots[0], model.rest_roots[0]);
     const Eigen::Vector3d tip = rod.positions().back();

@@ -1,52 +1,23 @@
 // How far the solver `rod` is from the truth in motion: docs/solver.md has the table.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "core/backend.h"
+#include "tests/validation/shaken_rod.h"
 #include "validation/newton_rod.h"
+#include "validation/specimen.h"
 
 namespace strandcast {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr int kEdges = 32;
 constexpr int kFrames = 540;      // 1.5 s, 360 a second
 constexpr int kExactRate = 5760;  // of the truth, 1/s
 
 StrandModel strandOf(double length, double helix_radius) {
-  const double rise = 0.01 / kTurn;  // m per radian: a pitch of 1 cm
-  std::vector<Vec3> points;
-  for (int i = 0; i <= kEdges; ++i) {
-    const double s = length * i / kEdges;
-    const double a = s / std::hypot(helix_radius, rise);
-    const Eigen::Vector3d curled(helix_radius * (std::cos(a) - 1), -rise * a, helix_radius * std::sin(a));
-    points.push_back((helix_radius > 0 ? curled : Eigen::Vector3d(0, -s, 0)).cast<float>());
-  }
-  StrandSet set;
-  set.append(points);
-  return makeStrandModel(set);
-}
-
-// +-0.1 m and +-45 degrees at 1 Hz; `ramp`: s, over which it grows smoothly.
-Pose shaken(double time, double ramp) {
-  const double u = ramp > 0 ? std::clamp(time / ramp, 0.0, 1.0) : 1;
-  const double swing = u * u * u * (10 - 15 * u + 6 * u * u) * std::sin(kTurn * time);
-  return {
-      Vec3(static_cast<float>(0.1 * swing), 0, 0),
-      Quat(Eigen::AngleAxisf(static_cast<float>(std::numbers::pi / 4 * swing), Eigen::Vector3f::UnitZ()))};
-}
-
-Parameters rodParameters(int rate, float drag) {
-  Parameters parameters;
-  parameters.solver = SolverKind::kRod;
-  parameters.time_step = 1.0f / static_cast<float>(rate);
-  parameters.substeps = 1;
-  parameters.air_drag = drag;
-  return parameters;
+  return modelOf({hungCurl(length, kEdges, helix_radius)});
 }
 
 // RMS distance of the tips over 1.5 s from rest, m.
@@ -66,9 +37,9 @@ double tipError(const StrandModel& model, double ramp) {
   double sum = 0;
   for (int frame = 1; frame <= kFrames; ++frame) {
     for (int i = (frame - 1) * kFine; i < frame * kFine; ++i)
-      exact.step(shaken(static_cast<double>(i) / kExactRate, ramp) * root,
-                 shaken((i + 1.0) / kExactRate, ramp) * root);
-    const std::vector<Pose> end{shaken(frame / 360.0, ramp) * root};
+      exact.step(shakenRoot(static_cast<double>(i) / kExactRate, ramp) * root,
+                 shakenRoot((i + 1.0) / kExactRate, ramp) * root);
+    const std::vector<Pose> end{shakenRoot(frame / 360.0, ramp) * root};
     backend->step({&parameters, begin, end, {}});
     begin = end;
     sum += (backend->guides().back().cast<double>() - exact.positions().back()).squaredNorm();

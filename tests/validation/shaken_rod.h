@@ -1,0 +1,43 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/parameters.h"
+
+namespace strandcast {
+
+/// What the tests of motion share: a rod solver's parameters, a curl, and how its root is shaken.
+
+inline Parameters rodParameters(double rate, double drag) {
+  Parameters parameters;
+  parameters.solver = SolverKind::kRod;
+  parameters.time_step = static_cast<float>(1 / rate);
+  parameters.substeps = 1;
+  parameters.air_drag = static_cast<float>(drag);
+  return parameters;
+}
+
+/// A helix down from the root, pitch 1 cm; a straight strand where the radius is 0. Metres.
+inline std::vector<Vec3> hungCurl(double length, int edges, double radius) {
+  const double rise = 0.01 / (2 * std::numbers::pi);  // per radian
+  std::vector<Vec3> points;
+  for (int i = 0; i <= edges; ++i) {
+    const double s = length * i / edges, a = s / std::hypot(radius, rise);
+    const Eigen::Vector3d curled(radius * (std::cos(a) - 1), -rise * a, radius * std::sin(a));
+    points.push_back((radius > 0 ? curled : Eigen::Vector3d(0, -s, 0)).cast<float>());
+  }
+  return points;
+}
+
+/// +-0.1 m along X and +-45 degrees about Z at 1 Hz; grows smoothly over `ramp` s.
+inline Pose shakenRoot(double time, double ramp) {
+  const double u = ramp > 0 ? std::clamp(time / ramp, 0.0, 1.0) : 1;
+  const double swing = u * u * u * (10 - 15 * u + 6 * u * u) * std::sin(2 * std::numbers::pi * time);
+  return {
+      Vec3(static_cast<float>(0.1 * swing), 0, 0),
+      Quat(Eigen::AngleAxisf(static_cast<float>(std::numbers::pi / 4 * swing), Eigen::Vector3f::UnitZ()))};
+}
+
+}  // namespace strandcast
