@@ -150,6 +150,7 @@ void Daemon::obey(const Command& command) {
     status_.last_command_error = error.what();
     spdlog::warn("refused: {}", error.what());
   }
+  publisher_.publishStatus(status_);  // the answer; its measured numbers are those of the last look
 }
 
 void Daemon::advance() {
@@ -205,9 +206,8 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
     for (owed += 1 / settings_.rate; owed > step * (1 - 1e-6) && !stop; owed -= step) advance();
     publishFrame();
     const Clock::time_point now = Clock::now();
-    if (now >= status_due || status_.last_command != acknowledged_) {
+    if (now >= status_due) {
       publishStatus();
-      acknowledged_ = status_.last_command;
       status_due =
           now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kStatusInterval));
     }

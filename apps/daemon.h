@@ -43,7 +43,6 @@ class Daemon {
   Status status_;
   std::vector<double> step_ms_;  ///< of the newest steps, a ring
   size_t step_count_ = 0;
-  uint64_t acknowledged_ = 0;  ///< the newest command that a status has told of
   bool shutdown_ = false;
 };
 

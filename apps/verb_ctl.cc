@@ -57,16 +57,15 @@ int sendCommand(const Options& o, CommandKind kind, const std::string& name,
   command.name = name;
   command.values = values;
   sendWhenMatched(*subscriber, command, o.timeout);
-  std::optional<Status> status;
+  std::optional<std::string> refusal;
   const bool answered = waitUntil(o.timeout, [&] {
-    status = subscriber->status();
-    return status && status->last_command == command.id;
+    return (refusal = subscriber->waitForAnswer(command.id, std::chrono::milliseconds(100))).has_value();
   });
   if (!answered)
     throw Error("the daemon did not answer",
                 fmt::format("groom {} on domain {}", o.network.groom_id, o.network.domain),
                 "see `strandcast ctl list`");
-  if (!status->last_command_error.empty()) throw Error("the daemon refused", status->last_command_error, "");
+  if (!refusal->empty()) throw Error("the daemon refused", *refusal, "");
   if (o.json) fmt::print("{}\n", nlohmann::json({{"command", command.id}, {"accepted", true}}).dump());
   return 0;
 }

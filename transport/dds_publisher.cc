@@ -12,6 +12,8 @@ namespace {
 
 namespace dds = eprosima::fastdds::dds;
 
+const eprosima::fastrtps::Duration_t kFarewell{1, 0};
+
 class DdsPublisher final : public Publisher {
  public:
   explicit DdsPublisher(const DdsOptions& options)
@@ -28,6 +30,8 @@ class DdsPublisher final : public Publisher {
     guide_writer_ = participant_.createWriter(kGuidesTopic, new GuideChunkType, &readers_);
     publishStatus({});  // so that rivals hear of this session at once
   }
+
+  ~DdsPublisher() override { status_writer_->wait_for_acknowledgments(kFarewell); }
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override {
     checkAnnouncement(groom, body, "groom " + groom.name);

@@ -1,4 +1,7 @@
+#include <thread>
+
 #include "core/error.h"
+#include "transport/answers.h"
 #include "transport/assembler.h"
 #include "transport/chunks.h"
 #include "transport/dds.h"
@@ -52,7 +55,13 @@ class DdsSubscriber final : public Subscriber {
     const std::string where =
         "groom " + std::to_string(options_.groom_id) + " in DDS domain " + std::to_string(options_.domain);
     const char* const remedy = "start strandcastd, or check --domain and the groom id";
-    if (!daemons_.waitForMatch(kAnswerTime)) throw Error("no daemon answers", where, remedy);
+    const auto deadline = std::chrono::steady_clock::now() + kAnswerTime;
+    // Its status is what it answers with.
+    for (bool heard = daemons_.waitForMatch(kAnswerTime); !heard || !status();
+         std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
+      if (!heard || std::chrono::steady_clock::now() > deadline)
+        throw Error("no daemon answers", where, remedy);
+    }
     const std::lock_guard lock(send_mutex_);
     v1::Command sample;
     toWire(command, sample);
@@ -64,6 +73,10 @@ class DdsSubscriber final : public Subscriber {
         eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
       throw Error("the daemon does not acknowledge the command", where, remedy);
     }
+  }
+
+  std::optional<std::string> waitForAnswer(uint64_t command, std::chrono::milliseconds timeout) override {
+    return answers_.wait(command, timeout);
   }
 
   ReceiveStatistics statistics() const override {
@@ -107,12 +120,14 @@ class DdsSubscriber final : public Subscriber {
   void receive(const v1::Status& wire, const StatusBoard::WriterId& writer) {
     Status status;
     fromWire(wire, status);
+    if (status.groom_id == options_.groom_id) answers_.post(status);
     statuses_.post(writer, std::move(status));
   }
 
   const DdsOptions options_;
   FrameQueue queue_;
   StatusBoard statuses_;
+  Answers answers_;
   mutable std::mutex assembly_mutex_;
   GroomAssembler grooms_;
   BodyAssembler bodies_;

@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "core/error.h"
+#include "transport/answers.h"
 #include "transport/chunks.h"
 #include "transport/frame_queue.h"
 
@@ -20,6 +21,7 @@ struct Channel {
   std::mutex mutex;  // of what follows
   std::deque<Command> commands;
   std::optional<Status> status;
+  Answers answers;  // has its own lock
   ReceiveStatistics statistics;
   uint64_t newest_frame = 0;  // of the groom in force
   bool has_publisher = true, has_subscriber = true;
@@ -68,6 +70,7 @@ class InProcessPublisher final : public Publisher {
   }
 
   void publishStatus(const Status& status) override {
+    channel_->answers.post(status);
     const std::lock_guard lock(channel_->mutex);
     channel_->status = status;
     channel_->status->groom_id = channel_->groom_id;
@@ -129,6 +132,10 @@ class InProcessSubscriber final : public Subscriber {
     channel_->commands.push_back(command);
     channel_->commands.back().groom_id = channel_->groom_id;
     if (channel_->commands.size() > kMaxQueuedCommands) channel_->commands.pop_front();
+  }
+
+  std::optional<std::string> waitForAnswer(uint64_t command, std::chrono::milliseconds timeout) override {
+    return channel_->answers.wait(command, timeout);
   }
 
   ReceiveStatistics statistics() const override {

@@ -27,6 +27,8 @@ class Publisher {
   /// or revision is the program's own fault: nothing is sent then); its `groom_id` and, over DDS, `session`
   /// are filled in by the channel.
   virtual void publish(const GuideFrame& frame) = 0;
+  /// The end of a publisher waits a second for live readers that lack the last status: it may hold the answer
+  /// to the command that ended it.
   virtual void publishStatus(const Status& status) = 0;
   /// The next command for this groom, in the order of arrival. Up to kMaxQueuedCommands wait; beyond that the
   /// oldest go.

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "transport/messages.h"
@@ -48,9 +49,13 @@ class Subscriber {
   /// Newest status of every live daemon on the network.
   virtual std::vector<Status> allStatuses() const = 0;
   /// Sends a command to the daemon of `command.groom_id` 's groom, which is this subscriber's (0 stands for
-  /// it). Blocks until the daemon's machine has it. Throws Error when no daemon of that groom answers within
-  /// 2 s, when `id` is 0, or when the command is longer than the wire takes.
+  /// it). Blocks until the daemon's machine has it, and the daemon's answer can be heard. Throws Error when no
+  /// daemon of that groom answers within 2 s, when `id` is 0, or when the command is longer than the wire
+  /// takes.
   virtual void send(const Command& command) = 0;
+  /// The daemon's answer to the command of this id: empty text when it was carried out, the reason when it was
+  /// refused, nothing on timeout. The newest 256 answers are kept, also when the daemon has ended.
+  virtual std::optional<std::string> waitForAnswer(uint64_t command, std::chrono::milliseconds timeout) = 0;
   virtual ReceiveStatistics statistics() const = 0;
 };
 

@@ -102,6 +102,23 @@ TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
   EXPECT_FALSE(publisher->rivalSession()) << "its own status is no rival's";
 }
 
+TEST_F(Dds, TheAnswerOfADaemonThatEndsAtOnceIsHeard) {
+  const auto subscriber = makeDdsSubscriber({testDomain(0), 1, 0});
+  for (uint64_t id = 1; id <= 5; ++id) {
+    auto publisher = makeDdsPublisher({testDomain(0), 1, 100 + id});
+    Command command;
+    command.id = id;
+    command.kind = CommandKind::kShutdown;
+    subscriber->send(command);
+    ASSERT_TRUE(becomesTrue([&] { return publisher->takeCommand().has_value(); }));
+    Status status;
+    status.last_command = id;
+    publisher->publishStatus(status);
+    publisher.reset();
+    EXPECT_EQ(subscriber->waitForAnswer(id, milliseconds(1000)), "") << id;
+  }
+}
+
 TEST_F(Dds, ANewRevisionReplacesTheGroomForOldAndNewReaders) {
   const int domain = testDomain(1);
   const auto publisher = makeDdsPublisher({domain, 1, 11});

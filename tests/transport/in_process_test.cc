@@ -121,12 +121,20 @@ TEST(InProcess, CommandsAndStatusArrive) {
   EXPECT_THROW(subscriber->send(bad), Error) << "another groom";
   EXPECT_FALSE(subscriber->status());
   Status status;
-  status.last_command = 3;
+  status.last_command = 2;
+  status.last_command_error = "no such wind";
   publisher->publishStatus(status);
+  status.last_command = 3;
+  status.last_command_error.clear();
+  publisher->publishStatus(status);
+  EXPECT_EQ(subscriber->waitForAnswer(2, std::chrono::milliseconds(0)), "no such wind");
+  EXPECT_EQ(subscriber->waitForAnswer(3, std::chrono::milliseconds(0)), "");
+  EXPECT_FALSE(subscriber->waitForAnswer(4, std::chrono::milliseconds(1)));
   EXPECT_EQ(subscriber->status()->last_command, 3u);
   EXPECT_EQ(subscriber->status()->groom_id, 3u);
   EXPECT_EQ(subscriber->allStatuses().size(), 1u);
   publisher.reset();
+  EXPECT_EQ(subscriber->waitForAnswer(3, std::chrono::milliseconds(0)), "") << "kept";
   bad.groom_id = 3;
   EXPECT_THROW(subscriber->send(bad), Error) << "nobody is left";
 }
