@@ -97,10 +97,13 @@ double restError(const ShakenStrand& strand, Simulation& simulation) {
 }
 
 void chooseShapeRates(const ShakenStrand& strand, Parameters& parameters) {
+  // An iteration restores 1 - exp(-rate h / iterations) of the shape, h the substep.
+  const double unit = parameters.iterations * parameters.substeps / static_cast<double>(kFrame);
   Parameters trial = parameters;
   double least = std::numeric_limits<double>::infinity();
-  for (const double rate : {0.0, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0, 1280.0, 2560.0, 5120.0})
+  for (const double strength : {0.0, 0.003, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 0.999})
     for (const double part : {1.0, 0.5, 0.25, 0.125, 0.0}) {
+      const double rate = -std::log1p(-strength) * unit;
       trial.shape_rate = static_cast<float>(rate);
       trial.shape_rate_tip = static_cast<float>(part * rate);
       Simulation simulation = rested(strand, trial);
