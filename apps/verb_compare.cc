@@ -16,7 +16,6 @@
 #include "apps/picture_options.h"
 #include "apps/shake_trial.h"
 #include "apps/verbs.h"
-#include "core/error.h"
 #include "gl/context.h"
 
 namespace strandcast {
@@ -193,13 +192,10 @@ int compare(const Options& o) {
 Verb addCompare(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.footer(
-      "Each solver has the same scene, steps and parameters. The head moves (--motion, by default shake), "
-      "comes\n"
-      "back to its rest pose and keeps still. Told of each solver: the time of a step; how far edges stretch "
-      "while\n"
-      "the head moves; how far vertices are in the end from the groomed shape, and how fast they are in the "
-      "last\n"
-      "half second.\n"
+      "Each solver has the same scene, steps and parameters. The head moves (--motion, by default shake),\n"
+      "comes back to its rest pose and keeps still. Told of each solver: the time of a step; how far edges\n"
+      "stretch while the head moves; how far vertices are from the groomed shape in the end, and how fast\n"
+      "they are in the last half second.\n"
       "Examples:\n"
       "  strandcast compare --scene curly --no-pictures\n"
       "  strandcast compare --groom bob.tfx --body head.obj --unit-meters 0.01 --width 640 --out film");
