@@ -67,9 +67,8 @@ double rms(const std::vector<Eigen::Vector3d>& a, const std::vector<Eigen::Vecto
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-ShakenStrand truthOf(const std::string& name, const StrandPoints& points) {
+ShakenStrand truthOf(const StrandPoints& points) {
   ShakenStrand out;
-  out.name = name;
   out.points = points;
   out.poses = inBothPoses(points);
   const NewtonRod upright = restingRod(out.poses, 0);
@@ -116,8 +115,8 @@ void chooseShapeRates(const ShakenStrand& strand, Parameters& parameters) {
 
 }  // namespace
 
-ShakenStrand straightTruth() { return truthOf("straight", straightStrand(kLength, kEdges, -Vec3::UnitY())); }
-ShakenStrand curlTruth() { return truthOf("curl", helixStrand(0.01, 0.01, kLength, kEdges)); }
+ShakenStrand straightTruth() { return truthOf(straightStrand(kLength, kEdges, -Vec3::UnitY())); }
+ShakenStrand curlTruth() { return truthOf(helixStrand(0.01, 0.01, kLength, kEdges)); }
 
 StrandError errorOf(const ShakenStrand& strand, Parameters parameters) {
   parameters.time_step = kFrame;

@@ -1,5 +1,4 @@
 #pragma once
-#include <string>
 #include <vector>
 
 #include "core/parameters.h"
@@ -11,7 +10,6 @@ namespace strandcast {
 /// its root is shaken by 0.1 m and 45 degrees at 1 Hz, which grows over half a second. Frames of 1/60 s; the
 /// root goes straight from one to the next, for the truth as for the solvers.
 struct ShakenStrand {
-  std::string name;
   std::vector<Vec3> points;                        ///< upright, as made, m
   StrandModel poses;                               ///< the strand twice: its root upright, then level
   std::vector<std::vector<Eigen::Vector3d>> rest;  ///< per pose, per vertex, m
