@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   add("convert", "Rewrite a groom in another format", addConvert);
 #ifdef STRANDCAST_HAS_RENDER
   add("render", "Draw frames into PNG files, with or without a daemon", addRender);
+  add("compare", "Solvers side by side under a shaken head: numbers and pictures", addCompare);
 #endif
 #ifdef STRANDCAST_HAS_VIEW
   add("view", "Draw in a window, with or without a daemon", addView);

@@ -14,6 +14,7 @@ using Verb = std::function<int()>;
 Verb addInfo(CLI::App& app);
 Verb addConvert(CLI::App& app);
 Verb addRender(CLI::App& app);
+Verb addCompare(CLI::App& app);
 Verb addView(CLI::App& app);
 Verb addValidate(CLI::App& app);
 Verb addCtl(CLI::App& app);

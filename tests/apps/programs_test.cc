@@ -83,8 +83,8 @@ class Programs : public ::testing::Test {
 };
 
 TEST_F(Programs, HelpTeachesAndExitsWithZero) {
-  for (const char* words :
-       {" --help", " info --help", " convert --help", " render --help", " ctl --help", " validate --help"}) {
+  for (const char* words : {" --help", " info --help", " convert --help", " render --help", " compare --help",
+                            " ctl --help", " validate --help"}) {
     const Outcome r = run(program_ + words);
     EXPECT_EQ(r.exit_code, 0) << words << r.err;
     EXPECT_GT(r.out.size(), 200u) << words;
@@ -134,6 +134,55 @@ TEST_F(Programs, ValidateExitsWithOneWhenACaseFails) {
   const Outcome list = run(program_ + " validate physics --list");
   EXPECT_EQ(list.exit_code, 0);
   EXPECT_NE(list.out.find("hung helix"), std::string::npos);
+}
+
+TEST_F(Programs, CompareTellsTheSolversApart) {
+  if (!STRANDCAST_GL) GTEST_SKIP() << "built without OpenGL";
+  const std::string command = program_ +
+                              " compare --scene straight --strands 60 --backend simd --set air_drag=5"
+                              " --out " +
+                              (folder_ / "film").string();
+  const Outcome r = run(command + " --no-pictures --json");
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const nlohmann::json report = nlohmann::json::parse(r.out);
+  EXPECT_EQ(report["strands"], 60);
+  const nlohmann::json rod = report["solvers"].at(0), other = report["solvers"].at(1);
+  EXPECT_EQ(rod["solver"], "rod");
+  EXPECT_EQ(other["solver"], "gauss_seidel");
+  EXPECT_LT(rod["max_stretch_percent"], 0.01);
+  EXPECT_GT(other["mean_stretch_percent"], 0.1);
+  EXPECT_LT(rod["style_rms_mm"].get<double>(), 0.2 * other["style_rms_mm"].get<double>());
+  EXPECT_GE(rod["style_max_mm"], rod["style_rms_mm"]);
+  EXPECT_GT(rod["rest_speed_mm_s"], 0);
+  EXPECT_EQ(rod["strands_reset"], 0);
+  EXPECT_GT(rod["step_ms_median"], 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "film"));
+
+  const Outcome table = run(command + " --no-pictures --solvers gauss_seidel --rest 0.5");
+  EXPECT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_NE(table.out.find("gauss_seidel"), std::string::npos) << table.out;
+  EXPECT_EQ(table.out.find("rod"), std::string::npos) << table.out;
+
+  const Outcome drawn = run(command +
+                            " --shake 0.3 --rest 0.3 --frames 2 --width 96 --height 64 --hairs 300"
+                            " --segments 8 --samples 1 --json");
+  if (drawn.err.find("OpenGL") != std::string::npos) GTEST_SKIP() << drawn.err;
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "film" / "frame_0001.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "film" / "frame_0002.png"));
+  const std::string png = contents(folder_ / "film" / "frame_0000.png");
+  EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\xc0\0\0\0\x40", 8)) << "192 x 64: one beside the other";
+}
+
+TEST_F(Programs, InterruptEndsACompareWithoutNumbers) {
+  if (!STRANDCAST_GL) GTEST_SKIP() << "built without OpenGL";
+  const pid_t child = start(
+      {program_, "compare", "--scene", "straight", "--strands", "60", "--no-pictures", "--rest", "3600"},
+      "compare.txt");
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  kill(child, SIGINT);
+  EXPECT_EQ(wait(child), 130);
+  EXPECT_EQ(contents(folder_ / "compare.txt"), "");
 }
 
 TEST_F(Programs, ConvertKeepsEveryBitOfThePositions) {
