@@ -326,7 +326,8 @@ inline void RodStep::moveAndEliminateLengths() {
   eliminate(ne - 1, weightAlong(t_in, normal_in, w_in, lit(0), lit(1)));
 }
 
-// The length system substituted from tip to root: how the tensions change. What that moves: the elimination of bending.
+// The length system substituted from tip to root: how the tensions change. What that moves, where it is violent by the
+// elimination of bending.
 inline void RodStep::pullAndEliminateBending() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real3 t_out = zero, y1 = zero, y2 = zero;
@@ -335,10 +336,15 @@ inline void RodStep::pullAndEliminateBending() {
     const real applied = boundedPull(pull, lengthOf(e));
     store(state(b.tension, 0, e) + applied, b.tension + at(0, e));
     const real3 t = get3(kTangent, e);
-    const real3 push = pushOfPulls(t, applied, t_out, pull_out, normalAt(e + 1), lit(0));
+    const real w = weight(e + 1), soft = get(kSoftness, e + 1);
+    const real violent = violence(applied, pull_out, w, inverseLength(e));
+    const real3 normal = normalAt(e + 1);
+    const real3 moved = pushOfPulls(t, applied, t_out, pull_out, normal, soft);
+    set3(kNewPosition, e + 1, madd(moved, w * (lit(1) - violent), get3(kNewPosition, e + 1)));
+    const real3 push = pushOfPulls(t, applied, t_out, pull_out, normal, lit(0)) * violent;
     const real3 y = push - y1 * get(kFactor1, e) - y2 * get(kFactor2, e);
     set3(kStrain, e, y * get(kPivot, e));
-    set(kSoftness, e + 1, softnessOfRest(get(kSoftness, e + 1)));
+    set(kSoftness, e + 1, softnessLeft(soft, violent));
     if (e > 0) pull = get(kRight, e - 1) - get(kLengthFactor, e) * applied;
     y2 = y1;
     y1 = y;

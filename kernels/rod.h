@@ -117,7 +117,7 @@ FN real curlSoftness(IN(real) weight, IN(real) stiffness, IN(real) inverse_lengt
   real3 b = t_out - t_in;
   real3 change = t_out2 - t_in2 - b * lit(3);
   real held = weight * stiffness * inverse_length * inverse_length * dot(change, change);
-  return held * inverse(dot(b, b) + held * lit(1.02) + lit(1e-12));
+  return held * inverse(dot(b, b) + held * lit(1.01) + lit(1e-12));
 }
 // What of this metric acts along an edge t next to the vertex, whose tangents make an angle of cosine c. In contact (normal
 // not zero, softness zero) the vertex gives way along the surface only.
@@ -130,9 +130,13 @@ FN real weightAlong(IN(real3) t, IN(real3) normal, IN(real) weight, IN(real) sof
 FN real lengthAcross(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) weight, IN(real) softness, IN(real) c) {
   return lit(0) - weight * (c - dot(t, normal) * dot(t_other, normal) + lit(0.5) * softness * (lit(1) - c));
 }
-// The second solve of lengths corrects what is left, with this part of the softness: in violent motion the metric is
-// a bad guess.
-FN real softnessOfRest(IN(real) softness) { return softness * lit(0.6); }
+// Calm motion is left to this metric, whose lengths are then exact to first order. Where the pulls next to a vertex would
+// move it far over its edge's length the metric is a bad guess: then they go through the bending matrix, and the lengths are
+// solved again with less of the softness. 0 calm, 1 violent.
+FN real violence(IN(real) pull_in, IN(real) pull_out, IN(real) weight, IN(real) inverse_length) {
+  return min(lit(10) * (abs(pull_in) + abs(pull_out)) * weight * inverse_length, lit(1));
+}
+FN real softnessLeft(IN(real) softness, IN(real) violence) { return softness * (lit(1) - lit(0.6) * violence); }
 // How the pulls of the edges before and after a vertex move it in this metric, per weight; as a force with softness 0.
 FN real3 pushOfPulls(IN(real3) t_in, IN(real) pull_in, IN(real3) t_out, IN(real) pull_out, IN(real3) normal, IN(real) softness) {
   real held = lit(0.5) * softness * (pull_in + pull_out);

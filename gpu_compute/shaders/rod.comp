@@ -363,11 +363,13 @@ vec3 pushOn(int p, float soft) {
   return pushOfPulls(tangent[p], pull[p], t_out, p < kLast ? pull[min(p + 1, kLast)] : pull_out, NORMAL(p), soft);
 }
 
-// The pulls as forces in the bending system.
-void pullAsForces() {
+// What the first pulls move: by themselves where that is calm, as forces in the bending system where it is violent.
+void moveByFirstPulls() {
   for (int p = 0; p < PER_THREAD; ++p) {
-    force[p] = isEdge(p) ? pushOn(p, 0.0) : vec3(0);
-    softness[p] = softnessOfRest(softness[p]);
+    float violent = violence(pull[p], p < kLast ? pull[min(p + 1, kLast)] : pull_out, weight(p), inverseLength(p));
+    x_new[p] = madd(pushOn(p, softness[p]), weight(p) * (1.0 - violent), x_new[p]);
+    force[p] = isEdge(p) ? pushOn(p, 0.0) * violent : vec3(0);
+    softness[p] = softnessLeft(softness[p], violent);
   }
 }
 
@@ -445,7 +447,7 @@ void main() {
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
 #endif
     for (int iteration = 0; iteration < 2; ++iteration) {
-      if (iteration > 0) pullAsForces();
+      if (iteration > 0) moveByFirstPulls();
       moveByForces();
 #if BODIES
       collide(timeAfter(substep));
