@@ -42,8 +42,10 @@ class RodStep {
 
   void run() {
     real length = lit(0), hung = lit(0);
+    loose_ = lit(1);
     for (int e = 0; e < ne; ++e) {
       length = length + lengthOf(e);
+      loose_ = select(weight(e + 1) > lit(0), loose_, lit(0));
       hung = hung + select(weight(e + 1) > lit(0), mass(e + 1), lit(0));
     }
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
@@ -124,6 +126,8 @@ class RodStep {
   real3 tangent_old_, swing_;  // root tangent before the substep, and how it changes
   real3 jump_;          // m, unexpected motion of the root
   real most_tension_;   // that is taken over from one substep to the next
+  // 1 where only the root is pinned. Between pins lengths leave little freedom: there the metric is that of the masses.
+  real loose_;
 };
 
 // Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
@@ -240,7 +244,7 @@ inline void RodStep::eliminateBending() {
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
     const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1), k2 = get(kStiffness, e + 2);
     const real edge = edgeMatrixStiffness(get(kMargin, e) + get(kMargin, e + 1), il, kept, get(kBlend, e));
-    set(kSoftness, e + 1, curlSoftness(weight(e + 1), k1, il, t_in, t, t_out, t_out2));
+    set(kSoftness, e + 1, loose_ * curlSoftness(weight(e + 1), k1, il, t_in, t, t_out, t_out2));
     const real diagonal = m + bendOwn(k0, k1, k2, il, il_out) + edge + edge_out;
     const real first = bendAcross(k1, k2, il, il_out, il_out2) - edge_out;
     const real second = bendAcrossTwo(k2, il_out, il_out2);
@@ -337,7 +341,7 @@ inline void RodStep::pullAndEliminateBending() {
     store(state(b.tension, 0, e) + applied, b.tension + at(0, e));
     const real3 t = get3(kTangent, e);
     const real w = weight(e + 1), soft = get(kSoftness, e + 1);
-    const real violent = violence(applied, pull_out, w, inverseLength(e));
+    const real violent = loose_ * violence(applied, pull_out, w, inverseLength(e));
     const real3 normal = normalAt(e + 1);
     const real3 moved = pushOfPulls(t, applied, t_out, pull_out, normal, soft);
     set3(kNewPosition, e + 1, madd(moved, w * (lit(1) - violent), get3(kNewPosition, e + 1)));
