@@ -168,7 +168,8 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     vec3 t_out = p < kLast ? tangent[min(p + 1, kLast)] : tangent_out;
     vec3 t_out2 = p < kLast - 1 ? tangent[min(p + 2, kLast)] : p < kLast ? tangent_out : tangent_out2;
     if (vertex + 2 >= edges) t_out2 = t_out;
-    softness[p] = PINNED == 1 || vertex + 1 >= edges ? 0.0 : curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2);
+    float soft = curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2);
+    softness[p] = vertex + 1 >= edges ? 0.0 : rest.loose * soft;
     if (!isEdge(p)) {
       slack[p] = 1.0;
       lower[p] = turn[p] = 0.0;
@@ -366,10 +367,8 @@ vec3 pushOn(int p, float soft) {
 // What the first pulls move: by themselves where that is calm, as forces in the bending system where it is violent.
 void moveByFirstPulls() {
   for (int p = 0; p < PER_THREAD; ++p) {
-    float violent = violence(pull[p], p < kLast ? pull[min(p + 1, kLast)] : pull_out, weight(p), inverseLength(p));
-#if PINNED  // between pins lengths leave little freedom: the metric is that of the masses
-    violent = 0.0;
-#endif
+    float outer = p < kLast ? pull[min(p + 1, kLast)] : pull_out;
+    float violent = rest.loose * violence(pull[p], outer, weight(p), inverseLength(p));
     x_new[p] = madd(pushOn(p, softness[p]), weight(p) * (1.0 - violent), x_new[p]);
     force[p] = isEdge(p) ? pushOn(p, 0.0) * violent : vec3(0);
     softness[p] = softnessLeft(softness[p], violent);

@@ -18,6 +18,7 @@ struct StrandRest {      // gpu_compute/rod_strands.cc
   float shortest;        // m; shorter edges bend as if they were this long
   float free_mass;       // of all vertices that are not pinned
   float arc_length;      // m
+  float loose;           // 1 where only the root is pinned, else 0
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
 layout(location = 0) uniform uint first_strand;  // of this group, in order[]
