@@ -21,6 +21,8 @@
 namespace strandcast {
 namespace {
 
+using Corners = std::array<Vec3, 3>;
+
 std::vector<uint32_t> candidates(const std::vector<uint32_t>& index) {
   std::vector<uint32_t> out;
   for (size_t i = 0; i < index.size(); ++i)
@@ -79,16 +81,16 @@ struct FieldBaker::Impl {
     whole.emplace(mesh);
     index = findBricks(grid, *whole, loop, progress);
     const std::vector<uint32_t> found = candidates(index);
-    const size_t corners = cornerRows() * (grid.bricks[0] + 1);
+    const size_t corner_count = cornerRows() * (grid.bricks[0] + 1);
     estimate.bricks = found.size();
     estimate.field_bytes = sizeof(FieldGrid) +
                            sizeof(uint32_t) * (index.size() + found.size() * kBrickWords) +
-                           sizeof(float) * corners;
+                           sizeof(float) * corner_count;
     require(estimate.working_bytes + estimate.field_bytes,
             fmt::format("{} bricks and the hierarchy", found.size()));
     std::vector<uint32_t> words(kBrickWords * found.size());
-    std::vector<float> row(corners);
-    seconds_hidden = loop.secondsFor(triangles, progress, [&](size_t t) { boundsOutside(t); });
+    std::vector<float> row(corner_count);
+    seconds_hidden = loop.secondsFor(triangles, progress, [&](size_t t) { outerPieces(t); });
     seconds_corners =
         loop.secondsFor(cornerRows(), progress, [&](size_t i) { bakeCornerRow(i, row.data()); });
     seconds_bricks = loop.secondsFor(found.size(), progress,
@@ -100,36 +102,49 @@ struct FieldBaker::Impl {
     if (progress && !progress(what, 0)) throw BakeStopped();
   }
 
-  bool boundsOutside(size_t t) const {
+  Corners corners(size_t t) const {
     const auto& [a, b, c] = mesh.triangles[t];
-    return triangleBoundsOutside(*whole, mesh.positions[a], mesh.positions[b], mesh.positions[c],
-                                 options.cell, 0.02f * options.cell);
+    return {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
+  }
+  std::vector<Corners> outerPieces(size_t t) const {
+    return strandcast::outerPieces(*whole, corners(t), 2 * options.cell);
   }
 
   /// Takes away what lies within the body: it would be a surface to distances and none to signs.
   void part(const BakeProgress& progress, double to) {
     if (parted) return;
-    std::vector<uint8_t> bounds(mesh.triangles.size());
-    loop.run(bounds.size(), progress, "looking for hidden parts", 0, to,
-             [&](size_t t) { bounds[t] = boundsOutside(t); });
+    std::vector<std::vector<Corners>> pieces(mesh.triangles.size());  // of those that are not whole
+    std::vector<uint8_t> whole_one(pieces.size());
+    loop.run(pieces.size(), progress, "looking for hidden parts", 0, to, [&](size_t t) {
+      std::vector<Corners> found = outerPieces(t);
+      whole_one[t] = found.size() == 1 && found[0] == corners(t);
+      if (whole_one[t] == 0) pieces[t] = std::move(found);
+    });
     TriangleMesh shown;
     shown.name = mesh.name;
-    for (size_t t = 0; t < bounds.size(); ++t)
-      if (bounds[t] != 0) shown.triangles.push_back(mesh.triangles[t]);
-    parted = true;
-    hidden = mesh.triangles.size() - shown.triangles.size();
-    if (hidden == 0 || shown.triangles.empty()) return;
     shown.positions = mesh.positions;
-    outer.emplace(shown);
+    hidden = 0;
+    for (size_t t = 0; t < pieces.size(); ++t) {
+      if (whole_one[t] != 0) shown.triangles.push_back(mesh.triangles[t]);
+      if (whole_one[t] == 0 && pieces[t].empty()) ++hidden;
+      for (const Corners& piece : pieces[t]) {
+        const auto first = static_cast<uint32_t>(shown.positions.size());
+        shown.positions.insert(shown.positions.end(), piece.begin(), piece.end());
+        shown.triangles.push_back({first, first + 1, first + 2});
+      }
+    }
+    const bool all_whole = std::all_of(whole_one.begin(), whole_one.end(), [](uint8_t w) { return w != 0; });
+    if (!all_whole && !shown.empty()) outer.emplace(shown);
+    parted = true;
   }
 
-  void bakeCornerRow(size_t row, float* corners) const {
+  void bakeCornerRow(size_t row, float* all) const {
     const auto j = static_cast<uint32_t>(row % (grid.bricks[1] + 1)),
                k = static_cast<uint32_t>(row / (grid.bricks[1] + 1));
     const float step = grid.cell * kBrickCells;
     const BodyDistance distances = body();
     DistanceWalk walk(distances);
-    float* out = corners + row * (grid.bricks[0] + 1);
+    float* out = all + row * (grid.bricks[0] + 1);
     for (uint32_t i = 0; i <= grid.bricks[0]; ++i) {
       const Vec3 p = samplePosition(grid, i * kBrickCells, j * kBrickCells, k * kBrickCells);
       out[i] = i == 0 ? walk.start(p, check.open_edges.empty()) : walk.next(p, step);
@@ -197,16 +212,16 @@ struct FieldBaker::Impl {
   void addLids(DistanceField& field) const {
     if (check.open_edges.empty()) return;
     const float reach = grid.band + 0.5f * std::numbers::sqrt3_v<float> * grid.cell * kBrickCells;
-    forFarBricks(field, [&](uint32_t& entry, const std::array<float, 8>& corners) {
-      const auto [least, most] = std::minmax_element(corners.begin(), corners.end());
+    forFarBricks(field, [&](uint32_t& entry, const std::array<float, 8>& at) {
+      const auto [least, most] = std::minmax_element(at.begin(), at.end());
       if (*least<reach&& * most> - reach) entry = kCandidate;
     });
   }
 
   /// No surface passes through a brick beyond the band: its side is that of its corners.
   static void markFar(DistanceField& field) {
-    forFarBricks(field, [](uint32_t& entry, const std::array<float, 8>& corners) {
-      if (std::accumulate(corners.begin(), corners.end(), 0.0f) < 0) entry = kInsideBrick;
+    forFarBricks(field, [](uint32_t& entry, const std::array<float, 8>& at) {
+      if (std::accumulate(at.begin(), at.end(), 0.0f) < 0) entry = kInsideBrick;
     });
   }
 
@@ -219,11 +234,11 @@ struct FieldBaker::Impl {
       for (uint32_t y = 0; y < ny; ++y)
         for (uint32_t x = 0; x < nx; ++x, ++brick) {
           if (field.index[brick] != kOutsideBrick) continue;
-          std::array<float, 8> corners;
+          std::array<float, 8> at;
           for (uint32_t c = 0; c < 8; ++c)
-            corners[c] =
+            at[c] =
                 field.corners[((z + (c >> 2)) * size_t{ny + 1} + y + (c >> 1 & 1)) * (nx + 1) + x + (c & 1)];
-          act(field.index[brick], corners);
+          act(field.index[brick], at);
         }
   }
 

@@ -1,4 +1,7 @@
 #pragma once
+#include <array>
+#include <vector>
+
 #include "collision/mesh_query.h"
 
 namespace strandcast {
@@ -11,9 +14,10 @@ bool isInside(const MeshQuery& query, const Vec3& point);
 /// there is inside on both sides, something within the body or a part that reaches into another lies.
 bool boundsOutside(const MeshQuery& query, const Vec3& place, const Vec3& step);
 
-/// The same of a whole triangle, asked at its centroid and on a lattice of about `spacing` (m) up to its
-/// corners until one place says so. A triangle without area is asked at the same places.
-bool triangleBoundsOutside(const MeshQuery& query, const Vec3& a, const Vec3& b, const Vec3& c, float spacing,
-                           float away);
+/// The parts of a triangle that bound the outside: the whole, none, or pieces of it, cut so that of what is
+/// hidden a rim of about `resolution` (m) is left. Of a triangle with longer edges a hidden part is found
+/// when it is larger than an eighth of them. A triangle without area is taken as any other.
+std::vector<std::array<Vec3, 3>> outerPieces(const MeshQuery& query, const std::array<Vec3, 3>& triangle,
+                                             float resolution);
 
 }  // namespace strandcast
