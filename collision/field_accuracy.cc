@@ -47,7 +47,7 @@ FieldAccuracy measureField(const DistanceField& field, const BodyDistance& body,
   double squares = 0;
   BandPlaces places(field);
   for (size_t tries = 0; out.points < points && tries < 50 * points && !places.empty(); ++tries) {
-    if (tries % 64 == 0 && progress &&
+    if (tries % 16 == 0 && progress &&
         !progress("measuring", static_cast<double>(out.points) / static_cast<double>(points)))
       throw BakeStopped();
     const Vec3 p = places.next();

@@ -107,7 +107,7 @@ struct FieldBaker::Impl {
     return {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
   }
   std::vector<Corners> outerPieces(size_t t) const {
-    return strandcast::outerPieces(*whole, corners(t), 2 * options.cell);
+    return strandcast::outerPieces(*whole, corners(t), 2 * options.cell, loop.stopping());
   }
 
   /// Takes away what lies within the body: it would be a surface to distances and none to signs.
@@ -145,7 +145,7 @@ struct FieldBaker::Impl {
     const BodyDistance distances = body();
     DistanceWalk walk(distances);
     float* out = all + row * (grid.bricks[0] + 1);
-    for (uint32_t i = 0; i <= grid.bricks[0]; ++i) {
+    for (uint32_t i = 0; i <= grid.bricks[0] && !loop.stopping(); ++i) {
       const Vec3 p = samplePosition(grid, i * kBrickCells, j * kBrickCells, k * kBrickCells);
       out[i] = i == 0 ? walk.start(p, check.open_edges.empty()) : walk.next(p, step);
     }
@@ -165,7 +165,7 @@ struct FieldBaker::Impl {
     DistanceWalk walk(distances);
     float nearest = std::numeric_limits<float>::infinity();
     // To and fro, so that each sample is a neighbour of the one before; near a lid row by row.
-    for (uint32_t n = 0; n < kBrickSamples; ++n) {
+    for (uint32_t n = 0; n < kBrickSamples && !loop.stopping(); ++n) {
       const uint32_t row = n / kBrickSide, k = row / kBrickSide;
       const uint32_t j = k % 2 == 0 ? row % kBrickSide : kBrickCells - row % kBrickSide;
       const uint32_t i = row % 2 == 0 ? n % kBrickSide : kBrickCells - n % kBrickSide;

@@ -14,14 +14,15 @@ float longestEdge(const Corners& t) {
 
 class Cutter {
  public:
-  Cutter(const MeshQuery& query, const Corners& triangle, float resolution)
-      : query_(query), resolution_(resolution) {
+  Cutter(const MeshQuery& query, const Corners& triangle, float resolution, const std::atomic<bool>& stop)
+      : query_(query), resolution_(resolution), stop_(stop) {
     const Vec3 normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
     const float length = normal.norm();
     if (length > 0) step_ = normal * (kAway * resolution / length);
   }
 
   void cut(const Corners& t, std::vector<Corners>& out) const {
+    if (stop_) return;
     const float edge = longestEdge(t);
     const bool small = edge <= resolution_;
     // A large triangle is asked at a lattice no wider than the resolution, up to so many that cutting is
@@ -58,6 +59,7 @@ class Cutter {
 
   const MeshQuery& query_;
   float resolution_;
+  const std::atomic<bool>& stop_;
   Vec3 step_ = Vec3::Zero();
 };
 
@@ -71,9 +73,10 @@ bool boundsOutside(const MeshQuery& query, const Vec3& place, const Vec3& step) 
   return !isInside(query, place + step) || !isInside(query, place - step);
 }
 
-std::vector<Corners> outerPieces(const MeshQuery& query, const Corners& triangle, float resolution) {
+std::vector<Corners> outerPieces(const MeshQuery& query, const Corners& triangle, float resolution,
+                                 const std::atomic<bool>& stop) {
   std::vector<Corners> out;
-  Cutter(query, triangle, resolution).cut(triangle, out);
+  Cutter(query, triangle, resolution, stop).cut(triangle, out);
   return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <atomic>
 #include <vector>
 
 #include "collision/mesh_query.h"
@@ -16,8 +17,9 @@ bool boundsOutside(const MeshQuery& query, const Vec3& place, const Vec3& step);
 
 /// The parts of a triangle that bound the outside: the whole, none, or pieces of it, cut so that of what is
 /// hidden a rim of about `resolution` (m) is left. Of a triangle with longer edges a hidden part is found
-/// when it is larger than an eighth of them. A triangle without area is taken as any other.
+/// when it is larger than an eighth of them. A triangle without area is taken as any other. Returns early
+/// when `stop` is set.
 std::vector<std::array<Vec3, 3>> outerPieces(const MeshQuery& query, const std::array<Vec3, 3>& triangle,
-                                             float resolution);
+                                             float resolution, const std::atomic<bool>& stop);
 
 }  // namespace strandcast
