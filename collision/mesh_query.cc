@@ -272,7 +272,7 @@ float MeshQuery::signedDistance(const Vec3& point) const {
 size_t MeshQuery::bytes(size_t triangles) {
   constexpr size_t kNode = sizeof(fcl::BVNode<fcl::AABB<double>>) + sizeof(FarField);
   constexpr size_t kTriangle = sizeof(fcl::Triangle) + sizeof(Point) / 2 + sizeof(unsigned);
-  return triangles * (2 * kNode + kTriangle);
+  return triangles * (2 * kNode + 2 * kTriangle);  // what it is made from is there twice
 }
 
 }  // namespace strandcast

@@ -34,7 +34,7 @@ class MeshQuery {
   /// Negative inside.
   float signedDistance(const Vec3& point) const;
 
-  /// Memory of a query over so many triangles.
+  /// Memory that making a query over so many triangles takes.
   static size_t bytes(size_t triangles);
 
  private:

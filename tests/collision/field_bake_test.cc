@@ -16,7 +16,7 @@ namespace {
 
 using shapes::randomPoint;
 
-constexpr float kCell = 0.002f;
+constexpr float kFine = 0.002f, kCell = 0.004f;  // m
 
 FieldOptions cells(float cell) {
   FieldOptions options;
@@ -67,18 +67,19 @@ Worst compare(const DistanceField& field, const Truth& truth, float reach) {
 // what the interpolant errs by where the distance is curved most, at the inner end of the band.
 double roundError(float radius) {
   const float edge = 0.04f * radius;
-  return edge * edge / (6 * radius) + kCell * kCell / (4 * (radius - defaultFieldBand(40e-6f, kCell)));
+  return edge * edge / (6 * radius) + kFine * kFine / (4 * (radius - defaultFieldBand(40e-6f, kFine)));
 }
 
 TEST(FieldBake, ASphereIsWithinItsFacetsAndTheInterpolantsError) {
-  const Worst worst = compare(baked(shapes::sphere(0.05f, 5)), sphereTruth(0.05f), 0.06f);
+  const Worst worst = compare(baked(shapes::sphere(0.05f, 5), kFine), sphereTruth(0.05f), 0.06f);
   EXPECT_GT(worst.points, 1000);
   EXPECT_LT(worst.distance, roundError(0.05f));
   EXPECT_LT(worst.degrees, 2.5);
 }
 
 TEST(FieldBake, ACapsuleIsWithinItsFacetsAndTheInterpolantsError) {
-  const Worst worst = compare(baked(shapes::capsule(0.04f, 0.02f, 5)), capsuleTruth(0.04f, 0.02f), 0.07f);
+  const Worst worst =
+      compare(baked(shapes::capsule(0.04f, 0.02f, 5), kFine), capsuleTruth(0.04f, 0.02f), 0.07f);
   EXPECT_GT(worst.points, 1000);
   EXPECT_LT(worst.distance, roundError(0.04f));
   EXPECT_LT(worst.degrees, 2.5);
@@ -86,7 +87,7 @@ TEST(FieldBake, ACapsuleIsWithinItsFacetsAndTheInterpolantsError) {
 
 TEST(FieldBake, ABoxIsExactOverItsFacesAndWithinAPartOfACellAtItsEdges) {
   const Vec3 half(0.06f, 0.04f, 0.05f);
-  const DistanceField field = baked(shapes::box(half));
+  const DistanceField field = baked(shapes::box(half), kFine);
   std::mt19937 random(3);
   int faces = 0;
   double worst = 0;
@@ -99,23 +100,26 @@ TEST(FieldBake, ABoxIsExactOverItsFacesAndWithinAPartOfACellAtItsEdges) {
     worst = std::max(worst, error);
     std::array<float, 3> sorted{beyond.x(), beyond.y(), beyond.z()};
     std::sort(sorted.begin(), sorted.end());
-    if (sorted[1] > -std::fabs(sorted[2]) - 2 * kCell || sorted[1] > -2 * kCell) continue;
+    if (sorted[1] > -std::fabs(sorted[2]) - 2 * kFine || sorted[1] > -2 * kFine) continue;
     ++faces;
     EXPECT_LT(error, 2e-6) << p.transpose() << ": the distance to a plane is linear";
   }
   EXPECT_GT(faces, 1000);
-  EXPECT_LT(worst, 0.5 * kCell);
+  EXPECT_LT(worst, 0.5 * kFine);
 }
 
 TEST(FieldBake, BeyondTheBandDistancesAreLowerBoundsWithTheRightSignAndAWayOut) {
-  const DistanceField field = baked(shapes::sphere(0.1f, 5), 0.004f);
+  const DistanceField field = baked(shapes::sphere(0.1f, 4));
+  // m, as in roundError, at four levels; stored bricks reach beyond the band, and their interpolant is no
+  // bound.
+  constexpr float kOff = 0.008f * 0.008f / (6 * 0.1f) + kCell * kCell / (4 * 0.1f);
   std::mt19937 random(5);
   for (int i = 0; i < 5000; ++i) {
     const Vec3 p = randomPoint(random, i % 2 ? 0.11f : 0.4f);
     const FieldSample exact = sphereTruth(0.1f)(p), found = field.at(p);
-    if (std::fabs(exact.distance) < field.grid.band + 1e-4f) continue;
+    if (std::fabs(exact.distance) < field.grid.band + kOff) continue;
     EXPECT_EQ(std::signbit(found.distance), std::signbit(exact.distance)) << p.transpose();
-    EXPECT_LE(std::fabs(found.distance), std::fabs(exact.distance) + 1e-4f) << p.transpose();  // facets
+    EXPECT_LE(std::fabs(found.distance), std::fabs(exact.distance) + kOff) << p.transpose();
     EXPECT_GE(std::fabs(found.distance), field.grid.band - 1e-5f) << p.transpose();
     if (p.norm() > 0.03f) {
       EXPECT_GT(found.gradient.dot(exact.gradient), 0.5f) << p.transpose();
@@ -124,7 +128,7 @@ TEST(FieldBake, BeyondTheBandDistancesAreLowerBoundsWithTheRightSignAndAWayOut) 
 }
 
 TEST(FieldBake, NeighbouringBricksShareTheirSamples) {
-  const DistanceField field = baked(shapes::potato(0.05f, 4));
+  const DistanceField field = baked(shapes::potato(0.06f, 3));
   const auto& [nx, ny, nz] = field.grid.bricks;
   const auto sample = [&](uint32_t brick, uint32_t n) {
     return static_cast<int16_t>(field.samples[size_t{brick} * kBrickWords + n / 2] >> (16 * (n % 2)));
@@ -137,7 +141,7 @@ TEST(FieldBake, NeighbouringBricksShareTheirSamples) {
       ASSERT_EQ(sample(field.index[b], row * kBrickSide + kBrickCells),
                 sample(field.index[b + 1], row * kBrickSide));
   }
-  EXPECT_GT(pairs, 50);
+  EXPECT_GT(pairs, 20);
 }
 
 TEST(FieldBake, StoredSamplesAreWithinHalfAUnitOfTheExactDistance) {
@@ -244,13 +248,13 @@ TEST(FieldBake, SpheresThatCutEachOtherAreOneBody) {
   }
   EXPECT_LT(worst, 0.5 * kCell) << "the crease";
   // On the wall of the second sphere, deep within the first.
-  EXPECT_LT(field.at({0.012f, 0.01f, 0}).distance, -0.02f);
-  EXPECT_LT(field.at({0.048f, 0.01f, 0}).distance, -0.02f);
+  EXPECT_LT(field.at({0.012f, 0.01f, 0}).distance, -0.015f);
+  EXPECT_LT(field.at({0.048f, 0.01f, 0}).distance, -0.015f);
   // The same with the seam's triangles much larger than a cell.
   const TriangleMesh coarse =
       shapes::together(shapes::box({0.1f, 0.1f, 0.1f}), shapes::sphere(0.05f, 4, {0.1f, 0, 0}));
-  const DistanceField boxes = baked(coarse, 0.004f);
-  EXPECT_LT(boxes.at({0.1f, 0.02f, 0}).distance, -0.02f) << "the face within the sphere is gone";
+  const DistanceField boxes = baked(coarse);
+  EXPECT_LT(boxes.at({0.1f, 0.02f, 0}).distance, -0.015f) << "the face within the sphere is gone";
   EXPECT_NEAR(boxes.at({0.1f, 0.08f, 0.08f}).distance, 0, 0.1f * kCell) << "the face beside it is not";
 }
 
@@ -359,9 +363,9 @@ TEST(FieldBake, TheMeasureFindsWhatIsWrongWithAField) {
   DistanceField field = baker.bake();
   const FieldAccuracy good = baker.measure(field, 2000);
   EXPECT_EQ(good.points, 2000u);
-  EXPECT_LT(good.worst, 1e-4);
+  EXPECT_LT(good.worst, 1.5e-4);  // h^2 / 4R is 118 um at the inner end of the band
   EXPECT_LT(good.rms, good.worst);
-  EXPECT_LT(good.median_angle, 1);
+  EXPECT_LT(good.median_angle, 2);
   EXPECT_EQ(good.wrong_side, 0u);
   EXPECT_EQ(good.unclear, 0u);
   for (uint32_t& word : field.samples) word ^= 0x80008000;
