@@ -17,12 +17,13 @@ class BrickSearch {
  public:
   explicit BrickSearch(const FieldGrid& grid) : grid_(grid) {}
 
-  std::vector<uint32_t> run(const MeshQuery& query, BakeLoop& loop, const BakeProgress& progress) const {
+  std::vector<uint32_t> run(const MeshQuery& query, BakeLoop& loop, const BakeProgress& progress,
+                            double done) const {
     std::vector<uint32_t> index(size_t{grid_.bricks[0]} * grid_.bricks[1] * grid_.bricks[2], kOutsideBrick);
     uint32_t level = std::bit_width(std::max({grid_.bricks[0], grid_.bricks[1], grid_.bricks[2]}) - 1);
     for (std::vector<Cube> cubes{{{0, 0, 0}, level}};; --level) {
       std::vector<uint8_t> near(cubes.size());
-      loop.run(cubes.size(), progress, "finding bricks", 0, 0,
+      loop.run(cubes.size(), progress, "finding bricks", done, done,
                [&](size_t i) { near[i] = comesNear(cubes[i], query); });
       std::vector<Cube> finer;
       for (size_t i = 0; i < cubes.size(); ++i) {
@@ -69,8 +70,8 @@ class BrickSearch {
 }  // namespace
 
 std::vector<uint32_t> findBricks(const FieldGrid& grid, const MeshQuery& query, BakeLoop& loop,
-                                 const BakeProgress& progress) {
-  return BrickSearch(grid).run(query, loop, progress);
+                                 const BakeProgress& progress, double done) {
+  return BrickSearch(grid).run(query, loop, progress, done);
 }
 
 }  // namespace strandcast

@@ -13,7 +13,8 @@ constexpr uint32_t kCandidate = 0;
 
 /// The index with kCandidate where a brick may come nearer to the mesh than the band, else kOutsideBrick.
 /// Goes down from the whole grid in halves, so the work follows the surface and not the grid.
+/// `done` is what progress tells.
 std::vector<uint32_t> findBricks(const FieldGrid& grid, const MeshQuery& query, BakeLoop& loop,
-                                 const BakeProgress& progress);
+                                 const BakeProgress& progress, double done);
 
 }  // namespace strandcast

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -79,7 +81,7 @@ struct FieldBaker::Impl {
     grid = makeFieldGrid(mesh, options);
     tell(progress, "building the hierarchy");
     whole.emplace(mesh);
-    index = findBricks(grid, *whole, loop, progress);
+    index = findBricks(grid, *whole, loop, progress, 0);
     const std::vector<uint32_t> found = candidates(index);
     const size_t corner_count = cornerRows() * (grid.bricks[0] + 1);
     estimate.bricks = found.size();
@@ -191,7 +193,7 @@ struct FieldBaker::Impl {
     part(progress, parted_at);
     DistanceField field;
     field.grid = grid;
-    field.index = outer ? findBricks(grid, *outer, loop, progress) : index;
+    field.index = outer ? findBricks(grid, *outer, loop, progress, parted_at) : index;
     field.corners.resize(cornerRows() * (grid.bricks[0] + 1));
     loop.run(cornerRows(), progress, "baking far distances", parted_at, corners_at,
              [&](size_t row) { bakeCornerRow(row, field.corners.data()); });
@@ -213,8 +215,9 @@ struct FieldBaker::Impl {
     if (check.open_edges.empty()) return;
     const float reach = grid.band + 0.5f * std::numbers::sqrt3_v<float> * grid.cell * kBrickCells;
     forFarBricks(field, [&](uint32_t& entry, const std::array<float, 8>& at) {
-      const auto [least, most] = std::minmax_element(at.begin(), at.end());
-      if (*least<reach&& * most> - reach) entry = kCandidate;
+      const float least = *std::min_element(at.begin(), at.end()),
+                  most = *std::max_element(at.begin(), at.end());
+      if (least < reach && most > -reach) entry = kCandidate;
     });
   }
 

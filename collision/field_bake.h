@@ -47,8 +47,8 @@ struct BakeStopped : std::runtime_error {
 };
 
 struct BakeEstimate {
-  size_t bricks = 0;         ///< to be stored at most
-  size_t field_bytes = 0;    ///< of the field, at most
+  size_t bricks = 0;         ///< to be stored at most, but for those about lids
+  size_t field_bytes = 0;    ///< of the field with as many bricks
   size_t working_bytes = 0;  ///< besides, while baking
   double seconds = 0;        ///< from a small sample, on this machine
 };
@@ -64,10 +64,10 @@ struct FieldAccuracy {
 };
 
 /// Bakes the signed distance field of a mesh that may be open, may intersect itself and may have parts inside
-/// one another. Distances are exact to the surface that bounds the outside (FCL's hierarchy); the sign is
-/// that of the generalised winding number (Jacobson 2013), by the series of Barill 2018: inside where it is
-/// above a half in size. Over a hole of an open mesh the sign changes where the number passes a half, without
-/// a surface there. A sheet has outside on both sides.
+/// one another. Distances are exact, to the surface that bounds the outside (FCL's hierarchy); the sign is
+/// that of the generalised winding number (Jacobson 2013; by the series of Barill 2018): inside where it is
+/// above a half in size. Where it passes a half over a hole of an open mesh the inside ends at a lid
+/// (BodyDistance). A sheet has outside on both sides.
 ///
 /// Building it makes the hierarchy and finds the bricks, a small part of the work; the rest is `bake`.
 /// Neither the number of threads nor anything but mesh and options changes a bit of the field.

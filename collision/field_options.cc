@@ -59,8 +59,10 @@ FieldGrid makeFieldGrid(const TriangleMesh& mesh, const FieldOptions& resolved) 
   FieldGrid grid{};
   grid.cell = resolved.cell;
   grid.band = resolved.band;
-  grid.quantum = (resolved.band + std::numbers::sqrt3_v<float> * resolved.cell * kBrickCells) /
-                 std::numeric_limits<int16_t>::max();
+  // The farthest samples of a brick whose nearest is within the band and a cell.
+  grid.quantum =
+      (resolved.band + resolved.cell + std::numbers::sqrt3_v<float> * resolved.cell * kBrickCells) /
+      std::numeric_limits<int16_t>::max();
   const Box box = usedBounds(mesh);
   const double edge = double{resolved.cell} * kBrickCells;
   double corners = 1;

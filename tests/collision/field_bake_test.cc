@@ -327,7 +327,7 @@ TEST(FieldBake, WhatCannotBeBakedIsRefusedWithWhatAndWhere) {
 }
 
 TEST(FieldBake, ProgressGoesForwardAndStopsTheBake) {
-  const TriangleMesh mesh = shapes::sphere(0.1f, 4);
+  const TriangleMesh mesh = shapes::together(shapes::sphere(0.1f, 4), shapes::sphere(0.05f, 3, {0.1f, 0, 0}));
   FieldBaker baker(mesh, cells(kCell));
   double last = 0;
   int calls = 0;
