@@ -70,12 +70,16 @@ Baked bakeOrFind(FieldBaker& baker, uint64_t key, const Options& o, ProgressBar&
   return baked;
 }
 
-Report report(const Options& o, const FieldBaker& baker, const Baked& baked, const FieldAccuracy& a) {
+Report report(const Options& o, const Box& box, const FieldBaker& baker, const Baked& baked,
+              const FieldAccuracy& a) {
   const DistanceField& field = baked.field;
   const FieldGrid& grid = field.grid;
   const double share = 100.0 / static_cast<double>(std::max<size_t>(a.points, 1));
   Report out;
   out.add("file", "field", o.out);
+  const Eigen::Vector3f size = box.sizes();
+  out.add("size", "size of the body",
+          fmt::format("{:.3f} x {:.3f} x {:.3f} m", size.x(), size.y(), size.z()));
   out.addCount("triangles", "triangles", baker.mesh().triangles);
   out.addCount("triangles_without_area", "  without area", baker.mesh().without_area);
   out.addCount("hidden_triangles", "  with inside on both sides", baker.hiddenTriangles());
@@ -115,13 +119,13 @@ int bake(Options o) {
     FieldBaker baker(mesh, o.field, o.limits, progress);
     const uint64_t key = fieldKey(mesh, baker.options());
     const Baked baked = bakeOrFind(baker, key, o, bar, progress);
+    const FieldAccuracy accuracy = baker.measure(baked.field, kMeasuredPoints, progress);
+    bar.clear();
     writeDistanceField(o.out, baked.field, key);
 #ifdef STRANDCAST_HAS_RENDER
     if (!o.slices.empty()) writeFieldSlices(baked.field, o.slices);
 #endif
-    const FieldAccuracy accuracy = baker.measure(baked.field, kMeasuredPoints, progress);
-    bar.clear();
-    report(o, baker, baked, accuracy).print(o.json);
+    report(o, mesh.bounds(), baker, baked, accuracy).print(o.json);
   } catch (const BakeStopped&) {
     fmt::print(stderr, "stopped; nothing was written\n");
     return kExitInterrupted;
@@ -134,12 +138,10 @@ int bake(Options o) {
 Verb addBake(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.footer(
-      "The mesh may be open, intersect itself or have parts inside one another. Says what it will take "
-      "before\n"
-      "it starts, and afterwards how far the field is from the exact distance.\n"
-      "Cell: sqrt(diagonal of the body x hair radius / 8), so that over a sphere of an eighth of the "
-      "diagonal\n"
-      "the field errs by a quarter of the hair's radius. Band: four cells and the hair's radius.\n"
+      "The mesh may be open, intersect itself or have parts inside one another. Says before it starts what\n"
+      "it will take, and afterwards how far the field is from the exact distance.\n"
+      "Cell: sqrt(diagonal of the body x hair radius / 8): over a sphere of an eighth of the diagonal the\n"
+      "field errs by a quarter of the hair's radius. Band: four cells and the hair's radius.\n"
       "Example: strandcast bake head.obj --unit-meters 0.01 --cell 0.002 --slices slices");
   app.add_option("FILE", o->file, "body mesh: .obj, .gltf or .glb")->required();
   app.add_option("--out", o->out, "field to write; FILE's name with .sdf in this folder if not given");

@@ -73,7 +73,8 @@ struct FieldBaker::Impl {
   void prepare(const BakeProgress& progress) {
     const size_t triangles = mesh.triangles.size();
     // Two hierarchies: of the whole mesh and of the surface that bounds the outside.
-    estimate.working_bytes = 2 * MeshQuery::bytes(triangles) + triangles * sizeof(mesh.triangles[0]) +
+    estimate.working_bytes = 2 * MeshQuery::bytes(triangles) +
+                             triangles * (sizeof(mesh.triangles[0]) + sizeof(std::vector<Corners>)) +
                              mesh.positions.size() * sizeof(Vec3);
     require(estimate.working_bytes, fmt::format("the hierarchy of {} triangles", triangles));
     tell(progress, "checking the mesh");
