@@ -1,6 +1,7 @@
 #include "collision/field_bake.h"
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <cstring>
@@ -165,6 +166,9 @@ TEST(FieldBake, StoredSamplesAreWithinHalfAUnitOfTheExactDistance) {
 }
 
 TEST(FieldBake, TheNumberOfThreadsChangesNoBit) {
+  // Else oneTBB gives no more threads than the machine has.
+  using oneapi::tbb::global_control;
+  const global_control five(global_control::max_allowed_parallelism, 5);
   TriangleMesh mesh = shapes::together(shapes::potato(0.05f, 3), shapes::sphere(0.03f, 2, {0.05f, 0, 0}));
   mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 10);  // open, too
   const DistanceField one = baked(mesh, 0.005f, 1);
