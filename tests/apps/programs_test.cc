@@ -202,7 +202,7 @@ TEST_F(Programs, BakeWritesAFieldSaysHowGoodItIsAndFindsItAgain) {
 TEST_F(Programs, InterruptStopsABakeAndLeavesNoFile) {
   const std::filesystem::path cube = write("cube.obj", kCube), out = folder_ / "cube.sdf";
   const pid_t child = start({program_, "bake", cube.string(), "--unit-meters", "1", "--cell", "0.0002",
-                             "--no-cache", "--out", out.string()},
+                             "--threads", "1", "--no-cache", "--out", out.string()},
                             "bake.txt");
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   kill(child, SIGINT);
