@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "groom/distance_field_file.h"
 #include "groom/groom_file.h"
 
 namespace strandcast {
@@ -25,6 +26,10 @@ struct Outcome {
   int exit_code = -1;
   std::string out, err;
 };
+
+const std::string kCube =
+    "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nv 0 0 0.1\nv 0.1 0 0.1\nv 0.1 0.1 0.1\nv 0 0.1 0.1\n"
+    "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
 
 std::string contents(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -83,7 +88,7 @@ class Programs : public ::testing::Test {
 };
 
 TEST_F(Programs, HelpTeachesAndExitsWithZero) {
-  for (const char* words : {" --help", " info --help", " convert --help", " render --help", " compare --help",
+  for (const char* words : {" --help", " info --help", " convert --help", " bake --help", " render --help", " compare --help",
                             " ctl --help", " validate --help"}) {
     const Outcome r = run(program_ + words);
     EXPECT_EQ(r.exit_code, 0) << words << r.err;
@@ -98,19 +103,32 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
   write("empty.tfx", "");
   write("short.tfx", std::string("\0\0\x80\x40", 4));
   write("noise.hair", "HAIRHAIRHAIRHAIR");
+  write("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
+  write("points.obj", "v 0 0 0\nv 1 0 0\n");
+  write("cube.obj", kCube);
   write("bad.toml", "[daemon]\nspeed = 3\n");
   for (const std::string& command :
        {program_ + " info " + (folder_ / "empty.tfx").string(),
         program_ + " info " + (folder_ / "short.tfx").string(),
         program_ + " info " + (folder_ / "noise.hair").string(),
-        program_ + " info " + (folder_ / "absent.tfx").string(), program_ + " info " + folder_.string(),
-        program_ + " info", program_ + " validate chemistry",
+        program_ + " info " + (folder_ / "absent.tfx").string(),
+        program_ + " info " + folder_.string(),
+        program_ + " info",
+        program_ + " bake " + (folder_ / "absent.obj").string(),
+        program_ + " bake " + (folder_ / "nan.obj").string() + " --no-cache",
+        program_ + " bake " + (folder_ / "points.obj").string() + " --no-cache",
+        program_ + " bake " + (folder_ / "cube.obj").string() + " --no-cache --unit-meters 1 --cell 1e-5",
+        program_ + " bake " + (folder_ / "cube.obj").string() + " --no-cache --unit-meters 1 --memory 1",
+        program_ + " validate chemistry",
         program_ + " validate physics --only 'no such case'",
         program_ + " validate cantilever --solver magic --backend reference",
         program_ + " convert " + (folder_ / "empty.tfx").string() + " " + (folder_ / "x.hair").string(),
-        daemon_ + " --config " + (folder_ / "bad.toml").string(), daemon_ + " --scene bald",
-        daemon_ + " --groom " + (folder_ / "short.tfx").string(), daemon_ + " --set air_drag=fast",
-        daemon_ + " --set air_darg=1", daemon_ + " --motion moonwalk --duration 1"}) {
+        daemon_ + " --config " + (folder_ / "bad.toml").string(),
+        daemon_ + " --scene bald",
+        daemon_ + " --groom " + (folder_ / "short.tfx").string(),
+        daemon_ + " --set air_drag=fast",
+        daemon_ + " --set air_darg=1",
+        daemon_ + " --motion moonwalk --duration 1"}) {
     const Outcome r = run(command);
     EXPECT_EQ(r.exit_code, 2) << command << "\n" << r.err;
     EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << command << "\n" << r.err;
@@ -200,6 +218,45 @@ TEST_F(Programs, ConvertKeepsEveryBitOfThePositions) {
   ASSERT_EQ(back.strands.positions.size(), strands.positions.size());
   for (size_t i = 0; i < strands.positions.size(); ++i)
     EXPECT_EQ(back.strands.positions[i], strands.positions[i]);
+}
+
+TEST_F(Programs, BakeWritesAFieldSaysHowGoodItIsAndFindsItAgain) {
+  const std::filesystem::path cube = write("cube.obj", kCube), out = folder_ / "cube.sdf";
+  const std::string command = program_ + " bake " + cube.string() + " --unit-meters 1 --cell 0.002 --out " +
+                              out.string() + " --cache " + (folder_ / "cache").string() + " --json";
+  const Outcome first = run(command);
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_NE(first.err.find("bricks"), std::string::npos) << "what it takes is said first: " << first.err;
+  const nlohmann::json report = nlohmann::json::parse(first.out);
+  EXPECT_EQ(report["triangles"], 12);
+  EXPECT_EQ(report["open_edges"], 0);
+  EXPECT_EQ(report["from_cache"], 0);
+  EXPECT_EQ(report["points"], 10000);
+  EXPECT_EQ(report["wrong_side"], 0);
+  EXPECT_LT(report["error_worst_mm"], 1);
+  const StoredField stored = loadDistanceField(out);
+  EXPECT_EQ(report["bricks"], stored.field.storedBricks());
+  EXPECT_NEAR(stored.field.at({0.05f, 0.05f, 0.004f}).distance, -0.004f, 1e-5);
+  std::filesystem::remove(out);
+  const Outcome second = run(command);
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_EQ(nlohmann::json::parse(second.out)["from_cache"], 1);
+  EXPECT_EQ(loadDistanceField(out).field.samples, stored.field.samples);
+  if (!STRANDCAST_GL) return;
+  const Outcome sliced = run(command + " --slices " + (folder_ / "slices").string());
+  ASSERT_EQ(sliced.exit_code, 0) << sliced.err;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "slices" / "y_50.png"));
+}
+
+TEST_F(Programs, InterruptStopsABakeAndLeavesNoFile) {
+  const std::filesystem::path cube = write("cube.obj", kCube), out = folder_ / "cube.sdf";
+  const pid_t child = start({program_, "bake", cube.string(), "--unit-meters", "1", "--cell", "0.0002",
+                             "--threads", "1", "--no-cache", "--out", out.string()},
+                            "bake.txt");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  kill(child, SIGINT);
+  EXPECT_EQ(wait(child), 130);
+  EXPECT_FALSE(std::filesystem::exists(out));
 }
 
 TEST_F(Programs, InfoTellsCountsAsJson) {

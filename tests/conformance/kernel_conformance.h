@@ -19,6 +19,10 @@ enum Kernel {
   kNormalizeOrZero,
   kSurfaceMotion,
   kMultiply,
+  kFieldPlace,
+  kTrilinear,
+  kFarDistance,
+  kDistanceOutsideGrid,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;
