@@ -27,7 +27,6 @@ const std::map<std::string, Folders> kAllowed = {
     {"validation", {"core", "kernels"}},
     {"transport", {"core", "kernels"}},
     {"render", {"core", "kernels", "groom", "transport", "gl"}},
-    {"validation", {"core", "kernels"}},
 };
 const Folders kAnything = {"apps", "bench", "tests"};
 
