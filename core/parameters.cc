@@ -87,6 +87,21 @@ const Entry& entry(const std::string& name, const std::string& where) {
   throw Error("unknown parameter '" + name + "'", where, "did you mean '" + nearest->info.name + "'?");
 }
 
+void checkRange(const Entry& e, const std::vector<double>& value, const std::string& where) {
+  for (double v : value) {
+    if (!std::isfinite(v) || v < e.low * (1 - 1e-6) - 1e-12 || v > e.high * (1 + 1e-6) ||
+        (e.whole && v != std::floor(v)))
+      throw Error(fmt::format("'{}' = {} is out of range", e.info.name, v), where,
+                  fmt::format("give {}{} {}", e.whole ? "a whole number, " : "", e.info.range, e.info.unit));
+  }
+}
+
+std::vector<double> valueOf(const Entry& e, const Parameters& parameters) {
+  std::vector<double> value(e.info.components);
+  for (int c = 0; c < e.info.components; ++c) value[c] = e.get(parameters, c);
+  return value;
+}
+
 }  // namespace
 
 SolverKind solverKind(const std::string& name) {
@@ -107,10 +122,7 @@ const std::vector<ParameterInfo>& parameterList() {
 }
 
 std::vector<double> parameter(const Parameters& parameters, const std::string& name) {
-  const Entry& e = entry(name, "parameter list");
-  std::vector<double> value(e.info.components);
-  for (int c = 0; c < e.info.components; ++c) value[c] = e.get(parameters, c);
-  return value;
+  return valueOf(entry(name, "parameter list"), parameters);
 }
 
 void setParameter(Parameters& parameters, const std::string& name, const std::vector<double>& value,
@@ -120,13 +132,12 @@ void setParameter(Parameters& parameters, const std::string& name, const std::ve
     throw Error(fmt::format("'{}' takes {} number{}, not {}", name, e.info.components,
                             e.info.components == 1 ? "" : "s", value.size()),
                 where, "");
-  for (double v : value) {
-    if (!std::isfinite(v) || v < e.low * (1 - 1e-6) - 1e-12 || v > e.high * (1 + 1e-6) ||
-        (e.whole && v != std::floor(v)))
-      throw Error(fmt::format("'{}' = {} is out of range", name, v), where,
-                  fmt::format("give {}{} {}", e.whole ? "a whole number, " : "", e.info.range, e.info.unit));
-  }
+  checkRange(e, value, where);
   for (int c = 0; c < e.info.components; ++c) e.set(parameters, c, value[c]);
+}
+
+void checkParameters(const Parameters& parameters, const std::string& where) {
+  for (const Entry& e : entries()) checkRange(e, valueOf(e, parameters), where);
 }
 
 }  // namespace strandcast

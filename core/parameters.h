@@ -47,4 +47,7 @@ std::vector<double> parameter(const Parameters& parameters, const std::string& n
 void setParameter(Parameters& parameters, const std::string& name, const std::vector<double>& value,
                   const std::string& where);
 
+/// Throws Error, naming `where` and the parameter, when a value is not finite or out of range.
+void checkParameters(const Parameters& parameters, const std::string& where);
+
 }  // namespace strandcast

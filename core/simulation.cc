@@ -1,6 +1,18 @@
 #include "core/simulation.h"
 
+#include "core/error.h"
+#include "core/pose_check.h"
+
 namespace strandcast {
+namespace {
+
+void checkPrimitive(const ContactPrimitive& primitive) {
+  if (!primitive.a.allFinite() || !primitive.b.allFinite() || !std::isfinite(primitive.radius) ||
+      !std::isfinite(primitive.friction))
+    throw Error("a body's shape is not finite", "Simulation", "check its points, radius and friction");
+}
+
+}  // namespace
 
 Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
                        std::unique_ptr<Backend> backend)
@@ -10,6 +22,9 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
       backend_(std::move(backend)),
       roots_begin_(model_.rest_roots),
       roots_end_(model_.rest_roots) {
+  checkParameters(parameters_, "Simulation");
+  for (const RigidBody& body : bodies_)
+    for (const ContactPrimitive& primitive : body.primitives) checkPrimitive(primitive);
   for (size_t s = 0; s < model_.strands(); ++s)
     lengths_.push_back(arcLength({model_.rest_local.data() + model_.offsets[s], model_.verticesOf(s)}));
   size_t primitives = 0;
@@ -17,6 +32,16 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
   primitives_.resize(primitives);
   backend_->load(model_, restState(model_, roots_begin_));
   placePrimitives();
+}
+
+void Simulation::setHeadPose(const Pose& head) {
+  checkPose(head, "Simulation::setHeadPose");
+  head_end_ = head;
+}
+
+void Simulation::setParameters(const Parameters& parameters) {
+  checkParameters(parameters, "Simulation::setParameters");
+  parameters_ = parameters;
 }
 
 void Simulation::placeRoots(const Pose& head, std::vector<Pose>& roots) const {
@@ -77,6 +102,7 @@ size_t Simulation::resetBroken() {
 }
 
 void Simulation::teleport(const Pose& head) {
+  checkPose(head, "Simulation::teleport");
   StrandState state;
   backend_->download(state);
   const Pose carry = head * head_begin_.inverse();

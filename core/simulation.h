@@ -16,16 +16,20 @@ struct RigidBody {
 
 /// Runs one groom on one backend: fixed steps, prescribed head motion, bodies, parameters.
 /// The groom's roots and the bodies that follow the head move rigidly with the head pose.
+/// What is not finite is refused at the door: setHeadPose, teleport, setParameters and the constructor throw
+/// Error on it and leave the simulation as it was.
 class Simulation {
  public:
   /// `backend` is empty-handed: the simulation loads the model into it.
   Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
              std::unique_ptr<Backend> backend);
 
-  /// Where the head is to be at the end of the next step. Motion in between is interpolated.
-  void setHeadPose(const Pose& head) { head_end_ = head; }
+  /// Where the head is to be at the end of the next step. Motion in between is interpolated. Error: see
+  /// checkPose.
+  void setHeadPose(const Pose& head);
   const Pose& headPose() const { return head_begin_; }
-  void setParameters(const Parameters& parameters) { parameters_ = parameters; }
+  /// Error: see checkParameters.
+  void setParameters(const Parameters& parameters);
   const Parameters& parameters() const { return parameters_; }
 
   /// What the next step will be given: roots and bodies from where the head is to where it is to be. Valid
@@ -38,7 +42,7 @@ class Simulation {
   /// Puts strands with a vertex that is not finite, or farther from the root than the strand is long, back to
   /// their rest shape; gives how many. Waits for the backend. Allocates only when there are some.
   size_t resetBroken();
-  /// Carries the hair rigidly to `head` with no motion in between.
+  /// Carries the hair rigidly to `head` with no motion in between. Error: see checkPose.
   void teleport(const Pose& head);
 
   double time() const { return time_; }  ///< s, simulated since the start
