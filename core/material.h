@@ -1,4 +1,5 @@
 #pragma once
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,22 @@ struct Material {
 };
 
 /// Throws Error, naming `where`, when a value is out of range.
-void checkMaterial(const Material& material, const char* where);
+void checkMaterial(const Material& material, const std::string& where);
+
+/// One setting of a material by name, as configuration files, options and --help know it.
+struct MaterialSettingInfo {
+  std::string name;   ///< e.g. "youngs_modulus"
+  std::string unit;   ///< e.g. "Pa"
+  std::string range;  ///< e.g. "1e3 to 1e13"
+  std::string help;
+  bool curve;  ///< knots of a RootTipCurve, two numbers each, or one number for the whole strand
+};
+const std::vector<MaterialSettingInfo>& materialSettingList();
+
+/// Sets one value of a material. "shear_modulus" (Pa) sets the Poisson ratio that belongs to it and to the
+/// Young's modulus as it is then. Throws Error, naming `where`, on an unknown name (with the nearest known
+/// one), a wrong number of values, or one that is not finite or out of range.
+void setMaterial(Material& material, const std::string& name, const std::vector<double>& values,
+                 const std::string& where);
 
 }  // namespace strandcast

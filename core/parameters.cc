@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 
 #include "core/error.h"
+#include "core/nearest_name.h"
 
 namespace strandcast {
 namespace {
@@ -62,29 +61,13 @@ const std::vector<Entry>& entries() {
   return list;
 }
 
-size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), size_t{0});
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = row[0];
-    row[0] = i;
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
-
 const Entry& entry(const std::string& name, const std::string& where) {
   const auto& list = entries();
   for (const Entry& e : list)
     if (e.info.name == name) return e;
-  const auto nearest = std::min_element(list.begin(), list.end(), [&](const Entry& a, const Entry& b) {
-    return editDistance(a.info.name, name) < editDistance(b.info.name, name);
-  });
-  throw Error("unknown parameter '" + name + "'", where, "did you mean '" + nearest->info.name + "'?");
+  std::vector<std::string> names;
+  for (const Entry& e : list) names.push_back(e.info.name);
+  throw Error("unknown parameter '" + name + "'", where, "did you mean '" + nearestName(name, names) + "'?");
 }
 
 void checkRange(const Entry& e, const std::vector<double>& value, const std::string& where) {

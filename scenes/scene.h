@@ -8,6 +8,7 @@
 #include "groom/groom_file.h"
 #include "groom/procedural_groom.h"
 #include "scenes/head_motion.h"
+#include "scenes/part_materials.h"
 
 namespace strandcast {
 
@@ -24,12 +25,16 @@ struct SceneOptions {
   float length = 0;  ///< m, procedural only; 0 = the scene's own
   std::vector<ContactPrimitive> primitives;  ///< further shapes, which move with the head
   int body_primitives = 24;                  ///< at most, fitted into a body mesh
+  std::vector<MaterialRule> materials;       ///< what the hair of its parts is made of
 };
 
 /// All that a simulation and a renderer need, made once and shared by daemon, tests and benchmarks.
 struct Scene {
   std::string name;
   Groom groom;
+  std::vector<std::string>
+      part_names;                   ///< by StrandSet::parts: stems of the groom files, or the scene's name
+  std::vector<Material> materials;  ///< by part
   TriangleMesh body;                ///< may be empty
   std::vector<float> head_weights;  ///< per body vertex, 1 = moves with the head; empty = all do
   std::vector<RigidBody> bodies;

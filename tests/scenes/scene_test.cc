@@ -15,7 +15,8 @@ namespace {
 Measurement run(const Scene& scene, int steps) {
   Parameters parameters = scene.parameters;
   parameters.solver = SolverKind::kRod;
-  Simulation simulation(makeStrandModel(scene.groom.strands), scene.bodies, parameters, makeSimdBackend());
+  Simulation simulation(makeStrandModel(scene.groom.strands, scene.materials), scene.bodies, parameters,
+                        makeSimdBackend());
   Measurement worst;
   for (int i = 0; i < steps; ++i) {
     simulation.setHeadPose(scene.motion(simulation.time() + parameters.time_step));
