@@ -13,6 +13,7 @@ namespace kernels::counting {
 #include "kernels/strand.h"
 #include "kernels/contact.h"
 #include "kernels/rod.h"
+#include "kernels/grooming.h"
 #include "kernels/end_lanes.inl"
 #include "core/block_step.inl"
 // clang-format on

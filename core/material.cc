@@ -41,6 +41,11 @@ const std::vector<Entry>& entries() {
       number("density", "kg/m^3", 1, 20000, "human hair 1300", &M::density),
       curve("radius_curve", 1e-3, 1e3, "taper: factor of radius from root to tip", &M::radius_scale),
       curve("stiffness_curve", 1e-3, 1e3, "factor of youngs_modulus from root to tip", &M::stiffness_scale),
+      curve("air_drag_curve", 0, 1e3, "factor of the parameter air_drag from root to tip",
+            &M::air_drag_scale),
+      curve("goal_curve", 0, 1, "factor of the parameter goal_rate from root to tip", &M::goal_scale),
+      number("damping_scale", "", 0, 1e3, "factor of the parameter damping_time", &M::damping_scale),
+      number("friction_scale", "", 0, 1e3, "factor of the friction of every body", &M::friction_scale),
   };
   return list;
 }

@@ -21,6 +21,11 @@ struct Material {
   float density = 1300;          ///< kg/m^3, 1 to 20000
   RootTipCurve radius_scale;     ///< taper; bending goes with its 4th power, mass with its square
   RootTipCurve stiffness_scale;  ///< of youngs_modulus
+  // Factors of what Parameters has for all hair, which may change while a simulation runs.
+  RootTipCurve air_drag_scale;  ///< of air_drag, 0 to 1e3
+  RootTipCurve goal_scale;      ///< of goal_rate, 0 to 1
+  float damping_scale = 1;      ///< of damping_time, 0 to 1e3
+  float friction_scale = 1;     ///< of every body's friction, 0 to 1e3
 };
 
 /// Throws Error, naming `where`, when a value is out of range.

@@ -55,6 +55,9 @@ const std::vector<Entry>& entries() {
       scalar("shape_rate_tip", "1/s", 0, 1e6, "0 to 1e6", "the same at the tip", &P::shape_rate_tip),
       scalar("damping_time", "s", 0, 1, "0 to 1",
              "internal damping of the rod: damping ratio = omega x this / 2", &P::damping_time),
+      scalar("goal_rate", "1/s", 0, 1000, "0 to 1000",
+             "pull towards the rest shape as the root carries it: acceleration this^2 x distance; 0 = off",
+             &P::goal_rate),
       scalar("hair_radius", "m", 0, 0.01, "0 to 0.01", "distance kept between a hair's axis and every body",
              &P::hair_radius),
   };

@@ -70,6 +70,10 @@ template <class Scalar>
 Scalar* BlockStore<Scalar>::roots(const Block& block) const {
   return planes(block, 0) + static_cast<size_t>(block.vertices) * kBlockPlanes * lanes_;
 }
+template <class Scalar>
+Scalar* BlockStore<Scalar>::grooming(const Block& block) const {
+  return roots(block) + static_cast<size_t>(kRootPlanes) * lanes_;
+}
 
 template <class Scalar>
 void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
@@ -90,8 +94,11 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
     while (count < static_cast<size_t>(lanes) && first + count < order_.size() &&
            model.verticesOf(order_[first + count]) == static_cast<size_t>(vertices))
       ++count;
-    blocks_.push_back({vertices, false, true, first, count, memory});
-    memory += static_cast<size_t>(kBlockPlanes * vertices + kRootPlanes) * lanes;
+    bool groomed = false;
+    for (size_t i = 0; i < count; ++i) groomed = groomed || model.isGroomed(order_[first + i]);
+    blocks_.push_back({vertices, false, true, groomed, first, count, memory});
+    const int planes_of_vertex = kBlockPlanes + (groomed ? kGroomingPlanes : 0);
+    memory += static_cast<size_t>(planes_of_vertex * vertices + kRootPlanes) * lanes;
     memory = (memory + 15) / 16 * 16;
     max_vertices_ = std::max(max_vertices_, vertices);
     first += count;
@@ -123,6 +130,13 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
         put(kMass, pinned ? kPinnedMass : model.mass[v]);
         put(kWeight, pinned ? 0.0f : 1 / model.mass[v]);
         if (i > 0) block.pinned = block.pinned || pinned;
+        if (block.groomed) {
+          Scalar* factors = grooming(block) + static_cast<size_t>(i) * kGroomingPlanes * lanes_ + lane;
+          factors[kAirDragScale * lanes_] = static_cast<Scalar>(model.air_drag_scale[v]);
+          factors[kGoalScale * lanes_] = static_cast<Scalar>(model.goal_scale[v]);
+          factors[kDampingScale * lanes_] = static_cast<Scalar>(model.damping_scale[strand]);
+          factors[kFrictionScale * lanes_] = static_cast<Scalar>(model.friction_scale[strand]);
+        }
       }
       // Lengths and masses of a strand that was resampled evenly differ by rounding only: then they are made
       // equal, so that one row of them may stand for all.
@@ -235,7 +249,8 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           planes(block, kTwist),
           planes(block, kMass),
           planes(block, kWeight),
-          roots(block)};
+          roots(block),
+          block.groomed ? grooming(block) : nullptr};
 }
 
 template class BlockStore<float>;

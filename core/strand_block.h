@@ -48,16 +48,31 @@ struct BlockView {
   const Scalar* mass;    ///< 1 plane, of vertices; large where pinned
   const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
+  const Scalar* grooming;  ///< [vertex][kGroomingPlanes][lane]; null where every factor is 1
 };
 
 constexpr int kRootPlanes = 14;
 
+/// Planes of BlockView::grooming: see StrandModel.
+enum GroomingPlane : int {
+  kAirDragScale,
+  kGoalScale,
+  kDampingScale,   ///< of the strand, in every row
+  kFrictionScale,  ///< of the strand, in every row
+  kGroomingPlanes
+};
+
 constexpr float kPinnedMass = 1e6f;    ///< of a vertex that the rod's bending solve must not move
 constexpr float kShortestEdge = 0.1f;  ///< of the strand's mean: shorter edges bend as if they were this long
 
-/// Scalars of scratch memory that a step of a block needs.
-constexpr size_t blockScratch(int vertices, int lanes) {
+constexpr int kGroomingRows = 5;  ///< scratch numbers per vertex of core/grooming.inl
+
+/// Scalars of scratch memory that a step of a block needs: those of its solver, then those of grooming.
+constexpr size_t solverScratch(int vertices, int lanes) {
   return static_cast<size_t>(kBlockPlanes) * (vertices + 2) * lanes;
+}
+constexpr size_t blockScratch(int vertices, int lanes) {
+  return solverScratch(vertices, lanes) + static_cast<size_t>(kGroomingRows) * vertices * lanes;
 }
 
 /// The working store of the CPU backends: strands sorted by vertex count and by where their roots are, cut
@@ -82,7 +97,7 @@ class BlockStore {
  private:
   struct Block {
     int vertices;
-    bool pinned, uniform;
+    bool pinned, uniform, groomed;
     size_t first;   ///< in order_
     size_t count;   ///< strands, at most lanes_
     size_t memory;  ///< index of its first scalar in memory_
@@ -90,6 +105,7 @@ class BlockStore {
   Scalar* planes(const Block& block, int plane) const;
   Scalar& number(const Block& block, int plane, int vertex, int lane) const;
   Scalar* roots(const Block& block) const;
+  Scalar* grooming(const Block& block) const;
 
   int lanes_ = 1;
   int max_vertices_ = 0;

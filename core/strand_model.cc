@@ -99,7 +99,38 @@ void setRod(StrandModel& model, size_t s, const Material& material) {
   }
 }
 
+void setGrooming(StrandModel& model, size_t s, const Material& material) {
+  const uint32_t first = model.offsets[s], end = model.offsets[s + 1];
+  const float total = arcLength({model.rest_local.data() + first, end - first});
+  float along = 0;
+  for (uint32_t v = first; v < end; ++v) {
+    if (v > first) along += (model.rest_local[v] - model.rest_local[v - 1]).norm();
+    model.air_drag_scale[v] = material.air_drag_scale.at(along / total);
+    model.goal_scale[v] = material.goal_scale.at(along / total);
+  }
+  model.damping_scale[s] = material.damping_scale;
+  model.friction_scale[s] = material.friction_scale;
+}
+
+bool isGrooming(const Material& material) {
+  auto changes = [](const RootTipCurve& curve) {
+    return std::any_of(curve.knots.begin(), curve.knots.end(), [](const auto& k) { return k.second != 1; });
+  };
+  return changes(material.air_drag_scale) || changes(material.goal_scale) || material.damping_scale != 1 ||
+         material.friction_scale != 1;
+}
+
 }  // namespace
+
+bool StrandModel::isGroomed(size_t strand) const {
+  if (damping_scale.empty()) return false;
+  auto changes = [](float factor) { return factor != 1; };
+  const auto first = static_cast<ptrdiff_t>(offsets[strand]),
+             end = static_cast<ptrdiff_t>(offsets[strand + 1]);
+  return changes(damping_scale[strand]) || changes(friction_scale[strand]) ||
+         std::any_of(air_drag_scale.begin() + first, air_drag_scale.begin() + end, changes) ||
+         std::any_of(goal_scale.begin() + first, goal_scale.begin() + end, changes);
+}
 
 StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials) {
   for (const Material& material : materials) checkMaterial(material, "material");
@@ -115,6 +146,13 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
   model.mass.assign(rest.vertices(), 0.0f);
   model.rest_tension.assign(rest.vertices(), 0.0f);
   model.reference_mass.resize(rest.strands());
+  const bool groomed = std::any_of(materials.begin(), materials.end(), isGrooming);
+  if (groomed) {
+    model.air_drag_scale.resize(rest.vertices());
+    model.goal_scale.resize(rest.vertices());
+    model.damping_scale.resize(rest.strands());
+    model.friction_scale.resize(rest.strands());
+  }
   for (size_t s = 0; s < rest.strands(); ++s) {
     const std::span<const Vec3> points = rest.strand(s);
     checkStrand(points, s);
@@ -127,7 +165,9 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
       model.inverse_mass[first + i] = rest.isPinned(s, i) ? 0.0f : 1.0f;
     }
     const size_t part = rest.parts.empty() ? 0 : rest.parts[s];
-    setRod(model, s, materials[std::min(part, materials.size() - 1)]);
+    const Material& material = materials[std::min(part, materials.size() - 1)];
+    setRod(model, s, material);
+    if (groomed) setGrooming(model, s, material);
   }
   return model;
 }

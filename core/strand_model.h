@@ -27,6 +27,12 @@ struct StrandModel {
   std::vector<float> rest_tension;    ///< per edge, m/s^2: what its rest shape is held with
   std::vector<float> reference_mass;  ///< per strand, kg: its mean vertex mass
 
+  // Grooming: factors of what Parameters has for all hair, see Material. All empty where every one is 1.
+  std::vector<float> air_drag_scale, goal_scale;     ///< per vertex
+  std::vector<float> damping_scale, friction_scale;  ///< per strand
+
+  /// Whether a factor of the strand is not 1.
+  bool isGroomed(size_t strand) const;
   size_t strands() const { return offsets.size() - 1; }
   size_t vertices() const { return rest_local.size(); }
   size_t verticesOf(size_t strand) const { return offsets[strand + 1] - offsets[strand]; }

@@ -26,6 +26,18 @@ std::vector<Vec4> packRestLocal(const StrandModel& model) {
   return packed;
 }
 
+using Vec2Packed = std::array<float, 2>;
+
+std::vector<Vec2Packed> packGrooming(const StrandModel& model) {
+  std::vector<Vec2Packed> packed(model.vertices());
+  for (size_t s = 0; s < model.strands(); ++s) {
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+      packed[v] = {model.air_drag_scale[v], model.goal_scale[v]};
+    packed[model.offsets[s]] = {model.friction_scale[s], model.damping_scale[s]};
+  }
+  return packed;
+}
+
 // Calls body(edge, vertex at its end) for every edge. The unused last entry of a strand's edges goes with its
 // root, so that what is uploaded comes back whole.
 template <class Body>
@@ -63,10 +75,12 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
       rest_local_(std::span<const Vec4>(packRestLocal(model))),
       offsets_(std::span<const uint32_t>(model.offsets)),
       guides_(storage<Vec3>(vertices_)),
+      groomed_(!model.damping_scale.empty()),
       gauss_seidel_(model),
       rod_(model),
       uploads_(std::in_place, strands_, kFirstPrimitives),
       readback_(vertices_) {
+  if (groomed_) grooming_ = gl::Buffer(std::span<const Vec2Packed>(packGrooming(model)));
   if (glGetError() == GL_OUT_OF_MEMORY)
     throw Error("the model does not fit the GPU's memory", fmt::format("{} vertices", vertices_),
                 "use fewer strands or --backend simd");
@@ -117,6 +131,7 @@ void GpuStrands::bind() const {
   offsets_.bindStorage(4);
   guides_.bindStorage(8);
   frames_.bindStorage(9);
+  if (grooming_.bytes() > 0) grooming_.bindStorage(13);
 }
 
 void GpuStrands::step(const StepInput& input) {
@@ -127,12 +142,15 @@ void GpuStrands::step(const StepInput& input) {
     uploads_.emplace(strands_, 2 * input.primitives.size());
   }
   uploads_->write(input);
+  const bool goal = input.parameters->goal_rate > 0;
+  if (goal && grooming_.bytes() == 0)
+    grooming_ = gl::Buffer(std::span<const Vec2Packed>(std::vector<Vec2Packed>(vertices_, {1, 1})));
   bind();
   timer_.begin();
   if (input.parameters->solver == SolverKind::kRod)
-    rod_.step(!input.primitives.empty(), programs_);
+    rod_.step({!input.primitives.empty(), goal}, programs_);
   else
-    gauss_seidel_.step(programs_);
+    gauss_seidel_.step(groomed_ || goal, programs_);
   timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   uploads_->finish();

@@ -10,6 +10,7 @@ namespace strandcast::kernels::f64 {
 #include "kernels/strand.h"
 #include "kernels/contact.h"
 #include "kernels/rod.h"
+#include "kernels/grooming.h"
 #include "kernels/end_lanes.inl"
 // clang-format on
 }  // namespace strandcast::kernels::f64

@@ -60,4 +60,5 @@ HWY_INLINE bool anyTrue(mask m) { return !hn::AllFalse(Tag(), m.m); }
 #include "kernels/strand.h"
 #include "kernels/contact.h"
 #include "kernels/rod.h"
+#include "kernels/grooming.h"
 // clang-format on

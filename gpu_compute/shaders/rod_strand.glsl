@@ -58,6 +58,33 @@ bool isTip(int p) {
 #endif
 }
 
+#if GROOMED
+float keeps[PER_THREAD], keep_in;    // of the velocity, what the air leaves
+float goal_stiffness[PER_THREAD];    // of the goal pull; masses and weights have it added
+vec2 strand_grooming;                // factors of friction and damping time
+#define KEEP(p) keeps[p]
+#define KEEP_IN keep_in
+#define DAMPING_TIME (settings.damping_time * strand_grooming.y)
+
+float goalStiffnessOf(uint at, vec4 edge) {
+  return edge.w > 0.0 ? goalStiffness(edge.z, goalRateOf(at + 1u), settings.substep) : 0.0;
+}
+#else
+#define KEEP(p) settings.keep
+#define KEEP_IN settings.keep
+#define DAMPING_TIME settings.damping_time
+#endif
+
+// Length, twist; mass, weight of the vertex at the end of the edge that starts at `at`.
+vec4 edgeRest(uint at) {
+  vec4 edge = edge_rest[at];
+#if GROOMED
+  edge.z += goalStiffnessOf(at, edge);
+  if (edge.w > 0.0) edge.w = 1.0 / edge.z;
+#endif
+  return edge;
+}
+
 #if UNIFORM
 // One length along the strand; masses 1, at the tip 1/2; twist in one ratio to bend.
 const float weight_in = 1.0;
@@ -94,8 +121,11 @@ void loadStrand() {
   exists = slot < strands_in_group;
   strand = order[first_strand + min(slot, strands_in_group - 1u)];
   rest = strand_rest[strand];
-  most_tension =
-      tensionBound(rest.free_mass, rest.arc_length, length(settings.gravity.xyz), settings.substep * settings.substep);
+  float most_pull = length(settings.gravity.xyz);
+#if GROOMED
+  most_pull += 2.0 * settings.goal_rate * settings.goal_rate * rest.arc_length;
+#endif
+  most_tension = tensionBound(rest.free_mass, rest.arc_length, most_pull, settings.substep * settings.substep);
   root_vertex = offsets[strand];
 #if EDGES == 0
   edges = int(offsets[strand + 1u] - root_vertex) - 1;
@@ -110,20 +140,28 @@ void loadStrand() {
     rest_strain[p] = joint.xyz;
     bends[p] = isEdge(p) ? joint.w : 0.0;
 #if !UNIFORM
-    edge[p] = edge_rest[at];
+    edge[p] = edgeRest(at);
     inverse_lengths[p] = boundedInverse(edge[p].x);
     if (!isEdge(p)) edge[p].x = edge[p].y = 0.0;
+#endif
+#if GROOMED
+    keeps[p] = keepOf(at + 1u);
+    goal_stiffness[p] = goalStiffnessOf(at, edge_rest[at]);
 #endif
   }
   uint at = root_vertex + uint(min(rank * PER_THREAD, edges));
   x_in = positions[at].xyz;
   v_in = velocities[at].xyz;
 #if !UNIFORM
-  vec4 edge_in = edge_rest[max(at, root_vertex + 1u) - 1u];
+  vec4 edge_in = edgeRest(max(at, root_vertex + 1u) - 1u);
   length_in = edge_in.x;
   weight_in = rank > 0 ? edge_in.w : 0.0;
   inverse_length_in = boundedInverse(edge_in.x);
   inverse_length_out = boundedInverse(edge_rest[root_vertex + uint(min((rank + 1) * PER_THREAD, edges - 1))].x);
+#endif
+#if GROOMED
+  keep_in = keepOf(at);
+  strand_grooming = grooming[root_vertex];
 #endif
 }
 

@@ -7,14 +7,14 @@ struct RootMotion {
   vec3 tangent_old;  // of the root before the substep
   vec3 swing;        // how it changes
   vec4 inner_frame;  // of the root, without the swing of this substep
-  vec4 rotation;     // at the end of the substep, for pinned vertices
+  vec4 rotation;     // at the end of the substep, for what rides on the root
 };
 
 shared vec4 root_position[WORKGROUP];  // w: x, y, z of the jump
 shared vec4 root_tangent[WORKGROUP];
 shared vec4 root_swing[WORKGROUP];
 shared vec4 root_frame[WORKGROUP];
-#if PINNED
+#if PINNED || GROOMED
 shared vec4 root_rotation[WORKGROUP];
 #endif
 
@@ -38,7 +38,7 @@ void placeRoots(int first) {
     root_tangent[me] = vec4(tangent_old, jump.y);
     root_swing[me] = vec4(tangent - tangent_old, jump.z);
     root_frame[me] = multiply(rotationBetween(tangent, tangent_old), rotation);
-#if PINNED
+#if PINNED || GROOMED
     root_rotation[me] = rotation;
 #endif
   }
@@ -49,7 +49,7 @@ void placeRoots(int first) {
 RootMotion rootMotion(int ahead) {
   uint at = me - uint(rank) + uint(ahead);
   vec4 a = root_position[at], b = root_tangent[at], c = root_swing[at];
-#if PINNED
+#if PINNED || GROOMED
   vec4 rotation = root_rotation[at];
 #else
   const vec4 rotation = vec4(0, 0, 0, 1);

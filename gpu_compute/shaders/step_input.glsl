@@ -19,6 +19,8 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   float strength_tip;
   float damping_time;   // s, of the rod
   float hair_radius;
+  float air_drag;       // 1/s, where it differs between strands
+  float goal_rate;      // 1/s
   uint substeps;
   uint iterations;
   uint primitive_count;

@@ -13,7 +13,7 @@ Vec3 randomVector(std::mt19937& random) {
 
 }  // namespace
 
-StrandModel awkwardModel(size_t strands, uint32_t seed) {
+StrandModel awkwardModel(size_t strands, uint32_t seed, const std::vector<Material>& materials) {
   std::mt19937 random(seed);
   StrandSet set;
   for (size_t s = 0; s < strands; ++s) {
@@ -30,8 +30,19 @@ StrandModel awkwardModel(size_t strands, uint32_t seed) {
     set.append(points);
     set.pinned.resize(set.vertices(), 0);
     if (s % 5 == 4) set.pinned.back() = 1;
+    set.parts.push_back(static_cast<uint16_t>(s % 3));
   }
-  return makeStrandModel(set);
+  return makeStrandModel(set, materials);
+}
+
+std::vector<Material> groomedMaterials() {
+  Material styled, stiff;
+  styled.air_drag_scale.knots = {{0, 1}, {1, 8}};
+  styled.goal_scale.knots = {{0, 1}, {0.7f, 0}};
+  styled.friction_scale = 0.25f;
+  stiff.air_drag_scale.knots = {{0, 0}};
+  stiff.damping_scale = 3;
+  return {Material{}, styled, stiff};
 }
 
 StrandState disturbedState(const StrandModel& model, uint32_t seed) {

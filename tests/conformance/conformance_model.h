@@ -7,8 +7,13 @@
 namespace strandcast {
 
 /// Strands with vertex counts 2, 3, 5, 16, 17, 31, 100 and 128 mixed, curled, 5 cm to 40 cm long, on a disc
-/// of 10 cm radius about the origin; the tip of every fifth strand is pinned. Seeded.
-StrandModel awkwardModel(size_t strands, uint32_t seed);
+/// of 10 cm radius about the origin; the tip of every fifth strand is pinned; three parts take turns. Seeded.
+StrandModel awkwardModel(size_t strands, uint32_t seed,
+                         const std::vector<Material>& materials = {Material{}});
+
+/// Human hair, and two materials with factors of air drag, goal rate, damping time and friction that are
+/// not 1.
+std::vector<Material> groomedMaterials();
 
 /// The rest shape of `model` at its own roots, every vertex moved by up to a fifth of its edge and given a
 /// velocity of up to 1 m/s.

@@ -19,6 +19,8 @@ enum Kernel {
   kNormalizeOrZero,
   kSurfaceMotion,
   kMultiply,
+  kGoalPull,
+  kDrawnToGoal,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

@@ -68,6 +68,11 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     out3(o, 0, surfaceMotion(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12]));
   } else if (kernel == 12) {
     out4(o, multiply(in4(i, 0), in4(i, 4)));
+  } else if (kernel == 13) {
+    real stiffness = goalStiffness(i.v[9], i.v[10], i.v[11]);
+    out3(o, 0, goalPull(in3(i, 0), i.v[9] + stiffness, stiffness, in3(i, 3), in3(i, 6)));
+  } else if (kernel == 14) {
+    out3(o, 0, drawnToGoal(in3(i, 0), in3(i, 3), i.v[6], i.v[7]));
   }
   return o;
 }

@@ -1,0 +1,19 @@
+// Kernel text: see kernels/README.md. What grooming adds to the motion of a vertex.
+
+// The goal pull is a spring without damping from a vertex to its place in the rest shape as the root carries it:
+// acceleration rate^2 (goal - x), rate in 1/s, at the end of the substep (implicit Euler). It adds this to the vertex's
+// mass in a linear system for its displacement, and goalPull() stands in the place of acceleration x mass.
+FN real goalStiffness(IN(real) mass, IN(real) rate, IN(real) substep) {
+  real turn = rate * substep;
+  return mass * turn * turn;
+}
+// Right-hand side (m x mass) of a vertex at `x` that would go on to x + way without the pull. `mass` has the stiffness
+// added.
+FN real3 goalPull(IN(real3) way, IN(real) mass, IN(real) stiffness, IN(real3) goal, IN(real3) x) {
+  return madd(goal - x - way, stiffness, way * mass);
+}
+// The same pull on a vertex that nothing else holds: where it ends up instead of at x.
+FN real3 drawnToGoal(IN(real3) x, IN(real3) goal, IN(real) rate, IN(real) substep) {
+  real stiffness = goalStiffness(lit(1), rate, substep);
+  return madd(goal - x, stiffness * inverse(lit(1) + stiffness), x);
+}

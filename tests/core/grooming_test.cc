@@ -1,0 +1,169 @@
+// What grooming does to strands, on the reference backend; the conformance suite holds the others to it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/sag_free.h"
+#include "core/simulation.h"
+#include "validation/specimen.h"
+
+namespace strandcast {
+namespace {
+
+constexpr int kEdges = 32;
+constexpr double kGravity = 9.81;
+
+Parameters parametersOf(SolverKind solver) {
+  Parameters parameters;
+  parameters.solver = solver;
+  parameters.time_step = 1.0f / 360;
+  parameters.substeps = 1;
+  parameters.air_drag = 5;
+  return parameters;
+}
+
+/// Hair of 20 cm from the origin along x, across gravity.
+Simulation level(const Parameters& parameters, const Material& material = {}, bool sag_free = false) {
+  StrandModel model = modelOf({straightStrand(0.2, kEdges, Vec3::UnitX())}, material);
+  if (sag_free) makeSagFree(model, parameters.gravity);
+  return Simulation(std::move(model), {}, parameters, makeReferenceBackend());
+}
+
+void run(Simulation& simulation, double seconds) {
+  const double step = simulation.parameters().time_step;
+  for (int i = 0; i * step < seconds; ++i) simulation.step();
+}
+
+Material limp() {
+  Material material;
+  material.youngs_modulus = 1e4f;
+  return material;
+}
+
+TEST(GoalPull, ALimpStrandSagsByGravityOverTheRateSquared) {
+  for (const SolverKind solver : {SolverKind::kRod, SolverKind::kGaussSeidel}) {
+    for (const float rate : {100.0f, 200.0f}) {
+      Parameters parameters = parametersOf(solver);
+      parameters.shape_rate = parameters.shape_rate_tip = 0;
+      parameters.goal_rate = rate;
+      Simulation simulation = level(parameters, limp());
+      run(simulation, 4);
+      const double exact = kGravity / (rate * rate);
+      // Away from the root, which does not sag.
+      for (const int i : {kEdges / 2, kEdges})
+        EXPECT_NEAR(-simulation.guides()[i].y(), exact, 0.02 * exact)
+            << solverName(solver) << ", rate " << rate << ", vertex " << i;
+    }
+  }
+}
+
+TEST(GoalPull, AStrandAtItsGoalStays) {
+  Parameters parameters = parametersOf(SolverKind::kRod);
+  Simulation without = level(parameters, {}, true);
+  parameters.goal_rate = 300;
+  Simulation with = level(parameters, {}, true);
+  run(without, 2);
+  run(with, 2);
+  const std::span<const Vec3> a = without.guides(), b = with.guides();
+  for (size_t i = 0; i < a.size(); ++i) {
+    EXPECT_LT((b[i] - with.model().rest_roots[0].apply(with.model().rest_local[i])).norm(), 2e-6f);
+    EXPECT_LT((a[i] - b[i]).norm(), 2e-6f);
+  }
+}
+
+TEST(GoalPull, TheGoalGoesWithTheHead) {
+  Parameters parameters = parametersOf(SolverKind::kRod);
+  parameters.gravity.setZero();
+  parameters.goal_rate = 100;
+  Simulation simulation = level(parameters, limp());
+  const Pose there{Vec3(0, 0.1f, 0), Quat(Eigen::AngleAxisf(1.0f, Eigen::Vector3f::UnitZ()))};
+  for (int i = 1; i <= 36; ++i) {
+    simulation.setHeadPose(interpolate(Pose{}, there, static_cast<float>(i) / 36));
+    simulation.step();
+  }
+  run(simulation, 4);
+  for (int i = 0; i <= kEdges; ++i)
+    EXPECT_LT(
+        (simulation.guides()[i] - there.apply(Vec3(0.2f * static_cast<float>(i) / kEdges, 0, 0))).norm(),
+        1e-4f);
+}
+
+TEST(GoalPull, FallsOffAlongTheStrand) {
+  Parameters parameters = parametersOf(SolverKind::kRod);
+  parameters.goal_rate = 200;
+  Material material = limp();
+  material.goal_scale.knots = {{0.5f, 1}, {0.55f, 0}};
+  Simulation simulation = level(parameters, material);
+  run(simulation, 4);
+  EXPECT_GT(simulation.guides()[kEdges / 4].y(), -0.002f) << "the inner half is held";
+  EXPECT_LT(simulation.guides()[kEdges].y(), -0.07f) << "the outer half hangs";
+}
+
+TEST(GoalPull, AFalloffOfNoPullChangesNothing) {
+  for (const SolverKind solver : {SolverKind::kRod, SolverKind::kGaussSeidel}) {
+    const Parameters parameters = parametersOf(solver);
+    Material material;
+    material.goal_scale.knots = {{0, 1}, {1, 0.25f}};  // of a rate of 0
+    Simulation plain = level(parameters);
+    run(plain, 0.1);
+    Simulation groomed = level(parameters, material);
+    run(groomed, 0.1);
+    for (size_t i = 0; i < plain.guides().size(); ++i)
+      EXPECT_LT((groomed.guides()[i] - plain.guides()[i]).norm(), 1e-5f) << solverName(solver) << " " << i;
+  }
+}
+
+TEST(MaterialFactors, DragOfAPartIsAFactorOfTheGlobalOne) {
+  for (const SolverKind solver : {SolverKind::kRod, SolverKind::kGaussSeidel}) {
+    Parameters parameters = parametersOf(solver);
+    parameters.shape_rate = parameters.shape_rate_tip = 0;
+    parameters.air_drag = 4;
+    Parameters thrice = parameters;
+    thrice.air_drag = 12;
+    parameters.wind = thrice.wind = Vec3(0, 0, 2);
+    Material draggy = limp();
+    draggy.air_drag_scale.knots = {{0, 3}};
+    Simulation scaled = level(parameters, draggy), direct = level(thrice, limp()),
+               plain = level(parameters, limp());
+    for (Simulation* s : {&scaled, &direct, &plain}) run(*s, 0.2);
+    for (int i = 0; i <= kEdges; ++i)
+      EXPECT_LT((scaled.guides()[i] - direct.guides()[i]).norm(), 1e-5f) << solverName(solver) << " " << i;
+    EXPECT_GT((scaled.guides()[kEdges] - plain.guides()[kEdges]).norm(), 1e-2f);
+  }
+}
+
+TEST(MaterialFactors, DampingOfAPartIsAFactorOfTheGlobalOne) {
+  Parameters parameters = parametersOf(SolverKind::kRod);
+  parameters.damping_time = 0.002f;
+  Parameters thrice = parameters;
+  thrice.damping_time = 0.006f;
+  Material damped;
+  damped.damping_scale = 3;
+  Simulation scaled = level(parameters, damped), direct = level(thrice), plain = level(parameters);
+  for (Simulation* s : {&scaled, &direct, &plain}) run(*s, 0.3);
+  EXPECT_LT((scaled.guides()[kEdges] - direct.guides()[kEdges]).norm(), 1e-5f);
+  EXPECT_GT((scaled.guides()[kEdges] - plain.guides()[kEdges]).norm(), 1e-4f);
+}
+
+TEST(MaterialFactors, FrictionOfAPartIsAFactorOfTheBodys) {
+  // How far the wind drags the tip of limp hair that falls on a floor.
+  auto slides = [](SolverKind solver, float friction, float scale) {
+    Parameters parameters = parametersOf(solver);
+    parameters.shape_rate = parameters.shape_rate_tip = 0;
+    parameters.wind = Vec3(0, 0, 2);
+    const RigidBody floor{{{PrimitiveKind::kPlane, Vec3(0, -0.001f, 0), Vec3::UnitY(), 0, friction}}, false};
+    Material material = limp();
+    material.friction_scale = scale;
+    Simulation simulation(modelOf({straightStrand(0.2, kEdges, Vec3::UnitX())}, material), {floor},
+                          parameters, makeReferenceBackend());
+    run(simulation, 0.1);
+    return simulation.guides()[kEdges].z();
+  };
+  for (const SolverKind solver : {SolverKind::kRod, SolverKind::kGaussSeidel}) {
+    EXPECT_NEAR(slides(solver, 0.8f, 0.25f), slides(solver, 0.2f, 1), 1e-5f) << solverName(solver);
+    EXPECT_GT(slides(solver, 0.8f, 0.25f), slides(solver, 0.8f, 1) + 0.01f) << solverName(solver);
+  }
+}
+
+}  // namespace
+}  // namespace strandcast
