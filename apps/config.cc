@@ -124,6 +124,7 @@ class Section {
   std::string place(const toml::node& node) const {
     return fmt::format("{} line {}", file_, node.source().begin.line);
   }
+  std::string place() const { return place(table_); }
   std::string place(const char* key) const {
     const toml::node* node = table_.get(key);
     return node != nullptr ? place(*node) : file_;
@@ -211,6 +212,18 @@ MaterialRule readMaterial(Section& section) {
   return rule;
 }
 
+PinRule readPin(Section& section) {
+  PinRule rule;
+  for (const char* key : {"part", "parts"})
+    section.names(key, [&](const std::string& name, const std::string&) { rule.parts.push_back(name); });
+  section.text("bone", [&](const std::string& v) { rule.bone = v; });
+  section.number("from", 0, 1, [&](double v) { rule.from = static_cast<float>(v); });
+  section.number("to", 0, 1, [&](double v) { rule.to = static_cast<float>(v); });
+  rule.where = section.place();
+  if (rule.from > rule.to) throw Error("a pin's from is beyond its to", rule.where, "give them in order");
+  return rule;
+}
+
 void readSections(Section& root, const std::filesystem::path& folder, Settings& s) {
   auto path = [&](const std::string& text) { return folder / text; };  // relative to the file that names it
   root.text("scene", [&](const std::string& v) { s.scene.name = v; });
@@ -233,6 +246,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
                   [&](Section& primitive) { s.scene.primitives.push_back(readPrimitive(primitive)); });
   });
   root.sections("material", [&](Section& material) { s.scene.materials.push_back(readMaterial(material)); });
+  root.sections("pin", [&](Section& pin) { s.scene.pins.push_back(readPin(pin)); });
   root.section("daemon", [&](Section& daemon) {
     daemon.text("backend", [&](const std::string& v) { s.backend = v; });
     daemon.text("solver", [&](const std::string& v) { s.solver = solverKind(v); });

@@ -47,7 +47,7 @@ HeadMotion rampTo(const Pose& from, const Pose& to) {
 }
 
 StrandModel modelOf(const Scene& scene, const Settings& settings) {
-  StrandModel model = makeStrandModel(scene.groom.strands, scene.materials);
+  StrandModel model = sceneModel(scene);
   if (!settings.sag_free || settings.solver != SolverKind::kRod) return model;
   const SagFreeReport report = makeSagFree(model, sceneParameters(scene, settings).gravity);
   if (!report.stiffened.empty())

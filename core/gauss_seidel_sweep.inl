@@ -29,7 +29,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
       const real3 x = load3(b.position, i);
       store3(x, start, i);
       real3 free = predictPosition(x, load3(b.velocity, i), gravity, wind, grooming.on() ? grooming.keep(i) : keep, lit(h));
-      const real3 held = rotate(root.rotation, load3(b.rest_local, i)) + root.position;
+      const real3 held = heldPoint(b, root, i, time);
       if (grooming.on()) free = drawnToGoal(free, held, grooming.rate(i), lit(h));
       store3(select(inverseMass(b, i) < lit(0.5), held, free), b.position, i);
     }

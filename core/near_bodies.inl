@@ -5,7 +5,7 @@ class NearBodies {
   NearBodies(const Block& b, const StepInput& input) : bodies_(input.primitives) {
     if (bodies_.empty()) return;
     friction_scale_ = groomingFactor(b, kFrictionScale, 0);
-    all_ = !calm(b, input);
+    all_ = !calm(b, input) || b.bone_pins != nullptr;  // a bone may pull strands anywhere
     if (all_) return;
     const Box box = reach(b, input);
     for (size_t i = 0; i < bodies_.size(); ++i) {

@@ -55,7 +55,7 @@ class RodStep {
       near_.place(in, time);
       const RootFrame root{madd(end_.position - begin_.position, lit(time), begin_.position),
                            interpolateRotation(begin_.rotation, end_.rotation, lit(time))};
-      predict(root);
+      predict(root, time);
       eliminateTwist();
       eliminateBending();
       substituteBending();
@@ -97,7 +97,7 @@ class RodStep {
   real mass(int i) const { return grooming_.on() ? grooming_.mass(i) : ownMass(i); }
   real weight(int i) const { return grooming_.on() ? grooming_.weight(i) : state(b.weight, 0, rowOfVertex(i)); }
 
-  void predict(const RootFrame& root);
+  void predict(const RootFrame& root, double time);
   void eliminateTwist();
   void eliminateBending();
   void substituteBending();
@@ -131,7 +131,7 @@ class RodStep {
 };
 
 // Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
-inline void RodStep::predict(const RootFrame& root) {
+inline void RodStep::predict(const RootFrame& root, double time) {
   root_ = root;
   const real3 x0 = state3(b.position, 0);
   const real3 tangent_new = frameTangent(root.rotation);
@@ -147,8 +147,7 @@ inline void RodStep::predict(const RootFrame& root) {
     const real3 x = state3(b.position, e + 1), v = state3(b.velocity, e + 1);
     real3 moved = madd(v, grooming_.on() ? grooming_.keep(e + 1) * lit(h) : lit(h * keep_), x) + jump_;
     if (b.pinned) {
-      const real3 held = rotate(root.rotation, state3(b.rest_local, e + 1)) + root.position;
-      moved = select(weight(e + 1) > lit(0), moved, held);
+      moved = select(weight(e + 1) > lit(0), moved, heldPoint(b, root, e + 1, time));
     }
     set3(kNewPosition, e + 1, moved);
     const real3 edge = moved - get3(kNewPosition, e), old = x - before;

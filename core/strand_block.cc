@@ -76,10 +76,17 @@ Scalar* BlockStore<Scalar>::grooming(const Block& block) const {
 }
 
 template <class Scalar>
+Scalar* BlockStore<Scalar>::bonePins(const Block& block) const {
+  const int planes_before = block.groomed ? kGroomingPlanes : 0;
+  return grooming(block) + static_cast<size_t>(planes_before) * block.vertices * lanes_;
+}
+
+template <class Scalar>
 void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
   lanes_ = lanes;
   offsets_ = model.offsets;
   blocks_.clear();
+  pins_.clear();
   max_vertices_ = 0;
   order_.resize(model.strands());
   std::iota(order_.begin(), order_.end(), 0u);
@@ -96,8 +103,19 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
       ++count;
     bool groomed = false;
     for (size_t i = 0; i < count; ++i) groomed = groomed || model.isGroomed(order_[first + i]);
-    blocks_.push_back({vertices, false, true, groomed, first, count, memory});
-    const int planes_of_vertex = kBlockPlanes + (groomed ? kGroomingPlanes : 0);
+    blocks_.push_back({vertices, false, true, groomed, first, count, memory, pins_.size()});
+    Block& block = blocks_.back();
+    for (int lane = 0; lane < lanes; ++lane) {
+      const uint32_t strand = order_[first + std::min<size_t>(lane, count - 1)];
+      for (int i = 1; i < vertices; ++i) {
+        const uint32_t v = offsets_[strand] + i;
+        if (model.isBonePinned(strand, v))
+          pins_.push_back({i, lane, model.pin_bones[v], model.restPosition(strand, v)});
+      }
+    }
+    block.pins = pins_.size() - block.first_pin;
+    const int planes_of_vertex =
+        kBlockPlanes + (groomed ? kGroomingPlanes : 0) + (block.pins > 0 ? kBonePinPlanes : 0);
     memory += static_cast<size_t>(planes_of_vertex * vertices + kRootPlanes) * lanes;
     memory = (memory + 15) / 16 * 16;
     max_vertices_ = std::max(max_vertices_, vertices);
@@ -216,15 +234,26 @@ void BlockStore<Scalar>::readPositions(size_t b, std::span<Vec3> positions) cons
 }
 
 template <class Scalar>
-void BlockStore<Scalar>::setRoots(size_t b, std::span<const Pose> begin, std::span<const Pose> end) {
+void BlockStore<Scalar>::setPoses(size_t b, const StepInput& input) {
   const Block& block = blocks_[b];
   Scalar* root = roots(block);
   for (int lane = 0; lane < lanes_; ++lane) {
     const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
     Scalar* plane = root + lane;
-    for (const Pose* pose : {&begin[strand], &end[strand]}) {
+    for (const Pose* pose : {&input.roots_begin[strand], &input.roots_end[strand]}) {
       for (int c = 0; c < 3; ++c, plane += lanes_) *plane = static_cast<Scalar>(pose->position[c]);
       for (int c = 0; c < 4; ++c, plane += lanes_) *plane = static_cast<Scalar>(pose->rotation.coeffs()[c]);
+    }
+  }
+  for (size_t i = block.first_pin; i < block.first_pin + block.pins; ++i) {
+    const BonePin& pin = pins_[i];
+    Scalar* row = bonePins(block) + static_cast<size_t>(pin.vertex) * kBonePinPlanes * lanes_ + pin.lane;
+    const Vec3 begin = input.bones_begin[pin.bone].apply(pin.rest),
+               end = input.bones_end[pin.bone].apply(pin.rest);
+    row[static_cast<size_t>(kBonePinned) * lanes_] = Scalar(1);
+    for (int c = 0; c < 3; ++c) {
+      row[static_cast<size_t>(kHeldBegin + c) * lanes_] = static_cast<Scalar>(begin[c]);
+      row[static_cast<size_t>(kHeldEnd + c) * lanes_] = static_cast<Scalar>(end[c]);
     }
   }
 }
@@ -250,6 +279,7 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           planes(block, kMass),
           planes(block, kWeight),
           roots(block),
+          block.pins > 0 ? bonePins(block) : nullptr,
           block.groomed ? grooming(block) : nullptr};
 }
 

@@ -48,10 +48,19 @@ struct BlockView {
   const Scalar* mass;    ///< 1 plane, of vertices; large where pinned
   const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
-  const Scalar* grooming;  ///< [vertex][kGroomingPlanes][lane]; null where every factor is 1
+  const Scalar* bone_pins;  ///< [vertex][kBonePinPlanes][lane]; null where there is none
+  const Scalar* grooming;   ///< [vertex][kGroomingPlanes][lane]; null where every factor is 1
 };
 
 constexpr int kRootPlanes = 14;
+
+/// Planes of BlockView::bone_pins, of vertices that are pinned to another bone than their root frame.
+enum BonePinPlane : int {
+  kBonePinned,   ///< 1, or 0 of all others
+  kHeldBegin,    ///< 3, m, where the bone holds it at the start of the step
+  kHeldEnd = 4,  ///< 3, at its end
+  kBonePinPlanes = 7
+};
 
 /// Planes of BlockView::grooming: see StrandModel.
 enum GroomingPlane : int {
@@ -89,8 +98,8 @@ class BlockStore {
   int lanes() const { return lanes_; }
   int maxVertices() const { return max_vertices_; }
   BlockView<Scalar> block(size_t b);
-  /// Copies the roots of block b's strands into its planes.
-  void setRoots(size_t b, std::span<const Pose> begin, std::span<const Pose> end);
+  /// Copies the roots of block b's strands, and where bones hold their vertices, into its planes.
+  void setPoses(size_t b, const StepInput& input);
   /// Copies the positions of block b's strands out, natural order.
   void readPositions(size_t b, std::span<Vec3> positions) const;
 
@@ -98,18 +107,27 @@ class BlockStore {
   struct Block {
     int vertices;
     bool pinned, uniform, groomed;
-    size_t first;   ///< in order_
-    size_t count;   ///< strands, at most lanes_
-    size_t memory;  ///< index of its first scalar in memory_
+    size_t first;                    ///< in order_
+    size_t count;                    ///< strands, at most lanes_
+    size_t memory;                   ///< index of its first scalar in memory_
+    size_t first_pin = 0, pins = 0;  ///< in pins_
+  };
+  /// A vertex that is pinned to another bone than its root frame.
+  struct BonePin {
+    int vertex, lane;
+    uint16_t bone;
+    Vec3 rest;  ///< m, in the groom's frame
   };
   Scalar* planes(const Block& block, int plane) const;
   Scalar& number(const Block& block, int plane, int vertex, int lane) const;
   Scalar* roots(const Block& block) const;
   Scalar* grooming(const Block& block) const;
+  Scalar* bonePins(const Block& block) const;
 
   int lanes_ = 1;
   int max_vertices_ = 0;
   std::vector<Block> blocks_;
+  std::vector<BonePin> pins_;
   std::vector<uint32_t> order_;    ///< strands, by vertex count
   std::vector<uint32_t> offsets_;  ///< of the model
   mutable std::vector<Scalar, CacheLineAllocator<Scalar>> memory_;

@@ -172,6 +172,37 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
   return model;
 }
 
+void pinToBone(StrandModel& model, size_t strand, float from, float to, const std::string& bone) {
+  const std::string where = fmt::format("bone '{}', strand {}", bone, strand);
+  if (!(from >= 0 && from <= to && to <= 1))
+    throw Error(fmt::format("{:g} to {:g} is no part of a strand", from, to), where,
+                "give 0 (root) to 1 (tip), in order");
+  const auto known = std::find(model.bones.begin(), model.bones.end(), bone);
+  const size_t index = static_cast<size_t>(known - model.bones.begin());
+  if (index > UINT16_MAX) throw Error("there are too many bones", where, "use 65,535 at most");
+
+  constexpr float kRounding = 1e-4f;  // of the strand's length: a limit at a vertex takes it
+  const uint32_t first = model.offsets[strand], end = model.offsets[strand + 1];
+  const float total = arcLength({model.rest_local.data() + first, end - first});
+  std::vector<uint32_t> pinned;
+  float along = 0;
+  for (uint32_t v = first; v < end; ++v) {
+    if (v > first) along += (model.rest_local[v] - model.rest_local[v - 1]).norm() / total;
+    if (along >= from - kRounding && along <= to + kRounding) pinned.push_back(v);
+  }
+  if (pinned.empty())
+    throw Error(fmt::format("no vertex lies from {:g} to {:g} of a strand", from, to), where,
+                "give a wider range");
+  if (known == model.bones.end()) model.bones.push_back(bone);
+  model.root_bones.resize(model.strands(), 0);
+  model.pin_bones.resize(model.vertices(), 0);
+  for (const uint32_t v : pinned) {
+    model.inverse_mass[v] = 0;
+    model.pin_bones[v] = static_cast<uint16_t>(index);
+  }
+  if (pinned.front() == first) model.root_bones[strand] = static_cast<uint16_t>(index);
+}
+
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots) {
   StrandState state;
   state.positions.resize(model.vertices());

@@ -25,6 +25,7 @@ Settings settingsOf(const StepInput& input) {
   s.iterations = static_cast<uint32_t>(p.iterations);
   s.primitive_count = static_cast<uint32_t>(input.primitives.size());
   s.strand_count = static_cast<uint32_t>(input.roots_begin.size());
+  s.bone_count = static_cast<uint32_t>(input.bones_begin.size());
   return s;
 }
 

@@ -22,8 +22,9 @@ struct Settings {
   uint32_t iterations;
   uint32_t primitive_count;
   uint32_t strand_count;
+  uint32_t bone_count;
 };
-static_assert(sizeof(Settings) == 84);
+static_assert(sizeof(Settings) == 88);
 static_assert(sizeof(Pose) == 28);  // the shader reads poses as 7 floats: position, rotation x y z w
 
 Settings settingsOf(const StepInput& input);

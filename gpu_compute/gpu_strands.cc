@@ -22,7 +22,11 @@ gl::Buffer storage(size_t count) {
 
 std::vector<Vec4> packRestLocal(const StrandModel& model) {
   std::vector<Vec4> packed(model.vertices());
-  for (size_t v = 0; v < packed.size(); ++v) packed[v] = vec4(model.rest_local[v], model.inverse_mass[v]);
+  for (size_t s = 0; s < model.strands(); ++s)
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+      packed[v] = model.isBonePinned(s, v)
+                      ? vec4(model.restPosition(s, v), -1 - static_cast<float>(model.pin_bones[v]))
+                      : vec4(model.rest_local[v], model.inverse_mass[v]);
   return packed;
 }
 
@@ -68,6 +72,7 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
     : programs_(programs),
       vertices_((checkFits(model.vertices()), discardErrors(), model.vertices())),
       strands_(model.strands()),
+      bones_(model.bones.size()),
       model_offsets_(model.offsets),
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
@@ -78,7 +83,7 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
       groomed_(!model.damping_scale.empty()),
       gauss_seidel_(model),
       rod_(model),
-      uploads_(std::in_place, strands_, kFirstPrimitives),
+      uploads_(std::in_place, strands_, bones_, kFirstPrimitives),
       readback_(vertices_) {
   if (groomed_) grooming_ = gl::Buffer(std::span<const Vec2Packed>(packGrooming(model)));
   if (glGetError() == GL_OUT_OF_MEMORY)
@@ -139,7 +144,7 @@ void GpuStrands::step(const StepInput& input) {
   if (vertices_ == 0) return;
   if (!uploads_->holds(input.primitives.size())) {  // more bodies than ever before
     glFinish();
-    uploads_.emplace(strands_, 2 * input.primitives.size());
+    uploads_.emplace(strands_, bones_, 2 * input.primitives.size());
   }
   uploads_->write(input);
   const bool goal = input.parameters->goal_rate > 0;

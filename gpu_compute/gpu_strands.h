@@ -31,7 +31,7 @@ class GpuStrands {
   void bind() const;
 
   ProgramCache& programs_;
-  size_t vertices_, strands_;
+  size_t vertices_, strands_, bones_;
   std::vector<uint32_t> model_offsets_;
   gl::Buffer positions_;   ///< xyz; w: tension of the edge that ends at the vertex
   gl::Buffer velocities_;  ///< xyz

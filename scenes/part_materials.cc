@@ -11,15 +11,6 @@ namespace {
 
 constexpr const char* kShearModulus = "shear_modulus";
 
-size_t partOf(const std::string& part, const std::vector<std::string>& names, const std::string& where) {
-  std::string list;
-  for (size_t i = 0; i < names.size(); ++i) {
-    if (part == names[i] || part == std::to_string(i)) return i;
-    list += fmt::format("{}{} ({})", i > 0 ? ", " : "", names[i], i);
-  }
-  throw Error("the groom has no part '" + part + "'", where, "its parts are " + list);
-}
-
 void apply(const MaterialRule& rule, Material& material) {
   for (const MaterialRule::Setting& setting : rule.settings)
     if (setting.name != kShearModulus) setMaterial(material, setting.name, setting.values, setting.where);
@@ -28,6 +19,15 @@ void apply(const MaterialRule& rule, Material& material) {
 }
 
 }  // namespace
+
+size_t partOf(const std::string& part, const std::vector<std::string>& names, const std::string& where) {
+  std::string list;
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (part == names[i] || part == std::to_string(i)) return i;
+    list += fmt::format("{}{} ({})", i > 0 ? ", " : "", names[i], i);
+  }
+  throw Error("the groom has no part '" + part + "'", where, "its parts are " + list);
+}
 
 void checkRule(const MaterialRule& rule) {
   const MaterialRule::Setting* shear = nullptr;

@@ -180,10 +180,17 @@ const std::vector<SceneInfo>& sceneList() {
   return list;
 }
 
+StrandModel sceneModel(const Scene& scene) {
+  StrandModel model = makeStrandModel(scene.groom.strands, scene.materials);
+  pinParts(model, scene.pins, scene.part_names, scene.groom.strands.parts);
+  return model;
+}
+
 Scene makeScene(const SceneOptions& options, const Progress& progress) {
   Scene scene =
       options.groom.empty() ? makeProceduralScene(options, progress) : makeFileScene(options, progress);
   scene.materials = partMaterials(options.materials, scene.part_names);
+  scene.pins = options.pins;
   if (scene.groom.strands.strands() == 0)
     throw Error("the groom has no strand to simulate", scene.name, "see `strandcast info FILE`");
   if (!options.primitives.empty()) scene.bodies.push_back({options.primitives, true});

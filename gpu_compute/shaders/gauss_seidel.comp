@@ -18,7 +18,7 @@ layout(local_size_x = WORKGROUP) in;
 
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };             // xyz; w is the rod's
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };           // xyz
-layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };   // xyz, inverse mass
+layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };   // xyz, inverse mass; see bonePoint
 layout(std430, binding = 3) readonly buffer RestEdge { vec4 rest_edge[]; };     // xyz, rest length
 layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };        // first vertex of each strand
 layout(std430, binding = 5) readonly buffer Order { uint order[]; };            // strands by group
@@ -76,7 +76,7 @@ void main() {
 
   vec3 x = positions[vertex].xyz, v = velocities[vertex].xyz;
   vec4 local = rest_local[vertex], edge = rest_edge[vertex];
-  float inverse_mass = local.w;
+  float inverse_mass = max(local.w, 0.0);
 #if GROOMED
   float keep = keepOf(vertex), goal_rate = goalRateOf(vertex), friction_scale = grooming[first].x;
 #else
@@ -92,7 +92,7 @@ void main() {
     vec4 root = interpolateRotation(root_begin.rotation, root_end.rotation, time);
     vec3 start = x;
     vec3 free = predictPosition(x, v, settings.gravity.xyz, settings.wind.xyz, keep, settings.substep);
-    vec3 held = rotate(root, local.xyz) + root_position;
+    vec3 held = local.w < 0.0 ? bonePoint(local, time) : rotate(root, local.xyz) + root_position;
 #if GROOMED
     free = drawnToGoal(free, held, goal_rate, settings.substep);
 #endif

@@ -46,8 +46,12 @@ vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else
 #endif
 
 #if PINNED || GROOMED
-// Where the root frame holds a vertex of the rest shape.
-vec3 heldPoint(uint vertex, RootMotion root) { return rotate(root.rotation, rest_local[vertex].xyz) + root.position; }
+// Where the root frame, or the bone that it is pinned to, holds a vertex of the rest shape.
+vec3 heldPoint(uint vertex, RootMotion root) {
+  vec4 local = rest_local[vertex];
+  if (local.w < 0.0) return bonePoint(local, root.time);
+  return rotate(root.rotation, local.xyz) + root.position;
+}
 #endif
 
 // Where a vertex would go by itself; pinned ones ride on the root frame.
@@ -408,7 +412,7 @@ void main() {
   for (int substep = 0; substep < int(settings.substeps); ++substep) {
     int ahead = substep % THREADS;
     if (ahead == 0) placeRoots(substep);
-    RootMotion root = rootMotion(ahead);
+    RootMotion root = rootMotion(ahead, timeAfter(substep));
     float blend[PER_THREAD];
     vec4 frame_in = predict(root, blend);
     solveTwist(frame_in, blend);

@@ -4,7 +4,7 @@
 
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz
-layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass
+layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
 layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };      // first vertex of each strand
 layout(std430, binding = 5) readonly buffer Order { uint order[]; };          // strands by group
 layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };      // 3 per vertex

@@ -7,6 +7,7 @@ struct RootMotion {
   vec3 tangent_old;  // of the root before the substep
   vec3 swing;        // how it changes
   vec4 inner_frame;  // of the root, without the swing of this substep
+  float time;        // part of the step that has passed at the end of the substep
   vec4 rotation;     // at the end of the substep, for what rides on the root
 };
 
@@ -45,8 +46,8 @@ void placeRoots(int first) {
   barrier();
 }
 
-// Of the substep that is `ahead` of the first of those placed last.
-RootMotion rootMotion(int ahead) {
+// Of the substep that is `ahead` of the first of those placed last and ends at `time`.
+RootMotion rootMotion(int ahead, float time) {
   uint at = me - uint(rank) + uint(ahead);
   vec4 a = root_position[at], b = root_tangent[at], c = root_swing[at];
 #if PINNED || GROOMED
@@ -54,5 +55,5 @@ RootMotion rootMotion(int ahead) {
 #else
   const vec4 rotation = vec4(0, 0, 0, 1);
 #endif
-  return RootMotion(a.xyz, vec3(a.w, b.w, c.w), b.xyz, c.xyz, root_frame[at], rotation);
+  return RootMotion(a.xyz, vec3(a.w, b.w, c.w), b.xyz, c.xyz, root_frame[at], time, rotation);
 }

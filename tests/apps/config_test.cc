@@ -44,6 +44,11 @@ parts = ["a", 1]
 shear_modulus = 1.2e9
 radius_curve = [[0, 1], [1, 0.4]]
 stiffness_curve = 0.5
+[[pin]]
+part = "a"
+bone = "ribbon"
+from = 0.5
+to = 0.6
 [daemon]
 backend = "reference"
 threads = 2
@@ -82,6 +87,11 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_FLOAT_EQ(materials[1].poisson_ratio, 0.25f);
   EXPECT_FLOAT_EQ(materials[0].radius_scale.at(0.5f), 0.7f);
   EXPECT_FLOAT_EQ(materials[0].stiffness_scale.at(0.5f), 0.5f);
+  ASSERT_EQ(s.scene.pins.size(), 1u);
+  EXPECT_EQ(s.scene.pins[0].parts, std::vector<std::string>{"a"});
+  EXPECT_EQ(s.scene.pins[0].bone, "ribbon");
+  EXPECT_FLOAT_EQ(s.scene.pins[0].from, 0.5f);
+  EXPECT_FLOAT_EQ(s.scene.pins[0].to, 0.6f);
   EXPECT_EQ(s.backend, "reference");
   EXPECT_EQ(s.threads, 2);
   EXPECT_DOUBLE_EQ(s.rate, 120);
@@ -123,6 +133,9 @@ TEST(Config, WrongTypesAndRangesAreRefused) {
                            "material = 1",
                            "[material]\nradius = 1e-5",
                            "[[material]]\npart = 1.5",
+                           "[[pin]]\nfrom = -0.1",
+                           "[[pin]]\nfrom = 0.5\nto = 0.4",
+                           "[[pin]]\nbones = 1",
                            "[[material]]\nparts = []",
                            "[[material]]\nradius_curve = [[0, 1, 2]]",
                            "[[material]]\nradius_curve = [[1, 1], [0, 1]]",

@@ -143,14 +143,15 @@ std::vector<double> sensitivities(const StrandModel& model, const StrandState& f
 struct Case {
   const char* name;
   bool bodies, moving_roots, wind;
-  bool goal = false, groomed = false;
+  bool goal = false, groomed = false, tied = false;
 };
 constexpr Case kCases[] = {{"gravity only", false, false, false},
                            {"moving roots", false, true, false},
                            {"bodies", true, false, false},
                            {"bodies, moving roots, wind", true, true, true},
                            {"goal pull, moving roots", false, true, false, true},
-                           {"groomed, bodies, moving roots, wind", true, true, true, true, true}};
+                           {"groomed, bodies, moving roots, wind", true, true, true, true, true},
+                           {"tied to bones", false, true, false, false, false, true}};
 
 TEST_P(Conformance, OneStepAgreesWithTheOracle) {
   const bool rod = parameters_.solver == SolverKind::kRod;
@@ -158,17 +159,20 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
   for (const size_t strands : {1, 7, 33, 257}) {
     const StrandModel plain = awkwardModel(strands, 11),
                       groomed = awkwardModel(strands, 11, groomedMaterials());
+    StrandModel tied = plain;
+    tieToBones(tied);
     const StrandState from = disturbedState(plain, 12);
+    const std::vector<Pose> bones_begin(3), bones_end = movedBones();
     const std::vector<Pose> roots_end = movedRoots(plain);
     for (const Case& c : kCases) {
       Parameters parameters = parameters_;
       if (c.wind) parameters.wind = Vec3(3, 0, 1);
       if (c.goal) parameters.goal_rate = 100;
       if (c.groomed) parameters.damping_time = 0.002f;
-      const StrandModel& model = c.groomed ? groomed : plain;
+      const StrandModel& model = c.groomed ? groomed : c.tied ? tied : plain;
       const auto bodies = c.bodies ? movingBodies(parameters.time_step) : std::vector<MovingPrimitive>();
       const StepInput input{&parameters, model.rest_roots, c.moving_roots ? roots_end : model.rest_roots,
-                            bodies};
+                            bodies,      bones_begin,      bones_end};
       const double substep = parameters.time_step / parameters.substeps;
       const StrandState truth = oracleStep(model, from, input), mine = stepped(model, from, input);
       const std::vector<double> moved_by = errors(model, truth, from, substep);
@@ -286,6 +290,32 @@ TEST_P(Conformance, PinnedVerticesRideOnTheirRoot) {
     }
   }
   EXPECT_GT(pinned, model.strands());
+}
+
+TEST_P(Conformance, TiedVerticesGoWithTheirBone) {
+  StrandModel model = awkwardModel(33, 63);
+  tieToBones(model);
+  const std::vector<Pose> bones_begin(3), bones_end = movedBones();
+  ASSERT_EQ(model.bones.size(), 3u);
+  const Parameters parameters = parameters_;
+  const StrandState after =
+      stepped(model, disturbedState(model, 64),
+              {&parameters, model.rest_roots, movedRoots(model), {}, bones_begin, bones_end});
+  size_t tied = 0, whole = 0;
+  for (size_t s = 0; s < model.strands(); ++s) {
+    size_t of_strand = 0;
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
+      if (!model.isBonePinned(s, v)) continue;
+      const Vec3 place = bones_end[model.pin_bones[v]].apply(model.restPosition(s, v));
+      EXPECT_LT((after.positions[v] - place).norm(), 1e-6f) << "strand " << s;
+      ++of_strand;
+    }
+    tied += of_strand;
+    whole += model.rootBone(s) != 0 && model.inverse_mass[model.offsets[s] + 1] == 0;
+  }
+  EXPECT_GT(tied, 30u);
+  EXPECT_GT(whole, 3u);
+  EXPECT_EQ(nonFinite(after), 0u);
 }
 
 // The rod keeps its lengths to rounding. The bounds on the stretch of the other solver are what it keeps on

@@ -15,6 +15,11 @@ StrandModel awkwardModel(size_t strands, uint32_t seed,
 /// not 1.
 std::vector<Material> groomedMaterials();
 
+/// Ties strands of `model` to two more bones, "clip" and "ribbon": in the middle, as a whole, at both ends.
+void tieToBones(StrandModel& model);
+/// Of the head, the clip and the ribbon, moved and turned by some millimetres and hundredths.
+std::vector<Pose> movedBones();
+
 /// The rest shape of `model` at its own roots, every vertex moved by up to a fifth of its edge and given a
 /// velocity of up to 1 m/s.
 StrandState disturbedState(const StrandModel& model, uint32_t seed);

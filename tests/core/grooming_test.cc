@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <limits>
 
+#include "core/error.h"
 #include "core/sag_free.h"
 #include "core/simulation.h"
 #include "validation/specimen.h"
@@ -162,6 +165,105 @@ TEST(MaterialFactors, FrictionOfAPartIsAFactorOfTheBodys) {
   for (const SolverKind solver : {SolverKind::kRod, SolverKind::kGaussSeidel}) {
     EXPECT_NEAR(slides(solver, 0.8f, 0.25f), slides(solver, 0.2f, 1), 1e-5f) << solverName(solver);
     EXPECT_GT(slides(solver, 0.8f, 0.25f), slides(solver, 0.8f, 1) + 0.01f) << solverName(solver);
+  }
+}
+
+StrandModel tiedModel() {
+  StrandModel model =
+      modelOf({straightStrand(0.2, kEdges, Vec3::UnitX()), straightStrand(0.2, kEdges, Vec3::UnitZ())});
+  pinToBone(model, 0, 0.5f, 0.5f, "ribbon");
+  pinToBone(model, 1, 0, 1, "clip");
+  return model;
+}
+
+Simulation tied(const Parameters& parameters) {
+  return Simulation(tiedModel(), {}, parameters, makeReferenceBackend());
+}
+
+TEST(Bones, TheHeadIsTheOnlyOneUnlessThereAreMore) {
+  Simulation simulation = level(parametersOf(SolverKind::kRod));
+  EXPECT_EQ(simulation.model().bones, std::vector<std::string>{"head"});
+  EXPECT_EQ(tiedModel().bones, (std::vector<std::string>{"head", "ribbon", "clip"}));
+}
+
+TEST(Bones, WhatIsPinnedToABoneGoesWithItAndNothingElse) {
+  for (const SolverKind solver : {SolverKind::kRod, SolverKind::kGaussSeidel}) {
+    Simulation simulation = tied(parametersOf(solver));
+    const StrandModel& model = simulation.model();
+    const Pose ribbon{Vec3(-0.02f, 0.03f, 0.01f), Quat(Eigen::AngleAxisf(0.3f, Eigen::Vector3f::UnitY()))};
+    const Pose clip{Vec3(0, 0.05f, 0), Quat(Eigen::AngleAxisf(0.5f, Eigen::Vector3f::UnitX()))};
+    for (int i = 1; i <= 72; ++i) {
+      simulation.setBonePose("ribbon", interpolate(Pose{}, ribbon, static_cast<float>(i) / 72));
+      simulation.setBonePose(2, interpolate(Pose{}, clip, static_cast<float>(i) / 72));
+      simulation.step();
+    }
+    const std::span<const Vec3> now = simulation.guides();
+    const uint32_t middle = kEdges / 2, second = model.offsets[1];
+    EXPECT_LT(now[0].norm(), 1e-6f) << "the root of the first strand is the head's";
+    EXPECT_LT((now[middle] - ribbon.apply(model.restPosition(0, middle))).norm(), 1e-6f)
+        << solverName(solver);
+    for (uint32_t v = second; v < model.offsets[2]; ++v)
+      EXPECT_LT((now[v] - clip.apply(model.restPosition(1, v))).norm(), 2e-6f)
+          << solverName(solver) << " " << v;
+    EXPECT_EQ(simulation.resetBroken(), 0u);
+    EXPECT_LT((simulation.bonePose(2).position - clip.position).norm(), 1e-6f);
+    EXPECT_LT(simulation.measure().max_stretch, solver == SolverKind::kRod ? 1e-3 : 0.1);
+  }
+}
+
+TEST(Bones, ATieMovesSmoothlyWithinAStep) {
+  Parameters parameters = parametersOf(SolverKind::kRod);
+  parameters.time_step = 1.0f / 60;
+  parameters.substeps = 8;
+  Simulation simulation = tied(parameters);
+  const Vec3 way(0, 0.008f, 0);
+  simulation.setBonePose("ribbon", {way, Quat::Identity()});
+  simulation.step();
+  const Vec3 velocity = simulation.state().velocities[kEdges / 2];
+  EXPECT_LT((velocity - way * 60).norm(), 1e-3f) << "the velocity of its last substep is that of the step";
+}
+
+TEST(Bones, ResetAndTeleportTakeThemAlong) {
+  Simulation simulation = tied(parametersOf(SolverKind::kRod));
+  const Pose ribbon{Vec3(-0.01f, 0.02f, 0), Quat::Identity()};
+  const Pose there{Vec3(1, 2, 3), Quat(Eigen::AngleAxisf(1.0f, Eigen::Vector3f::UnitY()))};
+  const uint32_t middle = kEdges / 2;
+  simulation.setBonePose("ribbon", ribbon);
+  simulation.step();
+  simulation.reset();
+  const Vec3 rest = simulation.model().restPosition(0, middle);
+  EXPECT_LT((simulation.guides()[middle] - ribbon.apply(rest)).norm(), 1e-6f);
+  simulation.teleport(there);
+  EXPECT_LT((simulation.guides()[middle] - (there * ribbon).apply(rest)).norm(), 1e-5f);
+  simulation.step();
+  EXPECT_LT((simulation.guides()[middle] - (there * ribbon).apply(rest)).norm(), 1e-5f);
+}
+
+TEST(Bones, WhatIsNoBoneOrNoRangeIsRefused) {
+  auto refusal = [](const std::function<void()>& call) -> std::string {
+    try {
+      call();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  Simulation simulation = tied(parametersOf(SolverKind::kRod));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_NE(refusal([&] { simulation.setBonePose("ribon", Pose{}); }).find("did you mean 'ribbon'"),
+            std::string::npos);
+  EXPECT_NE(refusal([&] { simulation.setBonePose(3, Pose{}); }).find("the model has 3"), std::string::npos);
+  EXPECT_NE(refusal([&] {
+              simulation.setBonePose(1, {Vec3(0, nan, 0), Quat::Identity()});
+            }).find("Simulation::setBonePose"),
+            std::string::npos);
+  for (const auto& [from, to] : {std::pair(0.5f, 0.4f), std::pair(-0.1f, 0.5f), std::pair(0.5f, 1.1f),
+                                 std::pair(nan, 1.0f), std::pair(0.51f, 0.52f)}) {
+    const std::string error = refusal([&, a = from, b = to] {
+      StrandModel model = tiedModel();
+      pinToBone(model, 0, a, b, "pin");
+    });
+    EXPECT_NE(error.find("bone 'pin', strand 0"), std::string::npos) << from << " to " << to << ": " << error;
   }
 }
 
