@@ -69,6 +69,14 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
           store3(c, b.position, i + 1);
         }
       }
+      if (b.grooming != nullptr) {
+        const real3 anchor = load3(b.position, 0);
+        for (int i = 1; i < n; ++i) {
+          const real3 free = load3(b.position, i);
+          const real3 held = tethered(free, anchor, groomingFactor(b, kTether, i));
+          store3(select(inverseMass(b, i) > lit(0.5), held, free), b.position, i);
+        }
+      }
       if (near.size() > 0) {
         real3 normal = makeReal3(lit(0), lit(0), lit(0));
         for (int i = 0; i < n; ++i)

@@ -6,7 +6,7 @@ class Grooming {
   Grooming(const Block& b, const StepInput& input, Scalar* scratch)
       : block_(b), rows_(scratch + solverScratch(b.vertices, kLanes)), wind_(fill3(input.parameters->wind)) {
     const Parameters& p = *input.parameters;
-    on_ = b.grooming != nullptr || p.goal_rate > 0;
+    on_ = b.factors || p.goal_rate > 0;
     if (!on_) return;
     const double h = static_cast<double>(p.time_step) / p.substeps;
     substep_ = lit(h);

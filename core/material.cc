@@ -18,6 +18,7 @@ struct Entry {
   double low, high;  ///< of the number, or of the curve's factors
   float Material::*number = nullptr;
   RootTipCurve Material::*curve = nullptr;
+  bool or_zero = false;  ///< 0 = off is in the range too
 };
 
 std::string rangeOf(double low, double high) { return fmt::format("{:g} to {:g}", low, high); }
@@ -25,6 +26,12 @@ std::string rangeOf(double low, double high) { return fmt::format("{:g} to {:g}"
 Entry number(const char* name, const char* unit, double low, double high, const char* help,
              float Material::*member) {
   return {{name, unit, rangeOf(low, high), help, false}, low, high, member, nullptr};
+}
+Entry numberOrZero(const char* name, double low, double high, const char* help, float Material::*member) {
+  Entry entry = number(name, "", low, high, help, member);
+  entry.info.range = "0 or " + entry.info.range;
+  entry.or_zero = true;
+  return entry;
 }
 Entry curve(const char* name, double low, double high, const char* help, RootTipCurve Material::*member) {
   return {{name, "", rangeOf(low, high), help, true}, low, high, nullptr, member};
@@ -46,6 +53,10 @@ const std::vector<Entry>& entries() {
       curve("goal_curve", 0, 1, "factor of the parameter goal_rate from root to tip", &M::goal_scale),
       number("damping_scale", "", 0, 1e3, "factor of the parameter damping_time", &M::damping_scale),
       number("friction_scale", "", 0, 1e3, "factor of the friction of every body", &M::friction_scale),
+      numberOrZero(
+          "tether", 1, 10,
+          "longest distance from the root over arc length, 0 = off; of gauss_seidel, which stretches",
+          &M::tether),
   };
   return list;
 }
@@ -53,7 +64,8 @@ const std::vector<Entry>& entries() {
 void checkNumber(const Entry& entry, double value, const std::string& where) {
   constexpr double kRounding = 1e-6;  // the limits themselves are in the range, as floats too
   if (!(value >= entry.low - kRounding * std::fabs(entry.low) &&
-        value <= entry.high + kRounding * std::fabs(entry.high)))
+        value <= entry.high + kRounding * std::fabs(entry.high)) &&
+      !(entry.or_zero && value == 0))
     throw Error(fmt::format("'{}' = {:g} is out of range", entry.info.name, value), where,
                 fmt::format("give {} {}", entry.info.range, entry.info.unit));
 }

@@ -25,7 +25,10 @@ struct Material {
   RootTipCurve air_drag_scale;  ///< of air_drag, 0 to 1e3
   RootTipCurve goal_scale;      ///< of goal_rate, 0 to 1
   float damping_scale = 1;      ///< of damping_time, 0 to 1e3
-  float friction_scale = 1;     ///< of every body's friction, 0 to 1e3
+  /// Longest distance of a vertex from its root, times its arc length from the root at rest: 1 to 10, or 0 =
+  /// off. For gauss_seidel, which stretches; the rod keeps its lengths anyway.
+  float tether = 0;
+  float friction_scale = 1;  ///< of every body's friction, 0 to 1e3
 };
 
 /// Throws Error, naming `where`, when a value is out of range.

@@ -77,7 +77,7 @@ Scalar* BlockStore<Scalar>::grooming(const Block& block) const {
 
 template <class Scalar>
 Scalar* BlockStore<Scalar>::bonePins(const Block& block) const {
-  const int planes_before = block.groomed ? kGroomingPlanes : 0;
+  const int planes_before = groomed(block) ? kGroomingPlanes : 0;
   return grooming(block) + static_cast<size_t>(planes_before) * block.vertices * lanes_;
 }
 
@@ -101,9 +101,12 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
     while (count < static_cast<size_t>(lanes) && first + count < order_.size() &&
            model.verticesOf(order_[first + count]) == static_cast<size_t>(vertices))
       ++count;
-    bool groomed = false;
-    for (size_t i = 0; i < count; ++i) groomed = groomed || model.isGroomed(order_[first + i]);
-    blocks_.push_back({vertices, false, true, groomed, first, count, memory, pins_.size()});
+    bool factors = false, tethers = false;
+    for (size_t i = 0; i < count; ++i) {
+      factors = factors || model.hasFactors(order_[first + i]);
+      tethers = tethers || model.hasTethers(order_[first + i]);
+    }
+    blocks_.push_back({vertices, false, true, factors, tethers, first, count, memory, pins_.size()});
     Block& block = blocks_.back();
     for (int lane = 0; lane < lanes; ++lane) {
       const uint32_t strand = order_[first + std::min<size_t>(lane, count - 1)];
@@ -115,7 +118,7 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
     }
     block.pins = pins_.size() - block.first_pin;
     const int planes_of_vertex =
-        kBlockPlanes + (groomed ? kGroomingPlanes : 0) + (block.pins > 0 ? kBonePinPlanes : 0);
+        kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) + (block.pins > 0 ? kBonePinPlanes : 0);
     memory += static_cast<size_t>(planes_of_vertex * vertices + kRootPlanes) * lanes;
     memory = (memory + 15) / 16 * 16;
     max_vertices_ = std::max(max_vertices_, vertices);
@@ -148,12 +151,13 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
         put(kMass, pinned ? kPinnedMass : model.mass[v]);
         put(kWeight, pinned ? 0.0f : 1 / model.mass[v]);
         if (i > 0) block.pinned = block.pinned || pinned;
-        if (block.groomed) {
+        if (groomed(block)) {
           Scalar* factors = grooming(block) + static_cast<size_t>(i) * kGroomingPlanes * lanes_ + lane;
           factors[kAirDragScale * lanes_] = static_cast<Scalar>(model.air_drag_scale[v]);
           factors[kGoalScale * lanes_] = static_cast<Scalar>(model.goal_scale[v]);
           factors[kDampingScale * lanes_] = static_cast<Scalar>(model.damping_scale[strand]);
           factors[kFrictionScale * lanes_] = static_cast<Scalar>(model.friction_scale[strand]);
+          factors[kTether * lanes_] = static_cast<Scalar>(model.tether[v]);
         }
       }
       // Lengths and masses of a strand that was resampled evenly differ by rounding only: then they are made
@@ -280,7 +284,8 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           planes(block, kWeight),
           roots(block),
           block.pins > 0 ? bonePins(block) : nullptr,
-          block.groomed ? grooming(block) : nullptr};
+          block.factors,
+          groomed(block) ? grooming(block) : nullptr};
 }
 
 template class BlockStore<float>;

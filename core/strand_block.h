@@ -49,7 +49,8 @@ struct BlockView {
   const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
   const Scalar* bone_pins;  ///< [vertex][kBonePinPlanes][lane]; null where there is none
-  const Scalar* grooming;   ///< [vertex][kGroomingPlanes][lane]; null where every factor is 1
+  bool factors;             ///< some factor of the strands is not 1
+  const Scalar* grooming;   ///< [vertex][kGroomingPlanes][lane]; null where there is none
 };
 
 constexpr int kRootPlanes = 14;
@@ -68,6 +69,7 @@ enum GroomingPlane : int {
   kGoalScale,
   kDampingScale,   ///< of the strand, in every row
   kFrictionScale,  ///< of the strand, in every row
+  kTether,         ///< m
   kGroomingPlanes
 };
 
@@ -106,12 +108,13 @@ class BlockStore {
  private:
   struct Block {
     int vertices;
-    bool pinned, uniform, groomed;
+    bool pinned, uniform, factors, tethers;
     size_t first;                    ///< in order_
     size_t count;                    ///< strands, at most lanes_
     size_t memory;                   ///< index of its first scalar in memory_
     size_t first_pin = 0, pins = 0;  ///< in pins_
   };
+  static bool groomed(const Block& block) { return block.factors || block.tethers; }
   /// A vertex that is pinned to another bone than its root frame.
   struct BonePin {
     int vertex, lane;

@@ -107,6 +107,7 @@ void setGrooming(StrandModel& model, size_t s, const Material& material) {
     if (v > first) along += (model.rest_local[v] - model.rest_local[v - 1]).norm();
     model.air_drag_scale[v] = material.air_drag_scale.at(along / total);
     model.goal_scale[v] = material.goal_scale.at(along / total);
+    model.tether[v] = material.tether > 0 ? material.tether * along : kNoTether;
   }
   model.damping_scale[s] = material.damping_scale;
   model.friction_scale[s] = material.friction_scale;
@@ -117,12 +118,12 @@ bool isGrooming(const Material& material) {
     return std::any_of(curve.knots.begin(), curve.knots.end(), [](const auto& k) { return k.second != 1; });
   };
   return changes(material.air_drag_scale) || changes(material.goal_scale) || material.damping_scale != 1 ||
-         material.friction_scale != 1;
+         material.friction_scale != 1 || material.tether > 0;
 }
 
 }  // namespace
 
-bool StrandModel::isGroomed(size_t strand) const {
+bool StrandModel::hasFactors(size_t strand) const {
   if (damping_scale.empty()) return false;
   auto changes = [](float factor) { return factor != 1; };
   const auto first = static_cast<ptrdiff_t>(offsets[strand]),
@@ -152,6 +153,7 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
     model.goal_scale.resize(rest.vertices());
     model.damping_scale.resize(rest.strands());
     model.friction_scale.resize(rest.strands());
+    model.tether.resize(rest.vertices());
   }
   for (size_t s = 0; s < rest.strands(); ++s) {
     const std::span<const Vec3> points = rest.strand(s);

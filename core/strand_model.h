@@ -9,6 +9,8 @@
 
 namespace strandcast {
 
+constexpr float kNoTether = 1e9f;  ///< m
+
 /// What does not change while strands move: the rest shape and who is pinned. Natural order (see StrandSet).
 struct StrandModel {
   std::vector<uint32_t> offsets{0};  ///< strands + 1
@@ -28,9 +30,11 @@ struct StrandModel {
   std::vector<float> rest_tension;    ///< per edge, m/s^2: what its rest shape is held with
   std::vector<float> reference_mass;  ///< per strand, kg: its mean vertex mass
 
-  // Grooming: factors of what Parameters has for all hair, see Material. All empty where every one is 1.
+  // Grooming, see Material: tethers, and factors of what Parameters has for all hair. All empty where there
+  // is no tether and every factor is 1.
   std::vector<float> air_drag_scale, goal_scale;     ///< per vertex
   std::vector<float> damping_scale, friction_scale;  ///< per strand
+  std::vector<float> tether;                         ///< per vertex, m from the root; kNoTether = none
 
   // What pinned vertices move with. A bone's pose is its motion since the groom's rest, as the head's is.
   std::vector<std::string> bones{"head"};  ///< at least the head, which is the first
@@ -48,7 +52,10 @@ struct StrandModel {
     return rest_roots[strand].apply(rest_local[vertex]);
   }
   /// Whether a factor of the strand is not 1.
-  bool isGroomed(size_t strand) const;
+  bool hasFactors(size_t strand) const;
+  bool hasTethers(size_t strand) const {
+    return !tether.empty() && tether[offsets[strand + 1] - 1] < kNoTether;
+  }
   size_t strands() const { return offsets.size() - 1; }
   size_t vertices() const { return rest_local.size(); }
   size_t verticesOf(size_t strand) const { return offsets[strand + 1] - offsets[strand]; }

@@ -17,7 +17,7 @@ inline void store3(const real3& value, Scalar* planes, int i) {
 inline real3 fill3(const float* v) { return {lit(v[0]), lit(v[1]), lit(v[2])}; }
 inline real3 fill3(const Vec3& v) { return fill3(v.data()); }
 
-// A factor of BlockView::grooming.
+// Of BlockView::grooming, where there is none a factor of 1.
 inline real groomingFactor(const Block& b, GroomingPlane plane, int i) {
   if (b.grooming == nullptr) return lit(1);
   return load(b.grooming + (static_cast<size_t>(i) * kGroomingPlanes + plane) * kLanes);

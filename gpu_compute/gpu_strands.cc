@@ -30,14 +30,14 @@ std::vector<Vec4> packRestLocal(const StrandModel& model) {
   return packed;
 }
 
-using Vec2Packed = std::array<float, 2>;
+const Vec4 kNotGroomed = {1, 1, kNoTether, 0};
 
-std::vector<Vec2Packed> packGrooming(const StrandModel& model) {
-  std::vector<Vec2Packed> packed(model.vertices());
+std::vector<Vec4> packGrooming(const StrandModel& model) {
+  std::vector<Vec4> packed(model.vertices());
   for (size_t s = 0; s < model.strands(); ++s) {
     for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
-      packed[v] = {model.air_drag_scale[v], model.goal_scale[v]};
-    packed[model.offsets[s]] = {model.friction_scale[s], model.damping_scale[s]};
+      packed[v] = {model.air_drag_scale[v], model.goal_scale[v], model.tether[v], 0};
+    packed[model.offsets[s]] = {model.friction_scale[s], model.damping_scale[s], 0, 0};
   }
   return packed;
 }
@@ -85,7 +85,7 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
       rod_(model),
       uploads_(std::in_place, strands_, bones_, kFirstPrimitives),
       readback_(vertices_) {
-  if (groomed_) grooming_ = gl::Buffer(std::span<const Vec2Packed>(packGrooming(model)));
+  if (groomed_) grooming_ = gl::Buffer(std::span<const Vec4>(packGrooming(model)));
   if (glGetError() == GL_OUT_OF_MEMORY)
     throw Error("the model does not fit the GPU's memory", fmt::format("{} vertices", vertices_),
                 "use fewer strands or --backend simd");
@@ -149,7 +149,7 @@ void GpuStrands::step(const StepInput& input) {
   uploads_->write(input);
   const bool goal = input.parameters->goal_rate > 0;
   if (goal && grooming_.bytes() == 0)
-    grooming_ = gl::Buffer(std::span<const Vec2Packed>(std::vector<Vec2Packed>(vertices_, {1, 1})));
+    grooming_ = gl::Buffer(std::span<const Vec4>(std::vector<Vec4>(vertices_, kNotGroomed)));
   bind();
   timer_.begin();
   if (input.parameters->solver == SolverKind::kRod)

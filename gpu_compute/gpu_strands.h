@@ -37,8 +37,8 @@ class GpuStrands {
   gl::Buffer velocities_;  ///< xyz
   gl::Buffer frames_;      ///< of the edge that starts at the vertex
   gl::Buffer rest_local_, offsets_, guides_;
-  gl::Buffer grooming_;  ///< factors, see shaders/grooming.glsl; empty until needed
-  bool groomed_;         ///< some factor is not 1
+  gl::Buffer grooming_;  ///< see shaders/grooming.glsl; empty until needed
+  bool groomed_;         ///< strands have tethers or factors
   GaussSeidelStrands gauss_seidel_;
   RodStrands rod_;
   std::optional<UploadRing> uploads_;  ///< never empty

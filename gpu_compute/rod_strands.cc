@@ -20,7 +20,7 @@ constexpr uint32_t kWorkgroup = 32;  // invocations
 // A group's key: invocations per strand, and what its strands let the shader do without.
 constexpr uint32_t kGeneral = 64;   // lengths or masses differ along the strand
 constexpr uint32_t kPinned = 128;   // more than the root is pinned
-constexpr uint32_t kGroomed = 256;  // some factor is not 1, see StrandModel
+constexpr uint32_t kGroomed = 256;  // StrandModel::hasFactors
 uint32_t threadsOf(uint32_t key) { return key & 63; }
 constexpr uint32_t kAnything = kGeneral | kPinned;
 
@@ -75,7 +75,7 @@ bool isUniform(const StrandModel& model, uint32_t strand) {
 uint32_t keyOf(const StrandModel& model, uint32_t strand) {
   const uint32_t threads = std::bit_ceil((edgesOf(model, strand) + kPerThread - 1) / kPerThread);
   const bool pinned = isPinned(model, strand);
-  const bool groomed = model.isGroomed(strand);
+  const bool groomed = model.hasFactors(strand);
   return threads | (pinned || groomed || !isUniform(model, strand) ? kGeneral : 0) | (pinned ? kPinned : 0) |
          (groomed ? kGroomed : 0);
 }

@@ -17,3 +17,12 @@ FN real3 drawnToGoal(IN(real3) x, IN(real3) goal, IN(real) rate, IN(real) subste
   real stiffness = goalStiffness(lit(1), rate, substep);
   return madd(goal - x, stiffness * inverse(lit(1) + stiffness), x);
 }
+
+// A tether holds x within `longest` of its root, as a rope would (Kim, Chentanez, Mueller-Fischer 2012, "Long
+// Range Attachments"): few sweeps of constraints between neighbours do not carry the root's pull to the tip.
+FN real3 tethered(IN(real3) x, IN(real3) root, IN(real) longest) {
+  real3 away = x - root;
+  real l2 = dot(away, away);
+  mask taut = l2 > longest * longest;
+  return select(taut, madd(away, longest * inverseSqrt(select(taut, l2, lit(1))), root), x);
+}

@@ -2,7 +2,7 @@
 // variants: THREADS=4 WORKGROUP=32 GROOMED=0 | THREADS=32 WORKGROUP=32 GROOMED=1 | THREADS=128 WORKGROUP=128 GROOMED=0
 // One step of strands of up to THREADS vertices, all substeps in one dispatch: core/gauss_seidel_sweep.inl with a vertex
 // per invocation, WORKGROUP / THREADS strands per workgroup. Edge i, from vertex i to i + 1, belongs to invocation i.
-// GROOMED: there is a goal pull, or some factor of the strands is not 1.
+// GROOMED: there is a goal pull, or strands have tethers or factors that are not 1.
 layout(local_size_x = WORKGROUP) in;
 
 #include "kernels/lanes_glsl.h"
@@ -125,6 +125,9 @@ void main() {
         barrier();
       }
       x = shared_position[me].xyz;
+#if GROOMED
+      if (inverse_mass > 0.5) x = tethered(x, shared_position[me - uint(k)].xyz, grooming[vertex].z);
+#endif
       if (inverse_mass > 0.5) x = resolveContacts(x, start, friction_scale, time);
       shared_position[me] = vec4(x, inverse_mass);
       barrier();

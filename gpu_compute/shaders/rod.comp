@@ -4,8 +4,8 @@
 // four edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
 // become: own slots by elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
-// PINNED: more vertices than the roots are. BODIES: there are some. GROOMED: there is a goal pull, or some factor of the
-// strands is not 1; then UNIFORM is 0.
+// PINNED: more vertices than the roots are. BODIES: there are some. GROOMED: there is a goal pull, or strands have
+// factors that are not 1; then UNIFORM is 0.
 #define WORKGROUP 32
 layout(local_size_x = WORKGROUP) in;
 

@@ -161,7 +161,7 @@ void loadStrand() {
 #endif
 #if GROOMED
   keep_in = keepOf(at);
-  strand_grooming = grooming[root_vertex];
+  strand_grooming = grooming[root_vertex].xy;
 #endif
 }
 

@@ -46,22 +46,30 @@ std::vector<Material> groomedMaterials() {
 }
 
 void tieToBones(StrandModel& model) {
+  model.bones = {"head", "clip", "ribbon"};
   for (size_t s = 0; s < model.strands(); ++s) {
     const float nearest = 1.0f / static_cast<float>(model.verticesOf(s) - 1);  // so that a vertex is in range
     if (s % 4 == 0) pinToBone(model, s, 0.5f, std::min(0.5f + nearest, 1.0f), "ribbon");
-    if (s % 4 == 1 && s % 8 == 1) pinToBone(model, s, 0, 1, "clip");
-    if (s % 4 == 2) {
+    if (s % 8 == 1) pinToBone(model, s, 0, 1, "clip");
+    if (s % 4 == 2 && model.verticesOf(s) > 3) {  // two edges alone cannot keep their length between two pins
       pinToBone(model, s, 0, 0, "clip");
       pinToBone(model, s, 1, 1, "head");
     }
   }
 }
 
+std::vector<Pose> rootsOn(const StrandModel& model, const std::vector<Pose>& bones) {
+  std::vector<Pose> roots;
+  for (size_t s = 0; s < model.strands(); ++s)
+    roots.push_back(bones[model.rootBone(s)] * model.rest_roots[s]);
+  return roots;
+}
+
 std::vector<Pose> movedBones() {
   auto pose = [](Vec3 position, float angle) {
     return Pose{position, Quat(Eigen::AngleAxisf(angle, Eigen::Vector3f(1, 2, 3).normalized()))};
   };
-  return {pose({0.004f, 0, 0}, 0.02f), pose({0, 0.003f, 0}, -0.03f), pose({0, 0, -0.005f}, 0.04f)};
+  return {pose({0.001f, 0, 0}, 0.002f), pose({0, 0.0007f, 0}, -0.004f), pose({0, 0, -0.0012f}, 0.005f)};
 }
 
 StrandState disturbedState(const StrandModel& model, uint32_t seed) {

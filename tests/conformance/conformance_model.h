@@ -17,7 +17,9 @@ std::vector<Material> groomedMaterials();
 
 /// Ties strands of `model` to two more bones, "clip" and "ribbon": in the middle, as a whole, at both ends.
 void tieToBones(StrandModel& model);
-/// Of the head, the clip and the ribbon, moved and turned by some millimetres and hundredths.
+/// Where the roots of `model` are when its bones are at `bones`.
+std::vector<Pose> rootsOn(const StrandModel& model, const std::vector<Pose>& bones);
+/// Of the head, the clip and the ribbon, moved by about a millimetre and turned a little.
 std::vector<Pose> movedBones();
 
 /// The rest shape of `model` at its own roots, every vertex moved by up to a fifth of its edge and given a

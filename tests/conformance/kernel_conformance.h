@@ -21,6 +21,7 @@ enum Kernel {
   kMultiply,
   kGoalPull,
   kDrawnToGoal,
+  kTethered,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

@@ -37,7 +37,8 @@ constexpr size_t kPadded = 1008;  // 16 lanes
 constexpr const char* kNames[kKernels] = {
     "solveDistance",   "solveAngular",    "rotationBetween", "rotate",         "interpolateRotation",
     "sphereDistance",  "capsuleDistance", "planeDistance",   "resolveContact", "predictPosition",
-    "normalizeOrZero", "surfaceMotion",   "multiply",        "goalPull",       "drawnToGoal"};
+    "normalizeOrZero", "surfaceMotion",   "multiply",        "goalPull",       "drawnToGoal",
+    "tethered"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -116,6 +117,9 @@ class InputMaker {
       case kDrawnToGoal:
         vector(v, 0.3f), vector(v + 3, 0.3f), v[6] = number(0, 300), v[7] = number(0.0001f, 0.01f);
         break;
+      case kTethered:
+        vector(v, 0.3f), vector(v + 3, 0.3f), v[6] = number(0.001f, 0.6f);
+        break;
     }
     return item;
   }
@@ -167,6 +171,10 @@ Item nasty(int kernel, Item item, size_t way) {
     case kGoalPull:
     case kDrawnToGoal:
       v[kernel == kGoalPull ? 10 : 6] = way % 2 == 0 ? 0.0f : 1e4f;  // off, and as good as pinned
+      break;
+    case kTethered:
+      if (way % 2 == 0) std::copy(v, v + 3, v + 3);  // at the root
+      if (way % 2 == 1) v[6] = 0;
       break;
     case kNormalizeOrZero:
       std::fill(v, v + 3, way % 2 == 0 ? 0.0f : 1e-30f);

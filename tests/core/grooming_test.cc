@@ -168,6 +168,30 @@ TEST(MaterialFactors, FrictionOfAPartIsAFactorOfTheBodys) {
   }
 }
 
+TEST(Tethers, KeepLongHairFromStretching) {
+  Parameters parameters = parametersOf(SolverKind::kGaussSeidel);
+  parameters.shape_rate = parameters.shape_rate_tip = 0;
+  parameters.time_step = 1.0f / 60;
+  parameters.substeps = 2;
+  auto longest = [&](float tether) {
+    Material material;
+    material.tether = tether;
+    StrandModel model = modelOf({straightStrand(0.6, 100, Vec3::UnitX())}, material);
+    Simulation simulation(std::move(model), {}, parameters, makeReferenceBackend());
+    double most = 0;  // of any vertex, distance from the root over arc length
+    for (int step = 0; step < 180; ++step) {
+      simulation.step();
+      for (int i = 1; i <= 100; ++i)
+        most = std::max<double>(most, simulation.guides()[i].norm() / (0.006 * i));
+    }
+    return most;
+  };
+  EXPECT_GT(longest(0), 1.5) << "without them it stretches";
+  EXPECT_LT(longest(1), 1 + 1e-5);
+  EXPECT_LT(longest(1.2f), 1.2 + 1e-5);
+  EXPECT_GT(longest(1.2f), 1.19) << "they are no shorter than they are told to be";
+}
+
 StrandModel tiedModel() {
   StrandModel model =
       modelOf({straightStrand(0.2, kEdges, Vec3::UnitX()), straightStrand(0.2, kEdges, Vec3::UnitZ())});

@@ -73,6 +73,8 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     out3(o, 0, goalPull(in3(i, 0), i.v[9] + stiffness, stiffness, in3(i, 3), in3(i, 6)));
   } else if (kernel == 14) {
     out3(o, 0, drawnToGoal(in3(i, 0), in3(i, 3), i.v[6], i.v[7]));
+  } else if (kernel == 15) {
+    out3(o, 0, tethered(in3(i, 0), in3(i, 3), i.v[6]));
   }
   return o;
 }
