@@ -53,10 +53,8 @@ std::pair<std::string, std::vector<double>> parseAssignment(const std::string& t
 std::string materialHelp() {
   std::string text =
       "what the hair of a part is made of, PART:NAME=VALUE,NAME=VALUE; may be repeated. PART: stem of a "
-      "groom file, "
-      "number of a part, or all. A curve is one factor or knots PLACE:FACTOR joined by / from root (0) to "
-      "tip (1), "
-      "e.g. all:radius=5e-5,radius_curve=0:1/1:0.4. Names:";
+      "groom file, number of a part, or all. A curve is one factor or knots PLACE:FACTOR joined by / from "
+      "root (0) to tip (1), e.g. all:radius=5e-5,radius_curve=0:1/1:0.4. Names:";
   for (const MaterialSettingInfo& info : materialSettingList())
     text += fmt::format("\n  {} {}({}{}): {}", info.name, info.unit.empty() ? "" : "[" + info.unit + "] ",
                         info.curve ? "curve, " : "", info.range, info.help);

@@ -10,8 +10,6 @@
 namespace strandcast {
 namespace {
 
-constexpr const char* kShearModulus = "shear_modulus";
-
 /// Either a number or a curve.
 struct Entry {
   MaterialSettingInfo info;

@@ -25,10 +25,10 @@ struct Material {
   RootTipCurve air_drag_scale;  ///< of air_drag, 0 to 1e3
   RootTipCurve goal_scale;      ///< of goal_rate, 0 to 1
   float damping_scale = 1;      ///< of damping_time, 0 to 1e3
-  /// Longest distance of a vertex from its root, times its arc length from the root at rest: 1 to 10, or 0 =
+  float friction_scale = 1;     ///< of every body's friction, 0 to 1e3
+  /// Longest distance of a vertex from its root, over its arc length from the root at rest: 1 to 10, or 0 =
   /// off. For gauss_seidel, which stretches; the rod keeps its lengths anyway.
   float tether = 0;
-  float friction_scale = 1;  ///< of every body's friction, 0 to 1e3
 };
 
 /// Throws Error, naming `where`, when a value is out of range.
@@ -44,7 +44,9 @@ struct MaterialSettingInfo {
 };
 const std::vector<MaterialSettingInfo>& materialSettingList();
 
-/// Sets one value of a material. "shear_modulus" (Pa) sets the Poisson ratio that belongs to it and to the
+constexpr const char* kShearModulus = "shear_modulus";
+
+/// Sets one value of a material. kShearModulus (Pa) sets the Poisson ratio that belongs to it and to the
 /// Young's modulus as it is then. Throws Error, naming `where`, on an unknown name (with the nearest known
 /// one), a wrong number of values, or one that is not finite or out of range.
 void setMaterial(Material& material, const std::string& name, const std::vector<double>& values,

@@ -30,7 +30,7 @@ class Simulation {
   void setHeadPose(const Pose& head);
   const Pose& headPose() const { return bones_begin_[0]; }
   /// The same of another bone of the model, which stays where it is unless told; 0 is the head. Error on an
-  /// unknown bone too.
+  /// unknown bone too. Strands that are taken farther than resetBroken() allows are put back by it.
   void setBonePose(size_t bone, const Pose& pose);
   void setBonePose(const std::string& bone, const Pose& pose);
   const Pose& bonePose(size_t bone) const { return bones_begin_[bone]; }

@@ -2,14 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "core/error.h"
 
 namespace strandcast {
 namespace {
-
-constexpr const char* kShearModulus = "shear_modulus";
 
 void apply(const MaterialRule& rule, Material& material) {
   for (const MaterialRule::Setting& setting : rule.settings)

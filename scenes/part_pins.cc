@@ -1,7 +1,5 @@
 #include "scenes/part_pins.h"
 
-#include <algorithm>
-
 #include "core/error.h"
 #include "scenes/part_materials.h"
 
