@@ -17,6 +17,8 @@ class ProgressBar {
   ProgressBar();
   ~ProgressBar();
   void show(const std::string& what, double part);
+  /// Takes it away until it is shown again, so that other lines can be printed.
+  void clear();
 
  private:
   bool shown_ = false;

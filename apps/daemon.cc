@@ -9,10 +9,8 @@
 #include <random>
 #include <thread>
 
-#include "apps/backends.h"
-#include "core/backend_registry.h"
+#include "apps/scene_simulation.h"
 #include "core/error.h"
-#include "core/sag_free.h"
 
 namespace strandcast {
 namespace {
@@ -31,32 +29,12 @@ double quantile(std::vector<double> values, double q) {
   return *at;
 }
 
-Parameters sceneParameters(const Scene& scene, const Settings& settings) {
-  Parameters parameters = scene.parameters;
-  parameters.solver = settings.solver;
-  for (const auto& [name, value] : settings.parameters) setParameter(parameters, name, value, "parameters");
-  return parameters;
-}
-
 /// From one pose to another and then still, with no jump in velocity.
 HeadMotion rampTo(const Pose& from, const Pose& to) {
   return [=](double seconds) {
     const double t = std::clamp(seconds / kRampedHeadPoseSeconds, 0.0, 1.0);
     return interpolate(from, to, static_cast<float>(t * t * (3 - 2 * t)));
   };
-}
-
-StrandModel modelOf(const Scene& scene, const Settings& settings) {
-  StrandModel model = sceneModel(scene);
-  if (!settings.sag_free || settings.solver != SolverKind::kRod) return model;
-  const SagFreeReport report = makeSagFree(model, sceneParameters(scene, settings).gravity);
-  if (!report.stiffened.empty())
-    spdlog::info("{}: {} of {} strands stiffened, up to x{:.0f}, to hold their shape under gravity",
-                 scene.name, report.stiffened.size(), model.strands(), report.largest_factor);
-  if (!report.unstable.empty())
-    spdlog::warn("{}: {} strands cannot hold their shape under gravity, e.g. strand {}", scene.name,
-                 report.unstable.size(), report.unstable.front());
-  return model;
 }
 
 }  // namespace
@@ -73,8 +51,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
       publisher_(publisher),
       motion_(scene.motion),
       head_pivot_(scene.head_pivot),
-      simulation_(modelOf(scene, settings), scene.bodies, sceneParameters(scene, settings),
-                  createBackend(knownBackends(), settings.backend, settings.threads, settings.solver)) {
+      simulation_(makeSimulation(scene, settings)) {
   frame_.groom_id = settings.groom_id;
   frame_.session = session;
   frame_.revision = 1;

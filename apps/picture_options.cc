@@ -1,6 +1,7 @@
 #include "apps/picture_options.h"
 
 #include <CLI/CLI.hpp>
+#include <numbers>
 
 namespace strandcast {
 
@@ -46,6 +47,11 @@ Box pictureBox(const GroomDescription& groom, const BodyDescription& body) {
   // The head stays in the picture under short hair, a whole figure does not shrink the hair to a dot.
   Box around(box.min() - box.sizes() * 0.35f, box.max() + box.sizes() * 0.35f);
   return box.merged(around.intersection(body.mesh.bounds()));
+}
+
+Camera pictureCamera(const PictureOptions& options, const Box& box) {
+  const auto radians = [](double degrees) { return static_cast<float>(degrees * std::numbers::pi / 180); };
+  return orbit(box, radians(options.azimuth), radians(options.elevation), static_cast<float>(options.zoom));
 }
 
 }  // namespace strandcast

@@ -9,7 +9,7 @@ class App;
 
 namespace strandcast {
 
-/// What `render` and `view` have in common: how the picture looks and from where.
+/// What `render`, `compare` and `view` have in common: how the picture looks and from where.
 struct PictureOptions {
   RenderSettings settings;
   double azimuth = 25, elevation = 5;  ///< degrees; 0 looks at the face
@@ -22,5 +22,7 @@ RenderSettings renderSettings(const PictureOptions& options);
 
 /// The box that pictures frame: of the hair, and of the body around it.
 Box pictureBox(const GroomDescription& groom, const BodyDescription& body);
+/// Looks at `box` from where the options say.
+Camera pictureCamera(const PictureOptions& options, const Box& box);
 
 }  // namespace strandcast

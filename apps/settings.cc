@@ -105,7 +105,7 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
       ->capture_default_str();
 }
 
-SettingsOptions::SettingsOptions(CLI::App& app) : app_(app) {
+SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   auto* scene = app.add_option_group("Scene", "what is simulated");
   scene->add_option("--config", config_, "TOML file with any of these settings; options win over it");
   scene->add_option("--scene", given_.scene.name, sceneHelp());
@@ -137,16 +137,17 @@ SettingsOptions::SettingsOptions(CLI::App& app) : app_(app) {
                    "auto, gpu, simd or reference; see `strandcast info --backends`")
       ->check(CLI::IsMember({"auto", "gpu", "simd", "reference"}))
       ->capture_default_str();
-  simulation
-      ->add_option("--solver", solver_,
-                   "rod: elastic rods that keep their length (default); gauss_seidel: iterated constraints")
-      ->check(CLI::IsMember({"rod", "gauss_seidel"}));
   simulation->add_flag(
       "--sag-free,!--no-sag-free", sag_free_,
       "the groomed shape is the shape at rest under gravity (default), or hair as it is made that sags");
   simulation->add_option("--threads", given_.threads, "of the simd backend; 0 = all")
       ->check(CLI::Range(0, 1024));
   simulation->add_option("--set", set_, parameterHelp());
+  if (use == SettingsUse::kCompare) return;
+  simulation
+      ->add_option("--solver", solver_,
+                   "rod: elastic rods that keep their length (default); gauss_seidel: iterated constraints")
+      ->check(CLI::IsMember({"rod", "gauss_seidel"}));
   simulation->add_option("--rate", given_.rate, "frames per second")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
@@ -163,7 +164,8 @@ Settings SettingsOptions::resolve() const {
   Settings out;
   if (!config_.empty()) readConfig(config_, out);
   auto lay = [&](const char* option, auto& to, const auto& from) {
-    if (app_.count(option) > 0) to = from;
+    const CLI::Option* known = app_.get_option_no_throw(option);
+    if (known != nullptr && known->count() > 0) to = from;
   };
   lay("--scene", out.scene.name, given_.scene.name);
   if (app_.count("--scene") > 0 && app_.count("--groom") == 0) out.scene.groom.clear();
@@ -176,7 +178,7 @@ Settings SettingsOptions::resolve() const {
   lay("--vertices", out.scene.vertices, given_.scene.vertices);
   lay("--length", out.scene.length, given_.scene.length);
   lay("--seed", out.scene.seed, given_.scene.seed);
-  if (app_.count("--solver") > 0) out.solver = solverKind(solver_);
+  if (!solver_.empty()) out.solver = solverKind(solver_);
   lay("--sag-free", out.sag_free, sag_free_);
   lay("--backend", out.backend, given_.backend);
   lay("--threads", out.threads, given_.threads);

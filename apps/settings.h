@@ -32,10 +32,14 @@ struct Settings {
   double duration = 0;  ///< s; 0 = until interrupted
 };
 
+/// What a program does with the settings: simulate at a steady rate and cast frames, or run the scene with
+/// several solvers for itself, with neither rate nor network.
+enum class SettingsUse { kCast, kCompare };
+
 /// Declares the options of scene and simulation on `app`, to be read into the returned holder by `resolve`.
 class SettingsOptions {
  public:
-  explicit SettingsOptions(CLI::App& app);
+  explicit SettingsOptions(CLI::App& app, SettingsUse use = SettingsUse::kCast);
   /// After parsing: reads the --config file, then lays the options given over it. Throws Error (file, line,
   /// key).
   Settings resolve() const;

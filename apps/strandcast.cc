@@ -29,8 +29,10 @@ int main(int argc, char** argv) {
   };
   add("info", "What a groom file holds, or which backends run here", addInfo);
   add("convert", "Rewrite a groom in another format", addConvert);
+  add("bake", "Make the signed distance field of a body mesh", addBake);
 #ifdef STRANDCAST_HAS_RENDER
   add("render", "Draw frames into PNG files, with or without a daemon", addRender);
+  add("compare", "Solvers side by side under a shaken head: numbers and pictures", addCompare);
 #endif
 #ifdef STRANDCAST_HAS_VIEW
   add("view", "Draw in a window, with or without a daemon", addView);

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -16,15 +14,13 @@
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
+#include "apps/picture_folder.h"
 #include "apps/picture_options.h"
 #include "apps/verbs.h"
-#include "core/error.h"
 #include "gl/context.h"
 
 namespace strandcast {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Options {
   std::unique_ptr<SettingsOptions> settings;
@@ -104,24 +100,6 @@ class FrameCapture {
   std::thread thread_;
 };
 
-void makeMovie(const Options& o) {
-  const std::string pattern = (o.out / "frame_%04d.png").string(), rate = fmt::format("{:g}", o.fps);
-  const pid_t child = fork();
-  if (child == 0) {
-    execlp("ffmpeg", "ffmpeg", "-y", "-loglevel", "error", "-framerate", rate.c_str(), "-i", pattern.c_str(),
-           "-pix_fmt", "yuv420p", "-crf", "18", o.movie.c_str(), static_cast<char*>(nullptr));
-    _exit(127);
-  }
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) < 0)
-    throw Error("ffmpeg cannot be started", o.movie.string(), "");
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-    throw Error("ffmpeg is not installed", o.movie.string(),
-                "install it or leave out --movie; the pictures are written");
-  if (status != 0)
-    throw Error("ffmpeg failed", o.movie.string(), "is the folder writable and the extension known?");
-}
-
 /// `status`: the newest that was heard; the daemon may have ended since.
 void report(const Options& o, Subscriber& subscriber, const std::optional<Status>& status, int drawn,
             double draw_ms) {
@@ -153,9 +131,7 @@ void report(const Options& o, Subscriber& subscriber, const std::optional<Status
 
 int render(const Options& o) {
   const Settings settings = o.settings->resolve();
-  std::error_code failed;
-  std::filesystem::create_directories(o.out, failed);
-  if (failed) throw Error("the folder cannot be made", o.out.string(), failed.message());
+  makeFolder(o.out);
   gl::HeadlessContext context;
   Stream stream(settings, o.settings->namesScene(), o.timeout);
   Subscriber& subscriber = stream.subscriber();
@@ -180,17 +156,15 @@ int render(const Options& o) {
       }
       if (const auto now = subscriber.status()) status = now;
       const auto start = std::chrono::steady_clock::now();
-      const auto radians = [](double degrees) { return static_cast<float>(degrees * kPi / 180); };
-      renderer.draw(*frame, orbit(box, radians(o.picture.azimuth), radians(o.picture.elevation),
-                                  static_cast<float>(o.picture.zoom)));
+      renderer.draw(*frame, pictureCamera(o.picture, box));
       const Image image = renderer.read();
       draw_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-      writePng(o.out / fmt::format("frame_{:04d}.png", drawn), image);
+      writePng(picturePath(o.out, drawn), image);
       ++drawn;
       bar.show(fmt::format("frame {} of {}", drawn, o.frames), static_cast<double>(drawn) / o.frames);
     }
   }
-  if (!o.movie.empty() && drawn > 0) makeMovie(o);
+  if (!o.movie.empty() && drawn > 0) makeMovie(o.out, o.fps, o.movie);
   if (const auto now = subscriber.status()) status = now;
   report(o, subscriber, status, drawn, draw_ms);
   if (g_interrupted) return kExitInterrupted;

@@ -13,7 +13,9 @@ using Verb = std::function<int()>;
 /// Each declares its verb and options on `app` and gives what runs it.
 Verb addInfo(CLI::App& app);
 Verb addConvert(CLI::App& app);
+Verb addBake(CLI::App& app);
 Verb addRender(CLI::App& app);
+Verb addCompare(CLI::App& app);
 Verb addView(CLI::App& app);
 Verb addValidate(CLI::App& app);
 Verb addCtl(CLI::App& app);

@@ -1,6 +1,7 @@
 // strandbench step: how long a step takes, and in the same run what it computed. ms: of a step and of reading
 // its guides, by the wall; gpu ms: of a step's dispatches alone, by the GPU's own clock; of peak: the
 // operations of the step, counted, against what the same threads reach with multiply-adds alone, measured.
+// strandbench accuracy: bench/accuracy.h.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +13,7 @@
 
 #include "apps/backends.h"
 #include "apps/console.h"
+#include "bench/accuracy.h"
 #include "bench/operation_count.h"
 #include "core/backend_registry.h"
 #include "core/simulation.h"
@@ -203,10 +205,13 @@ int main(int argc, char** argv) {
   verb->add_option("--seed", o.seed)->capture_default_str();
   verb->add_flag("--json", o.json, "print one JSON object");
   verb->add_flag("--csv", o.csv, "print comma-separated values");
+  CLI::App* accuracy_verb =
+      app.add_subcommand("accuracy", "cost of the solvers' settings against their error");
+  const std::function<int()> accuracy = addAccuracy(*accuracy_verb);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitBadInput;
   }
-  return runProgram([&] { return step(o); });
+  return runProgram([&] { return accuracy_verb->parsed() ? accuracy() : step(o); });
 }

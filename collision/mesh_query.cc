@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "collision/mesh_check.h"
 #include "core/error.h"
 
 namespace strandcast {
@@ -220,31 +221,18 @@ struct MeshQuery::Impl {
 };
 
 MeshQuery::MeshQuery(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>()) {
-  const std::string where = mesh.name.empty() ? "mesh" : "mesh " + mesh.name;
-  if (mesh.triangles.empty()) throw Error("mesh has no triangles", where, "check that the file holds faces");
+  requireSoundMesh(mesh);
   std::vector<Point> points;
   points.reserve(mesh.positions.size());
-  for (size_t i = 0; i < mesh.positions.size(); ++i) {
-    if (!mesh.positions[i].allFinite())
-      throw Error("mesh has a vertex that is not finite", where + ", vertex " + std::to_string(i),
-                  "repair the mesh");
-    points.emplace_back(mesh.positions[i].cast<double>());
-  }
+  for (const Vec3& position : mesh.positions) points.emplace_back(position.cast<double>());
   std::vector<fcl::Triangle> triangles;
   triangles.reserve(mesh.triangles.size());
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (uint32_t index : mesh.triangles[i])
-      if (index >= points.size())
-        throw Error("mesh has an index out of range",
-                    where + ", triangle " + std::to_string(i) + ", vertex " + std::to_string(index) + " of " +
-                        std::to_string(points.size()),
-                    "repair the mesh");
-    triangles.emplace_back(mesh.triangles[i][0], mesh.triangles[i][1], mesh.triangles[i][2]);
-  }
+  for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
   Tree& tree = impl_->tree;
   tree.beginModel(static_cast<int>(triangles.size()), static_cast<int>(points.size()));
   tree.addSubModel(points, triangles);
-  if (tree.endModel() != fcl::BVH_OK) throw Error("no hierarchy can be built", where, "repair the mesh");
+  if (tree.endModel() != fcl::BVH_OK)
+    throw Error("no hierarchy can be built", "mesh " + mesh.name, "repair the mesh");
   impl_->far_fields.resize(static_cast<size_t>(tree.getNumBVs()));
   impl_->gather(0);
 }
@@ -265,6 +253,13 @@ MeshPoint MeshQuery::closest(const Vec3& point) const {
   return out;
 }
 
+float MeshQuery::distance(const Vec3& point, float bound) const {
+  Closest best;
+  best.squared = static_cast<double>(bound) * bound;
+  impl_->descend(0, point.cast<double>(), best);
+  return best.triangle < 0 ? bound : static_cast<float>(std::sqrt(best.squared));
+}
+
 float MeshQuery::windingNumber(const Vec3& point) const {
   return static_cast<float>(impl_->angle(0, point.cast<double>()) / (4 * std::numbers::pi));
 }
@@ -272,6 +267,12 @@ float MeshQuery::windingNumber(const Vec3& point) const {
 float MeshQuery::signedDistance(const Vec3& point) const {
   const float distance = closest(point).distance;
   return windingNumber(point) > 0.5f ? -distance : distance;
+}
+
+size_t MeshQuery::bytes(size_t triangles) {
+  constexpr size_t kNode = sizeof(fcl::BVNode<fcl::AABB<double>>) + sizeof(FarField);
+  constexpr size_t kTriangle = sizeof(fcl::Triangle) + sizeof(Point) / 2 + sizeof(unsigned);
+  return triangles * (2 * kNode + 2 * kTriangle);  // what it is made from is there twice
 }
 
 }  // namespace strandcast

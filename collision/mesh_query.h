@@ -1,4 +1,6 @@
 #pragma once
+#include <cstddef>
+#include <limits>
 #include <memory>
 
 #include "core/triangle_mesh.h"
@@ -23,11 +25,17 @@ class MeshQuery {
   MeshQuery(MeshQuery&&) noexcept;
 
   MeshPoint closest(const Vec3& point) const;
+  /// The distance alone, or `bound` where that is less: the same number sooner when a bound is known, as from
+  /// a neighbouring point.
+  float distance(const Vec3& point, float bound = std::numeric_limits<float>::infinity()) const;
   /// Generalised winding number (Jacobson 2013): about 1 inside, 0 outside, in between near holes of an open
   /// mesh.
   float windingNumber(const Vec3& point) const;
   /// Negative inside.
   float signedDistance(const Vec3& point) const;
+
+  /// Memory that making a query over so many triangles takes.
+  static size_t bytes(size_t triangles);
 
  private:
   struct Impl;

@@ -6,6 +6,7 @@
 #include <queue>
 #include <string>
 
+#include "collision/outer_surface.h"
 #include "core/error.h"
 
 namespace strandcast {
@@ -84,16 +85,14 @@ Sphere largestBall(const MeshQuery& query, const Sample& seed, float start) {
 TriangleMesh outerSurface(const TriangleMesh& mesh) {
   const MeshQuery query(mesh);
   const float away = 1e-3f * mesh.bounds().diagonal().norm();
-  const auto inside = [&](const Vec3& p) { return std::fabs(query.windingNumber(p)) > 0.5f; };
   TriangleMesh outer;
   outer.name = mesh.name;
   outer.positions = mesh.positions;
   for (const auto& t : mesh.triangles) {
     const Vec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-    const Vec3 normal = (b - a).cross(c - a), centre = (a + b + c) / 3;
+    const Vec3 normal = (b - a).cross(c - a);
     if (!(normal.norm() > 0)) continue;
-    const Vec3 step = normal.normalized() * away;
-    if (!inside(centre + step) || !inside(centre - step)) outer.triangles.push_back(t);
+    if (boundsOutside(query, (a + b + c) / 3, normal.normalized() * away)) outer.triangles.push_back(t);
   }
   return outer.triangles.empty() ? mesh : outer;
 }
@@ -108,7 +107,7 @@ std::vector<Sphere> candidateSpheres(const TriangleMesh& mesh, const PrimitiveFi
       continue;
     Sphere sphere = largestBall(query, seed, start);
     sphere.radius -= options.skin;
-    if (sphere.radius < options.min_radius || std::fabs(query.windingNumber(sphere.centre)) <= 0.5f) continue;
+    if (sphere.radius < options.min_radius || !isInside(query, sphere.centre)) continue;
     spheres.push_back(sphere);
   }
   return spheres;

@@ -1,7 +1,7 @@
 // One step of a block of strands as inextensible rods: docs/solver.md. Included after core/near_bodies.inl. Linearised at the
 // inertial point, with direct solves along the strand: twist (tridiagonal), bending (one pentadiagonal matrix for x, y, z),
-// lengths (tridiagonal, twice) and tensions (tridiagonal). Each solve eliminates in one direction and substitutes in the
-// other, so that all merge into five sweeps.
+// lengths and tensions (tridiagonal), what the tensions move (the bending matrix again), lengths. Each solve eliminates in
+// one direction and substitutes in the other, so that they merge into eight sweeps.
 
 // Scratch, [row][plane][lane], `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i.
 enum RodScratch : int {
@@ -9,15 +9,16 @@ enum RodScratch : int {
   kTangent = 3,       // 3, later of the lengths
   kStrain = 6,        // 3, of a joint, later the right-hand sides of bending
   kNormal = 9,        // 3, of the contact at a vertex
-  kDirection = 12,    // 3, in which the last substep's tension acts
-  kFactor1 = 15,      // elimination factors
+  kDirection = 12,    // 3, in which the forces of an edge act where there is damping
+  kFactor1 = 15,      // elimination factors: of twist, later of bending
   kFactor2 = 16,
   kBlend = kFactor2,  // of an edge, until the elimination of bending
-  kRight = 17,        // right-hand sides of twist, later of lengths
-  kCosine = 18,       // of the angle at a joint, later the softness of its vertex
-  kStiffness = 19,    // K of a joint, later elimination factors of tensions
-  kMargin = 20,       // G of a joint, later right-hand sides of tensions
-  kRight2 = 21,
+  kPivot = 17,        // inverse pivots of bending
+  kRight = 18,        // right-hand sides of twist, later of lengths, at last pulls
+  kSoftness = 19,     // of a vertex
+  kStiffness = 20,    // K of a joint
+  kLengthFactor = kStiffness,
+  kMargin = 21,       // G of a joint
   kRodScratchPlanes = 22
 };
 
@@ -45,11 +46,13 @@ class RodStep {
 
   void run() {
     real length = lit(0), hung = lit(0);
+    loose_ = lit(1);
     for (int e = 0; e < ne; ++e) {
       length = length + lengthOf(e);
+      loose_ = select(weight(e + 1) > lit(0), loose_, lit(0));
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
-    most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()) + length * lit(2 * p.goal_rate * p.goal_rate), lit(h * h));
+    most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
     for (int substep = 0; substep < p.substeps; ++substep) {
       const double time = (substep + 1.0) / p.substeps;
       near_.place(in, time);
@@ -58,8 +61,10 @@ class RodStep {
       predict(root, time);
       eliminateTwist();
       eliminateBending();
-      substituteBending();
-      firstLengths();
+      moveAndEliminateLengths();
+      pullAndEliminateBending();
+      moveAndEliminateLengths();
+      pullOnce();
       finish();
       frame_ = root.rotation;
     }
@@ -100,8 +105,9 @@ class RodStep {
   void predict(const RootFrame& root, double time);
   void eliminateTwist();
   void eliminateBending();
-  void substituteBending();
-  void firstLengths();
+  void moveAndEliminateLengths();
+  void pullAndEliminateBending();
+  void pullOnce();
   void finish();
   real3 collide(int i, real3 x);
   real3 normalAt(int i) const { return near_.size() > 0 ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
@@ -128,6 +134,8 @@ class RodStep {
   real3 tangent_old_, swing_;  // root tangent before the substep, and how it changes
   real3 jump_;          // m, unexpected motion of the root
   real most_tension_;   // that is taken over from one substep to the next
+  // 1 where only the root is pinned. Between pins lengths leave little freedom: there the metric is that of the masses.
+  real loose_;
 };
 
 // Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
@@ -150,6 +158,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
       moved = select(weight(e + 1) > lit(0), moved, heldPoint(b, root, e + 1, time));
     }
     set3(kNewPosition, e + 1, moved);
+    setNormal(e + 1, makeReal3(lit(0), lit(0), lit(0)));
     const real3 edge = moved - get3(kNewPosition, e), old = x - before;
     const real3 advance = edge - old;
     const real il = inverseLength(e);
@@ -183,7 +192,6 @@ inline void RodStep::eliminateTwist() {
     const real c = dot(t_in, t);
     const real stiffness = bendMatrixStiffness(kb, c, madd(implicitShare(get(kBlend, j)), lit(h * h), damping_));
     set3(kStrain, j, strain);
-    set(kCosine, j, c);
     set(kStiffness, j, stiffness);
     set(kMargin, j, bendMatrixMargin(stiffness, c, excess));
 
@@ -217,20 +225,24 @@ inline void RodStep::eliminateBending() {
   const real3 pull = fill3(p.gravity) * lit(h * h) + fill3(p.wind) * lit(h * (1 - keep_)) - jump_;
   real turn = get(kRight, ne - 1);
   quat outer = twistFrame(state4(b.frame, ne - 1), clamp(turn, lit(-1), lit(1)));
+  real3 t = get3(kTangent, ne - 1), t_out = t, t_out2 = t;
+  real3 direction = damped_ ? get3(kDirection, ne - 1) : t;  // in which the forces of edge e act
   real3 moment_out = zero, force_out = zero, y1 = zero, y2 = zero;
   real edge_out = lit(0), id1 = lit(0), id2 = lit(0), l1_out = lit(0);
   for (int e = ne - 1; e >= 0; --e) {
-    const real3 t = get3(kTangent, e);
+    const real3 t_in = e > 0 ? get3(kTangent, e - 1) : t;
     const real turn_in = e > 0 ? get(kRight, e - 1) - get(kFactor1, e - 1) * turn : lit(0);
     const real phi = clamp(turn, lit(-1), lit(1)), phi_in = clamp(turn_in, lit(-1), lit(1));
     const quat inner = e > 0 ? twistFrame(state4(b.frame, e - 1), phi_in) : inner_frame_;
     setState4(b.frame, e, outer);
     const real kb = bend(e), il = inverseLength(e);
     const real3 strain = twistedStrain(get3(kStrain, e), phi_in, phi);
-    const real3 moment = jointMoment(inner, strain, strain - state3(b.rest_strain, e), kb, twist(e));
+    real3 moment = jointMoment(inner, strain, strain - state3(b.rest_strain, e), kb, twist(e));
+    const real3 direction_in = e > 0 && damped_ ? get3(kDirection, e - 1) : t_in;
+    if (damped_) moment = turnedBack(moment, e > 0 ? t_in : zero, direction_in, t, direction);
     const real kept = state(b.tension, 0, e);
 
-    real3 force = cross(moment_out - moment, t) * (il * lit(h * h)) - (damped_ ? get3(kDirection, e) : t) * kept;
+    real3 force = cross(moment_out - moment, direction) * (il * lit(h * h)) - direction * kept;
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
     const real3 total = grooming_.on()
@@ -241,7 +253,7 @@ inline void RodStep::eliminateBending() {
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
     const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1), k2 = get(kStiffness, e + 2);
     const real edge = edgeMatrixStiffness(get(kMargin, e) + get(kMargin, e + 1), il, kept, get(kBlend, e));
-    set(kCosine, e + 1, e + 1 < ne ? tensionSoftness(m, k1, edge, il, get(kCosine, e + 1)) : lit(0));
+    set(kSoftness, e + 1, loose_ * curlSoftness(weight(e + 1), k1, il, t_in, t, t_out, t_out2));
     const real diagonal = m + bendOwn(k0, k1, k2, il, il_out) + edge + edge_out;
     const real first = bendAcross(k1, k2, il, il_out, il_out2) - edge_out;
     const real second = bendAcrossTwo(k2, il_out, il_out2);
@@ -254,6 +266,7 @@ inline void RodStep::eliminateBending() {
     set3(kStrain, e, y * pivot);
     set(kFactor1, e, l1);
     set(kFactor2, e, l2);
+    set(kPivot, e, pivot);
     y2 = y1;
     y1 = y;
     id2 = id1;
@@ -262,6 +275,10 @@ inline void RodStep::eliminateBending() {
     force_out = force;
     edge_out = edge;
     moment_out = moment;
+    t_out2 = t_out;
+    t_out = t;
+    t = t_in;
+    direction = direction_in;
     turn = turn_in;
     outer = inner;
   }
@@ -275,17 +292,23 @@ inline real3 RodStep::collide(int i, real3 x) {
   real3 normal = get3(kNormal, i);
   x = near_.pushAllOut(x, start, free, normal);
   set3(kNormal, i, normal);
+  set(kSoftness, i, select(dot(normal, normal) > lit(0), lit(0), get(kSoftness, i)));
   return x;
 }
 
-// Bending substituted from root to tip, first contact, and the elimination of the first length system; with it, of the
-// system whose solution is the change of the tensions.
-inline void RodStep::substituteBending() {
+// Bending substituted from root to tip, contact, and the elimination of the length system.
+inline void RodStep::moveAndEliminateLengths() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real3 d1 = zero, d2 = zero, x_in = root_.position, t_in = zero, normal_in = zero;
-  real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), w_in = lit(0), right = lit(0), pivot = lit(0);
-  real soft_in = lit(0), own_before = lit(0), tension_right = lit(0), tension_pivot = lit(0);
-  setNormal(0, zero);
+  real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), w_in = lit(0), w_in2 = lit(0);
+  real own = lit(0), excess = lit(0), lower = lit(0), right = lit(0), factor = lit(0);
+  // Row e with `own_out`, what its outer vertex has on its diagonal; gives its inverse pivot.
+  auto eliminate = [&](int e, const real& own_out) {
+    const real pivot = inverse(max(own + own_out - lower * factor, lengthPivot(w_in2, w_in)));
+    right = (excess - lower * right) * pivot;
+    set(kRight, e, right);
+    return pivot;
+  };
   for (int e = 0; e < ne; ++e) {
     const real3 d = get3(kStrain, e) - d1 * l1_in - d2 * l2_in2;
     l1_in = get(kFactor1, e);
@@ -293,110 +316,80 @@ inline void RodStep::substituteBending() {
     l2_in = get(kFactor2, e);
     d2 = d1;
     d1 = d;
-    setNormal(e + 1, zero);
     const real3 x = collide(e + 1, get3(kNewPosition, e + 1) + d);
     set3(kNewPosition, e + 1, x);
-    const real3 normal = normalAt(e + 1);
-
     const real3 edge = x - x_in;
     const real3 t = directionOr(edge, get3(kTangent, e));
-    const real excess = dot(edge, t) - lengthOf(e);
-    const real w = weight(e + 1);
-    const real own_in = weightAlong(t, normal_in, w_in), own = weightAlong(t, normal, w);
-    const real lower = lengthAcross(t, t_in, normal_in, w_in);
-    set(kFactor1, e, lower * pivot);  // of row e on row e - 1; symmetric
-    const real den = max(own_in + own - lower * lower * pivot, lengthPivot(w_in, w));
-    right = excess - lower * right;
-    pivot = inverse(den);
-    right = right * pivot;
-    set(kRight, e, right);
     set3(kTangent, e, t);
-
-    const real soft = get(kCosine, e + 1);
-    const real softened = own_in * (lit(1) - soft_in) + own * (lit(1) - soft);
-    const real across = softenedAcross(lower, own_before, own_in, soft_in);
-    set(kStiffness, e, across * tension_pivot);
-    tension_right = excess - across * tension_right;
-    tension_pivot = inverse(max(softened - across * across * tension_pivot, lengthPivot(w_in, w)));
-    tension_right = tension_right * tension_pivot;
-    set(kMargin, e, tension_right);
-    soft_in = soft;
-    own_before = own;
+    if (e > 0) {
+      const real soft = get(kSoftness, e), c = dot(t_in, t);
+      const real pivot = eliminate(e - 1, weightAlong(t_in, normal_in, w_in, soft, c));
+      lower = lengthAcross(t_in, t, normal_in, w_in, soft, c);
+      factor = lower * pivot;
+      set(kLengthFactor, e, factor);  // of row e on row e - 1; symmetric
+      own = weightAlong(t, normal_in, w_in, soft, c);
+    }
+    excess = dot(edge, t) - lengthOf(e);
     x_in = x;
     t_in = t;
-    w_in = w;
-    normal_in = normal;
+    w_in2 = w_in;
+    w_in = weight(e + 1);
+    normal_in = normalAt(e + 1);
   }
+  eliminate(ne - 1, weightAlong(t_in, normal_in, w_in, lit(0), lit(1)));
 }
 
-// The first length solve substituted from tip to root, second contact, and the elimination of the second.
-inline void RodStep::firstLengths() {
+// The length system substituted from tip to root: how the tensions change. What that moves, where it is violent by the
+// elimination of bending.
+inline void RodStep::pullAndEliminateBending() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  real3 t_out = zero, x_out = zero, normal_out = zero, edge_t = zero;
-  real pull_out = lit(0), w_out = lit(0), pull = get(kRight, ne - 1), right = lit(0), pivot = lit(0);
-  real tension_change = get(kMargin, ne - 1);
-  for (int e = ne - 1; e >= -1; --e) {
-    real3 t = zero, normal = zero, x = root_.position;
-    real w = lit(0), applied = lit(0);
-    if (e >= 0) {
-      applied = boundedPull(pull, lengthOf(e));
-      // In violent motion not much more than what the masses take.
-      const real most = max(abs(applied) * lit(4), most_tension_ * lit(0.02));
-      store(state(b.tension, 0, e) + clamp(tension_change, lit(0) - most, most), b.tension + at(0, e));
-      t = get3(kTangent, e);
-      if (e > 0) {
-        pull = get(kRight, e - 1) - get(kFactor1, e) * applied;
-        tension_change = get(kMargin, e - 1) - get(kStiffness, e) * tension_change;
-      }
-      normal = normalAt(e + 1);
-      const real3 push = alongSurface(t_out * pull_out - t * applied, normal);
-      w = weight(e + 1);
-      x = collide(e + 1, madd(push, w, get3(kNewPosition, e + 1)));
-      normal = normalAt(e + 1);
-      set3(kNewPosition, e + 1, x);
-    }
-    if (e + 1 < ne) {  // the edge from here outwards has both its ends now
-      const real3 edge = x_out - x;
-      const real3 d = directionOr(edge, t_out);
-      const real excess = dot(edge, d) - lengthOf(e + 1);
-      const real diagonal = weightAlong(d, normal, w) + weightAlong(d, normal_out, w_out);
-      const real upper = lengthAcross(d, edge_t, normal_out, w_out);
-      set(kFactor2, e + 1, upper * pivot);
-      const real den = max(diagonal - upper * upper * pivot, lengthPivot(w, w_out));
-      right = excess - upper * right;
-      pivot = inverse(den);
-      right = right * pivot;
-      set(kRight2, e + 1, right);
-      set3(kStrain, e + 1, d);
-      edge_t = d;
-    }
-    x_out = x;
-    w_out = w;
-    normal_out = normal;
+  real3 t_out = zero, y1 = zero, y2 = zero;
+  real pull_out = lit(0), pull = get(kRight, ne - 1);
+  for (int e = ne - 1; e >= 0; --e) {
+    const real applied = boundedPull(pull, lengthOf(e));
+    store(state(b.tension, 0, e) + applied, b.tension + at(0, e));
+    const real3 t = get3(kTangent, e);
+    const real w = weight(e + 1), soft = get(kSoftness, e + 1);
+    const real violent = loose_ * violence(applied, pull_out, w, inverseLength(e));
+    const real3 normal = normalAt(e + 1);
+    const real3 moved = pushOfPulls(t, applied, t_out, pull_out, normal, soft);
+    set3(kNewPosition, e + 1, madd(moved, w * (lit(1) - violent), get3(kNewPosition, e + 1)));
+    const real3 push = pushOfPulls(t, applied, t_out, pull_out, normal, lit(0)) * violent;
+    const real3 y = push - y1 * get(kFactor1, e) - y2 * get(kFactor2, e);
+    set3(kStrain, e, y * get(kPivot, e));
+    set(kSoftness, e + 1, softnessLeft(soft, violent));
+    if (e > 0) pull = get(kRight, e - 1) - get(kLengthFactor, e) * applied;
+    y2 = y1;
+    y1 = y;
     pull_out = applied;
     t_out = t;
   }
 }
 
-// The second length solve substituted from root to tip, exact lengths, velocities.
+// The second length system substituted from tip to root.
+inline void RodStep::pullOnce() {
+  real pull = get(kRight, ne - 1);
+  for (int e = ne - 1; e >= 0; --e) {
+    pull = boundedPull(pull, lengthOf(e));
+    set(kRight, e, pull);
+    if (e > 0) pull = get(kRight, e - 1) - get(kLengthFactor, e) * pull;
+  }
+}
+
+// What the second pulls move, exact lengths, velocities.
 inline void RodStep::finish() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   const real inverse_h = lit(1 / h);
   const real3 x0 = state3(b.position, 0);
   store3((root_.position - x0) * inverse_h, b.velocity, 0);
   store3(root_.position, b.position, 0);
-  real pull = boundedPull(get(kRight2, 0), lengthOf(0));
-  real3 t = get3(kStrain, 0), before = root_.position, placed = root_.position;
+  real pull = get(kRight, 0);
+  real3 t = get3(kTangent, 0), before = root_.position, placed = root_.position;
   for (int e = 0; e < ne; ++e) {
     store((state(b.tension, 0, e) + pull) * lit(1 / (h * h)), b.tension + at(0, e));
-    real pull_out = lit(0);
-    real3 t_out = zero;
-    if (e + 1 < ne) {
-      pull_out = boundedPull(get(kRight2, e + 1) - get(kFactor2, e) * pull, lengthOf(e + 1));
-      t_out = get3(kStrain, e + 1);
-    }
-    const real3 normal = normalAt(e + 1);
-    const real3 push = alongSurface(t_out * pull_out - t * pull, normal);
+    const real pull_out = e + 1 < ne ? get(kRight, e + 1) : lit(0);
+    const real3 t_out = e + 1 < ne ? get3(kTangent, e + 1) : zero;
+    const real3 push = pushOfPulls(t, pull, t_out, pull_out, normalAt(e + 1), get(kSoftness, e + 1));
     const real3 x = madd(push, weight(e + 1), get3(kNewPosition, e + 1));
     const mask free = weight(e + 1) > lit(0);
     placed = select(free, madd(directionOr(x - before, t), lengthOf(e), placed), x);

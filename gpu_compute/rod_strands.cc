@@ -34,7 +34,7 @@ bool equal(float a, float b) { return std::fabs(a - b) <= kUniform * std::fabs(b
 
 /// Of shaders/rod_strand.glsl.
 struct StrandRest {
-  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length;
+  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, loose;
 };
 
 float restLength(const StrandModel& model, uint32_t edge) {
@@ -44,6 +44,12 @@ uint32_t edgesOf(const StrandModel& model, uint32_t strand) {
   return static_cast<uint32_t>(model.verticesOf(strand)) - 1;
 }
 
+bool isPinned(const StrandModel& model, uint32_t strand) {
+  for (uint32_t v = model.offsets[strand] + 1; v < model.offsets[strand + 1]; ++v)
+    if (model.inverse_mass[v] == 0) return true;
+  return false;
+}
+
 StrandRest strandRest(const StrandModel& model, uint32_t strand) {
   const uint32_t first = model.offsets[strand], edges = edgesOf(model, strand);
   const float length = arcLength({model.rest_local.data() + first, edges + 1});
@@ -51,13 +57,8 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
   float free_mass = 0;
   for (uint32_t v = first + 1; v <= first + edges; ++v)
     if (model.inverse_mass[v] > 0) free_mass += model.mass[v];
-  return {mean, 1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass, length};
-}
-
-bool isPinned(const StrandModel& model, uint32_t strand) {
-  for (uint32_t v = model.offsets[strand] + 1; v < model.offsets[strand + 1]; ++v)
-    if (model.inverse_mass[v] == 0) return true;
-  return false;
+  return {mean, 1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass, length,
+          isPinned(model, strand) ? 0.0f : 1.0f};
 }
 
 bool isUniform(const StrandModel& model, uint32_t strand) {

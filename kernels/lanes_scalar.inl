@@ -9,6 +9,7 @@ inline real madd(real a, real b, real c) { return std::fma(a, b, c); }
 inline real sqrt(real a) { return std::sqrt(a); }
 inline real inverse(real a) { return 1 / a; }
 inline real inverseSqrt(real a) { return 1 / std::sqrt(a); }
+inline real floor(real a) { return std::floor(a); }
 inline real abs(real a) { return std::fabs(a); }
 inline real min(real a, real b) { return a < b ? a : b; }
 inline real max(real a, real b) { return a > b ? a : b; }

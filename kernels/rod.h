@@ -28,6 +28,14 @@ FN real3 jointMoment(IN(quat) a, IN(real3) strain, IN(real3) excess, IN(real) be
   return rotate(a, madd(cross(strain, c), lit(0.5), c));
 }
 
+// Internal damping acts through frames and tangents `t` that are ahead of the motion by the damping time; `now` is where the
+// tangents are. This is the moment of such a joint turned back by as much as its edges are ahead, so that only the rate of
+// strain is damped: a moment that turns with the hair would drive it.
+FN real3 turnedBack(IN(real3) moment, IN(real3) t_in, IN(real3) now_in, IN(real3) t, IN(real3) now) {
+  real3 turn = (cross(now_in, t_in) + cross(now, t)) * lit(0.5);
+  return moment - cross(turn, moment);
+}
+
 // The torque of a joint about its inner edge's tangent is twist excess.z + d, about its outer edge's twist excess.z - d.
 // This is d.
 FN real torqueDifference(IN(real3) strain, IN(real3) excess, IN(real) bend) {
@@ -99,15 +107,40 @@ FN real bendAcross(IN(real) k1, IN(real) k2, IN(real) il, IN(real) il_out, IN(re
 }
 FN real bendAcrossTwo(IN(real) k2, IN(real) il_out, IN(real) il_out2) { return k2 * il_out * il_out2; }
 
-// What of a vertex's weight (1 / mass) acts along an edge t next to it: in contact it gives way along the surface only.
-FN real weightAlong(IN(real3) t, IN(real3) normal, IN(real) weight) {
+// Lengths and tensions should be solved in the metric of the bending matrix A, which is dense. Tension pulls a vertex of a
+// curl inwards, along the difference b of its tangents, and A holds it back there. So they are solved in the metric
+// weight (1 - softness b b' / b.b), with the softness that b A b tells; its rows are tridiagonal. In the metric of the masses
+// alone tensions lag behind, which feeds energy to curls. `stiffness`: of the vertex's joint in A; t_in2, t_in, t_out, t_out2:
+// tangents of the two edges before and the two after the vertex.
+FN real curlSoftness(IN(real) weight, IN(real) stiffness, IN(real) inverse_length, IN(real3) t_in2, IN(real3) t_in,
+                     IN(real3) t_out, IN(real3) t_out2) {
+  real3 b = t_out - t_in;
+  real3 change = t_out2 - t_in2 - b * lit(3);
+  real held = weight * stiffness * inverse_length * inverse_length * dot(change, change);
+  return held * inverse(dot(b, b) + held * lit(1.01) + lit(1e-12));
+}
+// What of this metric acts along an edge t next to the vertex, whose tangents make an angle of cosine c. In contact (normal
+// not zero, softness zero) the vertex gives way along the surface only.
+FN real weightAlong(IN(real3) t, IN(real3) normal, IN(real) weight, IN(real) softness, IN(real) c) {
   real a = dot(t, normal);
-  return weight * (lit(1) - a * a);
+  return weight * (lit(1) - a * a - lit(0.5) * softness * (lit(1) - c));
 }
 // The length system has one unknown (m, pull x weight) per edge and on its diagonal the weights of both ends along it; this
 // couples the edges t and t_other that meet at a vertex.
-FN real lengthAcross(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) weight) {
-  return lit(0) - weight * (dot(t, t_other) - dot(t, normal) * dot(t_other, normal));
+FN real lengthAcross(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) weight, IN(real) softness, IN(real) c) {
+  return lit(0) - weight * (c - dot(t, normal) * dot(t_other, normal) + lit(0.5) * softness * (lit(1) - c));
+}
+// Calm motion is left to this metric, whose lengths are then exact to first order. Where the pulls next to a vertex would
+// move it far over its edge's length the metric is a bad guess: then they go through the bending matrix, and the lengths are
+// solved again with less of the softness. 0 calm, 1 violent.
+FN real violence(IN(real) pull_in, IN(real) pull_out, IN(real) weight, IN(real) inverse_length) {
+  return min(lit(10) * (abs(pull_in) + abs(pull_out)) * weight * inverse_length, lit(1));
+}
+FN real softnessLeft(IN(real) softness, IN(real) violence) { return softness * (lit(1) - lit(0.6) * violence); }
+// How the pulls of the edges before and after a vertex move it in this metric, per weight; as a force with softness 0.
+FN real3 pushOfPulls(IN(real3) t_in, IN(real) pull_in, IN(real3) t_out, IN(real) pull_out, IN(real3) normal, IN(real) softness) {
+  real held = lit(0.5) * softness * (pull_in + pull_out);
+  return alongSurface(t_out * (pull_out - held) - t_in * (pull_in - held), normal);
 }
 // What the elimination of the length system may divide by at least. Low enough for strands of 128 vertices: on a straight
 // one of n the pivots fall to 1 / n, and what elimination gives must not depend on its order.
@@ -129,20 +162,4 @@ FN real keptTension(IN(real) tension, IN(real3) advance, IN(real) bend, IN(real)
 // otherwise keep a false tension of its own. `mass` of all free vertices, `length` of the strand in metres.
 FN real tensionBound(IN(real) mass, IN(real) length, IN(real) gravity, IN(real) time2) {
   return mass * time2 * madd(lit(50), length, lit(3) * gravity);
-}
-
-// In a curl, tension pulls a vertex inwards, against the bending matrix more than against its mass. This is the part of
-// a vertex's weight (1 / mass) by which tension moves it less than the mass alone would let it, along an edge next to it:
-// 0 on a straight strand. c: cosine at the vertex's joint; stiffness: of that joint in the bending matrix; edge: what
-// the matrix has on the edge before it. Tensions that are solved without it lag behind, which feeds energy to curls.
-FN real tensionSoftness(IN(real) mass, IN(real) stiffness, IN(real) edge, IN(real) inverse_length, IN(real) c) {
-  real fold = lit(2) - lit(2) * min(abs(c), lit(1));
-  real resistance = lit(1.6) * fold * madd(stiffness * inverse_length, inverse_length * fold, edge);
-  return lit(0.5) * fold * resistance * inverse(mass + resistance);
-}
-// `across` of the length system in the softened one, which it must not make indefinite where a joint has straightened since
-// its softness was found. `own_in` and `own`: what the vertex has on the diagonals of its two edges without the softness.
-FN real softenedAcross(IN(real) across, IN(real) own_in, IN(real) own, IN(real) softness) {
-  real most = (lit(1) - softness) * sqrt(max(own_in * own, lit(0)));
-  return clamp(across, lit(0) - most, most);
 }

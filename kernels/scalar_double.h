@@ -9,6 +9,7 @@ namespace strandcast::kernels::f64 {
 #include "kernels/rotation.h"
 #include "kernels/strand.h"
 #include "kernels/contact.h"
+#include "kernels/distance_field.h"
 #include "kernels/rod.h"
 #include "kernels/grooming.h"
 #include "kernels/end_lanes.inl"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
@@ -13,6 +14,7 @@ namespace strandcast {
 namespace {
 
 constexpr double kStart = 0.5;       // s, over which a motion starts from rest
+constexpr double kEnd = 0.5;         // s, over which it returns to it
 constexpr double kLoopBlend = 0.25;  // s, over which the end of a clip returns to its start
 
 // 0 to 1 over [0, 1] with two derivatives that vanish at both ends, and its integral from 0.
@@ -148,6 +150,16 @@ HeadMotion bvhMotion(const std::filesystem::path& file, float unit_meters, const
     Vec3 shift;
     track->at(kStart * easeIntegral(seconds / kStart), rotation, shift);  // time itself starts from rest
     return about(pivot, rotation, shift);
+  };
+}
+
+HeadMotion endingAt(HeadMotion motion, double end, const Vec3& pivot) {
+  return [motion = std::move(motion), end, pivot](double seconds) {
+    if (seconds >= end) return Pose{};
+    const auto back = static_cast<float>(ease((seconds - end + kEnd) / kEnd));
+    const Pose pose = motion(seconds);
+    return about(pivot, pose.rotation.slerp(back, Quat::Identity()),
+                 (1 - back) * (pose.apply(pivot) - pivot));
   };
 }
 

@@ -21,6 +21,10 @@ HeadMotion proceduralMotion(const std::string& name, const Vec3& pivot);
 HeadMotion bvhMotion(const std::filesystem::path& file, float unit_meters, const Vec3& pivot,
                      const std::string& joint = "");
 
+/// `motion` about `pivot` until `end` seconds, brought back to the rest pose within the last half second of
+/// them with no jump in velocity; still from then on.
+HeadMotion endingAt(HeadMotion motion, double end, const Vec3& pivot);
+
 /// `description` is a procedural name or a path ending in .bvh.
 HeadMotion headMotion(const std::string& description, const Vec3& pivot);
 

@@ -36,6 +36,7 @@ HWY_INLINE real inverseSqrt(real a) {
 HWY_INLINE real inverse(real a) { return {hn::Div(hn::Set(Tag(), 1.0f), a.v)}; }
 HWY_INLINE real inverseSqrt(real a) { return {hn::Div(hn::Set(Tag(), 1.0f), hn::Sqrt(a.v))}; }
 #endif
+HWY_INLINE real floor(real a) { return {hn::Floor(a.v)}; }
 HWY_INLINE real abs(real a) { return {hn::Abs(a.v)}; }
 HWY_INLINE real min(real a, real b) { return {hn::Min(a.v, b.v)}; }
 HWY_INLINE real max(real a, real b) { return {hn::Max(a.v, b.v)}; }
@@ -59,6 +60,7 @@ HWY_INLINE bool anyTrue(mask m) { return !hn::AllFalse(Tag(), m.m); }
 #include "kernels/rotation.h"
 #include "kernels/strand.h"
 #include "kernels/contact.h"
+#include "kernels/distance_field.h"
 #include "kernels/rod.h"
 #include "kernels/grooming.h"
 // clang-format on

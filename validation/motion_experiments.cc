@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "validation/experiments.h"
+#include "validation/shaken_root.h"
 #include "validation/specimen.h"
 
 namespace strandcast {
@@ -16,14 +17,6 @@ constexpr double kLength = 0.25;  // m
 
 std::vector<StrandPoints> straightAndCurl() {
   return {straightStrand(kLength, kEdges, -Vec3::UnitY()), helixStrand(0.01, 0.01, kLength, kEdges)};
-}
-
-// Along X by `reach` m and about Z by 45 degrees, in phase, from rest at t = 0.
-Pose shaken(double t, double reach, double shakes, double turns) {
-  const double x = reach * std::sin(2 * std::numbers::pi * shakes * t);
-  const double angle = std::numbers::pi / 4 * std::sin(2 * std::numbers::pi * turns * t);
-  return {Vec3(static_cast<float>(x), 0, 0),
-          Quat(Eigen::AngleAxisf(static_cast<float>(angle), Eigen::Vector3f::UnitZ()))};
 }
 
 std::vector<Case> stretch(const Laboratory& laboratory) {
@@ -42,10 +35,12 @@ std::vector<Case> stretch(const Laboratory& laboratory) {
   const double reach = 10 * kGravity / std::pow(2 * std::numbers::pi * 5, 2);
   const double start = simulation.time();
   laboratory.advance(
-      simulation, 2, [&](double t) { return shaken(t - start, reach, 5, 0); }, keepLargest(shaking));
+      simulation, 2,
+      [&](double t) { return shakenRoot(t - start, {.reach = reach, .shakes = 5, .turns = 0}); },
+      keepLargest(shaking));
   const double then = simulation.time();
   laboratory.advance(
-      simulation, 2, [&](double t) { return shaken(t - then, 0, 0, 1); }, keepLargest(turning));
+      simulation, 2, [&](double t) { return shakenRoot(t - then, {.reach = 0}); }, keepLargest(turning));
   return {absoluteCase({"stretch at rest", "largest stretch", "%"}, resting, 0, 1e-3),
           absoluteCase({"stretch under a shake of 10 g", "largest stretch", "%"}, shaking, 0, 1e-2),
           absoluteCase({"stretch under turns of 45 degrees", "largest stretch", "%"}, turning, 0, 1e-2)};
@@ -58,7 +53,7 @@ std::vector<std::vector<Vec3>> tipPaths(const Laboratory& laboratory, int steps_
   std::vector<std::vector<Vec3>> paths(2);
   int step = 0;
   laboratory.advance(
-      simulation, 1.5, [](double t) { return shaken(t, 0.1, 1, 1); },
+      simulation, 1.5, [](double t) { return shakenRoot(t); },
       [&] {
         if (++step % steps_per_sample != 0) return;
         for (size_t s = 0; s < paths.size(); ++s) paths[s].push_back(tipOf(simulation, s));

@@ -28,9 +28,9 @@ void forgetBeyondBound() {
 // Before a later one.
 void noteBeyondBound() { beyond_bound[me - uint(rank)] = any_beyond_bound = 1u; }
 
-// Solves for the strands noted: eliminates from the root on, or from the tip on, and substitutes back. Of the
-// others only the barriers are wanted. Returns the pull of the edge before slot 0.
-float solveBounded(float diagonal[PER_THREAD], float lower[PER_THREAD], float excess[PER_THREAD], bool from_tip,
+// Solves for the strands noted: eliminates from the root on and substitutes back. Of the others only the barriers are
+// wanted. Returns the pull of the edge before slot 0.
+float solveBounded(float diagonal[PER_THREAD], float lower[PER_THREAD], float excess[PER_THREAD],
                    inout float pull[PER_THREAD], float pull_in) {
   exchange_a[me] = vec4(diagonal[0], diagonal[1], diagonal[2], diagonal[3]);
   exchange_b[me] = vec4(lower[0], lower[1], lower[2], lower[3]);
@@ -40,11 +40,10 @@ float solveBounded(float diagonal[PER_THREAD], float lower[PER_THREAD], float ex
   bool noted = beyond_bound[me - uint(rank)] != 0u;
   if (noted && rank == 0) {
     float right = 0.0, inverse = 0.0;
-    for (int i = 0; i < rows; ++i) {
-      int e = from_tip ? rows - 1 - i : i, coupled = from_tip ? min(e + 1, rows - 1) : e;
+    for (int e = 0; e < rows; ++e) {
       uint at = me + uint(e / PER_THREAD);
       int p = e % PER_THREAD;
-      float coupling = i > 0 ? exchange_b[me + uint(coupled / PER_THREAD)][coupled % PER_THREAD] : 0.0;
+      float coupling = exchange_b[at][p];
       float factor = coupling * inverse;
       float pivot = exchange_a[at][p] - coupling * factor;
       inverse = 1.0 / max(pivot, lengthPivot(weightOf(e - 1), weightOf(e)));
@@ -53,8 +52,7 @@ float solveBounded(float diagonal[PER_THREAD], float lower[PER_THREAD], float ex
       exchange_a[at][p] = factor;
     }
     float solved = 0.0, factor = 0.0;
-    for (int i = 0; i < rows; ++i) {
-      int e = from_tip ? i : rows - 1 - i;
+    for (int e = rows - 1; e >= 0; --e) {
       uint at = me + uint(e / PER_THREAD);
       int p = e % PER_THREAD;
       solved = boundedPull(exchange_c[at][p] - factor * solved, lengthOf(e));

@@ -31,11 +31,17 @@ layout(local_size_x = WORKGROUP) in;
 // Of the present substep; entry p is of slot p, entries from PER_THREAD on are of the next invocation.
 vec3 x_new[PER_THREAD];             // m
 vec3 x_new_in;                      // of the vertex before slot 0
-vec3 tangent[PER_THREAD], tangent_in;
+vec3 tangent[PER_THREAD], tangent_in, tangent_out;
+vec3 direction_in;                  // in which the forces of the edge before slot 0 act
 vec3 moment[PER_THREAD + 1];        // m^2/s^2
 float stiffness[PER_THREAD + 2];    // of joints in the bending matrix
 float edge_stiffness[PER_THREAD + 1];     // of edges in it
-float softness[PER_THREAD], softness_in;  // of vertices, see tensionSoftness
+float softness[PER_THREAD], softness_in;  // of vertices, see curlSoftness
+// The bending system, as solvePentadiagonal wants it; its right-hand sides, later its solution.
+float diagonal[PER_THREAD], first[PER_THREAD - 1], second[PER_THREAD - 2];
+vec3 across;
+vec3 force[PER_THREAD];             // m
+float pull[PER_THREAD], pull_in, pull_out;  // m, of edges; in: before slot 0, out: after the last slot
 #if BODIES
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
 #define NORMAL(p) normals[p]
@@ -66,6 +72,13 @@ vec3 inertialPoint(vec3 position, vec3 velocity, float keep, float weight, uint 
 vec3 oldEdge(int p) { return x[p] - (p > 0 ? x[max(p - 1, 0)] : x_in); }
 vec3 newEdge(int p) { return x_new[p] - (p > 0 ? x_new[max(p - 1, 0)] : x_new_in); }
 
+// In which the forces of the edge of slot p act, while x_new are the inertial points. With internal damping, frames and
+// tangents are ahead of the motion by the damping time.
+vec3 forceDirection(int p) {
+  float ahead = DAMPING_TIME * settings.per_substep;
+  return madd(newEdge(p) - oldEdge(p), -ahead * inverseLength(p), tangent[p]);
+}
+
 // The kept tension of the edge of slot p, its tangent between the old edge and the inertial one, its frame carried along.
 // Returns the blend of the two; `unit_in`: of the old edge before it.
 float predictEdge(int p, vec3 unit_in) {
@@ -74,7 +87,6 @@ float predictEdge(int p, vec3 unit_in) {
   vec3 edge = newEdge(p), old = oldEdge(p), advance = edge - old;
   tension[p] = min(keptTension(tension[p], advance * il, bend(p), il, dt2), most_tension);
   float blend = timeBlend(advance * il, old * il - unit_in, bend(p) * il * il * dt2 * weight(p));
-  // Internal damping acts through frames that are ahead of the motion by the damping time; tension is not damped.
   float ahead = DAMPING_TIME * settings.per_substep;
   tangent[p] = directionOr(madd(advance, ahead - blend, edge), frameTangent(frame[p]));
   frame[p] = transportTo(frame[p], tangent[p]);
@@ -91,16 +103,20 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
   }
   for (int p = 1; p < PER_THREAD; ++p) blend[p] = predictEdge(p, oldEdge(p - 1) * inverseLength(p - 1));
   exchange_a[me] = frame[kLast];
-  exchange_b[me].xyz = tangent[kLast];
-  exchange_c[me].xyz = oldEdge(kLast) * inverseLength(kLast);
+  vec3 direction = forceDirection(kLast);
+  exchange_b[me] = vec4(tangent[kLast], direction.x);
+  exchange_c[me] = vec4(oldEdge(kLast) * inverseLength(kLast), direction.y);
+  exchange_d[me] = direction.z;
   barrier();
   vec4 frame_in = exchange_a[before(1)];
-  tangent_in = exchange_b[before(1)].xyz;
-  vec3 unit_in = exchange_c[before(1)].xyz;
+  vec4 b = exchange_b[before(1)], c = exchange_c[before(1)];
+  direction_in = vec3(b.w, c.w, exchange_d[before(1)]);
   barrier();
+  tangent_in = b.xyz;
+  vec3 unit_in = c.xyz;
   if (!hasBefore(1)) {
     frame_in = root.inner_frame;
-    tangent_in = unit_in = root.tangent_old;
+    tangent_in = unit_in = direction_in = root.tangent_old;
   }
   blend[0] = predictEdge(0, unit_in);
   return frame_in;
@@ -109,7 +125,7 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
 // What joints and edges put into the bending matrix; the frames twisted to where the torques balance; then the moments.
 void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   vec3 strain[PER_THREAD];
-  float margin[PER_THREAD + 1], cosine[PER_THREAD + 1];  // of the angle at joints
+  float margin[PER_THREAD + 1];
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD], turn[PER_THREAD];
   float own_first, torque_first;  // what joint 0 adds to the last row of the invocation before
   vec4 inner = frame_in;
@@ -121,7 +137,6 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     float time2 = settings.substep * madd(implicitShare(blend[p]), settings.substep, DAMPING_TIME);
     stiffness[p] = bendMatrixStiffness(bend(p), c, time2);
     margin[p] = bendMatrixMargin(stiffness[p], c, excess);
-    cosine[p] = c;
     float coupling = twistOfBending(strain[p], excess, bend(p)), shear = torqueDifference(strain[p], excess, bend(p));
     float own = twist(p) + coupling, torque = madd(twist(p), excess.z, shear);
     float less = 2.0 * min(coupling, twist(p));  // own less the absolute coupling, without its rounding
@@ -141,26 +156,34 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   }
   if (!hasBefore(1)) lower[0] = 0.0;
 
-  exchange_a[me] = vec4(stiffness[0], stiffness[1], margin[0], cosine[0]);
-  exchange_b[me].xy = vec2(own_first, torque_first);
+  exchange_a[me].xyz = vec3(stiffness[0], stiffness[1], margin[0]);
+  exchange_b[me] = vec4(tangent[0], own_first);
+  exchange_c[me] = vec4(tangent[1], torque_first);
   barrier();
-  vec4 a = exchange_a[after(1)];
-  vec2 b = exchange_b[after(1)].xy;
+  vec3 a = exchange_a[after(1)].xyz;
+  vec4 b = exchange_b[after(1)], c = exchange_c[after(1)];
   barrier();
+  vec3 tangent_out2 = c.xyz;
+  tangent_out = b.xyz;
   if (!hasAfter(1)) {
-    a = vec4(0);
-    b = vec2(0);
+    a = vec3(0);
+    b.w = c.w = 0.0;
   }
   stiffness[PER_THREAD] = a.x;
   stiffness[PER_THREAD + 1] = a.y;
   margin[PER_THREAD] = a.z;
-  cosine[PER_THREAD] = a.w;
-  slack[kLast] += b.x;
-  turn[kLast] += b.y;
+  slack[kLast] += b.w;
+  turn[kLast] += c.w;
   for (int p = 0; p < PER_THREAD; ++p) {
     float il = inverseLength(p);
     edge_stiffness[p] = edgeMatrixStiffness(margin[p] + margin[p + 1], il, tension[p], blend[p]);
-    softness[p] = isTip(p) ? 0.0 : tensionSoftness(mass(p), stiffness[p + 1], edge_stiffness[p], il, cosine[p + 1]);
+    int vertex = rank * PER_THREAD + p;
+    vec3 t_in2 = p > 0 ? tangent[max(p - 1, 0)] : hasBefore(1) ? tangent_in : tangent[0];
+    vec3 t_out = p < kLast ? tangent[min(p + 1, kLast)] : tangent_out;
+    vec3 t_out2 = p < kLast - 1 ? tangent[min(p + 2, kLast)] : p < kLast ? tangent_out : tangent_out2;
+    if (vertex + 2 >= edges) t_out2 = t_out;
+    float soft = curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2);
+    softness[p] = vertex + 1 >= edges ? 0.0 : rest.loose * soft;
     if (!isEdge(p)) {
       slack[p] = 1.0;
       lower[p] = turn[p] = 0.0;
@@ -176,21 +199,30 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     inner = frame[p] = twistFrame(frame[p], turn[p]);
     turn_in = turn[p];
   }
+  if (settings.damping_time > 0.0) {
+    t_in = hasBefore(1) ? tangent_in : vec3(0);
+    vec3 inner_direction = direction_in;
+    for (int p = 0; p < PER_THREAD; ++p) {
+      vec3 direction = forceDirection(p);
+      moment[p] = turnedBack(moment[p], t_in, inner_direction, tangent[p], direction);
+      t_in = tangent[p];
+      inner_direction = direction;
+    }
+  }
 }
 
 // What the edge of slot p pushes its outer vertex with (x dt^2, m), while x_new are the inertial points.
 vec3 edgeForce(int p, RootMotion root) {
   const float dt2 = settings.substep * settings.substep;
   float il = inverseLength(p);
-  float ahead = DAMPING_TIME * settings.per_substep;
-  vec3 direction = madd(newEdge(p) - oldEdge(p), -ahead * il, tangent[p]);
-  vec3 force = cross(moment[p + 1] - moment[p], tangent[p]) * (il * dt2) - direction * tension[p];
-  if (p == 0 && rank == 0) force += root.swing * (stiffness[0] * il);
-  return force;
+  vec3 direction = forceDirection(p);
+  vec3 pushed = cross(moment[p + 1] - moment[p], direction) * (il * dt2) - direction * tension[p];
+  if (p == 0 && rank == 0) pushed += root.swing * (stiffness[0] * il);
+  return pushed;
 }
 
-void solveBending(RootMotion root) {
-  vec3 force[PER_THREAD], force_out;
+void makeBending(RootMotion root) {
+  vec3 force_out;
   force[0] = edgeForce(0, root);
   exchange_a[me] = vec4(force[0], edge_stiffness[0]);
   exchange_b[me].xyz = moment[0];
@@ -207,21 +239,20 @@ void solveBending(RootMotion root) {
   moment[PER_THREAD] = b;
   for (int p = 1; p < PER_THREAD; ++p) force[p] = edgeForce(p, root);
 
-  const vec3 pull = settings.gravity.xyz * (settings.substep * settings.substep) +
+  const vec3 fall = settings.gravity.xyz * (settings.substep * settings.substep) +
                     settings.wind.xyz * (settings.substep * (1.0 - settings.keep)) - root.jump;
   float il[PER_THREAD + 1];
   for (int p = 0; p < PER_THREAD; ++p) il[p] = inverseLength(p);
   il[PER_THREAD] = inverseLengthOut();
-  float diagonal[PER_THREAD], first[PER_THREAD - 1], second[PER_THREAD - 2];
   for (int p = 0; p < PER_THREAD; ++p) {
     vec3 outer = p < kLast ? force[min(p + 1, kLast)] : force_out;
 #if GROOMED
-    vec3 way = madd(settings.wind.xyz, settings.substep * (settings.keep - keeps[p]), pull);
+    vec3 way = madd(settings.wind.xyz, settings.substep * (settings.keep - keeps[p]), fall);
     vec3 goal = heldPoint(root_vertex + uint(min(rank * PER_THREAD + p + 1, edges)), root);
     vec3 total = force[p] - outer;
     if (weight(p) > 0.0) total += goalPull(way, mass(p), goal_stiffness[p], goal, x_new[p]);
 #else
-    vec3 total = madd(pull, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - outer);
+    vec3 total = madd(fall, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - outer);
 #endif
     force[p] = isEdge(p) ? total : vec3(0);
     float own = mass(p) + bendOwn(stiffness[p], stiffness[p + 1], stiffness[p + 2], il[p], il[p + 1]);
@@ -230,9 +261,13 @@ void solveBending(RootMotion root) {
   for (int p = 0; p < PER_THREAD - 1; ++p)
     first[p] = bendAcross(stiffness[p + 1], stiffness[p + 2], il[p], il[p + 1], il[p + 2]) - edge_stiffness[p + 1];
   for (int p = 0; p < PER_THREAD - 2; ++p) second[p] = bendAcrossTwo(stiffness[p + 2], il[p + 1], il[p + 2]);
-  vec3 across = vec3(bendAcrossTwo(stiffness[0], inverseLengthIn(), il[0]),
-                     bendAcross(stiffness[0], stiffness[1], inverseLengthIn(), il[0], il[1]) - edge_stiffness[0],
-                     bendAcrossTwo(stiffness[1], il[0], il[1]));
+  across = vec3(bendAcrossTwo(stiffness[0], inverseLengthIn(), il[0]),
+                bendAcross(stiffness[0], stiffness[1], inverseLengthIn(), il[0], il[1]) - edge_stiffness[0],
+                bendAcrossTwo(stiffness[1], il[0], il[1]));
+}
+
+// Moves the vertices by what the forces move them in the bending system.
+void moveByForces() {
   // On a long strand the reduction cancels stiffnesses down to a mass: its solution is refined once.
   const int solves = THREADS > 16 ? 2 : 1;
   for (int i = 0; i < solves; ++i) {
@@ -254,20 +289,22 @@ void collide(float time) {
     for (int p = 0; p < PER_THREAD; ++p)
       if (weight(p) > 0.0) pushOut(body, x[p], x_new[p], normals[p]);
   }
+  for (int p = 0; p < PER_THREAD; ++p)
+    if (dot(normals[p], normals[p]) > 0.0) softness[p] = 0.0;
 }
 #endif
 
-// The rows of the length system, and of the softened one for the change of the tensions.
-void lengthRows(out float diagonal[PER_THREAD], out float lower[PER_THREAD], out float softened[PER_THREAD],
-                out float softened_lower[PER_THREAD], out float pivot[PER_THREAD], out float excess[PER_THREAD]) {
+// The rows of the length system.
+void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD], out float pivot[PER_THREAD],
+                out float excess[PER_THREAD]) {
   vec3 inner = x_new_in, t_in = tangent_in, n_in = NORMAL_IN;
-  float w_in = hasBefore(1) ? weight_in : 0.0, soft_in = softness_in, own_before = weightAlong(t_in, n_in, w_in);
+  float w_in = hasBefore(1) ? weight_in : 0.0, soft_in = softness_in, c_in = dot(t_in, tangent[0]);
   for (int p = 0; p < PER_THREAD; ++p) {
-    float own_in = weightAlong(tangent[p], n_in, w_in), own = weightAlong(tangent[p], NORMAL(p), weight(p));
-    diagonal[p] = isEdge(p) ? own_in + own : 1.0;
-    softened[p] = isEdge(p) ? own_in * (1.0 - soft_in) + own * (1.0 - softness[p]) : 1.0;
-    lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in) : 0.0;
-    softened_lower[p] = softenedAcross(lower[p], own_before, own_in, soft_in);
+    float c = dot(tangent[p], p < kLast ? tangent[min(p + 1, kLast)] : tangent_out);
+    float own = weightAlong(tangent[p], n_in, w_in, soft_in, c_in) +
+                weightAlong(tangent[p], NORMAL(p), weight(p), softness[p], c);
+    own_diagonal[p] = isEdge(p) ? own : 1.0;
+    lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in, soft_in, c_in) : 0.0;
     pivot[p] = lengthPivot(w_in, weight(p));
     excess[p] = isEdge(p) ? dot(x_new[p] - inner, tangent[p]) - restLength(p) : 0.0;
     inner = x_new[p];
@@ -275,12 +312,12 @@ void lengthRows(out float diagonal[PER_THREAD], out float lower[PER_THREAD], out
     n_in = NORMAL(p);
     w_in = weight(p);
     soft_in = softness[p];
-    own_before = own;
+    c_in = c;
   }
 }
 
-// Whether a solution goes beyond its bounds; it is held to them.
-bool bound(inout float pull[PER_THREAD]) {
+// Whether a pull goes beyond its bounds; it is held to them.
+bool boundPulls() {
   bool beyond = false;
   for (int p = 0; p < PER_THREAD; ++p) {
     float bounded = boundedPull(pull[p], restLength(p));
@@ -290,15 +327,18 @@ bool bound(inout float pull[PER_THREAD]) {
   return beyond;
 }
 
-// One Newton step towards the rest lengths. The first of a substep changes the tensions by the softened system's solution.
-void solveLengths(RootMotion root, bool first) {
+// The pulls of one Newton step towards the rest lengths.
+void solveLengths(RootMotion root) {
   for (int p = 1; p < PER_THREAD; ++p) tangent[p] = directionOr(x_new[p] - x_new[p - 1], tangent[p]);
   forgetBeyondBound();
   exchange_a[me] = vec4(x_new[kLast], softness[kLast]);
-  exchange_b[me].xyz = tangent[kLast];
+  exchange_b[me] = vec4(tangent[kLast], x_new[0].x);
 #if BODIES
-  exchange_c[me].xyz = normals[kLast];
+  exchange_c[me] = vec4(normals[kLast], x_new[0].y);
+#else
+  exchange_c[me].w = x_new[0].y;
 #endif
+  exchange_d[me] = x_new[0].z;
   barrier();
   x_new_in = exchange_a[before(1)].xyz;
   softness_in = exchange_a[before(1)].w;
@@ -306,6 +346,7 @@ void solveLengths(RootMotion root, bool first) {
 #if BODIES
   normal_in = exchange_c[before(1)].xyz;
 #endif
+  vec3 x_new_out = vec3(exchange_b[after(1)].w, exchange_c[after(1)].w, exchange_d[after(1)]);
   barrier();
   if (!hasBefore(1)) {
     x_new_in = root.position;
@@ -315,45 +356,56 @@ void solveLengths(RootMotion root, bool first) {
 #endif
   }
   tangent[0] = directionOr(x_new[0] - x_new_in, tangent[0]);
+  tangent_out = hasAfter(1) ? directionOr(x_new_out - x_new[kLast], tangent[kLast]) : tangent[kLast];
 
-  float diagonal[PER_THREAD], lower[PER_THREAD], softened[PER_THREAD], softened_lower[PER_THREAD];
-  float pivot[PER_THREAD], pull[PER_THREAD];
-  lengthRows(diagonal, lower, softened, softened_lower, pivot, pull);
-  float change[PER_THREAD] = pull;
-  diagonalToSlack(diagonal, lower);
-  diagonalToSlack(softened, softened_lower);
-  float pull_in = solveTridiagonal(diagonal, lower, pivot, pull);
-  if (first) solveTridiagonal(softened, softened_lower, pivot, change);
-  if (bound(pull)) noteBeyondBound();
-  exchange_a[me].xyz = tangent[0] * pull[0];
+  float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
+  lengthRows(slack, lower, pivot, pull);
+  diagonalToSlack(slack, lower);
+  pull_in = solveTridiagonal(slack, lower, pivot, pull);
+  if (boundPulls()) noteBeyondBound();
+  exchange_d[me] = pull[0];
   barrier();
-  vec3 push_out = exchange_a[after(1)].xyz;
+  pull_out = exchange_d[after(1)];
   bool any_beyond = any_beyond_bound != 0u;
   barrier();
   if (any_beyond) {  // the same for the whole workgroup
-    float excess[PER_THREAD];
-    lengthRows(diagonal, lower, softened, softened_lower, pivot, excess);
-    pull_in = solveBounded(diagonal, lower, excess, !first, pull, pull_in);
-    exchange_a[me].xyz = tangent[0] * pull[0];
+    float rows[PER_THREAD], excess[PER_THREAD];
+    lengthRows(rows, lower, pivot, excess);
+    pull_in = solveBounded(rows, lower, excess, pull, pull_in);
+    exchange_d[me] = pull[0];
     barrier();
-    push_out = exchange_a[after(1)].xyz;
+    pull_out = exchange_d[after(1)];
     barrier();
   }
   pull_in = boundedPull(pull_in, lengthIn());
-  if (!hasAfter(1)) push_out = vec3(0);
+  if (!hasAfter(1)) pull_out = 0.0;
+  for (int p = 0; p < PER_THREAD; ++p) tension[p] += pull[p];
+}
 
-  vec3 push[PER_THREAD + 1];
+// What the pulls push the vertex of slot p with, where it gives way with this softness.
+vec3 pushOn(int p, float soft) {
+  vec3 t_out = p < kLast ? tangent[min(p + 1, kLast)] : tangent_out;
+  return pushOfPulls(tangent[p], pull[p], t_out, p < kLast ? pull[min(p + 1, kLast)] : pull_out, NORMAL(p), soft);
+}
+
+// What the first pulls move: by themselves where that is calm, as forces in the bending system where it is violent.
+void moveByFirstPulls() {
   for (int p = 0; p < PER_THREAD; ++p) {
-    // In violent motion not much more than what the masses take.
-    float most = max(4.0 * abs(pull[p]), 0.02 * most_tension);
-    tension[p] += first ? clamp(change[p], -most, most) : pull[p];
-    push[p] = tangent[p] * pull[p];
+    float outer = p < kLast ? pull[min(p + 1, kLast)] : pull_out;
+    float violent = rest.loose * violence(pull[p], outer, weight(p), inverseLength(p));
+    x_new[p] = madd(pushOn(p, softness[p]), weight(p) * (1.0 - violent), x_new[p]);
+    force[p] = isEdge(p) ? pushOn(p, 0.0) * violent : vec3(0);
+    softness[p] = softnessLeft(softness[p], violent);
   }
-  push[PER_THREAD] = push_out;
-  for (int p = 0; p < PER_THREAD; ++p)
-    x_new[p] = madd(alongSurface(push[p + 1] - push[p], NORMAL(p)), weight(p), x_new[p]);
+}
+
+// The pulls as what they move by themselves.
+void moveByPulls() {
+  for (int p = 0; p < PER_THREAD; ++p) x_new[p] = madd(pushOn(p, softness[p]), weight(p), x_new[p]);
   // The same for the vertex before slot 0, which saves an exchange.
-  if (hasBefore(1)) x_new_in = madd(alongSurface(push[0] - tangent_in * pull_in, NORMAL_IN), weight_in, x_new_in);
+  if (hasBefore(1))
+    x_new_in =
+        madd(pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], NORMAL_IN, softness_in), weight_in, x_new_in);
 }
 
 // Exact lengths along the directions found, from the root or the last pinned vertex on: a scan. Then velocities.
@@ -416,16 +468,19 @@ void main() {
     float blend[PER_THREAD];
     vec4 frame_in = predict(root, blend);
     solveTwist(frame_in, blend);
-    solveBending(root);
+    makeBending(root);
 #if BODIES
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
 #endif
     for (int iteration = 0; iteration < 2; ++iteration) {
+      if (iteration > 0) moveByFirstPulls();
+      moveByForces();
 #if BODIES
       collide(timeAfter(substep));
 #endif
-      solveLengths(root, iteration == 0);
+      solveLengths(root);
     }
+    moveByPulls();
     finish(root);
   }
   storeStrand();

@@ -18,6 +18,7 @@ struct StrandRest {      // gpu_compute/rod_strands.cc
   float shortest;        // m; shorter edges bend as if they were this long
   float free_mass;       // of all vertices that are not pinned
   float arc_length;      // m
+  float loose;           // 1 where only the root is pinned, else 0
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
 layout(location = 0) uniform uint first_strand;  // of this group, in order[]
@@ -121,11 +122,8 @@ void loadStrand() {
   exists = slot < strands_in_group;
   strand = order[first_strand + min(slot, strands_in_group - 1u)];
   rest = strand_rest[strand];
-  float most_pull = length(settings.gravity.xyz);
-#if GROOMED
-  most_pull += 2.0 * settings.goal_rate * settings.goal_rate * rest.arc_length;
-#endif
-  most_tension = tensionBound(rest.free_mass, rest.arc_length, most_pull, settings.substep * settings.substep);
+  most_tension =
+      tensionBound(rest.free_mass, rest.arc_length, length(settings.gravity.xyz), settings.substep * settings.substep);
   root_vertex = offsets[strand];
 #if EDGES == 0
   edges = int(offsets[strand + 1u] - root_vertex) - 1;

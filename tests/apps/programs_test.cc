@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "groom/distance_field_file.h"
 #include "groom/groom_file.h"
 
 namespace strandcast {
@@ -25,6 +26,10 @@ struct Outcome {
   int exit_code = -1;
   std::string out, err;
 };
+
+const std::string kCube =
+    "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nv 0 0 0.1\nv 0.1 0 0.1\nv 0.1 0.1 0.1\nv 0 0.1 0.1\n"
+    "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
 
 std::string contents(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -83,8 +88,8 @@ class Programs : public ::testing::Test {
 };
 
 TEST_F(Programs, HelpTeachesAndExitsWithZero) {
-  for (const char* words :
-       {" --help", " info --help", " convert --help", " render --help", " ctl --help", " validate --help"}) {
+  for (const char* words : {" --help", " info --help", " convert --help", " bake --help", " render --help", " compare --help",
+                            " ctl --help", " validate --help"}) {
     const Outcome r = run(program_ + words);
     EXPECT_EQ(r.exit_code, 0) << words << r.err;
     EXPECT_GT(r.out.size(), 200u) << words;
@@ -98,19 +103,32 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
   write("empty.tfx", "");
   write("short.tfx", std::string("\0\0\x80\x40", 4));
   write("noise.hair", "HAIRHAIRHAIRHAIR");
+  write("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
+  write("points.obj", "v 0 0 0\nv 1 0 0\n");
+  write("cube.obj", kCube);
   write("bad.toml", "[daemon]\nspeed = 3\n");
   for (const std::string& command :
        {program_ + " info " + (folder_ / "empty.tfx").string(),
         program_ + " info " + (folder_ / "short.tfx").string(),
         program_ + " info " + (folder_ / "noise.hair").string(),
-        program_ + " info " + (folder_ / "absent.tfx").string(), program_ + " info " + folder_.string(),
-        program_ + " info", program_ + " validate chemistry",
+        program_ + " info " + (folder_ / "absent.tfx").string(),
+        program_ + " info " + folder_.string(),
+        program_ + " info",
+        program_ + " bake " + (folder_ / "absent.obj").string(),
+        program_ + " bake " + (folder_ / "nan.obj").string() + " --no-cache",
+        program_ + " bake " + (folder_ / "points.obj").string() + " --no-cache",
+        program_ + " bake " + (folder_ / "cube.obj").string() + " --no-cache --unit-meters 1 --cell 1e-5",
+        program_ + " bake " + (folder_ / "cube.obj").string() + " --no-cache --unit-meters 1 --memory 1",
+        program_ + " validate chemistry",
         program_ + " validate physics --only 'no such case'",
         program_ + " validate cantilever --solver magic --backend reference",
         program_ + " convert " + (folder_ / "empty.tfx").string() + " " + (folder_ / "x.hair").string(),
-        daemon_ + " --config " + (folder_ / "bad.toml").string(), daemon_ + " --scene bald",
-        daemon_ + " --groom " + (folder_ / "short.tfx").string(), daemon_ + " --set air_drag=fast",
-        daemon_ + " --set air_darg=1", daemon_ + " --motion moonwalk --duration 1"}) {
+        daemon_ + " --config " + (folder_ / "bad.toml").string(),
+        daemon_ + " --scene bald",
+        daemon_ + " --groom " + (folder_ / "short.tfx").string(),
+        daemon_ + " --set air_drag=fast",
+        daemon_ + " --set air_darg=1",
+        daemon_ + " --motion moonwalk --duration 1"}) {
     const Outcome r = run(command);
     EXPECT_EQ(r.exit_code, 2) << command << "\n" << r.err;
     EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << command << "\n" << r.err;
@@ -136,6 +154,55 @@ TEST_F(Programs, ValidateExitsWithOneWhenACaseFails) {
   EXPECT_NE(list.out.find("hung helix"), std::string::npos);
 }
 
+TEST_F(Programs, CompareTellsTheSolversApart) {
+  if (!STRANDCAST_GL) GTEST_SKIP() << "built without OpenGL";
+  const std::string command = program_ +
+                              " compare --scene straight --strands 60 --backend simd --set air_drag=5"
+                              " --out " +
+                              (folder_ / "film").string();
+  const Outcome r = run(command + " --no-pictures --json");
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const nlohmann::json report = nlohmann::json::parse(r.out);
+  EXPECT_EQ(report["strands"], 60);
+  const nlohmann::json rod = report["solvers"].at(0), other = report["solvers"].at(1);
+  EXPECT_EQ(rod["solver"], "rod");
+  EXPECT_EQ(other["solver"], "gauss_seidel");
+  EXPECT_LT(rod["max_stretch_percent"], 0.01);
+  EXPECT_GT(other["mean_stretch_percent"], 0.1);
+  EXPECT_LT(rod["style_rms_mm"].get<double>(), 0.2 * other["style_rms_mm"].get<double>());
+  EXPECT_GE(rod["style_max_mm"], rod["style_rms_mm"]);
+  EXPECT_GT(rod["rest_speed_mm_s"], 0);
+  EXPECT_EQ(rod["strands_reset"], 0);
+  EXPECT_GT(rod["step_ms_median"], 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "film"));
+
+  const Outcome table = run(command + " --no-pictures --solvers gauss_seidel --rest 0.5");
+  EXPECT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_NE(table.out.find("gauss_seidel"), std::string::npos) << table.out;
+  EXPECT_EQ(table.out.find("rod"), std::string::npos) << table.out;
+
+  const Outcome drawn = run(command +
+                            " --shake 0.3 --rest 0.3 --frames 2 --width 96 --height 64 --hairs 300"
+                            " --segments 8 --samples 1 --json");
+  if (drawn.err.find("OpenGL") != std::string::npos) GTEST_SKIP() << drawn.err;
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "film" / "frame_0001.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "film" / "frame_0002.png"));
+  const std::string png = contents(folder_ / "film" / "frame_0000.png");
+  EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\xc0\0\0\0\x40", 8)) << "192 x 64: one beside the other";
+}
+
+TEST_F(Programs, InterruptEndsACompareWithoutNumbers) {
+  if (!STRANDCAST_GL) GTEST_SKIP() << "built without OpenGL";
+  const pid_t child = start(
+      {program_, "compare", "--scene", "straight", "--strands", "60", "--no-pictures", "--rest", "3600"},
+      "compare.txt");
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  kill(child, SIGINT);
+  EXPECT_EQ(wait(child), 130);
+  EXPECT_EQ(contents(folder_ / "compare.txt"), "");
+}
+
 TEST_F(Programs, ConvertKeepsEveryBitOfThePositions) {
   StrandSet strands;
   for (int s = 0; s < 7; ++s) {
@@ -151,6 +218,45 @@ TEST_F(Programs, ConvertKeepsEveryBitOfThePositions) {
   ASSERT_EQ(back.strands.positions.size(), strands.positions.size());
   for (size_t i = 0; i < strands.positions.size(); ++i)
     EXPECT_EQ(back.strands.positions[i], strands.positions[i]);
+}
+
+TEST_F(Programs, BakeWritesAFieldSaysHowGoodItIsAndFindsItAgain) {
+  const std::filesystem::path cube = write("cube.obj", kCube), out = folder_ / "cube.sdf";
+  const std::string command = program_ + " bake " + cube.string() + " --unit-meters 1 --cell 0.002 --out " +
+                              out.string() + " --cache " + (folder_ / "cache").string() + " --json";
+  const Outcome first = run(command);
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_NE(first.err.find("bricks"), std::string::npos) << "what it takes is said first: " << first.err;
+  const nlohmann::json report = nlohmann::json::parse(first.out);
+  EXPECT_EQ(report["triangles"], 12);
+  EXPECT_EQ(report["open_edges"], 0);
+  EXPECT_EQ(report["from_cache"], 0);
+  EXPECT_EQ(report["points"], 10000);
+  EXPECT_EQ(report["wrong_side"], 0);
+  EXPECT_LT(report["error_worst_mm"], 1);
+  const StoredField stored = loadDistanceField(out);
+  EXPECT_EQ(report["bricks"], stored.field.storedBricks());
+  EXPECT_NEAR(stored.field.at({0.05f, 0.05f, 0.004f}).distance, -0.004f, 1e-5);
+  std::filesystem::remove(out);
+  const Outcome second = run(command);
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_EQ(nlohmann::json::parse(second.out)["from_cache"], 1);
+  EXPECT_EQ(loadDistanceField(out).field.samples, stored.field.samples);
+  if (!STRANDCAST_GL) return;
+  const Outcome sliced = run(command + " --slices " + (folder_ / "slices").string());
+  ASSERT_EQ(sliced.exit_code, 0) << sliced.err;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "slices" / "y_50.png"));
+}
+
+TEST_F(Programs, InterruptStopsABakeAndLeavesNoFile) {
+  const std::filesystem::path cube = write("cube.obj", kCube), out = folder_ / "cube.sdf";
+  const pid_t child = start({program_, "bake", cube.string(), "--unit-meters", "1", "--cell", "0.0002",
+                             "--threads", "1", "--no-cache", "--out", out.string()},
+                            "bake.txt");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  kill(child, SIGINT);
+  EXPECT_EQ(wait(child), 130);
+  EXPECT_FALSE(std::filesystem::exists(out));
 }
 
 TEST_F(Programs, InfoTellsCountsAsJson) {

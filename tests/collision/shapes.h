@@ -1,5 +1,6 @@
 #pragma once
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numbers>
 #include <random>
@@ -46,6 +47,55 @@ inline TriangleMesh potato(float radius, int levels) {
   }
   mesh.name = "potato";
   return mesh;
+}
+
+/// A sphere pulled apart along y: its axis goes from -half to half.
+inline TriangleMesh capsule(float radius, float half, int levels) {
+  TriangleMesh mesh = sphere(radius, levels);
+  for (Vec3& p : mesh.positions) p.y() += p.y() < 0 ? -half : half;
+  mesh.name = "capsule";
+  return mesh;
+}
+
+/// Twelve triangles about the origin, outward.
+inline TriangleMesh box(const Vec3& half) {
+  TriangleMesh mesh;
+  mesh.name = "box";
+  for (int c = 0; c < 8; ++c)
+    mesh.positions.emplace_back(c & 1 ? half.x() : -half.x(), c & 2 ? half.y() : -half.y(),
+                                c & 4 ? half.z() : -half.z());
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+/// A sphere of `rings` times `sectors` quads, halved; quick to make with millions of triangles.
+inline TriangleMesh globe(float radius, uint32_t rings, uint32_t sectors) {
+  TriangleMesh mesh;
+  mesh.name = "globe";
+  for (uint32_t r = 0; r <= rings; ++r)
+    for (uint32_t s = 0; s < sectors; ++s) {
+      const double down = std::numbers::pi * r / rings, round = 2 * std::numbers::pi * s / sectors;
+      mesh.positions.push_back(Eigen::Vector3d(radius * std::sin(down) * std::cos(round),
+                                               radius * std::cos(down),
+                                               radius * std::sin(down) * std::sin(round))
+                                   .cast<float>());
+    }
+  for (uint32_t r = 0; r < rings; ++r)
+    for (uint32_t s = 0; s < sectors; ++s) {
+      const uint32_t a = r * sectors + s, b = r * sectors + (s + 1) % sectors;
+      mesh.triangles.push_back({a, b, b + sectors});
+      mesh.triangles.push_back({a, b + sectors, a + sectors});
+    }
+  return mesh;
+}
+
+/// Both meshes as one, without joining them.
+inline TriangleMesh together(TriangleMesh a, const TriangleMesh& b) {
+  const auto first = static_cast<uint32_t>(a.positions.size());
+  a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
+  for (const auto& t : b.triangles) a.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return a;
 }
 
 inline Vec3 randomPoint(std::mt19937& random, float reach) {

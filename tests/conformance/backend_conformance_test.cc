@@ -51,6 +51,7 @@ constexpr double kDensestRod = 3000;
 // it or does not. With bodies, one strand of the rod in a hundred may differ by this instead.
 constexpr double kGrazingTolerance = 5e-3;
 constexpr double kSensitivityFactor = 10;
+constexpr uint32_t kNudges = 4;  // by which that is found, the largest counts
 
 class Conformance : public testing::TestWithParam<Contestant> {
  protected:
@@ -133,7 +134,7 @@ StrandState oracleStep(const StrandModel& model, const StrandState& from, const 
 std::vector<double> sensitivities(const StrandModel& model, const StrandState& from, const StrandState& truth,
                                   const StepInput& input, double substep) {
   std::vector<double> out(model.strands());
-  for (uint32_t seed = 13; seed < 17; ++seed) {
+  for (uint32_t seed = 1; seed <= kNudges; ++seed) {
     const auto moved = errors(model, truth, oracleStep(model, nudged(from, seed), input), substep);
     for (size_t s = 0; s < out.size(); ++s) out[s] = std::max(out[s], moved[s]);
   }
@@ -157,6 +158,7 @@ constexpr Case kCases[] = {{"gravity only", false, false, false},
 TEST_P(Conformance, OneStepAgreesWithTheOracle) {
   const bool rod = parameters_.solver == SolverKind::kRod;
   const double tolerance = rod ? kRodOneStepTolerance : kOneStepTolerance;
+  size_t grazing = 0, among_bodies = 0;
   for (const size_t strands : {1, 7, 33, 257}) {
     const StrandModel plain = awkwardModel(strands, 11),
                       groomed = awkwardModel(strands, 11, groomedMaterials());
@@ -184,7 +186,8 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
       const std::vector<double> sensitivity = sensitivities(model, from, truth, input, substep);
       const std::vector<double> error = errors(model, mine, truth, substep);
       EXPECT_GT(*std::min_element(moved_by.begin(), moved_by.end()), 1e-3) << "the step must do something";
-      size_t dense = 0, grazing = 0;
+      size_t dense = 0;
+      if (c.bodies) among_bodies += strands;
       double worst = 0;
       for (size_t s = 0; s < strands; ++s) {
         if (rod && tooDense(model, s, substep)) {
@@ -199,7 +202,6 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
         worst = std::max(worst, error[s]);
         EXPECT_LT(error[s], limit) << "strand " << s << " of " << strands << ", " << c.name;
       }
-      EXPECT_LE(grazing, strands / 100);
       EXPECT_LT(dense, strands / 2 + 1) << "most strands must be compared";
       std::printf("             %3zu strands (%zu too dense), %s: %.1e of a strand's length\n", strands,
                   dense, c.name, worst);
@@ -207,6 +209,7 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
       EXPECT_TRUE(std::equal(guides.begin(), guides.end(), mine.positions.begin(), mine.positions.end()));
     }
   }
+  EXPECT_LE(grazing, among_bodies / 100);
 }
 
 TEST_P(Conformance, UploadAndDownloadKeepEveryBit) {

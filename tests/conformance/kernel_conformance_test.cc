@@ -35,10 +35,10 @@ namespace {
 constexpr size_t kItems = 1003;
 constexpr size_t kPadded = 1008;  // 16 lanes
 constexpr const char* kNames[kKernels] = {
-    "solveDistance",   "solveAngular",    "rotationBetween", "rotate",         "interpolateRotation",
-    "sphereDistance",  "capsuleDistance", "planeDistance",   "resolveContact", "predictPosition",
-    "normalizeOrZero", "surfaceMotion",   "multiply",        "goalPull",       "drawnToGoal",
-    "tethered"};
+    "solveDistance",   "solveAngular",        "rotationBetween", "rotate",         "interpolateRotation",
+    "sphereDistance",  "capsuleDistance",     "planeDistance",   "resolveContact", "predictPosition",
+    "normalizeOrZero", "surfaceMotion",       "multiply",        "fieldPlace",     "trilinear",
+    "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",    "tethered"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -110,6 +110,26 @@ class InputMaker {
         vector(v, 0.3f), vector(v + 3, 0.3f), vector(v + 6, 0.01f), vector(v + 9, 10),
             v[12] = number(0.0001f, 0.03f);
         break;
+      case kFieldPlace:  // well within a cell: on its border another rounding may choose its neighbour
+        vector(v + 3, 0.3f);
+        v[6] = number(0.001f, 0.01f);
+        for (int c = 0; c < 3; ++c) {
+          v[7 + c] = std::floor(number(1, 4));
+          v[c] = v[3 + c] + v[6] * (std::floor(number(0, 8 * v[7 + c])) + number(0.1f, 0.9f));
+        }
+        break;
+      case kTrilinear:
+        for (int c = 0; c < 8; ++c) v[c] = number(-30000, 30000);
+        for (int c = 8; c < 11; ++c) v[c] = number(0, 1);
+        break;
+      case kFarDistance:
+        v[0] = number(-0.3f, 0.3f), v[4] = number(0.01f, 0.1f);
+        for (int c = 1; c < 4; ++c) v[c] = number(0, 1);
+        v[5] = v[0] < 0 ? -1.0f : 1.0f, v[6] = number(0, 0.02f);
+        break;
+      case kDistanceOutsideGrid:
+        vector(v, 0.3f), v[3] = number(0, 0.02f);
+        break;
       case kGoalPull:
         vector(v, 0.01f), vector(v + 3, 0.3f), vector(v + 6, 0.3f);
         v[9] = number(0.5f, 2), v[10] = number(0, 300), v[11] = number(0.0001f, 0.01f);
@@ -178,6 +198,20 @@ Item nasty(int kernel, Item item, size_t way) {
       break;
     case kNormalizeOrZero:
       std::fill(v, v + 3, way % 2 == 0 ? 0.0f : 1e-30f);
+      break;
+    case kFieldPlace:  // beyond the grid on one side or another
+      v[way % 3] += way % 2 == 0 ? 1.0f : -1.0f;
+      break;
+    case kTrilinear:
+      if (way % 2 == 0) std::fill(v, v + 8, v[0]);
+      for (int c = 8; way % 2 == 1 && c < 11; ++c) v[c] = std::round(v[c]);
+      break;
+    case kFarDistance:
+      for (int c = 1; c < 4; ++c) v[c] = std::round(v[c]);
+      v[5] = way % 2 == 0 ? v[5] : -v[5];
+      break;
+    case kDistanceOutsideGrid:
+      std::fill(v, v + 2, 0.0f);
       break;
     default:
       break;

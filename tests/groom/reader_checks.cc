@@ -1,5 +1,7 @@
 #include "tests/groom/reader_checks.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -9,6 +11,7 @@
 #include "core/strand_model.h"
 #include "groom/axes_and_units.h"
 #include "groom/clean.h"
+#include "groom/distance_field_file.h"
 #include "groom/file_bytes.h"
 #include "groom/groom_encode.h"
 #include "groom/mesh_file.h"
@@ -91,6 +94,23 @@ void checkMesh(const TriangleMesh& mesh) {
       require(corner < mesh.positions.size(), "an index is out of range");
 }
 
+/// A field that is accepted can be sampled anywhere, and is written as it was read.
+void checkField(const StoredField& stored, std::span<const std::byte> bytes) {
+  const DistanceField& field = stored.field;
+  require(field.bytes() <= bytes.size(), "more memory than the file has bytes");
+  const auto at = [&](uint32_t n, int axis) {
+    const auto along = static_cast<float>(n) / 12;
+    return field.grid.origin[axis] + (1.5f * along - 0.25f) * field.grid.cell *
+                                         static_cast<float>(kBrickCells * field.grid.bricks[axis]);
+  };
+  for (uint32_t n = 0; n < 13 * 13 * 13; ++n) {
+    const FieldSample sample = field.at({at(n % 13, 0), at(n / 13 % 13, 1), at(n / 169, 2)});
+    require(std::isfinite(sample.distance) && sample.gradient.allFinite(), "a sample is not finite");
+  }
+  const std::vector<std::byte> again = encodeDistanceField(field, stored.key);
+  require(std::equal(again.begin(), again.end(), bytes.begin(), bytes.end()), "another file was written");
+}
+
 }  // namespace
 
 bool checkTfxReader(std::span<const std::byte> bytes) {
@@ -111,6 +131,10 @@ bool checkObjMeshReader(std::span<const std::byte> bytes) {
 
 bool checkGltfReader(std::span<const std::byte> bytes) {
   return accepts([&] { checkMesh(readGltfMesh(bytes, kName)); });
+}
+
+bool checkSdfReader(std::span<const std::byte> bytes) {
+  return accepts([&] { checkField(readDistanceField(bytes, kName), bytes); });
 }
 
 void writeFuzzSeeds(int argc, char** argv, const std::vector<std::vector<std::byte>>& seeds) {

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "groom/byte_writer.h"
+#include "groom/distance_field_file.h"
 
 namespace strandcast::samples {
 namespace {
@@ -143,5 +144,30 @@ Bytes gltf() {
                   R"("buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" +
                   base64(quadBuffer()) + R"("}]})");
 }
+
+DistanceField field() {
+  DistanceField field;
+  field.grid = {{0, 0, 0}, 0.001f, {3, 1, 2}, 0.003f, 1e-6f, {}};
+  const auto distance = [](const Vec3& p) { return (p - Vec3(0.012f, 0.004f, 0.004f)).norm() - 0.005f; };
+  for (uint32_t brick = 0; brick < 6; ++brick) {
+    const bool stored = brick == 1 || brick == 4;
+    field.index.push_back(stored ? brick / 4 : brick == 0 ? kInsideBrick : kOutsideBrick);
+    if (!stored) continue;
+    const size_t first = field.samples.size();
+    field.samples.resize(first + kBrickWords);
+    for (uint32_t n = 0; n < kBrickSamples; ++n) {
+      const uint32_t i = n % kBrickSide, j = n / kBrickSide % kBrickSide, k = n / kBrickSide / kBrickSide;
+      const Vec3 p = samplePosition(field.grid, brick % 3 * kBrickCells + i, j, brick / 3 * kBrickCells + k);
+      const auto units = static_cast<int16_t>(distance(p) / field.grid.quantum);
+      field.samples[first + n / 2] |= uint32_t{static_cast<uint16_t>(units)} << (16 * (n % 2));
+    }
+  }
+  for (uint32_t c = 0; c < 4 * 2 * 3; ++c)
+    field.corners.push_back(distance(
+        samplePosition(field.grid, c % 4 * kBrickCells, c / 4 % 2 * kBrickCells, c / 8 * kBrickCells)));
+  return field;
+}
+
+Bytes sdf() { return encodeDistanceField(field(), kFieldKey); }
 
 }  // namespace strandcast::samples

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/distance_field.h"
 #include "core/strand_set.h"
 
 namespace strandcast::samples {
@@ -20,6 +21,11 @@ Bytes objStrands();           ///< 3 strands of 4, 3 and 3 vertices, negative in
 Bytes objMesh();              ///< a cube of quads with a skipped group beside it
 Bytes glb();                  ///< two nodes that share a quad of two triangles
 Bytes gltf();                 ///< the same as text, its buffer in a data URI
+Bytes sdf();                  ///< 3 x 1 x 2 bricks, two of them stored, about a ball of 5 mm
+
+/// The field that sdf() holds, and its key.
+DistanceField field();
+constexpr uint64_t kFieldKey = 0x0123456789ABCDEF;
 
 /// Strand s of the binary samples: `count` vertices, root at (0.05 s, 0.1, 0), growing up and outward.
 Vec3 vertex(size_t s, size_t i);

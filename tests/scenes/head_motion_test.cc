@@ -97,6 +97,21 @@ TEST(HeadMotion, AClipIsScaledByItsUnit) {
   EXPECT_NEAR(large.apply(kPivot).x(), 10 * side, 1e-4);
 }
 
+TEST(HeadMotion, AnEndingReturnsSmoothlyAndStays) {
+  const HeadMotion whole = headMotion("nod+shake", kPivot), ended = endingAt(whole, 3, kPivot);
+  for (const double t : {0.0, 0.8, 2.4}) EXPECT_NEAR(degreesBetween(ended(t), whole(t)), 0, 1e-3) << t;
+  for (const double t : {3.0, 3.5, 100.0}) {
+    EXPECT_EQ(ended(t).position, Vec3(0, 0, 0)) << t;
+    EXPECT_NEAR(degrees(ended(t)), 0, 1e-6) << t;
+  }
+  constexpr double kStep = 1e-3;  // s; 35 degrees at 1 Hz are at most 220 degrees/s
+  for (double t = 0; t < 3.2; t += kStep) {
+    EXPECT_LT(degreesBetween(ended(t), ended(t + kStep)), 0.35) << t;
+    EXPECT_LT((ended(t).apply(kPivot) - kPivot).norm(), 1e-6f) << t;
+  }
+  EXPECT_LT(degreesBetween(ended(3 - 10 * kStep), ended(3)), 0.05) << "it slows down to its end";
+}
+
 TEST(HeadMotion, UnknownNamesListTheChoices) {
   for (const char* name : {"", "wink", "nod+", "nod+wink", "+"}) {
     try {

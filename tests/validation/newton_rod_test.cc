@@ -21,7 +21,7 @@ StrandModel straight(double length, int edges, const Vec3& direction) {
 StrandModel curl(double length, int edges) { return modelOf({hungCurl(length, edges, 0.01)}); }
 
 // From rest without a jump of the acceleration.
-Pose shaken(double time) { return shakenRoot(time, 0.25); }
+Pose shaken(double time) { return shakenRoot(time, {.ramp = 0.25}); }
 
 using Path = std::vector<Eigen::Vector3d>;  // of the tip, 60 times a second
 constexpr double kSeconds = 0.5, kDrag = 2;

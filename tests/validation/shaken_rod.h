@@ -1,14 +1,14 @@
 #pragma once
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "core/parameters.h"
+#include "validation/shaken_root.h"
 
 namespace strandcast {
 
-/// What the tests of motion share: a rod solver's parameters, a curl, and how its root is shaken.
+/// What the tests of motion share: a rod solver's parameters and a curl.
 
 inline Parameters rodParameters(double rate, double drag) {
   Parameters parameters;
@@ -29,15 +29,6 @@ inline std::vector<Vec3> hungCurl(double length, int edges, double radius) {
     points.push_back((radius > 0 ? curled : Eigen::Vector3d(0, -s, 0)).cast<float>());
   }
   return points;
-}
-
-/// +-0.1 m along X and +-45 degrees about Z at 1 Hz; grows smoothly over `ramp` s.
-inline Pose shakenRoot(double time, double ramp) {
-  const double u = ramp > 0 ? std::clamp(time / ramp, 0.0, 1.0) : 1;
-  const double swing = u * u * u * (10 - 15 * u + 6 * u * u) * std::sin(2 * std::numbers::pi * time);
-  return {
-      Vec3(static_cast<float>(0.1 * swing), 0, 0),
-      Quat(Eigen::AngleAxisf(static_cast<float>(std::numbers::pi / 4 * swing), Eigen::Vector3f::UnitZ()))};
 }
 
 }  // namespace strandcast

@@ -6,6 +6,7 @@ layout(local_size_x = 64) in;
 #include "kernels/rotation.h"
 #include "kernels/strand.h"
 #include "kernels/contact.h"
+#include "kernels/distance_field.h"
 #include "kernels/grooming.h"
 #include "tests/conformance/shaders/kernel_cases.h"
 

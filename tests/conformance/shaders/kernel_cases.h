@@ -69,11 +69,28 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
   } else if (kernel == 12) {
     out4(o, multiply(in4(i, 0), in4(i, 4)));
   } else if (kernel == 13) {
+    FieldPlace place = fieldPlace(in3(i, 0), in3(i, 3), i.v[6], in3(i, 7));
+    o.v[0] = place.brick;
+    o.v[1] = place.corner;
+    o.v[2] = place.first_sample;
+    out3(o, 3, place.in_cell);
+    out3(o, 6, place.outside);
+  } else if (kernel == 14) {
+    real3 gradient;
+    o.v[0] = trilinear(i.v[0], i.v[1], i.v[2], i.v[3], i.v[4], i.v[5], i.v[6], i.v[7], in3(i, 8), gradient);
+    out3(o, 1, gradient);
+  } else if (kernel == 15) {
+    o.v[0] = farDistance(i.v[0], in3(i, 1), i.v[4], i.v[5], i.v[6]);
+  } else if (kernel == 16) {
+    real3 normal;
+    o.v[0] = distanceOutsideGrid(in3(i, 0), i.v[3], normal);
+    out3(o, 1, normal);
+  } else if (kernel == 17) {
     real stiffness = goalStiffness(i.v[9], i.v[10], i.v[11]);
     out3(o, 0, goalPull(in3(i, 0), i.v[9] + stiffness, stiffness, in3(i, 3), in3(i, 6)));
-  } else if (kernel == 14) {
+  } else if (kernel == 18) {
     out3(o, 0, drawnToGoal(in3(i, 0), in3(i, 3), i.v[6], i.v[7]));
-  } else if (kernel == 15) {
+  } else if (kernel == 19) {
     out3(o, 0, tethered(in3(i, 0), in3(i, 3), i.v[6]));
   }
   return o;

@@ -1,0 +1,12 @@
+#pragma once
+#include <filesystem>
+
+namespace strandcast {
+
+/// Numbered pictures in one folder: frame_0000.png and on. All throw Error.
+void makeFolder(const std::filesystem::path& folder);
+std::filesystem::path picturePath(const std::filesystem::path& folder, int number);
+/// Joins the pictures of `folder` into a film of `fps` pictures a second; needs ffmpeg, installed apart.
+void makeMovie(const std::filesystem::path& folder, double fps, const std::filesystem::path& movie);
+
+}  // namespace strandcast

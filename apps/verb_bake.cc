@@ -1,0 +1,172 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "apps/console.h"
+#include "apps/interrupt.h"
+#include "apps/settings.h"
+#include "apps/verbs.h"
+#include "collision/field_bake.h"
+#include "core/error.h"
+#include "groom/distance_field_file.h"
+#include "groom/mesh_file.h"
+#include "scenes/field_cache.h"
+#ifdef STRANDCAST_HAS_RENDER
+#include "apps/field_slices.h"
+#endif
+
+namespace strandcast {
+namespace {
+
+constexpr size_t kMeasuredPoints = 10000;
+
+struct Options {
+  std::string file, out, up = "auto", cache, slices;
+  float unit_meters = 0;
+  FieldOptions field;
+  BakeLimits limits;
+  size_t memory_mib = 2048;
+  bool no_cache = false, json = false;
+};
+
+double mebibytes(size_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+
+void announce(const FieldBaker& baker, const std::string& file) {
+  const BakeEstimate& e = baker.estimate();
+  fmt::print(stderr,
+             "{}: {} triangles, cells of {:.3g} mm: about {} bricks, {:.1f} MiB, and {:.1f} MiB while "
+             "baking; about {:.1f} s; Ctrl-C stops it\n",
+             file, baker.mesh().triangles, 1e3 * baker.options().cell, e.bricks, mebibytes(e.field_bytes),
+             mebibytes(e.working_bytes), e.seconds);
+}
+
+struct Baked {
+  DistanceField field;
+  bool from_cache = false;
+  double seconds = 0;
+};
+
+Baked bakeOrFind(FieldBaker& baker, uint64_t key, const Options& o, ProgressBar& bar,
+                 const BakeProgress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto since = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  std::optional<FieldCache> cache;
+  if (!o.no_cache) cache.emplace(o.cache.empty() ? defaultFieldCache() : std::filesystem::path(o.cache));
+  if (cache)
+    if (std::optional<DistanceField> found = cache->find(key)) return {std::move(*found), true, since()};
+  bar.clear();
+  announce(baker, o.file);
+  Baked baked{baker.bake(progress), false, since()};
+  try {
+    if (cache) cache->keep(key, baked.field);
+  } catch (const Error& error) {
+    fmt::print(stderr, "warning: {}\n", error.what());
+  }
+  return baked;
+}
+
+Report report(const Options& o, const Box& box, const FieldBaker& baker, const Baked& baked,
+              const FieldAccuracy& a) {
+  const DistanceField& field = baked.field;
+  const FieldGrid& grid = field.grid;
+  const double share = 100.0 / static_cast<double>(std::max<size_t>(a.points, 1));
+  Report out;
+  out.add("file", "field", o.out);
+  const Eigen::Vector3f size = box.sizes();
+  out.add("size", "size of the body",
+          fmt::format("{:.3f} x {:.3f} x {:.3f} m", size.x(), size.y(), size.z()));
+  out.addCount("triangles", "triangles", baker.mesh().triangles);
+  out.addCount("triangles_without_area", "  without area", baker.mesh().without_area);
+  out.addCount("hidden_triangles", "  with inside on both sides", baker.hiddenTriangles());
+  out.addCount("open_edges", "open edges", baker.mesh().open_edges.size());
+  out.add("unclear_percent", "side in doubt (winding number near a half)", share * a.unclear, "% of the band",
+          2);
+  out.add("cell_mm", "cell", 1e3 * grid.cell, "mm", 3);
+  out.add("band_mm", "band", 1e3 * grid.band, "mm", 3);
+  out.addCount("bricks", "bricks stored", field.storedBricks());
+  out.addCount("grid_bricks", "bricks of the grid", field.bricks());
+  out.add("mebibytes", "memory", mebibytes(field.bytes()), "MiB", 2);
+  out.add("seconds", baked.from_cache ? "time (found in the cache)" : "time", baked.seconds, "s", 2);
+  out.addCount("from_cache", "from the cache", baked.from_cache ? 1 : 0);
+  out.addCount("points", "points compared with exact distances", a.points);
+  out.add("error_worst_mm", "  distance, worst error", 1e3 * a.worst, "mm", 4);
+  out.add("error_rms_mm", "  distance, rms error", 1e3 * a.rms, "mm", 4);
+  out.add("angle_median_degrees", "  gradient, median angle", a.median_angle, "degrees", 3);
+  out.add("angle_p99_degrees", "  gradient, 99 % below", a.p99_angle, "degrees", 2);
+  out.add("angle_worst_degrees", "  gradient, worst angle", a.worst_angle, "degrees", 1);
+  out.addCount("wrong_side", "  on the wrong side", a.wrong_side);
+  return out;
+}
+
+int bake(Options o) {
+  GroomReadOptions read;
+  read.unit_meters = o.unit_meters;
+  read.up = upAxisOf(o.up);
+  o.limits.memory_bytes = o.memory_mib << 20;
+  if (o.out.empty()) o.out = std::filesystem::path(o.file).stem().string() + ".sdf";
+  const TriangleMesh mesh = loadMesh(o.file, read);
+  try {
+    ProgressBar bar;
+    const BakeProgress progress = [&](const std::string& what, double part) {
+      bar.show(what, part);
+      return !g_interrupted.load();
+    };
+    FieldBaker baker(mesh, o.field, o.limits, progress);
+    const uint64_t key = fieldKey(mesh, baker.options());
+    const Baked baked = bakeOrFind(baker, key, o, bar, progress);
+    const FieldAccuracy accuracy = baker.measure(baked.field, kMeasuredPoints, progress);
+    bar.clear();
+    writeDistanceField(o.out, baked.field, key);
+#ifdef STRANDCAST_HAS_RENDER
+    if (!o.slices.empty()) writeFieldSlices(baked.field, o.slices);
+#endif
+    report(o, mesh.bounds(), baker, baked, accuracy).print(o.json);
+  } catch (const BakeStopped&) {
+    fmt::print(stderr, "stopped; nothing was written\n");
+    return kExitInterrupted;
+  }
+  return 0;
+}
+
+}  // namespace
+
+Verb addBake(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.footer(
+      "The mesh may be open, intersect itself or have parts inside one another. Says before it starts what\n"
+      "it will take, and afterwards how far the field is from the exact distance.\n"
+      "Cell: sqrt(diagonal of the body x hair radius / 8): over a sphere of an eighth of the diagonal the\n"
+      "field errs by a quarter of the hair's radius. Band: four cells and the hair's radius.\n"
+      "Example: strandcast bake head.obj --unit-meters 0.01 --cell 0.002 --slices slices");
+  app.add_option("FILE", o->file, "body mesh: .obj, .gltf or .glb")->required();
+  app.add_option("--out", o->out, "field to write; FILE's name with .sdf in this folder if not given");
+  app.add_option("--cell", o->field.cell, "edge of a cell, m")->check(CLI::Range(1e-6, 1e3));
+  app.add_option("--band", o->field.band, "how far from the surface the field is stored finely, m")
+      ->check(CLI::Range(2e-6, 1e6));
+  app.add_option("--hair-radius", o->field.hair_radius, "m, what cell and band follow from")
+      ->check(CLI::Range(1e-6, 5e-3))
+      ->capture_default_str();
+  app.add_option("--unit-meters", o->unit_meters, "metres per unit of FILE; guessed for .obj if not given")
+      ->check(CLI::Range(1e-6, 1000.0));
+  app.add_option("--up", o->up, "up axis of FILE")->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  app.add_option("--threads", o->limits.threads, "0 = all; the field does not depend on it")
+      ->check(CLI::Range(0, 1024));
+  app.add_option("--memory", o->memory_mib, "MiB that the bake may use; refused above")
+      ->check(CLI::Range(size_t{1}, size_t{1} << 24))
+      ->capture_default_str();
+  auto* cache = app.add_option("--cache", o->cache,
+                               "folder of fields by content; XDG_CACHE_HOME/strandcast if not given");
+  app.add_flag("--no-cache", o->no_cache, "neither look there nor keep it")->excludes(cache);
+#ifdef STRANDCAST_HAS_RENDER
+  app.add_option("--slices", o->slices, "folder for pictures of slices through the field");
+#endif
+  app.add_flag("--json", o->json, "print one JSON object");
+  return [o] { return bake(*o); };
+}
+
+}  // namespace strandcast

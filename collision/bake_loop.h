@@ -1,0 +1,81 @@
+#pragma once
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <future>
+
+#include "collision/field_bake.h"
+
+namespace strandcast {
+
+/// Parallel loops beside which the calling thread tells progress and hears whether to go on.
+class BakeLoop {
+ public:
+  explicit BakeLoop(int threads) : arena_(threads > 0 ? threads : oneapi::tbb::task_arena::automatic) {}
+
+  /// For bodies that take long: when true, return at once. What they leave behind is not used.
+  const std::atomic<bool>& stopping() const { return stopping_; }
+
+  /// body(i) for i in [0, count), in any order. Progress goes from `from` to `to`.
+  template <class Body>
+  void run(size_t count, const BakeProgress& progress, const char* what, double from, double to, Body body) {
+    bool stopped = false;
+    over(count, body, [&](size_t done) {
+      const double part = count > 0 ? static_cast<double>(done) / static_cast<double>(count) : 1;
+      stopped = stopped || (progress && !progress(what, from + part * (to - from)));
+      return !stopped;
+    });
+    if (stopped) throw BakeStopped();
+  }
+
+  /// Seconds that all `count` would take, from as many of them as can be done in a quarter of a second; when
+  /// not one can, so much for each.
+  template <class Body>
+  double secondsFor(size_t count, const BakeProgress& progress, Body body) {
+    constexpr size_t kMost = 128, kStride = 53;  // strewn, so that those done first stand for all
+    constexpr double kLongest = 0.25;
+    const size_t tries = std::min(count, kMost);
+    const auto start = Clock::now();
+    bool stopped = false;
+    const size_t done = over(
+        tries, [&](size_t i) { body(i * kStride % tries * count / tries); },
+        [&](size_t) {
+          stopped = stopped || (progress && !progress("estimating", 0));
+          return !stopped && std::chrono::duration<double>(Clock::now() - start).count() < kLongest;
+        });
+    if (stopped) throw BakeStopped();
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    return seconds * static_cast<double>(count) / static_cast<double>(std::max<size_t>(done, 1));
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// Asks goOn(bodies done) now and then until all are done or it says no; returns how many are done.
+  template <class Body, class GoOn>
+  size_t over(size_t count, const Body& body, GoOn goOn) {
+    stopping_ = !goOn(0);
+    std::atomic<size_t> done{0};
+    std::future<void> work = std::async(std::launch::async, [&] {
+      arena_.execute([&] {
+        oneapi::tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+          if (stopping_) return;
+          body(i);
+          if (!stopping_) ++done;
+        });
+      });
+    });
+    while (work.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
+      if (!goOn(done)) stopping_ = true;
+    work.get();
+    return done;
+  }
+
+  oneapi::tbb::task_arena arena_;
+  std::atomic<bool> stopping_{false};
+};
+
+}  // namespace strandcast

@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "collision/field_bake.h"
+#include "collision/field_grid.h"
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+std::string nameOf(const TriangleMesh& mesh) { return mesh.name.empty() ? "mesh" : "mesh " + mesh.name; }
+
+void requireRange(float value, float low, float high, const char* what, const TriangleMesh& mesh) {
+  if (value >= low && value <= high) return;
+  throw Error(fmt::format("{} is out of range", what), fmt::format("{} m, for {}", value, nameOf(mesh)),
+              fmt::format("give {:g} to {:g} m", low, high));
+}
+
+/// FNV-1a (Fowler, Noll, Vo), 64 bits.
+class Hash {
+ public:
+  void add(const void* data, size_t bytes) {
+    const auto* p = static_cast<const unsigned char*>(data);
+    for (size_t i = 0; i < bytes; ++i) value_ = (value_ ^ p[i]) * 0x100000001B3u;
+  }
+  template <class T>
+  void add(const T& value) {
+    add(&value, sizeof(T));
+  }
+  uint64_t value() const { return value_; }
+
+ private:
+  uint64_t value_ = 0xCBF29CE484222325u;
+};
+
+/// Raised with every change of baking that gives other fields.
+constexpr uint32_t kBakingVersion = 1;
+
+}  // namespace
+
+float defaultFieldCell(float hair_radius, float diagonal) {
+  return std::max(hair_radius, std::sqrt(diagonal * hair_radius / 8));
+}
+
+float defaultFieldBand(float hair_radius, float cell) { return 4 * cell + hair_radius; }
+
+Box usedBounds(const TriangleMesh& mesh) {
+  Box box;
+  for (const auto& triangle : mesh.triangles)
+    for (const uint32_t corner : triangle) box.extend(Eigen::Vector3f(mesh.positions[corner]));
+  return box;
+}
+
+FieldGrid makeFieldGrid(const TriangleMesh& mesh, const FieldOptions& resolved) {
+  FieldGrid grid{};
+  grid.cell = resolved.cell;
+  grid.band = resolved.band;
+  // The farthest samples of a brick whose nearest is within the band and a cell.
+  grid.quantum =
+      (resolved.band + resolved.cell + std::numbers::sqrt3_v<float> * resolved.cell * kBrickCells) /
+      std::numeric_limits<int16_t>::max();
+  const Box box = usedBounds(mesh);
+  const double edge = double{resolved.cell} * kBrickCells;
+  double corners = 1;
+  for (int a = 0; a < 3; ++a) {
+    const double low = box.min()[a], high = box.max()[a];
+    // A hundredth of a cell more than the band, so that rounding leaves the band.
+    const double bricks = std::ceil((high - low + 2 * (resolved.band + 0.01 * resolved.cell)) / edge);
+    corners *= bricks + 1;
+    if (corners > kMaxGridBricks) break;
+    grid.bricks[a] = static_cast<uint32_t>(bricks);
+    grid.origin[a] = static_cast<float>(0.5 * (low + high - bricks * edge));
+  }
+  if (corners > kMaxGridBricks)
+    throw Error(fmt::format("the field would have more than {} bricks", kMaxGridBricks),
+                fmt::format("{}, {:.3g} x {:.3g} x {:.3g} m in cells of {:g} m", nameOf(mesh),
+                            box.sizes().x(), box.sizes().y(), box.sizes().z(), resolved.cell),
+                "give a larger cell (--cell), or check the unit of the mesh");
+  return grid;
+}
+
+FieldOptions resolveFieldOptions(const TriangleMesh& mesh, const FieldOptions& options) {
+  requireSoundMesh(mesh);
+  FieldOptions out = options;
+  requireRange(out.hair_radius, 1e-6f, 5e-3f, "the hair's radius", mesh);
+  const Box box = usedBounds(mesh);
+  const float farthest = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+  if (farthest > 1e6f)
+    throw Error("a vertex lies more than 1000 km away", nameOf(mesh), "check the unit of the mesh");
+  if (out.cell == 0) out.cell = defaultFieldCell(out.hair_radius, box.diagonal().norm());
+  requireRange(out.cell, 1e-6f, 1e3f, "the cell", mesh);
+  if (out.cell < 100 * std::numeric_limits<float>::epsilon() * farthest)
+    throw Error("the cell is too fine for a body so far from the origin",
+                fmt::format("{}, cells of {:g} m at {:g} m", nameOf(mesh), out.cell, farthest),
+                "give a larger cell (--cell) or move the body to the origin");
+  if (out.band == 0) out.band = defaultFieldBand(out.hair_radius, out.cell);
+  requireRange(out.band, 2 * out.cell, 1000 * out.cell, "the band", mesh);
+  makeFieldGrid(mesh, out);
+  return out;
+}
+
+uint64_t fieldKey(const TriangleMesh& mesh, const FieldOptions& resolved) {
+  Hash hash;
+  hash.add(kBakingVersion);
+  hash.add(resolved.cell);
+  hash.add(resolved.band);
+  hash.add(mesh.positions.size());
+  for (const Vec3& position : mesh.positions) hash.add(position.data(), 3 * sizeof(float));
+  hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
+  return hash.value();
+}
+
+}  // namespace strandcast

@@ -1,0 +1,62 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry.h"
+
+namespace strandcast {
+
+/// Edge of a brick in cells, its samples per axis (neighbours share a face of samples, so that one brick is
+/// enough for any cell of it), and how many 32-bit words hold them, two a word, the even one in the low half.
+constexpr uint32_t kBrickCells = 8;
+constexpr uint32_t kBrickSide = kBrickCells + 1;
+constexpr uint32_t kBrickSamples = kBrickSide * kBrickSide * kBrickSide;
+constexpr uint32_t kBrickWords = (kBrickSamples + 1) / 2;
+
+/// In the index: no part of the brick is in the band.
+constexpr uint32_t kOutsideBrick = 0xFFFFFFFF;
+constexpr uint32_t kInsideBrick = 0xFFFFFFFE;
+
+/// Numbers of bricks and corners are exact in a float: more than this many in a grid are refused.
+constexpr uint32_t kMaxGridBricks = 1u << 24;
+
+/// One layout for the CPU arrays and for GLSL std430.
+struct alignas(16) FieldGrid {
+  float origin[3];     ///< m, the low corner of brick 0
+  float cell;          ///< m
+  uint32_t bricks[3];  ///< per axis; (bricks + 1) multiplied is at most kMaxGridBricks
+  float band;          ///< m: bricks that come nearer to the surface than this are stored
+  float quantum;       ///< m, one unit of a stored sample
+  float unused[3];
+};
+static_assert(sizeof(FieldGrid) == 48);
+
+struct FieldSample {
+  float distance = 0;            ///< m, negative inside
+  Vec3 gradient = Vec3::Zero();  ///< of the distance; about unit length, points out of the body
+};
+
+/// Signed distance to the surface of a body, in the body's frame: sparse bricks of samples near the surface,
+/// and everywhere the distance at the corners of bricks. Flat arrays, the same for every backend.
+/// kernels/distance_field.h has the formulas.
+struct DistanceField {
+  FieldGrid grid{};
+  std::vector<uint32_t>
+      index;  ///< per brick of the grid, x fastest: kOutsideBrick, kInsideBrick or its number
+  std::vector<uint32_t> samples;  ///< per stored brick kBrickWords words of 16-bit signed numbers, x fastest
+  std::vector<float> corners;     ///< m, (bricks + 1) per axis, x fastest
+
+  size_t bricks() const { return index.size(); }
+  size_t storedBricks() const { return samples.size() / kBrickWords; }
+  size_t bytes() const;
+
+  /// Any point, in metres. In stored bricks the trilinear interpolant and its exact gradient; elsewhere a
+  /// distance that is never farther from 0 than the true one, and the direction of the corners' interpolant.
+  FieldSample at(const Vec3& point) const;
+};
+
+/// The position of sample `i` `j` `k` of the whole grid (brick * kBrickCells + sample in the brick).
+Vec3 samplePosition(const FieldGrid& grid, uint32_t i, uint32_t j, uint32_t k);
+
+}  // namespace strandcast

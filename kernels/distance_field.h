@@ -1,0 +1,71 @@
+// Kernel text: see kernels/README.md. A signed distance field in bricks of 8 x 8 x 8 cells; core/distance_field.h has the
+// layout in memory, which the backends read. Numbers of bricks, corners and samples are whole reals below 2^24, exact in
+// float.
+
+// Where a point lies in the field's grid.
+struct FieldPlace {
+  real brick;         // number of the brick in the index
+  real corner;        // number of the brick's low corner among the corners
+  real first_sample;  // number of the cell's low sample in the brick
+  real3 in_brick;     // place within the brick, 0 to 1
+  real3 in_cell;      // place within the cell, 0 to 1
+  real3 outside;      // from the nearest point of the grid, to which all of the above belong; metres
+};
+
+FN real3 floorBelow(IN(real3) a, IN(real3) end) {
+  return makeReal3(min(floor(a.x), end.x - lit(1)), min(floor(a.y), end.y - lit(1)), min(floor(a.z), end.z - lit(1)));
+}
+
+// `origin` is the grid's low corner, `cell` in metres, `bricks` their number per axis.
+FN FieldPlace fieldPlace(IN(real3) p, IN(real3) origin, IN(real) cell, IN(real3) bricks) {
+  real3 size = bricks * lit(8);
+  real3 wanted = (p - origin) * (lit(1) / cell);
+  real3 at = makeReal3(clamp(wanted.x, lit(0), size.x), clamp(wanted.y, lit(0), size.y), clamp(wanted.z, lit(0), size.z));
+  real3 b = floorBelow(at * lit(0.125), bricks);
+  real3 local = at - b * lit(8);
+  real3 c = floorBelow(local, makeReal3(lit(8), lit(8), lit(8)));
+  FieldPlace place;
+  place.brick = (b.z * bricks.y + b.y) * bricks.x + b.x;
+  place.corner = (b.z * (bricks.y + lit(1)) + b.y) * (bricks.x + lit(1)) + b.x;
+  place.first_sample = (c.z * lit(9) + c.y) * lit(9) + c.x;
+  place.in_brick = local * lit(0.125);
+  place.in_cell = local - c;
+  place.outside = (wanted - at) * cell;
+  return place;
+}
+
+// The trilinear interpolant of eight samples (vXYZ) at t in [0, 1]^3 and its exact gradient by t.
+FN real trilinear(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110, IN(real) v001, IN(real) v101,
+                  IN(real) v011, IN(real) v111, IN(real3) t, OUT(real3) gradient) {
+  real dx00 = v100 - v000;
+  real dx10 = v110 - v010;
+  real dx01 = v101 - v001;
+  real dx11 = v111 - v011;
+  real x00 = madd(dx00, t.x, v000);
+  real x10 = madd(dx10, t.x, v010);
+  real x01 = madd(dx01, t.x, v001);
+  real x11 = madd(dx11, t.x, v011);
+  real dy0 = x10 - x00;
+  real dy1 = x11 - x01;
+  real dz = madd(dy1, t.y, x01) - madd(dy0, t.y, x00);
+  real dx0 = madd(dx10 - dx00, t.y, dx00);
+  real dx1 = madd(dx11 - dx01, t.y, dx01);
+  gradient = makeReal3(madd(dx1 - dx0, t.z, dx0), madd(dy1 - dy0, t.z, dy0), dz);
+  return madd(dz, t.z, madd(dy0, t.y, x00));
+}
+
+// Signed distance in a brick that lies beyond the band, on `side` 1 (outside) or -1: never farther from 0 than the true
+// one. Distances change by no more than the way, so the interpolant of the corners is off by at most the mean way to
+// them, and that by at most the root mean square. `brick` is the brick's edge in metres.
+FN real farDistance(IN(real) at_corners, IN(real3) in_brick, IN(real) brick, IN(real) side, IN(real) band) {
+  real3 rest = makeReal3(lit(1), lit(1), lit(1)) - in_brick;
+  real off = brick * sqrt(max(dot(in_brick, rest), lit(0)));
+  return side * max(band, side * at_corners - off);
+}
+
+// Beyond the grid, which reaches at least `band` past the body: never more than the true distance. `normal` is the
+// gradient.
+FN real distanceOutsideGrid(IN(real3) outside, IN(real) band, OUT(real3) normal) {
+  normal = normalizeOrZero(outside);
+  return band + length(outside);
+}

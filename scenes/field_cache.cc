@@ -1,0 +1,53 @@
+#include "scenes/field_cache.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <system_error>
+
+#include "core/error.h"
+#include "groom/distance_field_file.h"
+
+namespace strandcast {
+
+std::filesystem::path defaultFieldCache() {
+  const char *cache = std::getenv("XDG_CACHE_HOME"), *home = std::getenv("HOME");
+  // The specification has relative paths ignored.
+  if (cache != nullptr && std::filesystem::path(cache).is_absolute())
+    return std::filesystem::path(cache) / "strandcast";
+  if (home == nullptr || *home == 0)
+    throw Error("there is no folder for the cache", "HOME and XDG_CACHE_HOME are not set",
+                "name one with --cache");
+  return std::filesystem::path(home) / ".cache" / "strandcast";
+}
+
+std::filesystem::path FieldCache::file(uint64_t key) const {
+  return folder_ / fmt::format("{:016x}.sdf", key);
+}
+
+std::optional<DistanceField> FieldCache::find(uint64_t key) const {
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(file(key), failure)) return {};
+  try {
+    StoredField stored = loadDistanceField(file(key));
+    if (stored.key == key) return std::move(stored.field);
+  } catch (const Error&) {
+  }
+  return {};
+}
+
+void FieldCache::keep(uint64_t key, const DistanceField& field) const {
+  std::error_code failure;
+  std::filesystem::create_directories(folder_, failure);
+  const std::filesystem::path whole = file(key), part = fmt::format("{}.{}", whole.string(), ::getpid());
+  writeDistanceField(part, field, key);
+  std::filesystem::rename(part, whole, failure);
+  if (!failure) return;
+  const std::string why = failure.message();
+  std::filesystem::remove(part, failure);
+  throw Error("the field cannot be kept in the cache", whole.string() + ": " + why,
+              "name another folder with --cache");
+}
+
+}  // namespace strandcast

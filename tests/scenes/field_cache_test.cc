@@ -1,0 +1,63 @@
+#include "scenes/field_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "core/error.h"
+#include "tests/groom/sample_files.h"
+#include "tests/groom/scratch_folder.h"
+
+namespace strandcast {
+namespace {
+
+TEST(FieldCache, FindsWhatItKeptAndNothingElse) {
+  const ScratchFolder folder;
+  const FieldCache cache(folder / "new" / "fields");
+  EXPECT_FALSE(cache.find(7));
+  cache.keep(7, samples::field());
+  cache.keep(7, samples::field());
+  const auto found = cache.find(7);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->samples, samples::field().samples);
+  EXPECT_FALSE(cache.find(8));
+  const std::filesystem::directory_iterator files(folder / "new" / "fields");
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1) << "no unfinished file is left";
+}
+
+TEST(FieldCache, ADamagedOrForeignFileCountsAsNone) {
+  const ScratchFolder folder;
+  const FieldCache cache(folder.path());
+  cache.keep(7, samples::field());
+  std::filesystem::path file = folder / "0000000000000007.sdf";
+  ASSERT_TRUE(std::filesystem::exists(file));
+  std::filesystem::copy_file(file, folder / "0000000000000008.sdf");
+  EXPECT_FALSE(cache.find(8)) << "the key within is another";
+  std::filesystem::resize_file(file, 100);
+  EXPECT_FALSE(cache.find(7));
+  cache.keep(7, samples::field());
+  EXPECT_TRUE(cache.find(7));
+}
+
+TEST(FieldCache, WhatCannotBeWrittenIsAnError) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "file") << "no folder";
+  EXPECT_THROW(FieldCache(folder / "file").keep(7, samples::field()), Error);
+}
+
+TEST(FieldCache, LiesWhereTheUsersCachesLie) {
+  const char* before = std::getenv("XDG_CACHE_HOME");
+  const std::string kept = before != nullptr ? before : "";
+  setenv("XDG_CACHE_HOME", "/somewhere", 1);
+  EXPECT_EQ(defaultFieldCache(), "/somewhere/strandcast");
+  setenv("XDG_CACHE_HOME", "relative", 1);
+  setenv("HOME", "/home/me", 1);
+  EXPECT_EQ(defaultFieldCache(), "/home/me/.cache/strandcast");
+  unsetenv("HOME");
+  EXPECT_THROW(defaultFieldCache(), Error);
+  if (before != nullptr) setenv("XDG_CACHE_HOME", kept.c_str(), 1);
+}
+
+}  // namespace
+}  // namespace strandcast
