@@ -64,6 +64,22 @@ class Section {
       }
     });
   }
+  /// Names or whole numbers, one or a list of them.
+  void names(const char* key,
+             const std::function<void(const std::string& name, const std::string& where)>& add) {
+    read(key, [&](const toml::node& node) {
+      auto one = [&](const toml::node& element) {
+        if (const auto name = element.value_exact<std::string>()) return add(*name, place(node));
+        const auto number = element.value_exact<int64_t>();
+        if (!number) fail(element, key, "give a name in quotes or a number, or a list of them");
+        add(std::to_string(*number), place(node));
+      };
+      const toml::array* array = node.as_array();
+      if (array == nullptr) return one(node);
+      if (array->empty()) fail(node, key, "name at least one, or leave it out for all");
+      for (const toml::node& element : *array) one(element);
+    });
+  }
   void section(const char* key, const std::function<void(Section&)>& body) {
     read(key, [&](const toml::node& node) {
       if (!node.is_table()) fail(node, key, fmt::format("write it as a table: [{}]", key));
@@ -84,13 +100,14 @@ class Section {
       }
     });
   }
-  /// Every key nobody asked for goes to `set` with its components.
-  void remaining(const std::function<void(const std::string&, const std::vector<double>&,
-                                          const std::string& where)>& set) {
+  /// Every key nobody asked for goes to `set` with its components; `pairs`: [[0, 1], [1, 0.4]] is taken too, as
+  /// 0, 1, 1, 0.4.
+  void remaining(bool pairs, const std::function<void(const std::string&, const std::vector<double>&,
+                                                      const std::string& where)>& set) {
     for (const auto& [key, node] : table_)
       if (!known_.contains(std::string(key.str()))) {
         known_.insert(std::string(key.str()));
-        set(std::string(key.str()), components(node, std::string(key.str()), 0), place(node));
+        set(std::string(key.str()), components(node, std::string(key.str()), 0, pairs), place(node));
       }
   }
   void refuseRest() const {
@@ -107,6 +124,7 @@ class Section {
   std::string place(const toml::node& node) const {
     return fmt::format("{} line {}", file_, node.source().begin.line);
   }
+  std::string place() const { return place(table_); }
   std::string place(const char* key) const {
     const toml::node* node = table_.get(key);
     return node != nullptr ? place(*node) : file_;
@@ -117,15 +135,24 @@ class Section {
     known_.insert(key);
     if (const toml::node* node = table_.get(key)) body(*node);
   }
-  std::vector<double> components(const toml::node& node, const std::string& key, size_t count) const {
+  double numberOf(const toml::node& node, const std::string& key) const {
+    const auto value = node.value<double>();
+    if (!value) fail(node, key, "give numbers");
+    return *value;
+  }
+  std::vector<double> components(const toml::node& node, const std::string& key, size_t count,
+                                 bool pairs = false) const {
     std::vector<double> values;
     if (const auto one = node.value<double>()) {
       values.push_back(*one);
     } else if (const toml::array* array = node.as_array()) {
       for (const toml::node& element : *array) {
-        const auto value = element.value<double>();
-        if (!value) fail(element, key, "give numbers");
-        values.push_back(*value);
+        const toml::array* pair = pairs ? element.as_array() : nullptr;
+        if (pair != nullptr && pair->size() == 2) {
+          for (const toml::node& half : *pair) values.push_back(numberOf(half, key));
+        } else {
+          values.push_back(numberOf(element, key));
+        }
       }
     } else {
       fail(node, key, "give a number or a list of numbers");
@@ -170,6 +197,33 @@ ContactPrimitive readPrimitive(Section& section) {
   return out;
 }
 
+MaterialRule readMaterial(Section& section) {
+  MaterialRule rule;
+  for (const char* key : {"part", "parts"})
+    section.names(key, [&](const std::string& name, const std::string& where) {
+      rule.parts.push_back(name);
+      rule.where = where;
+    });
+  section.remaining(
+      true, [&](const std::string& name, const std::vector<double>& values, const std::string& where) {
+        rule.settings.push_back({name, values, where});
+      });
+  checkRule(rule);
+  return rule;
+}
+
+PinRule readPin(Section& section) {
+  PinRule rule;
+  for (const char* key : {"part", "parts"})
+    section.names(key, [&](const std::string& name, const std::string&) { rule.parts.push_back(name); });
+  section.text("bone", [&](const std::string& v) { rule.bone = v; });
+  section.number("from", 0, 1, [&](double v) { rule.from = static_cast<float>(v); });
+  section.number("to", 0, 1, [&](double v) { rule.to = static_cast<float>(v); });
+  rule.where = section.place();
+  if (rule.from > rule.to) throw Error("a pin's from is beyond its to", rule.where, "give them in order");
+  return rule;
+}
+
 void readSections(Section& root, const std::filesystem::path& folder, Settings& s) {
   auto path = [&](const std::string& text) { return folder / text; };  // relative to the file that names it
   root.text("scene", [&](const std::string& v) { s.scene.name = v; });
@@ -191,6 +245,8 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     body.sections("primitives",
                   [&](Section& primitive) { s.scene.primitives.push_back(readPrimitive(primitive)); });
   });
+  root.sections("material", [&](Section& material) { s.scene.materials.push_back(readMaterial(material)); });
+  root.sections("pin", [&](Section& pin) { s.scene.pins.push_back(readPin(pin)); });
   root.section("daemon", [&](Section& daemon) {
     daemon.text("backend", [&](const std::string& v) { s.backend = v; });
     daemon.text("solver", [&](const std::string& v) { s.solver = solverKind(v); });
@@ -206,7 +262,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   });
   root.section("parameters", [&](Section& parameters) {
     parameters.remaining(
-        [&](const std::string& name, const std::vector<double>& value, const std::string& where) {
+        false, [&](const std::string& name, const std::vector<double>& value, const std::string& where) {
           Parameters check;
           setParameter(check, name, value, where);
           s.parameters.emplace_back(name, value);

@@ -17,7 +17,7 @@ Parameters sceneParameters(const Scene& scene, const Settings& settings) {
 }
 
 StrandModel modelOf(const Scene& scene, const Settings& settings, const Vec3& gravity) {
-  StrandModel model = makeStrandModel(scene.groom.strands);
+  StrandModel model = sceneModel(scene);
   if (!settings.sag_free || settings.solver != SolverKind::kRod) return model;
   const SagFreeReport report = makeSagFree(model, gravity);
   if (!report.stiffened.empty())

@@ -23,21 +23,63 @@ std::string sceneHelp() {
   return text;
 }
 
+double numberOf(const std::string& text, const std::string& where, const std::string& example) {
+  try {
+    size_t used = 0;
+    const double value = std::stod(text, &used);
+    if (used != text.size()) throw std::invalid_argument(text);
+    return value;
+  } catch (const std::exception&) {
+    throw Error("'" + text + "' is not a number", where, example);
+  }
+}
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> parts;
+  std::stringstream rest(text);
+  for (std::string part; std::getline(rest, part, at);) parts.push_back(part);
+  return parts;
+}
+
 std::pair<std::string, std::vector<double>> parseAssignment(const std::string& text) {
   const size_t equals = text.find('=');
   if (equals == std::string::npos) throw Error("not NAME=VALUE", "--set " + text, "e.g. --set air_drag=2");
   std::vector<double> values;
-  std::stringstream rest(text.substr(equals + 1));
-  for (std::string part; std::getline(rest, part, ',');) {
-    try {
-      size_t used = 0;
-      values.push_back(std::stod(part, &used));
-      if (used != part.size()) throw std::invalid_argument(part);
-    } catch (const std::exception&) {
-      throw Error("'" + part + "' is not a number", "--set " + text, "e.g. --set wind=3,0,0");
-    }
-  }
+  for (const std::string& part : split(text.substr(equals + 1), ','))
+    values.push_back(numberOf(part, "--set " + text, "e.g. --set wind=3,0,0"));
   return {text.substr(0, equals), values};
+}
+
+std::string materialHelp() {
+  std::string text =
+      "what the hair of a part is made of, PART:NAME=VALUE,NAME=VALUE; may be repeated. PART: stem of a "
+      "groom file, number of a part, or all. A curve is one factor or knots PLACE:FACTOR joined by / from "
+      "root (0) to tip (1), e.g. all:radius=5e-5,radius_curve=0:1/1:0.4. Names:";
+  for (const MaterialSettingInfo& info : materialSettingList())
+    text += fmt::format("\n  {} {}({}{}): {}", info.name, info.unit.empty() ? "" : "[" + info.unit + "] ",
+                        info.curve ? "curve, " : "", info.range, info.help);
+  return text;
+}
+
+MaterialRule parseMaterial(const std::string& text) {
+  const std::string example = "e.g. --material all:radius=5e-5,radius_curve=0:1/1:0.4";
+  MaterialRule rule;
+  rule.where = "--material " + text;
+  const size_t colon = text.find(':');
+  if (colon == 0 || colon == std::string::npos || colon + 1 == text.size())
+    throw Error("not PART:NAME=VALUE", rule.where, example);
+  if (text.substr(0, colon) != "all") rule.parts.push_back(text.substr(0, colon));
+  for (const std::string& assignment : split(text.substr(colon + 1), ',')) {
+    const size_t equals = assignment.find('=');
+    if (equals == std::string::npos)
+      throw Error("'" + assignment + "' is not NAME=VALUE", rule.where, example);
+    std::vector<double> values;
+    for (const std::string& knot : split(assignment.substr(equals + 1), '/'))
+      for (const std::string& part : split(knot, ':')) values.push_back(numberOf(part, rule.where, example));
+    rule.settings.push_back({assignment.substr(0, equals), values, rule.where});
+  }
+  checkRule(rule);
+  return rule;
 }
 
 }  // namespace
@@ -86,6 +128,8 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   scene->add_option("--length", given_.scene.length, "length of procedural hair, m")
       ->check(CLI::Range(0.01, 2.0));
   scene->add_option("--seed", given_.scene.seed, "of everything random")->capture_default_str();
+
+  scene->add_option("--material", material_, materialHelp());
 
   auto* simulation = app.add_option_group("Simulation", "how it is computed");
   simulation
@@ -143,6 +187,7 @@ Settings SettingsOptions::resolve() const {
   lay("--transport", out.transport, given_.transport);
   lay("--domain", out.domain, given_.domain);
   lay("--groom-id", out.groom_id, given_.groom_id);
+  for (const std::string& text : material_) out.scene.materials.push_back(parseMaterial(text));
   for (const std::string& text : set_) {
     out.parameters.push_back(parseAssignment(text));
     Parameters check;

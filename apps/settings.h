@@ -52,7 +52,7 @@ class SettingsOptions {
   Settings given_;
   std::string up_, solver_;
   bool sag_free_ = true;
-  std::vector<std::string> groom_, set_;
+  std::vector<std::string> groom_, material_, set_;
 };
 
 /// "auto", "x", "y" or "z"; Error otherwise, naming `where`.

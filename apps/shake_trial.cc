@@ -64,7 +64,8 @@ ShakeResult ShakeTrial::result() {
   out.step_ms_median = ms[ms.size() / 2];
 
   std::vector<Pose> roots;
-  for (const Pose& root : model.rest_roots) roots.push_back(simulation_.headPose() * root);
+  for (size_t s = 0; s < model.strands(); ++s)
+    roots.push_back(simulation_.bonePose(model.rootBone(s)) * model.rest_roots[s]);
   const std::vector<Vec3> style = restState(model, roots).positions;
   const std::span<const Vec3> guides = simulation_.guides();
   double squares = 0, largest = 0;

@@ -13,6 +13,7 @@ namespace kernels::counting {
 #include "kernels/strand.h"
 #include "kernels/contact.h"
 #include "kernels/rod.h"
+#include "kernels/grooming.h"
 #include "kernels/end_lanes.inl"
 #include "core/block_step.inl"
 // clang-format on
@@ -28,7 +29,7 @@ double operationsPerVertexSubstep(const StrandModel& model, const StrandState& s
   kernels::counting::operations = 0;
   size_t vertices = 0;
   for (size_t b = 0; b < store.blocks(); b += apart) {
-    store.setRoots(b, input.roots_begin, input.roots_end);
+    store.setPoses(b, input);
     kernels::counting::stepBlock(store.block(b), input, scratch.data());
     vertices += static_cast<size_t>(store.block(b).vertices);
   }

@@ -54,7 +54,7 @@ Result run(const Options& o, const Scene& scene, const std::string& backend) {
   parameters.substeps = o.substeps;
   parameters.iterations = o.iterations;
   parameters.solver = solverKind(o.solver);
-  Simulation simulation(makeStrandModel(scene.groom.strands), bodiesOf(o, scene), parameters,
+  Simulation simulation(sceneModel(scene), bodiesOf(o, scene), parameters,
                         createBackend(knownBackends(), backend, o.threads, parameters.solver));
   std::vector<double> ms, gpu_ms;
   for (int step = 0; step < o.warmup + o.steps; ++step) {

@@ -18,6 +18,9 @@ struct StepInput {
   std::span<const Pose> roots_begin;            ///< strands: root pose at the start of the step, world
   std::span<const Pose> roots_end;              ///< strands: root pose at the end of the step, world
   std::span<const MovingPrimitive> primitives;  ///< any number, world
+  /// Poses of StrandModel::bones at the start and the end of the step, world; may be empty where no vertex is
+  /// pinned to another bone than its root frame. Pinned vertices go straight from one place to the other.
+  std::span<const Pose> bones_begin{}, bones_end{};
 };
 
 /// Simulates the strands of one model. One implementation per way of computing; all keep the same state and

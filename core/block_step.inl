@@ -4,6 +4,7 @@
 // clang-format off
 #include "core/strand_sweep.inl"
 #include "core/near_bodies.inl"
+#include "core/grooming.inl"
 #include "core/gauss_seidel_sweep.inl"
 #include "core/rod_sweep.inl"
 // clang-format on

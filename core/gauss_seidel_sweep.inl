@@ -13,6 +13,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
   const double strength_root = 1 - std::exp(-p.shape_rate * h / p.iterations);
   const double strength_tip = 1 - std::exp(-p.shape_rate_tip * h / p.iterations);
   NearBodies near(b, input);
+  const Grooming grooming(b, input, scratch);
   const RootFrame root_begin = loadRoot(b, 0), root_end = loadRoot(b, kRootPlanes / 2);
   const real3 forward = makeReal3(lit(0), lit(0), lit(1));
   Scalar* start = scratch;
@@ -27,8 +28,9 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
     for (int i = 0; i < n; ++i) {  // predict; pinned vertices ride on the root frame
       const real3 x = load3(b.position, i);
       store3(x, start, i);
-      const real3 free = predictPosition(x, load3(b.velocity, i), gravity, wind, keep, lit(h));
-      const real3 held = rotate(root.rotation, load3(b.rest_local, i)) + root.position;
+      real3 free = predictPosition(x, load3(b.velocity, i), gravity, wind, grooming.on() ? grooming.keep(i) : keep, lit(h));
+      const real3 held = heldPoint(b, root, i, time);
+      if (grooming.on()) free = drawnToGoal(free, held, grooming.rate(i), lit(h));
       store3(select(inverseMass(b, i) < lit(0.5), held, free), b.position, i);
     }
 
@@ -65,6 +67,14 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
           solveDistance(a, c, inverseMass(b, i), inverseMass(b, i + 1), load(b.rest_length + at(0, i)));
           store3(a, b.position, i);
           store3(c, b.position, i + 1);
+        }
+      }
+      if (b.grooming != nullptr) {
+        const real3 anchor = load3(b.position, 0);
+        for (int i = 1; i < n; ++i) {
+          const real3 free = load3(b.position, i);
+          const real3 held = tethered(free, anchor, groomingFactor(b, kTether, i));
+          store3(select(inverseMass(b, i) > lit(0.5), held, free), b.position, i);
         }
       }
       if (near.size() > 0) {

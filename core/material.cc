@@ -2,9 +2,118 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/error.h"
+#include "core/nearest_name.h"
 
 namespace strandcast {
+namespace {
+
+/// Either a number or a curve.
+struct Entry {
+  MaterialSettingInfo info;
+  double low, high;  ///< of the number, or of the curve's factors
+  float Material::*number = nullptr;
+  RootTipCurve Material::*curve = nullptr;
+  bool or_zero = false;  ///< 0 = off is in the range too
+};
+
+std::string rangeOf(double low, double high) { return fmt::format("{:g} to {:g}", low, high); }
+
+Entry number(const char* name, const char* unit, double low, double high, const char* help,
+             float Material::*member) {
+  return {{name, unit, rangeOf(low, high), help, false}, low, high, member, nullptr};
+}
+Entry numberOrZero(const char* name, double low, double high, const char* help, float Material::*member) {
+  Entry entry = number(name, "", low, high, help, member);
+  entry.info.range = "0 or " + entry.info.range;
+  entry.or_zero = true;
+  return entry;
+}
+Entry curve(const char* name, double low, double high, const char* help, RootTipCurve Material::*member) {
+  return {{name, "", rangeOf(low, high), help, true}, low, high, nullptr, member};
+}
+
+const std::vector<Entry>& entries() {
+  using M = Material;
+  static const std::vector<Entry> list = {
+      number("youngs_modulus", "Pa", 1e3, 1e13, "stiffness against bending; human hair 3e9 to 4e9",
+             &M::youngs_modulus),
+      number("poisson_ratio", "", -0.9, 0.5, "decides on the stiffness against twist: G = E / (2 + 2 nu)",
+             &M::poisson_ratio),
+      number("radius", "m", 1e-6, 5e-3, "at the root; bending goes with its 4th power", &M::radius),
+      number("density", "kg/m^3", 1, 20000, "human hair 1300", &M::density),
+      curve("radius_curve", 1e-3, 1e3, "taper: factor of radius from root to tip", &M::radius_scale),
+      curve("stiffness_curve", 1e-3, 1e3, "factor of youngs_modulus from root to tip", &M::stiffness_scale),
+      curve("air_drag_curve", 0, 1e3, "factor of the parameter air_drag from root to tip",
+            &M::air_drag_scale),
+      curve("goal_curve", 0, 1, "factor of the parameter goal_rate from root to tip", &M::goal_scale),
+      number("damping_scale", "", 0, 1e3, "factor of the parameter damping_time", &M::damping_scale),
+      number("friction_scale", "", 0, 1e3, "factor of the friction of every body", &M::friction_scale),
+      numberOrZero(
+          "tether", 1, 10,
+          "longest distance from the root over arc length, 0 = off; of gauss_seidel, which stretches",
+          &M::tether),
+  };
+  return list;
+}
+
+void checkNumber(const Entry& entry, double value, const std::string& where) {
+  constexpr double kRounding = 1e-6;  // the limits themselves are in the range, as floats too
+  if (!(value >= entry.low - kRounding * std::fabs(entry.low) &&
+        value <= entry.high + kRounding * std::fabs(entry.high)) &&
+      !(entry.or_zero && value == 0))
+    throw Error(fmt::format("'{}' = {:g} is out of range", entry.info.name, value), where,
+                fmt::format("give {} {}", entry.info.range, entry.info.unit));
+}
+
+void checkCurve(const Entry& entry, const RootTipCurve& curve, const std::string& where) {
+  if (curve.knots.empty())
+    throw Error(fmt::format("'{}' has no knot", entry.info.name), where, "give at least one");
+  float before = 0;
+  for (const auto& [place, factor] : curve.knots) {
+    checkNumber(entry, factor, where);
+    if (!(place >= before && place <= 1))
+      throw Error(fmt::format("'{}' has a knot at {:g}", entry.info.name, place), where,
+                  "give places in order, from 0 (root) to 1 (tip)");
+    before = place;
+  }
+}
+
+void setShearModulus(Material& material, double shear, const std::string& where) {
+  const double ratio = material.youngs_modulus / (2 * shear) - 1;
+  if (!(ratio >= -0.9 && ratio <= 0.5))
+    throw Error(
+        fmt::format("'{}' = {:g} does not go with youngs_modulus = {:g}", kShearModulus, shear,
+                    material.youngs_modulus),
+        where,
+        fmt::format("give {:g} to {:g} Pa", material.youngs_modulus / 3, material.youngs_modulus / 0.2));
+  material.poisson_ratio = static_cast<float>(ratio);
+}
+
+const Entry& entryOf(const std::string& name, const std::string& where) {
+  std::vector<std::string> names = {kShearModulus};
+  for (const Entry& entry : entries()) {
+    if (entry.info.name == name) return entry;
+    names.push_back(entry.info.name);
+  }
+  throw Error("unknown material setting '" + name + "'", where,
+              "did you mean '" + nearestName(name, names) + "'?");
+}
+
+RootTipCurve curveOf(const Entry& entry, const std::vector<double>& values, const std::string& where) {
+  if (values.size() == 1) return {{{0.0f, static_cast<float>(values[0])}}};
+  if (values.empty() || values.size() % 2 != 0)
+    throw Error(fmt::format("'{}' is no curve", entry.info.name), where,
+                "give pairs of place (0 root to 1 tip) and factor, or one factor");
+  RootTipCurve curve{{}};
+  for (size_t i = 0; i < values.size(); i += 2)
+    curve.knots.emplace_back(static_cast<float>(values[i]), static_cast<float>(values[i + 1]));
+  return curve;
+}
+
+}  // namespace
 
 float RootTipCurve::at(float place) const {
   if (place <= knots.front().first) return knots.front().second;
@@ -16,25 +125,44 @@ float RootTipCurve::at(float place) const {
   return knots.back().second;
 }
 
-void checkMaterial(const Material& material, const char* where) {
-  auto inside = [&](float value, float low, float high, const char* name, const char* unit) {
-    if (!(value >= low && value <= high))
-      throw Error(fmt::format("{} = {:g} is out of range", name, value), where,
-                  fmt::format("give {:g} to {:g} {}", low, high, unit));
+void checkMaterial(const Material& material, const std::string& where) {
+  for (const Entry& entry : entries()) {
+    if (entry.number != nullptr)
+      checkNumber(entry, material.*entry.number, where);
+    else
+      checkCurve(entry, material.*entry.curve, where);
+  }
+}
+
+const std::vector<MaterialSettingInfo>& materialSettingList() {
+  static const std::vector<MaterialSettingInfo> list = [] {
+    std::vector<MaterialSettingInfo> infos;
+    for (const Entry& entry : entries()) infos.push_back(entry.info);
+    infos.insert(infos.begin() + 2, {kShearModulus, "Pa", "a third of youngs_modulus to 5 times it",
+                                     "G, in the place of poisson_ratio", false});
+    return infos;
+  }();
+  return list;
+}
+
+void setMaterial(Material& material, const std::string& name, const std::vector<double>& values,
+                 const std::string& where) {
+  for (const double value : values)
+    if (!std::isfinite(value)) throw Error("'" + name + "' is not finite", where, "give finite numbers");
+  auto one = [&] {
+    if (values.size() != 1)
+      throw Error(fmt::format("'{}' takes 1 number, not {}", name, values.size()), where, "");
+    return values[0];
   };
-  inside(material.youngs_modulus, 1e3f, 1e13f, "youngs_modulus", "Pa");
-  inside(material.poisson_ratio, -0.9f, 0.5f, "poisson_ratio", "");
-  inside(material.radius, 1e-6f, 5e-3f, "radius", "m");
-  inside(material.density, 1, 20000, "density", "kg/m^3");
-  for (const RootTipCurve* curve : {&material.radius_scale, &material.stiffness_scale}) {
-    float before = -1e30f;
-    if (curve->knots.empty()) throw Error("a root-to-tip curve has no knot", where, "give at least one");
-    for (const auto& [place, factor] : curve->knots) {
-      inside(factor, 1e-3f, 1e3f, "a curve's factor", "");
-      if (!(place >= before))
-        throw Error("a root-to-tip curve goes backwards", where, "give its places in order");
-      before = place;
-    }
+  if (name == kShearModulus) return setShearModulus(material, one(), where);
+  const Entry& entry = entryOf(name, where);
+  if (entry.number != nullptr) {
+    checkNumber(entry, one(), where);
+    material.*entry.number = static_cast<float>(values[0]);
+  } else {
+    RootTipCurve curve = curveOf(entry, values, where);
+    checkCurve(entry, curve, where);
+    material.*entry.curve = std::move(curve);
   }
 }
 

@@ -4,7 +4,8 @@ class NearBodies {
  public:
   NearBodies(const Block& b, const StepInput& input) : bodies_(input.primitives) {
     if (bodies_.empty()) return;
-    all_ = !calm(b, input);
+    friction_scale_ = groomingFactor(b, kFrictionScale, 0);
+    all_ = !calm(b, input) || b.bone_pins != nullptr;  // a bone may pull strands anywhere
     if (all_) return;
     const Box box = reach(b, input);
     for (size_t i = 0; i < bodies_.size(); ++i) {
@@ -20,14 +21,14 @@ class NearBodies {
 
   /// To be called at the start of a substep, for pushAllOut(). `time` as of bodyAt().
   void place(const StepInput& input, double time) {
-    for (size_t i = 0; i < size() && i < kPlaced; ++i) placed_[i] = bodyAt(body(i), input, time);
+    for (size_t i = 0; i < size() && i < kPlaced; ++i) placed_[i] = place(i, input, time);
     input_ = &input;
     time_ = time;
   }
   /// pushOut() of every body.
   real3 pushAllOut(real3 x, const real3& x_start, const mask& free, real3& normal) const {
     for (size_t i = 0; i < size(); ++i)
-      x = pushOut(i < kPlaced ? placed_[i] : bodyAt(body(i), *input_, time_), x, x_start, free, normal);
+      x = pushOut(i < kPlaced ? placed_[i] : place(i, *input_, time_), x, x_start, free, normal);
     return x;
   }
 
@@ -35,6 +36,12 @@ class NearBodies {
   static constexpr size_t kMost = 64, kPlaced = 16, kMostLanes = 64;
 
   const MovingPrimitive& body(size_t i) const { return bodies_[all_ ? i : near_[i]]; }
+
+  SubstepBody place(size_t i, const StepInput& input, double time) const {
+    SubstepBody placed = bodyAt(body(i), input, time);
+    placed.friction = placed.friction * friction_scale_;
+    return placed;
+  }
 
   // Whether the strands only move as their velocities say: no edge is stretched or stands across its frame, as after an
   // upload of some other state. Only the rod keeps its lengths.
@@ -70,10 +77,13 @@ class NearBodies {
     const Parameters& parameters = *input.parameters;
     const double dt = parameters.time_step;
     const double pulled = parameters.gravity.norm() + 2 * parameters.air_drag * parameters.wind.norm();  // m/s^2
+    const double blown = b.grooming != nullptr ? parameters.wind.norm() * dt : 0;  // m, with any drag
+    // Part of the way to their goals, which are no farther than twice their length and where the root goes.
+    const double drawn = std::min(1.0, 0.5 * std::pow(parameters.goal_rate * dt, 2));
     // 4 sqrt(1 - cosine) is more than the angle.
     const real swung = sqrt(lit(1) - cosine) * lit(4) * length;
-    const real far =
-        lit(2) * (sqrt(speed2) * lit(dt) + sqrt(dot(moved, moved)) + swung + lit(0.5 * dt * dt * pulled));
+    const real far = lit(2) * (sqrt(speed2) * lit(dt) + sqrt(dot(moved, moved)) + swung + length * lit(2 * drawn) +
+                               lit(0.5 * dt * dt * pulled + blown));
     low = {low.x - far, low.y - far, low.z - far};
     high = {high.x + far, high.y + far, high.z + far};
 
@@ -112,6 +122,7 @@ class NearBodies {
   uint32_t near_[kMost];
   size_t count_ = 0;
   bool all_ = false;
+  real friction_scale_ = lit(1);
   SubstepBody placed_[kPlaced];
   const StepInput* input_ = nullptr;
   double time_ = 0;

@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 
 #include "core/error.h"
+#include "core/nearest_name.h"
 
 namespace strandcast {
 namespace {
@@ -56,35 +55,37 @@ const std::vector<Entry>& entries() {
       scalar("shape_rate_tip", "1/s", 0, 1e6, "0 to 1e6", "the same at the tip", &P::shape_rate_tip),
       scalar("damping_time", "s", 0, 1, "0 to 1",
              "internal damping of the rod: damping ratio = omega x this / 2", &P::damping_time),
+      scalar("goal_rate", "1/s", 0, 1000, "0 to 1000",
+             "pull towards the rest shape as the root carries it: acceleration this^2 x distance; 0 = off",
+             &P::goal_rate),
       scalar("hair_radius", "m", 0, 0.01, "0 to 0.01", "distance kept between a hair's axis and every body",
              &P::hair_radius),
   };
   return list;
 }
 
-size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), size_t{0});
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = row[0];
-    row[0] = i;
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
-
 const Entry& entry(const std::string& name, const std::string& where) {
   const auto& list = entries();
   for (const Entry& e : list)
     if (e.info.name == name) return e;
-  const auto nearest = std::min_element(list.begin(), list.end(), [&](const Entry& a, const Entry& b) {
-    return editDistance(a.info.name, name) < editDistance(b.info.name, name);
-  });
-  throw Error("unknown parameter '" + name + "'", where, "did you mean '" + nearest->info.name + "'?");
+  std::vector<std::string> names;
+  for (const Entry& e : list) names.push_back(e.info.name);
+  throw Error("unknown parameter '" + name + "'", where, "did you mean '" + nearestName(name, names) + "'?");
+}
+
+void checkRange(const Entry& e, const std::vector<double>& value, const std::string& where) {
+  for (double v : value) {
+    if (!std::isfinite(v) || v < e.low * (1 - 1e-6) - 1e-12 || v > e.high * (1 + 1e-6) ||
+        (e.whole && v != std::floor(v)))
+      throw Error(fmt::format("'{}' = {} is out of range", e.info.name, v), where,
+                  fmt::format("give {}{} {}", e.whole ? "a whole number, " : "", e.info.range, e.info.unit));
+  }
+}
+
+std::vector<double> valueOf(const Entry& e, const Parameters& parameters) {
+  std::vector<double> value(e.info.components);
+  for (int c = 0; c < e.info.components; ++c) value[c] = e.get(parameters, c);
+  return value;
 }
 
 }  // namespace
@@ -107,10 +108,7 @@ const std::vector<ParameterInfo>& parameterList() {
 }
 
 std::vector<double> parameter(const Parameters& parameters, const std::string& name) {
-  const Entry& e = entry(name, "parameter list");
-  std::vector<double> value(e.info.components);
-  for (int c = 0; c < e.info.components; ++c) value[c] = e.get(parameters, c);
-  return value;
+  return valueOf(entry(name, "parameter list"), parameters);
 }
 
 void setParameter(Parameters& parameters, const std::string& name, const std::vector<double>& value,
@@ -120,13 +118,12 @@ void setParameter(Parameters& parameters, const std::string& name, const std::ve
     throw Error(fmt::format("'{}' takes {} number{}, not {}", name, e.info.components,
                             e.info.components == 1 ? "" : "s", value.size()),
                 where, "");
-  for (double v : value) {
-    if (!std::isfinite(v) || v < e.low * (1 - 1e-6) - 1e-12 || v > e.high * (1 + 1e-6) ||
-        (e.whole && v != std::floor(v)))
-      throw Error(fmt::format("'{}' = {} is out of range", name, v), where,
-                  fmt::format("give {}{} {}", e.whole ? "a whole number, " : "", e.info.range, e.info.unit));
-  }
+  checkRange(e, value, where);
   for (int c = 0; c < e.info.components; ++c) e.set(parameters, c, value[c]);
+}
+
+void checkParameters(const Parameters& parameters, const std::string& where) {
+  for (const Entry& e : entries()) checkRange(e, valueOf(e, parameters), where);
 }
 
 }  // namespace strandcast

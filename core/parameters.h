@@ -23,6 +23,8 @@ struct Parameters {
   float shape_rate = 400.0f;      ///< 1/s, rate at which the local shape is restored at the root; 0 or more
   float shape_rate_tip = 100.0f;  ///< 1/s, the same at the tip; linear in between
   float damping_time = 0;  ///< s, internal (Kelvin-Voigt) damping of the rod: zeta = omega damping_time / 2
+  float goal_rate =
+      0;  ///< 1/s, pull towards the rest shape as the root carries it: goal_rate^2 (goal - x); 0 = off
   float hair_radius = 40e-6f;  ///< m, kept between the hair's axis and every body
 };
 
@@ -46,5 +48,8 @@ std::vector<double> parameter(const Parameters& parameters, const std::string& n
 /// known one), a wrong number of components, a non-finite value or one out of range.
 void setParameter(Parameters& parameters, const std::string& name, const std::vector<double>& value,
                   const std::string& where);
+
+/// Throws Error, naming `where` and the parameter, when a value is not finite or out of range.
+void checkParameters(const Parameters& parameters, const std::string& where);
 
 }  // namespace strandcast

@@ -44,7 +44,7 @@ class ScalarBackend final : public Backend {
 
   void step(const StepInput& input) override {
     for (size_t b = 0; b < store_.blocks(); ++b) {
-      store_.setRoots(b, input.roots_begin, input.roots_end);
+      store_.setPoses(b, input);
       sweep(store_.block(b), input, scratch_.data());
     }
     readGuides();

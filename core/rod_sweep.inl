@@ -29,6 +29,7 @@ class RodStep {
         in(input),
         p(*input.parameters),
         near_(block, input),
+        grooming_(block, input, scratch),
         scratch_(scratch),
         n(block.vertices),
         ne(block.vertices - 1),
@@ -37,7 +38,10 @@ class RodStep {
     end_ = loadRoot(b, kRootPlanes / 2);
     frame_ = begin_.rotation;
     keep_ = std::exp(-p.air_drag * h);
-    beta_ = p.damping_time;
+    const real damping_scale = groomingFactor(b, kDampingScale, 0);
+    damped_ = p.damping_time > 0;
+    ahead_ = lit(p.damping_time / h) * damping_scale;
+    damping_ = lit(p.damping_time * h) * damping_scale;
   }
 
   void run() {
@@ -46,7 +50,7 @@ class RodStep {
     for (int e = 0; e < ne; ++e) {
       length = length + lengthOf(e);
       loose_ = select(weight(e + 1) > lit(0), loose_, lit(0));
-      hung = hung + select(weight(e + 1) > lit(0), mass(e + 1), lit(0));
+      hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
     for (int substep = 0; substep < p.substeps; ++substep) {
@@ -54,7 +58,7 @@ class RodStep {
       near_.place(in, time);
       const RootFrame root{madd(end_.position - begin_.position, lit(time), begin_.position),
                            interpolateRotation(begin_.rotation, end_.rotation, lit(time))};
-      predict(root);
+      predict(root, time);
       eliminateTwist();
       eliminateBending();
       moveAndEliminateLengths();
@@ -94,10 +98,11 @@ class RodStep {
   real inverseLength(int e) const { return state(b.inverse_length, 0, rowOfEdge(e)); }
   real bend(int j) const { return state(b.bend, 0, j); }
   real twist(int j) const { return state(b.twist, 0, j); }
-  real mass(int i) const { return state(b.mass, 0, rowOfVertex(i)); }
-  real weight(int i) const { return state(b.weight, 0, rowOfVertex(i)); }
+  real ownMass(int i) const { return state(b.mass, 0, rowOfVertex(i)); }
+  real mass(int i) const { return grooming_.on() ? grooming_.mass(i) : ownMass(i); }
+  real weight(int i) const { return grooming_.on() ? grooming_.weight(i) : state(b.weight, 0, rowOfVertex(i)); }
 
-  void predict(const RootFrame& root);
+  void predict(const RootFrame& root, double time);
   void eliminateTwist();
   void eliminateBending();
   void moveAndEliminateLengths();
@@ -114,10 +119,13 @@ class RodStep {
   const StepInput& in;
   const Parameters& p;
   NearBodies near_;
+  Grooming grooming_;
   Scalar* scratch_;
   const int n, ne;
   const double h;
-  double keep_ = 1, beta_ = 0;
+  double keep_ = 1;
+  bool damped_ = false;
+  real ahead_, damping_;  // damping time over and times the substep
   RootFrame begin_, end_;
   quat frame_;          // of the root after the last substep
 
@@ -131,7 +139,7 @@ class RodStep {
 };
 
 // Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
-inline void RodStep::predict(const RootFrame& root) {
+inline void RodStep::predict(const RootFrame& root, double time) {
   root_ = root;
   const real3 x0 = state3(b.position, 0);
   const real3 tangent_new = frameTangent(root.rotation);
@@ -145,10 +153,9 @@ inline void RodStep::predict(const RootFrame& root) {
   real3 unit_before = tangent_old_;
   for (int e = 0; e < ne; ++e) {
     const real3 x = state3(b.position, e + 1), v = state3(b.velocity, e + 1);
-    real3 moved = madd(v, lit(h * keep_), x) + jump_;
+    real3 moved = madd(v, grooming_.on() ? grooming_.keep(e + 1) * lit(h) : lit(h * keep_), x) + jump_;
     if (b.pinned) {
-      const real3 held = rotate(root.rotation, state3(b.rest_local, e + 1)) + root.position;
-      moved = select(weight(e + 1) > lit(0), moved, held);
+      moved = select(weight(e + 1) > lit(0), moved, heldPoint(b, root, e + 1, time));
     }
     set3(kNewPosition, e + 1, moved);
     setNormal(e + 1, makeReal3(lit(0), lit(0), lit(0)));
@@ -162,9 +169,9 @@ inline void RodStep::predict(const RootFrame& root) {
     const real blend = timeBlend(advance * il, unit - unit_before, bend(e) * il * il * lit(h * h) * weight(e + 1));
     set(kBlend, e, blend);
     // Internal damping acts through frames that are ahead of the motion by the damping time; tension is not damped.
-    const real3 t = directionOr(madd(advance, lit(beta_ / h) - blend, edge), frameTangent(state4(b.frame, e)));
+    const real3 t = directionOr(madd(advance, ahead_ - blend, edge), frameTangent(state4(b.frame, e)));
     set3(kTangent, e, t);
-    if (beta_ > 0) set3(kDirection, e, madd(advance, lit(-beta_ / h) * il, t));
+    if (damped_) set3(kDirection, e, madd(advance, (lit(0) - ahead_) * il, t));
     setState4(b.frame, e, transportTo(state4(b.frame, e), t));
     before = x;
     unit_before = unit;
@@ -183,7 +190,7 @@ inline void RodStep::eliminateTwist() {
     const real3 strain = jointStrain(inner, q);
     const real3 excess = strain - state3(b.rest_strain, j);
     const real c = dot(t_in, t);
-    const real stiffness = bendMatrixStiffness(kb, c, madd(implicitShare(get(kBlend, j)), lit(h * h), lit(beta_ * h)));
+    const real stiffness = bendMatrixStiffness(kb, c, madd(implicitShare(get(kBlend, j)), lit(h * h), damping_));
     set3(kStrain, j, strain);
     set(kStiffness, j, stiffness);
     set(kMargin, j, bendMatrixMargin(stiffness, c, excess));
@@ -219,7 +226,7 @@ inline void RodStep::eliminateBending() {
   real turn = get(kRight, ne - 1);
   quat outer = twistFrame(state4(b.frame, ne - 1), clamp(turn, lit(-1), lit(1)));
   real3 t = get3(kTangent, ne - 1), t_out = t, t_out2 = t;
-  real3 direction = beta_ > 0 ? get3(kDirection, ne - 1) : t;  // in which the forces of edge e act
+  real3 direction = damped_ ? get3(kDirection, ne - 1) : t;  // in which the forces of edge e act
   real3 moment_out = zero, force_out = zero, y1 = zero, y2 = zero;
   real edge_out = lit(0), id1 = lit(0), id2 = lit(0), l1_out = lit(0);
   for (int e = ne - 1; e >= 0; --e) {
@@ -231,14 +238,16 @@ inline void RodStep::eliminateBending() {
     const real kb = bend(e), il = inverseLength(e);
     const real3 strain = twistedStrain(get3(kStrain, e), phi_in, phi);
     real3 moment = jointMoment(inner, strain, strain - state3(b.rest_strain, e), kb, twist(e));
-    const real3 direction_in = e > 0 && beta_ > 0 ? get3(kDirection, e - 1) : t_in;
-    if (beta_ > 0) moment = turnedBack(moment, e > 0 ? t_in : zero, direction_in, t, direction);
+    const real3 direction_in = e > 0 && damped_ ? get3(kDirection, e - 1) : t_in;
+    if (damped_) moment = turnedBack(moment, e > 0 ? t_in : zero, direction_in, t, direction);
     const real kept = state(b.tension, 0, e);
 
     real3 force = cross(moment_out - moment, direction) * (il * lit(h * h)) - direction * kept;
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
-    const real3 total = madd(pull, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
+    const real3 total = grooming_.on()
+                            ? grooming_.pull(e + 1, pull, root_, get3(kNewPosition, e + 1)) + (force - force_out)
+                            : madd(pull, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
 
     const real il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);

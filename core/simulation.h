@@ -15,17 +15,27 @@ struct RigidBody {
 };
 
 /// Runs one groom on one backend: fixed steps, prescribed head motion, bodies, parameters.
-/// The groom's roots and the bodies that follow the head move rigidly with the head pose.
+/// The groom's roots and the bodies that follow the head move rigidly with the head pose, what the model has
+/// pinned to other bones with theirs.
+/// What is not finite is refused at the door: setHeadPose, setBonePose, teleport, setParameters and the
+/// constructor throw Error on it and leave the simulation as it was.
 class Simulation {
  public:
   /// `backend` is empty-handed: the simulation loads the model into it.
   Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
              std::unique_ptr<Backend> backend);
 
-  /// Where the head is to be at the end of the next step. Motion in between is interpolated.
-  void setHeadPose(const Pose& head) { head_end_ = head; }
-  const Pose& headPose() const { return head_begin_; }
-  void setParameters(const Parameters& parameters) { parameters_ = parameters; }
+  /// Where the head is to be at the end of the next step. Motion in between is interpolated. Error: see
+  /// checkPose.
+  void setHeadPose(const Pose& head);
+  const Pose& headPose() const { return bones_begin_[0]; }
+  /// The same of another bone of the model, which stays where it is unless told; 0 is the head. Error on an
+  /// unknown bone too. Strands that are taken farther than resetBroken() allows are put back by it.
+  void setBonePose(size_t bone, const Pose& pose);
+  void setBonePose(const std::string& bone, const Pose& pose);
+  const Pose& bonePose(size_t bone) const { return bones_begin_[bone]; }
+  /// Error: see checkParameters.
+  void setParameters(const Parameters& parameters);
   const Parameters& parameters() const { return parameters_; }
 
   /// What the next step will be given: roots and bodies from where the head is to where it is to be. Valid
@@ -38,7 +48,8 @@ class Simulation {
   /// Puts strands with a vertex that is not finite, or farther from the root than the strand is long, back to
   /// their rest shape; gives how many. Waits for the backend. Allocates only when there are some.
   size_t resetBroken();
-  /// Carries the hair rigidly to `head` with no motion in between.
+  /// Carries the hair and every bone rigidly, the head to `head`, with no motion in between. Error: see
+  /// checkPose.
   void teleport(const Pose& head);
 
   double time() const { return time_; }  ///< s, simulated since the start
@@ -52,15 +63,16 @@ class Simulation {
   StrandState state();
 
  private:
-  void placeRoots(const Pose& head, std::vector<Pose>& roots) const;
+  void placeRoots(const std::vector<Pose>& bones, std::vector<Pose>& roots) const;
   void placePrimitives();
-  void teleport(const Pose& head, const StrandState& state);
+  /// The rest shape where roots and bones are now, at rest.
+  StrandState restNow() const;
 
   StrandModel model_;
   std::vector<RigidBody> bodies_;
   Parameters parameters_;
   std::unique_ptr<Backend> backend_;
-  Pose head_begin_, head_end_;
+  std::vector<Pose> bones_begin_, bones_end_;  ///< of the model's bones
   std::vector<Pose> roots_begin_, roots_end_;
   std::vector<float> lengths_;  ///< of strands at rest, m
   std::vector<MovingPrimitive> primitives_;

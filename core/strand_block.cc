@@ -70,12 +70,23 @@ template <class Scalar>
 Scalar* BlockStore<Scalar>::roots(const Block& block) const {
   return planes(block, 0) + static_cast<size_t>(block.vertices) * kBlockPlanes * lanes_;
 }
+template <class Scalar>
+Scalar* BlockStore<Scalar>::grooming(const Block& block) const {
+  return roots(block) + static_cast<size_t>(kRootPlanes) * lanes_;
+}
+
+template <class Scalar>
+Scalar* BlockStore<Scalar>::bonePins(const Block& block) const {
+  const int planes_before = groomed(block) ? kGroomingPlanes : 0;
+  return grooming(block) + static_cast<size_t>(planes_before) * block.vertices * lanes_;
+}
 
 template <class Scalar>
 void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
   lanes_ = lanes;
   offsets_ = model.offsets;
   blocks_.clear();
+  pins_.clear();
   max_vertices_ = 0;
   order_.resize(model.strands());
   std::iota(order_.begin(), order_.end(), 0u);
@@ -90,8 +101,25 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
     while (count < static_cast<size_t>(lanes) && first + count < order_.size() &&
            model.verticesOf(order_[first + count]) == static_cast<size_t>(vertices))
       ++count;
-    blocks_.push_back({vertices, false, true, first, count, memory});
-    memory += static_cast<size_t>(kBlockPlanes * vertices + kRootPlanes) * lanes;
+    bool factors = false, tethers = false;
+    for (size_t i = 0; i < count; ++i) {
+      factors = factors || model.hasFactors(order_[first + i]);
+      tethers = tethers || model.hasTethers(order_[first + i]);
+    }
+    blocks_.push_back({vertices, false, true, factors, tethers, first, count, memory, pins_.size()});
+    Block& block = blocks_.back();
+    for (int lane = 0; lane < lanes; ++lane) {
+      const uint32_t strand = order_[first + std::min<size_t>(lane, count - 1)];
+      for (int i = 1; i < vertices; ++i) {
+        const uint32_t v = offsets_[strand] + i;
+        if (model.isBonePinned(strand, v))
+          pins_.push_back({i, lane, model.pin_bones[v], model.restPosition(strand, v)});
+      }
+    }
+    block.pins = pins_.size() - block.first_pin;
+    const int planes_of_vertex =
+        kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) + (block.pins > 0 ? kBonePinPlanes : 0);
+    memory += static_cast<size_t>(planes_of_vertex * vertices + kRootPlanes) * lanes;
     memory = (memory + 15) / 16 * 16;
     max_vertices_ = std::max(max_vertices_, vertices);
     first += count;
@@ -123,6 +151,14 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
         put(kMass, pinned ? kPinnedMass : model.mass[v]);
         put(kWeight, pinned ? 0.0f : 1 / model.mass[v]);
         if (i > 0) block.pinned = block.pinned || pinned;
+        if (groomed(block)) {
+          Scalar* factors = grooming(block) + static_cast<size_t>(i) * kGroomingPlanes * lanes_ + lane;
+          factors[kAirDragScale * lanes_] = static_cast<Scalar>(model.air_drag_scale[v]);
+          factors[kGoalScale * lanes_] = static_cast<Scalar>(model.goal_scale[v]);
+          factors[kDampingScale * lanes_] = static_cast<Scalar>(model.damping_scale[strand]);
+          factors[kFrictionScale * lanes_] = static_cast<Scalar>(model.friction_scale[strand]);
+          factors[kTether * lanes_] = static_cast<Scalar>(model.tether[v]);
+        }
       }
       // Lengths and masses of a strand that was resampled evenly differ by rounding only: then they are made
       // equal, so that one row of them may stand for all.
@@ -202,15 +238,26 @@ void BlockStore<Scalar>::readPositions(size_t b, std::span<Vec3> positions) cons
 }
 
 template <class Scalar>
-void BlockStore<Scalar>::setRoots(size_t b, std::span<const Pose> begin, std::span<const Pose> end) {
+void BlockStore<Scalar>::setPoses(size_t b, const StepInput& input) {
   const Block& block = blocks_[b];
   Scalar* root = roots(block);
   for (int lane = 0; lane < lanes_; ++lane) {
     const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
     Scalar* plane = root + lane;
-    for (const Pose* pose : {&begin[strand], &end[strand]}) {
+    for (const Pose* pose : {&input.roots_begin[strand], &input.roots_end[strand]}) {
       for (int c = 0; c < 3; ++c, plane += lanes_) *plane = static_cast<Scalar>(pose->position[c]);
       for (int c = 0; c < 4; ++c, plane += lanes_) *plane = static_cast<Scalar>(pose->rotation.coeffs()[c]);
+    }
+  }
+  for (size_t i = block.first_pin; i < block.first_pin + block.pins; ++i) {
+    const BonePin& pin = pins_[i];
+    Scalar* row = bonePins(block) + static_cast<size_t>(pin.vertex) * kBonePinPlanes * lanes_ + pin.lane;
+    const Vec3 begin = input.bones_begin[pin.bone].apply(pin.rest),
+               end = input.bones_end[pin.bone].apply(pin.rest);
+    row[static_cast<size_t>(kBonePinned) * lanes_] = Scalar(1);
+    for (int c = 0; c < 3; ++c) {
+      row[static_cast<size_t>(kHeldBegin + c) * lanes_] = static_cast<Scalar>(begin[c]);
+      row[static_cast<size_t>(kHeldEnd + c) * lanes_] = static_cast<Scalar>(end[c]);
     }
   }
 }
@@ -235,7 +282,10 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           planes(block, kTwist),
           planes(block, kMass),
           planes(block, kWeight),
-          roots(block)};
+          roots(block),
+          block.pins > 0 ? bonePins(block) : nullptr,
+          block.factors,
+          groomed(block) ? grooming(block) : nullptr};
 }
 
 template class BlockStore<float>;

@@ -48,16 +48,42 @@ struct BlockView {
   const Scalar* mass;    ///< 1 plane, of vertices; large where pinned
   const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
+  const Scalar* bone_pins;  ///< [vertex][kBonePinPlanes][lane]; null where there is none
+  bool factors;             ///< some factor of the strands is not 1
+  const Scalar* grooming;   ///< [vertex][kGroomingPlanes][lane]; null where there is none
 };
 
 constexpr int kRootPlanes = 14;
 
+/// Planes of BlockView::bone_pins, of vertices that are pinned to another bone than their root frame.
+enum BonePinPlane : int {
+  kBonePinned,   ///< 1, or 0 of all others
+  kHeldBegin,    ///< 3, m, where the bone holds it at the start of the step
+  kHeldEnd = 4,  ///< 3, at its end
+  kBonePinPlanes = 7
+};
+
+/// Planes of BlockView::grooming: see StrandModel.
+enum GroomingPlane : int {
+  kAirDragScale,
+  kGoalScale,
+  kDampingScale,   ///< of the strand, in every row
+  kFrictionScale,  ///< of the strand, in every row
+  kTether,         ///< m
+  kGroomingPlanes
+};
+
 constexpr float kPinnedMass = 1e6f;    ///< of a vertex that the rod's bending solve must not move
 constexpr float kShortestEdge = 0.1f;  ///< of the strand's mean: shorter edges bend as if they were this long
 
-/// Scalars of scratch memory that a step of a block needs.
-constexpr size_t blockScratch(int vertices, int lanes) {
+constexpr int kGroomingRows = 5;  ///< scratch numbers per vertex of core/grooming.inl
+
+/// Scalars of scratch memory that a step of a block needs: those of its solver, then those of grooming.
+constexpr size_t solverScratch(int vertices, int lanes) {
   return static_cast<size_t>(kBlockPlanes) * (vertices + 2) * lanes;
+}
+constexpr size_t blockScratch(int vertices, int lanes) {
+  return solverScratch(vertices, lanes) + static_cast<size_t>(kGroomingRows) * vertices * lanes;
 }
 
 /// The working store of the CPU backends: strands sorted by vertex count and by where their roots are, cut
@@ -74,26 +100,37 @@ class BlockStore {
   int lanes() const { return lanes_; }
   int maxVertices() const { return max_vertices_; }
   BlockView<Scalar> block(size_t b);
-  /// Copies the roots of block b's strands into its planes.
-  void setRoots(size_t b, std::span<const Pose> begin, std::span<const Pose> end);
+  /// Copies the roots of block b's strands, and where bones hold their vertices, into its planes.
+  void setPoses(size_t b, const StepInput& input);
   /// Copies the positions of block b's strands out, natural order.
   void readPositions(size_t b, std::span<Vec3> positions) const;
 
  private:
   struct Block {
     int vertices;
-    bool pinned, uniform;
-    size_t first;   ///< in order_
-    size_t count;   ///< strands, at most lanes_
-    size_t memory;  ///< index of its first scalar in memory_
+    bool pinned, uniform, factors, tethers;
+    size_t first;                    ///< in order_
+    size_t count;                    ///< strands, at most lanes_
+    size_t memory;                   ///< index of its first scalar in memory_
+    size_t first_pin = 0, pins = 0;  ///< in pins_
+  };
+  static bool groomed(const Block& block) { return block.factors || block.tethers; }
+  /// A vertex that is pinned to another bone than its root frame.
+  struct BonePin {
+    int vertex, lane;
+    uint16_t bone;
+    Vec3 rest;  ///< m, in the groom's frame
   };
   Scalar* planes(const Block& block, int plane) const;
   Scalar& number(const Block& block, int plane, int vertex, int lane) const;
   Scalar* roots(const Block& block) const;
+  Scalar* grooming(const Block& block) const;
+  Scalar* bonePins(const Block& block) const;
 
   int lanes_ = 1;
   int max_vertices_ = 0;
   std::vector<Block> blocks_;
+  std::vector<BonePin> pins_;
   std::vector<uint32_t> order_;    ///< strands, by vertex count
   std::vector<uint32_t> offsets_;  ///< of the model
   mutable std::vector<Scalar, CacheLineAllocator<Scalar>> memory_;

@@ -99,7 +99,39 @@ void setRod(StrandModel& model, size_t s, const Material& material) {
   }
 }
 
+void setGrooming(StrandModel& model, size_t s, const Material& material) {
+  const uint32_t first = model.offsets[s], end = model.offsets[s + 1];
+  const float total = arcLength({model.rest_local.data() + first, end - first});
+  float along = 0;
+  for (uint32_t v = first; v < end; ++v) {
+    if (v > first) along += (model.rest_local[v] - model.rest_local[v - 1]).norm();
+    model.air_drag_scale[v] = material.air_drag_scale.at(along / total);
+    model.goal_scale[v] = material.goal_scale.at(along / total);
+    model.tether[v] = material.tether > 0 ? material.tether * along : kNoTether;
+  }
+  model.damping_scale[s] = material.damping_scale;
+  model.friction_scale[s] = material.friction_scale;
+}
+
+bool isGrooming(const Material& material) {
+  auto changes = [](const RootTipCurve& curve) {
+    return std::any_of(curve.knots.begin(), curve.knots.end(), [](const auto& k) { return k.second != 1; });
+  };
+  return changes(material.air_drag_scale) || changes(material.goal_scale) || material.damping_scale != 1 ||
+         material.friction_scale != 1 || material.tether > 0;
+}
+
 }  // namespace
+
+bool StrandModel::hasFactors(size_t strand) const {
+  if (damping_scale.empty()) return false;
+  auto changes = [](float factor) { return factor != 1; };
+  const auto first = static_cast<ptrdiff_t>(offsets[strand]),
+             end = static_cast<ptrdiff_t>(offsets[strand + 1]);
+  return changes(damping_scale[strand]) || changes(friction_scale[strand]) ||
+         std::any_of(air_drag_scale.begin() + first, air_drag_scale.begin() + end, changes) ||
+         std::any_of(goal_scale.begin() + first, goal_scale.begin() + end, changes);
+}
 
 StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials) {
   for (const Material& material : materials) checkMaterial(material, "material");
@@ -115,6 +147,14 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
   model.mass.assign(rest.vertices(), 0.0f);
   model.rest_tension.assign(rest.vertices(), 0.0f);
   model.reference_mass.resize(rest.strands());
+  const bool groomed = std::any_of(materials.begin(), materials.end(), isGrooming);
+  if (groomed) {
+    model.air_drag_scale.resize(rest.vertices());
+    model.goal_scale.resize(rest.vertices());
+    model.damping_scale.resize(rest.strands());
+    model.friction_scale.resize(rest.strands());
+    model.tether.resize(rest.vertices());
+  }
   for (size_t s = 0; s < rest.strands(); ++s) {
     const std::span<const Vec3> points = rest.strand(s);
     checkStrand(points, s);
@@ -127,9 +167,42 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
       model.inverse_mass[first + i] = rest.isPinned(s, i) ? 0.0f : 1.0f;
     }
     const size_t part = rest.parts.empty() ? 0 : rest.parts[s];
-    setRod(model, s, materials[std::min(part, materials.size() - 1)]);
+    const Material& material = materials[std::min(part, materials.size() - 1)];
+    setRod(model, s, material);
+    if (groomed) setGrooming(model, s, material);
   }
   return model;
+}
+
+void pinToBone(StrandModel& model, size_t strand, float from, float to, const std::string& bone) {
+  const std::string where = fmt::format("bone '{}', strand {}", bone, strand);
+  if (!(from >= 0 && from <= to && to <= 1))
+    throw Error(fmt::format("{:g} to {:g} is no part of a strand", from, to), where,
+                "give 0 (root) to 1 (tip), in order");
+  const auto known = std::find(model.bones.begin(), model.bones.end(), bone);
+  const size_t index = static_cast<size_t>(known - model.bones.begin());
+  if (index > UINT16_MAX) throw Error("there are too many bones", where, "use 65,535 at most");
+
+  constexpr float kRounding = 1e-4f;  // of the strand's length: a limit at a vertex takes it
+  const uint32_t first = model.offsets[strand], end = model.offsets[strand + 1];
+  const float total = arcLength({model.rest_local.data() + first, end - first});
+  std::vector<uint32_t> pinned;
+  float along = 0;
+  for (uint32_t v = first; v < end; ++v) {
+    if (v > first) along += (model.rest_local[v] - model.rest_local[v - 1]).norm() / total;
+    if (along >= from - kRounding && along <= to + kRounding) pinned.push_back(v);
+  }
+  if (pinned.empty())
+    throw Error(fmt::format("no vertex lies from {:g} to {:g} of a strand", from, to), where,
+                "give a wider range");
+  if (known == model.bones.end()) model.bones.push_back(bone);
+  model.root_bones.resize(model.strands(), 0);
+  model.pin_bones.resize(model.vertices(), 0);
+  for (const uint32_t v : pinned) {
+    model.inverse_mass[v] = 0;
+    model.pin_bones[v] = static_cast<uint16_t>(index);
+  }
+  if (pinned.front() == first) model.root_bones[strand] = static_cast<uint16_t>(index);
 }
 
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots) {

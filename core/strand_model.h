@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/geometry.h"
@@ -8,11 +9,13 @@
 
 namespace strandcast {
 
+constexpr float kNoTether = 1e9f;  ///< m
+
 /// What does not change while strands move: the rest shape and who is pinned. Natural order (see StrandSet).
 struct StrandModel {
   std::vector<uint32_t> offsets{0};  ///< strands + 1
   std::vector<Vec3> rest_local;      ///< per vertex, metres, in the strand's root frame (root at the origin)
-  std::vector<float> inverse_mass;   ///< per vertex, relative: 0 pinned to the root frame, 1 free
+  std::vector<float> inverse_mass;   ///< per vertex, relative: 0 pinned, 1 free
   std::vector<Pose> rest_roots;      ///< per strand, in the groom's frame; z is the rest tangent at the root
 
   // The strand as an elastic rod. Entry i of a strand is its vertex i, edge (i, i + 1) or joint before edge
@@ -27,6 +30,32 @@ struct StrandModel {
   std::vector<float> rest_tension;    ///< per edge, m/s^2: what its rest shape is held with
   std::vector<float> reference_mass;  ///< per strand, kg: its mean vertex mass
 
+  // Grooming, see Material: tethers, and factors of what Parameters has for all hair. All empty where there
+  // is no tether and every factor is 1.
+  std::vector<float> air_drag_scale, goal_scale;     ///< per vertex
+  std::vector<float> damping_scale, friction_scale;  ///< per strand
+  std::vector<float> tether;                         ///< per vertex, m from the root; kNoTether = none
+
+  // What pinned vertices move with. A bone's pose is its motion since the groom's rest, as the head's is.
+  std::vector<std::string> bones{"head"};  ///< at least the head, which is the first
+  std::vector<uint16_t> root_bones;        ///< per strand, of its root frame; empty = the head
+  std::vector<uint16_t> pin_bones;         ///< per vertex, where pinned; empty = all as their root
+
+  uint16_t rootBone(size_t strand) const { return root_bones.empty() ? 0 : root_bones[strand]; }
+  /// Whether a vertex is pinned to another bone than its root frame.
+  bool isBonePinned(size_t strand, uint32_t vertex) const {
+    return !pin_bones.empty() && vertex > offsets[strand] && inverse_mass[vertex] == 0 &&
+           pin_bones[vertex] != rootBone(strand);
+  }
+  /// At rest, m, in the groom's frame.
+  Vec3 restPosition(size_t strand, uint32_t vertex) const {
+    return rest_roots[strand].apply(rest_local[vertex]);
+  }
+  /// Whether a factor of the strand is not 1.
+  bool hasFactors(size_t strand) const;
+  bool hasTethers(size_t strand) const {
+    return !tether.empty() && tether[offsets[strand + 1] - 1] < kNoTether;
+  }
   size_t strands() const { return offsets.size() - 1; }
   size_t vertices() const { return rest_local.size(); }
   size_t verticesOf(size_t strand) const { return offsets[strand + 1] - offsets[strand]; }
@@ -46,6 +75,11 @@ struct StrandState {
 /// (groom/ cleans them); throws Error naming the strand otherwise.
 /// `materials` by StrandSet::parts, the last one for all further parts.
 StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials = {Material{}});
+
+/// Pins to a bone what of a strand lies from `from` to `to`, parts of its arc length from the root (0) to the
+/// tip (1); at 0 its root frame too. A bone of a new name is added. Throws Error, naming the bone, on a range
+/// that is none, or in which no vertex lies, and on more than 65,535 bones. To be called before makeSagFree.
+void pinToBone(StrandModel& model, size_t strand, float from, float to, const std::string& bone);
 
 /// The rest shape carried rigidly by its roots, at rest.
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots);

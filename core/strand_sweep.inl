@@ -17,6 +17,12 @@ inline void store3(const real3& value, Scalar* planes, int i) {
 inline real3 fill3(const float* v) { return {lit(v[0]), lit(v[1]), lit(v[2])}; }
 inline real3 fill3(const Vec3& v) { return fill3(v.data()); }
 
+// Of BlockView::grooming, where there is none a factor of 1.
+inline real groomingFactor(const Block& b, GroomingPlane plane, int i) {
+  if (b.grooming == nullptr) return lit(1);
+  return load(b.grooming + (static_cast<size_t>(i) * kGroomingPlanes + plane) * kLanes);
+}
+
 struct RootFrame {
   real3 position;
   quat rotation;
@@ -28,6 +34,18 @@ inline RootFrame loadRoot(const Block& b, int first_plane) {
           {load(p + 3 * next), load(p + 4 * next), load(p + 5 * next), load(p + 6 * next)}};
 }
 
+// Where vertex i is to be if it is pinned; `time`: the part of the step that has passed then.
+inline real3 heldPoint(const Block& b, const RootFrame& root, int i, double time) {
+  const real3 by_root = rotate(root.rotation, load3(b.rest_local, i)) + root.position;
+  if (b.bone_pins == nullptr) return by_root;
+  const Scalar* row = b.bone_pins + static_cast<size_t>(i) * kBonePinPlanes * kLanes;
+  auto place = [&](int plane) {
+    const Scalar* p = row + static_cast<size_t>(plane) * kLanes;
+    return makeReal3(load(p), load(p + kLanes), load(p + 2 * kLanes));
+  };
+  const real3 begin = place(kHeldBegin);
+  return select(load(row) > lit(0.5), madd(place(kHeldEnd) - begin, lit(time), begin), by_root);
+}
 
 // A body at the end of a substep; `time` is the part of the step that has passed then, 0 to 1.
 struct SubstepBody {

@@ -41,18 +41,20 @@ std::vector<uint32_t> threadsPerStrand(const StrandModel& model) {
 GaussSeidelStrands::GaussSeidelStrands(const StrandModel& model)
     : groups_(threadsPerStrand(model)), rest_edge_(std::span<const Vec4>(packRestEdges(model))) {}
 
-void GaussSeidelStrands::step(ProgramCache& programs) {
+void GaussSeidelStrands::step(bool groomed, ProgramCache& programs) {
   auto workgroup = [](const StrandGroup& group) { return std::max(32u, group.key); };
-  if (programs_.empty())
+  std::vector<const gl::Program*>& mine = programs_[groomed ? 1 : 0];
+  if (mine.empty())
     for (const StrandGroup& group : groups_.groups())
-      programs_.push_back(&programs.get(
-          "gauss_seidel.comp", shaders::kGaussSeidelComp,
-          fmt::format("#define THREADS {}\n#define WORKGROUP {}\n", group.key, workgroup(group))));
+      mine.push_back(
+          &programs.get("gauss_seidel.comp", shaders::kGaussSeidelComp,
+                        fmt::format("#define THREADS {}\n#define WORKGROUP {}\n#define GROOMED {}\n",
+                                    group.key, workgroup(group), groomed ? 1 : 0)));
   rest_edge_.bindStorage(3);
   groups_.order().bindStorage(5);
-  for (size_t g = 0; g < programs_.size(); ++g) {
+  for (size_t g = 0; g < mine.size(); ++g) {
     const StrandGroup& group = groups_.groups()[g];
-    dispatch(*programs_[g], group, workgroup(group) / group.key);
+    dispatch(*mine[g], group, workgroup(group) / group.key);
   }
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <vector>
 
 #include "core/strand_model.h"
@@ -10,13 +11,15 @@ namespace strandcast::gpu {
 class GaussSeidelStrands {
  public:
   explicit GaussSeidelStrands(const StrandModel& model);
-  /// Gives the commands of a step; the buffers of GpuStrands are bound. The first compiles.
-  void step(ProgramCache& programs);
+  /// Gives the commands of a step; the buffers of GpuStrands are bound. The first without and the first with
+  /// grooming compile.
+  void step(bool groomed, ProgramCache& programs);
 
  private:
   StrandGroups groups_;  ///< key: invocations per strand
   gl::Buffer rest_edge_;
-  std::vector<const gl::Program*> programs_;  ///< of groups_; empty until the first step
+  /// Of groups_, without and with grooming; empty until first needed.
+  std::array<std::vector<const gl::Program*>, 2> programs_;
 };
 
 }  // namespace strandcast::gpu

@@ -19,10 +19,13 @@ Settings settingsOf(const StepInput& input) {
   s.strength_tip = static_cast<float>(1 - std::exp(-p.shape_rate_tip * h / p.iterations));
   s.damping_time = p.damping_time;
   s.hair_radius = p.hair_radius;
+  s.air_drag = p.air_drag;
+  s.goal_rate = p.goal_rate;
   s.substeps = static_cast<uint32_t>(p.substeps);
   s.iterations = static_cast<uint32_t>(p.iterations);
   s.primitive_count = static_cast<uint32_t>(input.primitives.size());
   s.strand_count = static_cast<uint32_t>(input.roots_begin.size());
+  s.bone_count = static_cast<uint32_t>(input.bones_begin.size());
   return s;
 }
 

@@ -16,12 +16,15 @@ struct Settings {
   float strength_tip;
   float damping_time;  ///< s, of the rod
   float hair_radius;   ///< m
+  float air_drag;      ///< 1/s
+  float goal_rate;     ///< 1/s
   uint32_t substeps;
   uint32_t iterations;
   uint32_t primitive_count;
   uint32_t strand_count;
+  uint32_t bone_count;
 };
-static_assert(sizeof(Settings) == 76);
+static_assert(sizeof(Settings) == 88);
 static_assert(sizeof(Pose) == 28);  // the shader reads poses as 7 floats: position, rotation x y z w
 
 Settings settingsOf(const StepInput& input);

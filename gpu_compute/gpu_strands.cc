@@ -22,7 +22,23 @@ gl::Buffer storage(size_t count) {
 
 std::vector<Vec4> packRestLocal(const StrandModel& model) {
   std::vector<Vec4> packed(model.vertices());
-  for (size_t v = 0; v < packed.size(); ++v) packed[v] = vec4(model.rest_local[v], model.inverse_mass[v]);
+  for (size_t s = 0; s < model.strands(); ++s)
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+      packed[v] = model.isBonePinned(s, v)
+                      ? vec4(model.restPosition(s, v), -1 - static_cast<float>(model.pin_bones[v]))
+                      : vec4(model.rest_local[v], model.inverse_mass[v]);
+  return packed;
+}
+
+const Vec4 kNotGroomed = {1, 1, kNoTether, 0};
+
+std::vector<Vec4> packGrooming(const StrandModel& model) {
+  std::vector<Vec4> packed(model.vertices());
+  for (size_t s = 0; s < model.strands(); ++s) {
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+      packed[v] = {model.air_drag_scale[v], model.goal_scale[v], model.tether[v], 0};
+    packed[model.offsets[s]] = {model.friction_scale[s], model.damping_scale[s], 0, 0};
+  }
   return packed;
 }
 
@@ -56,6 +72,7 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
     : programs_(programs),
       vertices_((checkFits(model.vertices()), discardErrors(), model.vertices())),
       strands_(model.strands()),
+      bones_(model.bones.size()),
       model_offsets_(model.offsets),
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
@@ -63,10 +80,12 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
       rest_local_(std::span<const Vec4>(packRestLocal(model))),
       offsets_(std::span<const uint32_t>(model.offsets)),
       guides_(storage<Vec3>(vertices_)),
+      groomed_(!model.damping_scale.empty()),
       gauss_seidel_(model),
       rod_(model),
-      uploads_(std::in_place, strands_, kFirstPrimitives),
+      uploads_(std::in_place, strands_, bones_, kFirstPrimitives),
       readback_(vertices_) {
+  if (groomed_) grooming_ = gl::Buffer(std::span<const Vec4>(packGrooming(model)));
   if (glGetError() == GL_OUT_OF_MEMORY)
     throw Error("the model does not fit the GPU's memory", fmt::format("{} vertices", vertices_),
                 "use fewer strands or --backend simd");
@@ -117,6 +136,7 @@ void GpuStrands::bind() const {
   offsets_.bindStorage(4);
   guides_.bindStorage(8);
   frames_.bindStorage(9);
+  if (grooming_.bytes() > 0) grooming_.bindStorage(13);
 }
 
 void GpuStrands::step(const StepInput& input) {
@@ -124,15 +144,18 @@ void GpuStrands::step(const StepInput& input) {
   if (vertices_ == 0) return;
   if (!uploads_->holds(input.primitives.size())) {  // more bodies than ever before
     glFinish();
-    uploads_.emplace(strands_, 2 * input.primitives.size());
+    uploads_.emplace(strands_, bones_, 2 * input.primitives.size());
   }
   uploads_->write(input);
+  const bool goal = input.parameters->goal_rate > 0;
+  if (goal && grooming_.bytes() == 0)
+    grooming_ = gl::Buffer(std::span<const Vec4>(std::vector<Vec4>(vertices_, kNotGroomed)));
   bind();
   timer_.begin();
   if (input.parameters->solver == SolverKind::kRod)
-    rod_.step(!input.primitives.empty(), programs_);
+    rod_.step({!input.primitives.empty(), goal}, programs_);
   else
-    gauss_seidel_.step(programs_);
+    gauss_seidel_.step(groomed_ || goal, programs_);
   timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   uploads_->finish();

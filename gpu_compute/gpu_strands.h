@@ -18,8 +18,8 @@ class GpuStrands {
 
   void upload(const StrandState& state);
   void download(StrandState& state) const;
-  /// The first step with a solver, and its first with bodies, compile; that may throw Error. No other one
-  /// does, nor allocates, unless there are more bodies than ever before.
+  /// The first step with a solver, and its first with bodies or a goal pull, compile; that may throw Error.
+  /// No other one does, nor allocates, unless there are more bodies than ever before.
   void step(const StepInput& input);
   std::span<const Vec3> guides();
   /// guides() need not wait, nor the context.
@@ -31,12 +31,14 @@ class GpuStrands {
   void bind() const;
 
   ProgramCache& programs_;
-  size_t vertices_, strands_;
+  size_t vertices_, strands_, bones_;
   std::vector<uint32_t> model_offsets_;
   gl::Buffer positions_;   ///< xyz; w: tension of the edge that ends at the vertex
   gl::Buffer velocities_;  ///< xyz
   gl::Buffer frames_;      ///< of the edge that starts at the vertex
   gl::Buffer rest_local_, offsets_, guides_;
+  gl::Buffer grooming_;  ///< see shaders/grooming.glsl; empty until needed
+  bool groomed_;         ///< strands have tethers or factors
   GaussSeidelStrands gauss_seidel_;
   RodStrands rod_;
   std::optional<UploadRing> uploads_;  ///< never empty

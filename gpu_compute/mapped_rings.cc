@@ -41,13 +41,15 @@ void Fence::wait() {
   sync_ = nullptr;
 }
 
-UploadRing::UploadRing(size_t strands, size_t primitives)
+UploadRing::UploadRing(size_t strands, size_t bones, size_t primitives)
     : primitives_(primitives),
       primitives_at_(aligned(sizeof(Settings))),
       roots_at_(primitives_at_ + aligned(std::max<size_t>(primitives, 1) * sizeof(MovingPrimitive))),
-      roots_bytes_(2 * strands * sizeof(Pose)) {
+      roots_bytes_(2 * strands * sizeof(Pose)),
+      bones_bytes_(2 * bones * sizeof(Pose)) {
   for (size_t i = 0; i < kSlots; ++i) {
-    buffers_[i] = gl::Buffer(roots_at_ + std::max<size_t>(roots_bytes_, 16), nullptr, kWritten);
+    buffers_[i] =
+        gl::Buffer(roots_at_ + std::max<size_t>(roots_bytes_ + bones_bytes_, 16), nullptr, kWritten);
     memory_[i] = static_cast<char*>(map(buffers_[i], kWritten));
   }
 }
@@ -63,12 +65,17 @@ void UploadRing::write(const StepInput& input) {
   char* roots = memory + roots_at_;
   std::memcpy(roots, static_cast<const void*>(input.roots_begin.data()), roots_bytes_ / 2);
   std::memcpy(roots + roots_bytes_ / 2, static_cast<const void*>(input.roots_end.data()), roots_bytes_ / 2);
+  if (!input.bones_begin.empty()) {
+    char* bones = roots + roots_bytes_;
+    std::memcpy(bones, static_cast<const void*>(input.bones_begin.data()), bones_bytes_ / 2);
+    std::memcpy(bones + bones_bytes_ / 2, static_cast<const void*>(input.bones_end.data()), bones_bytes_ / 2);
+  }
 
   const GLuint id = buffers_[slot_].id();
   constexpr GLsizeiptr kBlock = (sizeof(Settings) + 15) / 16 * 16;  // as std140 rounds it up
   glBindBufferRange(GL_UNIFORM_BUFFER, 0, id, 0, kBlock);
   glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 6, id, static_cast<GLintptr>(roots_at_),
-                    static_cast<GLsizeiptr>(roots_bytes_));
+                    static_cast<GLsizeiptr>(roots_bytes_ + bones_bytes_));
   glBindBufferRange(
       GL_SHADER_STORAGE_BUFFER, 7, id, static_cast<GLintptr>(primitives_at_),
       static_cast<GLsizeiptr>(std::max<size_t>(input.primitives.size(), 1) * sizeof(MovingPrimitive)));

@@ -21,10 +21,11 @@ class Fence {
   GLsync sync_ = nullptr;
 };
 
-/// What a step is told (settings, bodies, roots), in memory that the GPU reads while the CPU writes the next.
+/// What a step is told (settings, bodies, roots, bones), in memory that the GPU reads while the CPU writes
+/// the next.
 class UploadRing {
  public:
-  UploadRing(size_t strands, size_t primitives);
+  UploadRing(size_t strands, size_t bones, size_t primitives);
 
   /// Whether a step with so many primitives fits.
   bool holds(size_t primitives) const { return primitives <= primitives_; }
@@ -37,7 +38,7 @@ class UploadRing {
  private:
   static constexpr size_t kSlots = 3;
   size_t primitives_, primitives_at_, roots_at_;  ///< capacity; bytes from the start of a slot
-  size_t roots_bytes_;
+  size_t roots_bytes_, bones_bytes_;
   std::array<gl::Buffer, kSlots> buffers_;
   std::array<char*, kSlots> memory_{};
   std::array<Fence, kSlots> fences_;

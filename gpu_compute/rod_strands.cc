@@ -18,8 +18,9 @@ constexpr uint32_t kPerThread = 4;   // edges of an invocation
 constexpr uint32_t kWorkgroup = 32;  // invocations
 
 // A group's key: invocations per strand, and what its strands let the shader do without.
-constexpr uint32_t kGeneral = 64;  // lengths or masses differ along the strand
-constexpr uint32_t kPinned = 128;  // more than the root is pinned
+constexpr uint32_t kGeneral = 64;   // lengths or masses differ along the strand
+constexpr uint32_t kPinned = 128;   // more than the root is pinned
+constexpr uint32_t kGroomed = 256;  // StrandModel::hasFactors
 uint32_t threadsOf(uint32_t key) { return key & 63; }
 constexpr uint32_t kAnything = kGeneral | kPinned;
 
@@ -75,15 +76,17 @@ bool isUniform(const StrandModel& model, uint32_t strand) {
 uint32_t keyOf(const StrandModel& model, uint32_t strand) {
   const uint32_t threads = std::bit_ceil((edgesOf(model, strand) + kPerThread - 1) / kPerThread);
   const bool pinned = isPinned(model, strand);
-  return threads | (pinned || !isUniform(model, strand) ? kGeneral : 0) | (pinned ? kPinned : 0);
+  const bool groomed = model.hasFactors(strand);
+  return threads | (pinned || groomed || !isUniform(model, strand) ? kGeneral : 0) | (pinned ? kPinned : 0) |
+         (groomed ? kGroomed : 0);
 }
 
 std::vector<uint32_t> keysOf(const StrandModel& model) {
   std::vector<uint32_t> keys(model.strands());
-  std::array<size_t, 256> count{};
+  std::array<size_t, 512> count{};
   for (uint32_t s = 0; s < keys.size(); ++s) ++count[keys[s] = keyOf(model, s)];
   for (uint32_t& key : keys)
-    if (count[key] < kOwnProgram) key = threadsOf(key) | kAnything;
+    if (count[key] < kOwnProgram) key = threadsOf(key) | kAnything | (key & kGroomed);
   return keys;
 }
 
@@ -115,22 +118,24 @@ RodStrands::RodStrands(const StrandModel& model) : groups_(keysOf(model)) {
   }
 }
 
-RodStrands::GroupPrograms RodStrands::compile(bool bodies, ProgramCache& programs) const {
+RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, ProgramCache& programs) const {
   GroupPrograms out;
   for (size_t g = 0; g < edges_of_.size(); ++g) {
     const uint32_t key = groups_.groups()[g].key;
-    out.push_back(&programs.get("rod.comp", shaders::kRodComp,
-                                fmt::format("#define THREADS {}\n#define EDGES {}\n#define UNIFORM "
-                                            "{}\n#define PINNED {}\n#define BODIES {}\n",
-                                            threadsOf(key), edges_of_[g], (key & kGeneral) == 0 ? 1 : 0,
-                                            (key & kPinned) != 0 ? 1 : 0, bodies ? 1 : 0)));
+    const bool groomed = needs.goal || (key & kGroomed) != 0;
+    out.push_back(&programs.get(
+        "rod.comp", shaders::kRodComp,
+        fmt::format("#define THREADS {}\n#define EDGES {}\n#define UNIFORM {}\n#define PINNED {}\n#define "
+                    "BODIES {}\n#define GROOMED {}\n",
+                    threadsOf(key), edges_of_[g], (key & kGeneral) == 0 && !groomed ? 1 : 0,
+                    (key & kPinned) != 0 ? 1 : 0, needs.bodies ? 1 : 0, groomed ? 1 : 0)));
   }
   return out;
 }
 
-void RodStrands::step(bool bodies, ProgramCache& programs) {
-  GroupPrograms& mine = programs_[bodies ? 1 : 0];
-  if (mine.empty()) mine = compile(bodies, programs);
+void RodStrands::step(const Needs& needs, ProgramCache& programs) {
+  GroupPrograms& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0)];
+  if (mine.empty()) mine = compile(needs, programs);
   groups_.order().bindStorage(5);
   joints_.bindStorage(10);
   edges_.bindStorage(11);

@@ -11,18 +11,23 @@ namespace strandcast::gpu {
 class RodStrands {
  public:
   explicit RodStrands(const StrandModel& model);
-  /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one without and the first
-  /// one with bodies compile.
-  void step(bool bodies, ProgramCache& programs);
+  /// What the programs of a step are chosen by.
+  struct Needs {
+    bool bodies;  ///< there are some
+    bool goal;    ///< all strands are pulled towards their goals
+  };
+  /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs
+  /// compiles.
+  void step(const Needs& needs, ProgramCache& programs);
 
  private:
   using GroupPrograms = std::vector<const gl::Program*>;
-  GroupPrograms compile(bool bodies, ProgramCache& programs) const;
+  GroupPrograms compile(const Needs& needs, ProgramCache& programs) const;
 
   StrandGroups groups_;             ///< key: see rod_strands.cc
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
   gl::Buffer joints_, edges_, strands_;
-  std::array<GroupPrograms, 2> programs_;  ///< without and with bodies; empty until first needed
+  std::array<GroupPrograms, 4> programs_;  ///< by needs; empty until first needed
 };
 
 }  // namespace strandcast::gpu

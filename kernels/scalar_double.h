@@ -11,6 +11,7 @@ namespace strandcast::kernels::f64 {
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
 #include "kernels/rod.h"
+#include "kernels/grooming.h"
 #include "kernels/end_lanes.inl"
 // clang-format on
 }  // namespace strandcast::kernels::f64

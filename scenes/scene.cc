@@ -67,6 +67,7 @@ Scene makeProceduralScene(const SceneOptions& options, const Progress& progress)
   const NamedScene& named = namedScene(options.name);
   Scene scene;
   scene.name = named.info.name;
+  scene.part_names = {scene.name};
   report(progress, "sculpting the body", 0.1);
   ProceduralBody body = makeProceduralBody();
   ProceduralGroomOptions groom = named.groom;
@@ -143,6 +144,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   Scene scene;
   scene.parameters.damping_time = kHairDamping;
   scene.name = options.groom.front().stem().string();
+  for (const std::filesystem::path& file : options.groom) scene.part_names.push_back(file.stem().string());
   report(progress, "reading the groom", 0.1);
   scene.groom = loadGroom(options.groom, options.units);
   SceneOptions resolved = options;
@@ -178,9 +180,17 @@ const std::vector<SceneInfo>& sceneList() {
   return list;
 }
 
+StrandModel sceneModel(const Scene& scene) {
+  StrandModel model = makeStrandModel(scene.groom.strands, scene.materials);
+  pinParts(model, scene.pins, scene.part_names, scene.groom.strands.parts);
+  return model;
+}
+
 Scene makeScene(const SceneOptions& options, const Progress& progress) {
   Scene scene =
       options.groom.empty() ? makeProceduralScene(options, progress) : makeFileScene(options, progress);
+  scene.materials = partMaterials(options.materials, scene.part_names);
+  scene.pins = options.pins;
   if (scene.groom.strands.strands() == 0)
     throw Error("the groom has no strand to simulate", scene.name, "see `strandcast info FILE`");
   if (!options.primitives.empty()) scene.bodies.push_back({options.primitives, true});

@@ -8,6 +8,8 @@
 #include "groom/groom_file.h"
 #include "groom/procedural_groom.h"
 #include "scenes/head_motion.h"
+#include "scenes/part_materials.h"
+#include "scenes/part_pins.h"
 
 namespace strandcast {
 
@@ -24,12 +26,18 @@ struct SceneOptions {
   float length = 0;  ///< m, procedural only; 0 = the scene's own
   std::vector<ContactPrimitive> primitives;  ///< further shapes, which move with the head
   int body_primitives = 24;                  ///< at most, fitted into a body mesh
+  std::vector<MaterialRule> materials;       ///< what the hair of its parts is made of
+  std::vector<PinRule> pins;                 ///< what of its parts moves with bones
 };
 
 /// All that a simulation and a renderer need, made once and shared by daemon, tests and benchmarks.
 struct Scene {
   std::string name;
   Groom groom;
+  std::vector<std::string>
+      part_names;                   ///< by StrandSet::parts: stems of the groom files, or the scene's name
+  std::vector<Material> materials;  ///< by part
+  std::vector<PinRule> pins;
   TriangleMesh body;                ///< may be empty
   std::vector<float> head_weights;  ///< per body vertex, 1 = moves with the head; empty = all do
   std::vector<RigidBody> bodies;
@@ -46,6 +54,9 @@ const std::vector<SceneInfo>& sceneList();
 
 /// Tells how far a long job has come: what it does now, and the part done, 0 to 1.
 using Progress = std::function<void(const std::string& what, double part)>;
+
+/// The strands of a scene with their materials and pins, as they are made: not sag-free. Throws Error.
+StrandModel sceneModel(const Scene& scene);
 
 /// Throws Error on bad input.
 Scene makeScene(const SceneOptions& options, const Progress& progress = {});

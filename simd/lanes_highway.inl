@@ -62,4 +62,5 @@ HWY_INLINE bool anyTrue(mask m) { return !hn::AllFalse(Tag(), m.m); }
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
 #include "kernels/rod.h"
+#include "kernels/grooming.h"
 // clang-format on

@@ -76,7 +76,7 @@ class SimdBackend final : public Backend {
  private:
   void stepBlocks(size_t begin, size_t end, const StepInput& input, float* scratch) {
     for (size_t b = begin; b < end; ++b) {
-      store_.setRoots(b, input.roots_begin, input.roots_end);
+      store_.setPoses(b, input);
       target_.kernel.step_block(store_.block(b), input, scratch);
       store_.readPositions(b, guides_);
     }

@@ -9,7 +9,7 @@ float weightOf(int e) {
 #if UNIFORM
   return e < 0 ? 0.0 : e == edges - 1 ? 2.0 : 1.0;
 #else
-  return e < 0 ? 0.0 : edge_rest[root_vertex + uint(min(e, edges - 1))].w;
+  return e < 0 ? 0.0 : edgeRest(root_vertex + uint(min(e, edges - 1))).w;
 #endif
 }
 float lengthOf(int e) {

@@ -1,7 +1,8 @@
 #version 450
-// variants: THREADS=4 WORKGROUP=32 | THREADS=32 WORKGROUP=32 | THREADS=128 WORKGROUP=128
+// variants: THREADS=4 WORKGROUP=32 GROOMED=0 | THREADS=32 WORKGROUP=32 GROOMED=1 | THREADS=128 WORKGROUP=128 GROOMED=0
 // One step of strands of up to THREADS vertices, all substeps in one dispatch: core/gauss_seidel_sweep.inl with a vertex
 // per invocation, WORKGROUP / THREADS strands per workgroup. Edge i, from vertex i to i + 1, belongs to invocation i.
+// GROOMED: there is a goal pull, or strands have tethers or factors that are not 1.
 layout(local_size_x = WORKGROUP) in;
 
 #include "kernels/lanes_glsl.h"
@@ -10,10 +11,14 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/contact.h"
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/bodies.glsl"
+#if GROOMED
+#include "kernels/grooming.h"
+#include "gpu_compute/shaders/grooming.glsl"
+#endif
 
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };             // xyz; w is the rod's
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };           // xyz
-layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };   // xyz, inverse mass
+layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };   // xyz, inverse mass; see bonePoint
 layout(std430, binding = 3) readonly buffer RestEdge { vec4 rest_edge[]; };     // xyz, rest length
 layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };        // first vertex of each strand
 layout(std430, binding = 5) readonly buffer Order { uint order[]; };            // strands by group
@@ -44,9 +49,13 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
   return frame;
 }
 
-vec3 resolveContacts(vec3 x, vec3 start, float time) {
+vec3 resolveContacts(vec3 x, vec3 start, float friction_scale, float time) {
   vec3 normal;
-  for (uint i = 0u; i < settings.primitive_count; ++i) pushOut(bodyAt(i, time), start, x, normal);
+  for (uint i = 0u; i < settings.primitive_count; ++i) {
+    SubstepBody body = bodyAt(i, time);
+    body.friction *= friction_scale;
+    pushOut(body, start, x, normal);
+  }
   return x;
 }
 
@@ -67,7 +76,12 @@ void main() {
 
   vec3 x = positions[vertex].xyz, v = velocities[vertex].xyz;
   vec4 local = rest_local[vertex], edge = rest_edge[vertex];
-  float inverse_mass = local.w;
+  float inverse_mass = max(local.w, 0.0);
+#if GROOMED
+  float keep = keepOf(vertex), goal_rate = goalRateOf(vertex), friction_scale = grooming[first].x;
+#else
+  const float keep = settings.keep, friction_scale = 1.0;
+#endif
   Pose root_begin = rootPose(strand), root_end = rootPose(settings.strand_count + strand);
   float along = vertices > 2 ? float(k) / float(vertices - 2) : 0.0;
   float strength = settings.strength_root + along * (settings.strength_tip - settings.strength_root);
@@ -77,8 +91,11 @@ void main() {
     vec3 root_position = madd(root_end.position - root_begin.position, time, root_begin.position);
     vec4 root = interpolateRotation(root_begin.rotation, root_end.rotation, time);
     vec3 start = x;
-    vec3 free = predictPosition(x, v, settings.gravity.xyz, settings.wind.xyz, settings.keep, settings.substep);
-    vec3 held = rotate(root, local.xyz) + root_position;
+    vec3 free = predictPosition(x, v, settings.gravity.xyz, settings.wind.xyz, keep, settings.substep);
+    vec3 held = local.w < 0.0 ? bonePoint(local, time) : rotate(root, local.xyz) + root_position;
+#if GROOMED
+    free = drawnToGoal(free, held, goal_rate, settings.substep);
+#endif
     x = inverse_mass < 0.5 ? held : free;
     shared_position[me] = vec4(x, inverse_mass);
     barrier();
@@ -108,7 +125,10 @@ void main() {
         barrier();
       }
       x = shared_position[me].xyz;
-      if (inverse_mass > 0.5) x = resolveContacts(x, start, time);
+#if GROOMED
+      if (inverse_mass > 0.5) x = tethered(x, shared_position[me - uint(k)].xyz, grooming[vertex].z);
+#endif
+      if (inverse_mass > 0.5) x = resolveContacts(x, start, friction_scale, time);
       shared_position[me] = vec4(x, inverse_mass);
       barrier();
     }

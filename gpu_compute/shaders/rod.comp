@@ -1,10 +1,11 @@
 #version 450
-// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0
+// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 GROOMED=1 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 GROOMED=0 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 GROOMED=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 GROOMED=0
 // One step of strands as inextensible rods, all substeps in one dispatch: core/rod_sweep.inl with the state in registers,
 // four edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
 // become: own slots by elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
-// PINNED: more vertices than the roots are. BODIES: there are some.
+// PINNED: more vertices than the roots are. BODIES: there are some. GROOMED: there is a goal pull, or strands have
+// factors that are not 1; then UNIFORM is 0.
 #define WORKGROUP 32
 layout(local_size_x = WORKGROUP) in;
 
@@ -13,6 +14,10 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/contact.h"
 #include "kernels/rod.h"
 #include "gpu_compute/shaders/step_input.glsl"
+#if GROOMED
+#include "kernels/grooming.h"
+#include "gpu_compute/shaders/grooming.glsl"
+#endif
 #include "gpu_compute/shaders/strand_threads.glsl"
 #include "gpu_compute/shaders/rod_strand.glsl"
 #include "gpu_compute/shaders/root_motion.glsl"
@@ -46,11 +51,20 @@ vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else
 #define NORMAL_IN vec3(0)
 #endif
 
+#if PINNED || GROOMED
+// Where the root frame, or the bone that it is pinned to, holds a vertex of the rest shape.
+vec3 heldPoint(uint vertex, RootMotion root) {
+  vec4 local = rest_local[vertex];
+  if (local.w < 0.0) return bonePoint(local, root.time);
+  return rotate(root.rotation, local.xyz) + root.position;
+}
+#endif
+
 // Where a vertex would go by itself; pinned ones ride on the root frame.
-vec3 inertialPoint(vec3 position, vec3 velocity, float weight, uint vertex, RootMotion root) {
-  vec3 moved = madd(velocity, settings.substep * settings.keep, position) + root.jump;
+vec3 inertialPoint(vec3 position, vec3 velocity, float keep, float weight, uint vertex, RootMotion root) {
+  vec3 moved = madd(velocity, settings.substep * keep, position) + root.jump;
 #if PINNED
-  if (weight == 0.0) moved = rotate(root.rotation, rest_local[vertex].xyz) + root.position;
+  if (weight == 0.0) moved = heldPoint(vertex, root);
 #endif
   return moved;
 }
@@ -61,7 +75,7 @@ vec3 newEdge(int p) { return x_new[p] - (p > 0 ? x_new[max(p - 1, 0)] : x_new_in
 // In which the forces of the edge of slot p act, while x_new are the inertial points. With internal damping, frames and
 // tangents are ahead of the motion by the damping time.
 vec3 forceDirection(int p) {
-  float ahead = settings.damping_time * settings.per_substep;
+  float ahead = DAMPING_TIME * settings.per_substep;
   return madd(newEdge(p) - oldEdge(p), -ahead * inverseLength(p), tangent[p]);
 }
 
@@ -73,7 +87,7 @@ float predictEdge(int p, vec3 unit_in) {
   vec3 edge = newEdge(p), old = oldEdge(p), advance = edge - old;
   tension[p] = min(keptTension(tension[p], advance * il, bend(p), il, dt2), most_tension);
   float blend = timeBlend(advance * il, old * il - unit_in, bend(p) * il * il * dt2 * weight(p));
-  float ahead = settings.damping_time * settings.per_substep;
+  float ahead = DAMPING_TIME * settings.per_substep;
   tangent[p] = directionOr(madd(advance, ahead - blend, edge), frameTangent(frame[p]));
   frame[p] = transportTo(frame[p], tangent[p]);
   return blend;
@@ -82,10 +96,10 @@ float predictEdge(int p, vec3 unit_in) {
 // Inertial points and what follows from them for each edge. Returns the frame before slot 0.
 vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
   uint vertex = root_vertex + uint(min(rank * PER_THREAD, edges));
-  x_new_in = rank > 0 ? inertialPoint(x_in, v_in, weight_in, vertex, root) : root.position;
+  x_new_in = rank > 0 ? inertialPoint(x_in, v_in, KEEP_IN, weight_in, vertex, root) : root.position;
   for (int p = 0; p < PER_THREAD; ++p) {
     vertex = root_vertex + uint(min(rank * PER_THREAD + p + 1, edges));
-    x_new[p] = inertialPoint(x[p], v[p], weight(p), vertex, root);
+    x_new[p] = inertialPoint(x[p], v[p], KEEP(p), weight(p), vertex, root);
   }
   for (int p = 1; p < PER_THREAD; ++p) blend[p] = predictEdge(p, oldEdge(p - 1) * inverseLength(p - 1));
   exchange_a[me] = frame[kLast];
@@ -120,7 +134,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     strain[p] = jointStrain(inner, frame[p]);
     vec3 excess = strain[p] - rest_strain[p];
     float c = dot(t_in, tangent[p]);
-    float time2 = settings.substep * madd(implicitShare(blend[p]), settings.substep, settings.damping_time);
+    float time2 = settings.substep * madd(implicitShare(blend[p]), settings.substep, DAMPING_TIME);
     stiffness[p] = bendMatrixStiffness(bend(p), c, time2);
     margin[p] = bendMatrixMargin(stiffness[p], c, excess);
     float coupling = twistOfBending(strain[p], excess, bend(p)), shear = torqueDifference(strain[p], excess, bend(p));
@@ -232,7 +246,14 @@ void makeBending(RootMotion root) {
   il[PER_THREAD] = inverseLengthOut();
   for (int p = 0; p < PER_THREAD; ++p) {
     vec3 outer = p < kLast ? force[min(p + 1, kLast)] : force_out;
+#if GROOMED
+    vec3 way = madd(settings.wind.xyz, settings.substep * (settings.keep - keeps[p]), fall);
+    vec3 goal = heldPoint(root_vertex + uint(min(rank * PER_THREAD + p + 1, edges)), root);
+    vec3 total = force[p] - outer;
+    if (weight(p) > 0.0) total += goalPull(way, mass(p), goal_stiffness[p], goal, x_new[p]);
+#else
     vec3 total = madd(fall, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - outer);
+#endif
     force[p] = isEdge(p) ? total : vec3(0);
     float own = mass(p) + bendOwn(stiffness[p], stiffness[p + 1], stiffness[p + 2], il[p], il[p + 1]);
     diagonal[p] = isEdge(p) ? own + edge_stiffness[p] + edge_stiffness[p + 1] : 1.0;
@@ -262,6 +283,9 @@ void moveByForces() {
 void collide(float time) {
   for (uint i = 0u; i < settings.primitive_count; ++i) {
     SubstepBody body = bodyAt(i, time);
+#if GROOMED
+    body.friction *= strand_grooming.x;
+#endif
     for (int p = 0; p < PER_THREAD; ++p)
       if (weight(p) > 0.0) pushOut(body, x[p], x_new[p], normals[p]);
   }
@@ -440,7 +464,7 @@ void main() {
   for (int substep = 0; substep < int(settings.substeps); ++substep) {
     int ahead = substep % THREADS;
     if (ahead == 0) placeRoots(substep);
-    RootMotion root = rootMotion(ahead);
+    RootMotion root = rootMotion(ahead, timeAfter(substep));
     float blend[PER_THREAD];
     vec4 frame_in = predict(root, blend);
     solveTwist(frame_in, blend);

@@ -4,7 +4,7 @@
 
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz
-layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass
+layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
 layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };      // first vertex of each strand
 layout(std430, binding = 5) readonly buffer Order { uint order[]; };          // strands by group
 layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };      // 3 per vertex
@@ -59,6 +59,33 @@ bool isTip(int p) {
 #endif
 }
 
+#if GROOMED
+float keeps[PER_THREAD], keep_in;    // of the velocity, what the air leaves
+float goal_stiffness[PER_THREAD];    // of the goal pull; masses and weights have it added
+vec2 strand_grooming;                // factors of friction and damping time
+#define KEEP(p) keeps[p]
+#define KEEP_IN keep_in
+#define DAMPING_TIME (settings.damping_time * strand_grooming.y)
+
+float goalStiffnessOf(uint at, vec4 edge) {
+  return edge.w > 0.0 ? goalStiffness(edge.z, goalRateOf(at + 1u), settings.substep) : 0.0;
+}
+#else
+#define KEEP(p) settings.keep
+#define KEEP_IN settings.keep
+#define DAMPING_TIME settings.damping_time
+#endif
+
+// Length, twist; mass, weight of the vertex at the end of the edge that starts at `at`.
+vec4 edgeRest(uint at) {
+  vec4 edge = edge_rest[at];
+#if GROOMED
+  edge.z += goalStiffnessOf(at, edge);
+  if (edge.w > 0.0) edge.w = 1.0 / edge.z;
+#endif
+  return edge;
+}
+
 #if UNIFORM
 // One length along the strand; masses 1, at the tip 1/2; twist in one ratio to bend.
 const float weight_in = 1.0;
@@ -111,20 +138,28 @@ void loadStrand() {
     rest_strain[p] = joint.xyz;
     bends[p] = isEdge(p) ? joint.w : 0.0;
 #if !UNIFORM
-    edge[p] = edge_rest[at];
+    edge[p] = edgeRest(at);
     inverse_lengths[p] = boundedInverse(edge[p].x);
     if (!isEdge(p)) edge[p].x = edge[p].y = 0.0;
+#endif
+#if GROOMED
+    keeps[p] = keepOf(at + 1u);
+    goal_stiffness[p] = goalStiffnessOf(at, edge_rest[at]);
 #endif
   }
   uint at = root_vertex + uint(min(rank * PER_THREAD, edges));
   x_in = positions[at].xyz;
   v_in = velocities[at].xyz;
 #if !UNIFORM
-  vec4 edge_in = edge_rest[max(at, root_vertex + 1u) - 1u];
+  vec4 edge_in = edgeRest(max(at, root_vertex + 1u) - 1u);
   length_in = edge_in.x;
   weight_in = rank > 0 ? edge_in.w : 0.0;
   inverse_length_in = boundedInverse(edge_in.x);
   inverse_length_out = boundedInverse(edge_rest[root_vertex + uint(min((rank + 1) * PER_THREAD, edges - 1))].x);
+#endif
+#if GROOMED
+  keep_in = keepOf(at);
+  strand_grooming = grooming[root_vertex].xy;
 #endif
 }
 

@@ -7,14 +7,15 @@ struct RootMotion {
   vec3 tangent_old;  // of the root before the substep
   vec3 swing;        // how it changes
   vec4 inner_frame;  // of the root, without the swing of this substep
-  vec4 rotation;     // at the end of the substep, for pinned vertices
+  float time;        // part of the step that has passed at the end of the substep
+  vec4 rotation;     // at the end of the substep, for what rides on the root
 };
 
 shared vec4 root_position[WORKGROUP];  // w: x, y, z of the jump
 shared vec4 root_tangent[WORKGROUP];
 shared vec4 root_swing[WORKGROUP];
 shared vec4 root_frame[WORKGROUP];
-#if PINNED
+#if PINNED || GROOMED
 shared vec4 root_rotation[WORKGROUP];
 #endif
 
@@ -38,21 +39,21 @@ void placeRoots(int first) {
     root_tangent[me] = vec4(tangent_old, jump.y);
     root_swing[me] = vec4(tangent - tangent_old, jump.z);
     root_frame[me] = multiply(rotationBetween(tangent, tangent_old), rotation);
-#if PINNED
+#if PINNED || GROOMED
     root_rotation[me] = rotation;
 #endif
   }
   barrier();
 }
 
-// Of the substep that is `ahead` of the first of those placed last.
-RootMotion rootMotion(int ahead) {
+// Of the substep that is `ahead` of the first of those placed last and ends at `time`.
+RootMotion rootMotion(int ahead, float time) {
   uint at = me - uint(rank) + uint(ahead);
   vec4 a = root_position[at], b = root_tangent[at], c = root_swing[at];
-#if PINNED
+#if PINNED || GROOMED
   vec4 rotation = root_rotation[at];
 #else
   const vec4 rotation = vec4(0, 0, 0, 1);
 #endif
-  return RootMotion(a.xyz, vec3(a.w, b.w, c.w), b.xyz, c.xyz, root_frame[at], rotation);
+  return RootMotion(a.xyz, vec3(a.w, b.w, c.w), b.xyz, c.xyz, root_frame[at], time, rotation);
 }

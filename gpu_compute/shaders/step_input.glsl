@@ -1,4 +1,5 @@
-// What a step is told: settings, root poses and bodies, in the slot of the upload ring that is bound for it.
+// What a step is told: settings, poses of roots and bones, and bodies, in the slot of the upload ring that is bound for it.
+// Needs kernels/rotation.h.
 
 struct Primitive {  // core/contact_primitive.h
   vec4 a_begin_radius;
@@ -19,12 +20,16 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   float strength_tip;
   float damping_time;   // s, of the rod
   float hair_radius;
+  float air_drag;       // 1/s, where it differs between strands
+  float goal_rate;      // 1/s
   uint substeps;
   uint iterations;
   uint primitive_count;
   uint strand_count;
+  uint bone_count;
 } settings;
-layout(std430, binding = 6) readonly buffer Roots { float roots[]; };  // 7 per strand: begin poses, then end poses
+// 7 per pose: of strands at the beginning, then at the end; of bones at the beginning, then at the end.
+layout(std430, binding = 6) readonly buffer Roots { float roots[]; };
 layout(std430, binding = 7) readonly buffer Primitives { Primitive primitives[]; };
 
 struct Pose {
@@ -36,4 +41,13 @@ Pose rootPose(uint index) {
   uint at = index * 7u;
   return Pose(vec3(roots[at], roots[at + 1u], roots[at + 2u]),
               vec4(roots[at + 3u], roots[at + 4u], roots[at + 5u], roots[at + 6u]));
+}
+
+// Where its bone holds a vertex at `time`, the part of the step that has passed; of a rest_local entry with w < 0:
+// minus 1 minus the bone's number, and the position in the groom's frame.
+vec3 bonePoint(vec4 local, float time) {
+  uint bone = 2u * settings.strand_count + uint(-local.w) - 1u;
+  Pose from = rootPose(bone), to = rootPose(bone + settings.bone_count);
+  vec3 begin = rotate(from.rotation, local.xyz) + from.position, end = rotate(to.rotation, local.xyz) + to.position;
+  return madd(end - begin, time, begin);
 }

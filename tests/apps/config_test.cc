@@ -37,6 +37,18 @@ a = [0, 1, 0]
 b = [0, 2, 0]
 radius = 0.1
 friction = 0.5
+[[material]]
+youngs_modulus = 3e9
+[[material]]
+parts = ["a", 1]
+shear_modulus = 1.2e9
+radius_curve = [[0, 1], [1, 0.4]]
+stiffness_curve = 0.5
+[[pin]]
+part = "a"
+bone = "ribbon"
+from = 0.5
+to = 0.6
 [daemon]
 backend = "reference"
 threads = 2
@@ -68,6 +80,18 @@ TEST(Config, ReadsEveryKey) {
   ASSERT_EQ(s.scene.primitives.size(), 1u);
   EXPECT_EQ(s.scene.primitives[0].kind, PrimitiveKind::kCapsule);
   EXPECT_FLOAT_EQ(s.scene.primitives[0].b.y(), 2);
+  ASSERT_EQ(s.scene.materials.size(), 2u);
+  EXPECT_EQ(s.scene.materials[1].parts, (std::vector<std::string>{"a", "1"}));
+  const std::vector<Material> materials = partMaterials(s.scene.materials, {"a", "b", "c"});
+  EXPECT_FLOAT_EQ(materials[2].youngs_modulus, 3e9f);
+  EXPECT_FLOAT_EQ(materials[1].poisson_ratio, 0.25f);
+  EXPECT_FLOAT_EQ(materials[0].radius_scale.at(0.5f), 0.7f);
+  EXPECT_FLOAT_EQ(materials[0].stiffness_scale.at(0.5f), 0.5f);
+  ASSERT_EQ(s.scene.pins.size(), 1u);
+  EXPECT_EQ(s.scene.pins[0].parts, std::vector<std::string>{"a"});
+  EXPECT_EQ(s.scene.pins[0].bone, "ribbon");
+  EXPECT_FLOAT_EQ(s.scene.pins[0].from, 0.5f);
+  EXPECT_FLOAT_EQ(s.scene.pins[0].to, 0.6f);
   EXPECT_EQ(s.backend, "reference");
   EXPECT_EQ(s.threads, 2);
   EXPECT_DOUBLE_EQ(s.rate, 120);
@@ -83,15 +107,43 @@ TEST(Config, UnknownKeysAreRefusedWithTheirLine) {
   const std::string typo = errorOf("[parameters]\nair_darg = 1\n");
   EXPECT_NE(typo.find("air_drag"), std::string::npos) << typo;
   EXPECT_NE(typo.find("line 2"), std::string::npos) << typo;
+  EXPECT_EQ(errorOf("[[material]]\npart = 0\nraduis = 1e-5\n"),
+            "unknown material setting 'raduis': hair.toml line 3; did you mean 'radius'?");
+  EXPECT_EQ(errorOf("[[material]]\nradius = 1\n"),
+            "'radius' = 1 is out of range: hair.toml line 2; give 1e-06 to 0.005 m");
 }
 
 TEST(Config, WrongTypesAndRangesAreRefused) {
-  for (const char* text :
-       {"seed = \"one\"", "scene = 3", "groom = 3", "[groom]\nfiles = [1]", "[groom]\nunit_meters = 0",
-        "[groom]\nup = \"w\"", "[daemon]\nrate = -1", "[daemon]\nrate = nan", "[transport]\ndomain = 233",
-        "[parameters]\nwind = 3", "[parameters]\nsubsteps = 2.5", "[parameters]\nsubsteps = 0",
-        "[[body.primitives]]\nkind = \"torus\"", "[[body.primitives]]\nkind = \"plane\"\nb = [0, 0, 0]",
-        "[parameters]\ngravity = [0, inf, 0]", "a = [", "= 3", "[groom", "seed = 1\nseed = 2"}) {
+  for (const char* text : {"seed = \"one\"",
+                           "scene = 3",
+                           "groom = 3",
+                           "[groom]\nfiles = [1]",
+                           "[groom]\nunit_meters = 0",
+                           "[groom]\nup = \"w\"",
+                           "[daemon]\nrate = -1",
+                           "[daemon]\nrate = nan",
+                           "[transport]\ndomain = 233",
+                           "[parameters]\nwind = 3",
+                           "[parameters]\nsubsteps = 2.5",
+                           "[parameters]\nsubsteps = 0",
+                           "[[body.primitives]]\nkind = \"torus\"",
+                           "[[body.primitives]]\nkind = \"plane\"\nb = [0, 0, 0]",
+                           "[parameters]\ngravity = [0, inf, 0]",
+                           "[parameters]\ngravity = [[0, -9], 0]",
+                           "material = 1",
+                           "[material]\nradius = 1e-5",
+                           "[[material]]\npart = 1.5",
+                           "[[pin]]\nfrom = -0.1",
+                           "[[pin]]\nfrom = 0.5\nto = 0.4",
+                           "[[pin]]\nbones = 1",
+                           "[[material]]\nparts = []",
+                           "[[material]]\nradius_curve = [[0, 1, 2]]",
+                           "[[material]]\nradius_curve = [[1, 1], [0, 1]]",
+                           "[[material]]\npoisson_ratio = 0.3\nshear_modulus = 2e9",
+                           "a = [",
+                           "= 3",
+                           "[groom",
+                           "seed = 1\nseed = 2"}) {
     const std::string error = errorOf(text);
     EXPECT_NE(error.find("hair.toml"), std::string::npos) << text << ": " << error;
     EXPECT_EQ(error.find('\n'), std::string::npos) << "one line: " << error;

@@ -13,7 +13,7 @@ Vec3 randomVector(std::mt19937& random) {
 
 }  // namespace
 
-StrandModel awkwardModel(size_t strands, uint32_t seed) {
+StrandModel awkwardModel(size_t strands, uint32_t seed, const std::vector<Material>& materials) {
   std::mt19937 random(seed);
   StrandSet set;
   for (size_t s = 0; s < strands; ++s) {
@@ -30,8 +30,46 @@ StrandModel awkwardModel(size_t strands, uint32_t seed) {
     set.append(points);
     set.pinned.resize(set.vertices(), 0);
     if (s % 5 == 4) set.pinned.back() = 1;
+    set.parts.push_back(static_cast<uint16_t>(s % 3));
   }
-  return makeStrandModel(set);
+  return makeStrandModel(set, materials);
+}
+
+std::vector<Material> groomedMaterials() {
+  Material styled, stiff;
+  styled.air_drag_scale.knots = {{0, 1}, {1, 8}};
+  styled.goal_scale.knots = {{0, 1}, {0.7f, 0}};
+  styled.friction_scale = 0.25f;
+  stiff.air_drag_scale.knots = {{0, 0}};
+  stiff.damping_scale = 3;
+  return {Material{}, styled, stiff};
+}
+
+void tieToBones(StrandModel& model) {
+  model.bones = {"head", "clip", "ribbon"};
+  for (size_t s = 0; s < model.strands(); ++s) {
+    const float nearest = 1.0f / static_cast<float>(model.verticesOf(s) - 1);  // so that a vertex is in range
+    if (s % 4 == 0) pinToBone(model, s, 0.5f, std::min(0.5f + nearest, 1.0f), "ribbon");
+    if (s % 8 == 1) pinToBone(model, s, 0, 1, "clip");
+    if (s % 4 == 2 && model.verticesOf(s) > 3) {  // two edges alone cannot keep their length between two pins
+      pinToBone(model, s, 0, 0, "clip");
+      pinToBone(model, s, 1, 1, "head");
+    }
+  }
+}
+
+std::vector<Pose> rootsOn(const StrandModel& model, const std::vector<Pose>& bones) {
+  std::vector<Pose> roots;
+  for (size_t s = 0; s < model.strands(); ++s)
+    roots.push_back(bones[model.rootBone(s)] * model.rest_roots[s]);
+  return roots;
+}
+
+std::vector<Pose> movedBones() {
+  auto pose = [](Vec3 position, float angle) {
+    return Pose{position, Quat(Eigen::AngleAxisf(angle, Eigen::Vector3f(1, 2, 3).normalized()))};
+  };
+  return {pose({0.001f, 0, 0}, 0.002f), pose({0, 0.0007f, 0}, -0.004f), pose({0, 0, -0.0012f}, 0.005f)};
 }
 
 StrandState disturbedState(const StrandModel& model, uint32_t seed) {

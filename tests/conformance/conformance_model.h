@@ -7,8 +7,20 @@
 namespace strandcast {
 
 /// Strands with vertex counts 2, 3, 5, 16, 17, 31, 100 and 128 mixed, curled, 5 cm to 40 cm long, on a disc
-/// of 10 cm radius about the origin; the tip of every fifth strand is pinned. Seeded.
-StrandModel awkwardModel(size_t strands, uint32_t seed);
+/// of 10 cm radius about the origin; the tip of every fifth strand is pinned; three parts take turns. Seeded.
+StrandModel awkwardModel(size_t strands, uint32_t seed,
+                         const std::vector<Material>& materials = {Material{}});
+
+/// Human hair, and two materials with factors of air drag, goal rate, damping time and friction that are
+/// not 1.
+std::vector<Material> groomedMaterials();
+
+/// Ties strands of `model` to two more bones, "clip" and "ribbon": in the middle, as a whole, at both ends.
+void tieToBones(StrandModel& model);
+/// Where the roots of `model` are when its bones are at `bones`.
+std::vector<Pose> rootsOn(const StrandModel& model, const std::vector<Pose>& bones);
+/// Of the head, the clip and the ribbon, moved by about a millimetre and turned a little.
+std::vector<Pose> movedBones();
 
 /// The rest shape of `model` at its own roots, every vertex moved by up to a fifth of its edge and given a
 /// velocity of up to 1 m/s.

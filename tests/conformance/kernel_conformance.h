@@ -23,6 +23,9 @@ enum Kernel {
   kTrilinear,
   kFarDistance,
   kDistanceOutsideGrid,
+  kGoalPull,
+  kDrawnToGoal,
+  kTethered,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

@@ -35,10 +35,10 @@ namespace {
 constexpr size_t kItems = 1003;
 constexpr size_t kPadded = 1008;  // 16 lanes
 constexpr const char* kNames[kKernels] = {
-    "solveDistance",   "solveAngular",       "rotationBetween", "rotate",         "interpolateRotation",
-    "sphereDistance",  "capsuleDistance",    "planeDistance",   "resolveContact", "predictPosition",
-    "normalizeOrZero", "surfaceMotion",      "multiply",        "fieldPlace",     "trilinear",
-    "farDistance",     "distanceOutsideGrid"};
+    "solveDistance",   "solveAngular",        "rotationBetween", "rotate",         "interpolateRotation",
+    "sphereDistance",  "capsuleDistance",     "planeDistance",   "resolveContact", "predictPosition",
+    "normalizeOrZero", "surfaceMotion",       "multiply",        "fieldPlace",     "trilinear",
+    "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",    "tethered"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -130,6 +130,16 @@ class InputMaker {
       case kDistanceOutsideGrid:
         vector(v, 0.3f), v[3] = number(0, 0.02f);
         break;
+      case kGoalPull:
+        vector(v, 0.01f), vector(v + 3, 0.3f), vector(v + 6, 0.3f);
+        v[9] = number(0.5f, 2), v[10] = number(0, 300), v[11] = number(0.0001f, 0.01f);
+        break;
+      case kDrawnToGoal:
+        vector(v, 0.3f), vector(v + 3, 0.3f), v[6] = number(0, 300), v[7] = number(0.0001f, 0.01f);
+        break;
+      case kTethered:
+        vector(v, 0.3f), vector(v + 3, 0.3f), v[6] = number(0.001f, 0.6f);
+        break;
     }
     return item;
   }
@@ -177,6 +187,14 @@ Item nasty(int kernel, Item item, size_t way) {
       break;
     case kPredictPosition:
       v[12] = static_cast<float>(way % 2);  // all or nothing of the air
+      break;
+    case kGoalPull:
+    case kDrawnToGoal:
+      v[kernel == kGoalPull ? 10 : 6] = way % 2 == 0 ? 0.0f : 1e4f;  // off, and as good as pinned
+      break;
+    case kTethered:
+      if (way % 2 == 0) std::copy(v, v + 3, v + 3);  // at the root
+      if (way % 2 == 1) v[6] = 0;
       break;
     case kNormalizeOrZero:
       std::fill(v, v + 3, way % 2 == 0 ? 0.0f : 1e-30f);

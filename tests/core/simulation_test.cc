@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
+
+#include "core/error.h"
 
 namespace strandcast {
 namespace {
@@ -197,6 +200,67 @@ TEST(Simulation, AStrandThatWentWrongIsResetAlone) {
   EXPECT_EQ(simulation.measure().non_finite, 0u);
   simulation.step();
   EXPECT_EQ(simulation.resetBroken(), 0u);
+}
+
+// What a call says when it refuses its input; the simulation goes on as if it had not been made.
+std::string refusal(const std::function<void(Simulation&)>& call) {
+  Simulation simulation = makeSimulation(Parameters()), untouched = makeSimulation(Parameters());
+  std::string what;
+  try {
+    call(simulation);
+  } catch (const Error& error) {
+    what = error.what();
+  }
+  for (Simulation* one : {&simulation, &untouched})
+    for (int i = 0; i < 3; ++i) one->step();
+  EXPECT_EQ(stateHash(simulation.state()), stateHash(untouched.state())) << what;
+  return what;
+}
+
+TEST(Simulation, PosesThatAreNotFiniteOrNotRotationsAreRefused) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const Quat one = Quat::Identity();
+  for (const auto& [pose, complaint] :
+       {std::pair(Pose{Vec3(0, nan, 0), one}, "not finite"),
+        std::pair(Pose{Vec3(nan, 0, 0), one}, "not finite"),
+        std::pair(Pose{Vec3(0, 0, -inf), one}, "not finite"),
+        std::pair(Pose{Vec3(0, 2e4f, 0), one}, "too far away"),
+        std::pair(Pose{Vec3(0, 0, 0), Quat(nan, 0, 0, 0)}, "unit quaternion"),
+        std::pair(Pose{Vec3(0, 0, 0), Quat(1, inf, 0, 0)}, "unit quaternion"),
+        std::pair(Pose{Vec3(0, 0, 0), Quat(0, 0, 0, 0)}, "unit quaternion"),
+        std::pair(Pose{Vec3(0, 0, 0), Quat(1, 1, 0, 0)}, "unit quaternion")}) {
+    const Pose bad = pose;
+    const std::string set = refusal([&](Simulation& s) { s.setHeadPose(bad); });
+    EXPECT_NE(set.find(complaint), std::string::npos) << set;
+    EXPECT_NE(set.find("Simulation::setHeadPose"), std::string::npos) << set;
+    const std::string teleported = refusal([&](Simulation& s) { s.teleport(bad); });
+    EXPECT_NE(teleported.find(complaint), std::string::npos) << teleported;
+    EXPECT_NE(teleported.find("Simulation::teleport"), std::string::npos) << teleported;
+  }
+  Simulation simulation = makeSimulation(Parameters());
+  EXPECT_NO_THROW(simulation.setHeadPose({Vec3::Zero(), Quat(1.00001f, 0, 0, 0)}))
+      << "as products of rotations in float come out";
+}
+
+TEST(Simulation, ParametersOutOfRangeAreRefused) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  auto with = [](auto change) {
+    return refusal([&](Simulation& s) {
+      Parameters parameters = s.parameters();
+      change(parameters);
+      s.setParameters(parameters);
+    });
+  };
+  const std::string wind = with([&](Parameters& p) { p.wind.y() = nan; });
+  EXPECT_NE(wind.find("'wind'"), std::string::npos) << wind;
+  EXPECT_NE(wind.find("Simulation::setParameters"), std::string::npos) << wind;
+  EXPECT_NE(with([&](Parameters& p) { p.time_step = nan; }).find("'time_step'"), std::string::npos);
+  EXPECT_NE(with([](Parameters& p) { p.substeps = 0; }).find("'substeps'"), std::string::npos);
+  Parameters bad;
+  bad.gravity.x() = nan;
+  EXPECT_THROW(makeSimulation(bad), Error);
+  const ContactPrimitive ball{PrimitiveKind::kSphere, Vec3(0, nan, 0), Vec3::UnitY(), 0.1f, 0.3f};
+  EXPECT_THROW(makeSimulation(Parameters(), {{{ball}, true}}), Error);
 }
 
 }  // namespace

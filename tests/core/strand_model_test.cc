@@ -51,6 +51,20 @@ TEST(StrandModel, TakesStrandsThatPointAgainstZ) {
   for (size_t i = 0; i < 3; ++i) EXPECT_LT((state.positions[i] - set.positions[i]).norm(), 1e-6f);
 }
 
+TEST(StrandModel, ATaperedStrandIsLighterAndSofterTowardsItsTip) {
+  const StrandSet set = oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 3, 0}, {0, 4, 0}});
+  Material tapered;
+  tapered.radius_scale.knots = {{0, 1}, {1, 0.5f}};
+  const StrandModel even = makeStrandModel(set), model = makeStrandModel(set, {tapered});
+  for (int j = 1; j < 4; ++j) {
+    const double scale = 1 - 0.125 * j;
+    EXPECT_NEAR(model.bend[j] * model.reference_mass[0] / (even.bend[j] * even.reference_mass[0]),
+                std::pow(scale, 4), 1e-5);
+    EXPECT_NEAR(model.mass[j] * model.reference_mass[0] / (even.mass[j] * even.reference_mass[0]),
+                std::pow(scale, 2), 1e-5);
+  }
+}
+
 TEST(StrandModel, AnEmptySetIsAModel) { EXPECT_EQ(makeStrandModel(StrandSet()).strands(), 0u); }
 
 TEST(StrandModel, BadStrandsAreErrorsThatNameThem) {

@@ -240,5 +240,33 @@ TEST_F(GpuRod, StaysFiniteAndKeepsLengthsWhenShakenWithShortEdges) {
   }
 }
 
+// Groups large enough for programs of their own, with and without grooming beside each other.
+TEST_F(GpuRod, GroomedGroupsAgreeWithTheReference) {
+  StrandModel model = arcs(1200, {32}, 0.2f, false);
+  parameters_.wind = Vec3(1, 0, 0);
+  parameters_.damping_time = 0.002f;
+  const StrandState from = restState(model, model.rest_roots);
+  for (const bool factors : {false, true}) {
+    if (factors) {
+      model.air_drag_scale.assign(model.vertices(), 1);
+      model.goal_scale.assign(model.vertices(), 1);
+      model.damping_scale.assign(model.strands(), 1);
+      model.friction_scale.assign(model.strands(), 1);
+      model.tether.assign(model.vertices(), kNoTether);
+      for (size_t s = 0; s < model.strands(); s += 2) {
+        model.damping_scale[s] = 2;
+        for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) model.air_drag_scale[v] = 4;
+      }
+    }
+    for (const float rate : {0.0f, 60.0f}) {
+      parameters_.goal_rate = rate;
+      const StrandState mine = run(*backend_, model, from, 10);
+      EXPECT_LT(difference(model, mine, run(*makeReferenceBackend(), model, from, 10)), 1e-4)
+          << "factors " << factors << ", goal rate " << rate;
+      EXPECT_GT(difference(model, mine, from), 1e-3);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace strandcast

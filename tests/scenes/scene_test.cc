@@ -15,7 +15,7 @@ namespace {
 Measurement run(const Scene& scene, int steps) {
   Parameters parameters = scene.parameters;
   parameters.solver = SolverKind::kRod;
-  Simulation simulation(makeStrandModel(scene.groom.strands), scene.bodies, parameters, makeSimdBackend());
+  Simulation simulation(sceneModel(scene), scene.bodies, parameters, makeSimdBackend());
   Measurement worst;
   for (int i = 0; i < steps; ++i) {
     simulation.setHeadPose(scene.motion(simulation.time() + parameters.time_step));
@@ -39,6 +39,31 @@ TEST(Scenes, EveryNamedSceneKeepsItsLengthAndStaysOutOfTheBody) {
     EXPECT_LT(worst.max_penetration, 1e-3) << info.name;
     // The ponytail is pinned at its tie too: the edge before a pin takes what the others leave over.
     EXPECT_LT(worst.max_stretch, info.name == "ponytail" ? 0.05 : 1e-4) << info.name;
+  }
+}
+
+TEST(Scenes, PinsTieTheirPartsToBones) {
+  SceneOptions options;
+  options.strands = 50;
+  options.pins = {{{"straight"}, "ribbon", 0.5f, 0.6f, "hair.toml line 1"},
+                  {{}, "head", 1, 1, "hair.toml line 2"}};
+  const Scene scene = makeScene(options);
+  const StrandModel model = sceneModel(scene);
+  EXPECT_EQ(model.bones, (std::vector<std::string>{"head", "ribbon"}));
+  for (size_t s = 0; s < model.strands(); ++s) {
+    size_t tied = 0;
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) tied += model.isBonePinned(s, v);
+    EXPECT_GE(tied, 2u) << "a tenth of 27 edges";
+    EXPECT_LE(tied, 4u);
+    EXPECT_EQ(model.inverse_mass[model.offsets[s + 1] - 1], 0) << "the tip, to the head";
+  }
+  options.pins = {{{"curly"}, "ribbon", 0, 1, "hair.toml line 5"}};
+  try {
+    sceneModel(makeScene(options));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("no part 'curly': hair.toml line 5"), std::string::npos)
+        << error.what();
   }
 }
 

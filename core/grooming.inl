@@ -1,0 +1,60 @@
+// What grooming makes of the vertices of a block in a step: how much of their velocity the air leaves them, and how the
+// goal pull adds to their mass (kernels/grooming.h). Included after core/near_bodies.inl.
+class Grooming {
+ public:
+  // `scratch`: of the block.
+  Grooming(const Block& b, const StepInput& input, Scalar* scratch)
+      : block_(b), rows_(scratch + solverScratch(b.vertices, kLanes)), wind_(fill3(input.parameters->wind)) {
+    const Parameters& p = *input.parameters;
+    on_ = b.factors || p.goal_rate > 0;
+    if (!on_) return;
+    const double h = static_cast<double>(p.time_step) / p.substeps;
+    substep_ = lit(h);
+    keep_ = lit(std::exp(-p.air_drag * h));
+    for (int i = 0; i < b.vertices; ++i) {
+      Scalar* keep = row(kKeep, i);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const double scale = b.grooming != nullptr ? plane(kAirDragScale, i)[lane] : 1.0;
+        keep[lane] = static_cast<Scalar>(std::exp(-p.air_drag * scale * h));
+      }
+      const real free = load(b.inverse_mass + at(0, i));
+      const real m = load(b.mass + at(0, i));
+      const real rate = lit(p.goal_rate) * groomingFactor(b, kGoalScale, i) * free;
+      const real stiffness = goalStiffness(m, rate, substep_);
+      store(rate, row(kRate, i));
+      store(stiffness, row(kStiffnessAdded, i));
+      store(m + stiffness, row(kMassWith, i));
+      store(free * inverse(m + stiffness), row(kWeightWith, i));
+    }
+  }
+  // Nothing else may be asked where it is not.
+  bool on() const { return on_; }
+
+  real keep(int i) const { return load(row(kKeep, i)); }
+  real rate(int i) const { return load(row(kRate, i)); }      // 1/s, of the goal pull, 0 where pinned
+  real mass(int i) const { return load(row(kMassWith, i)); }  // with the goal's stiffness
+  real weight(int i) const { return load(row(kWeightWith, i)); }
+  real3 goal(int i, const RootFrame& root) const {
+    return rotate(root.rotation, load3(block_.rest_local, i)) + root.position;
+  }
+  // Right-hand side for vertex i of the rod at x; `way`: where it would go if it were like all others and not pulled.
+  real3 pull(int i, const real3& way, const RootFrame& root, const real3& x) const {
+    const real3 own = madd(wind_, (keep_ - keep(i)) * substep_, way);
+    const real3 pulled = goalPull(own, mass(i), load(row(kStiffnessAdded, i)), goal(i, root), x);
+    return select(weight(i) > lit(0), pulled, makeReal3(lit(0), lit(0), lit(0)));
+  }
+
+ private:
+  enum Row : int { kKeep, kRate, kStiffnessAdded, kMassWith, kWeightWith };
+  static_assert(kWeightWith + 1 == kGroomingRows);
+  Scalar* row(Row which, int i) const { return rows_ + (static_cast<size_t>(i) * kGroomingRows + which) * kLanes; }
+  const Scalar* plane(GroomingPlane which, int i) const {
+    return block_.grooming + (static_cast<size_t>(i) * kGroomingPlanes + which) * kLanes;
+  }
+
+  const Block& block_;
+  Scalar* rows_;
+  real3 wind_;
+  real substep_ = lit(0), keep_ = lit(1);
+  bool on_ = false;
+};

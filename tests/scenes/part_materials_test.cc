@@ -1,0 +1,96 @@
+#include "scenes/part_materials.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+std::string errorOf(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string errorOf(const std::string& name, const std::vector<double>& values) {
+  return errorOf([&] {
+    Material material;
+    setMaterial(material, name, values, "hair.toml line 7");
+  });
+}
+
+TEST(PartMaterials, RulesChangeTheirPartsInOrder) {
+  const std::vector<MaterialRule> rules = {{{}, {{"density", {1500}, "a"}}, "a"},
+                                           {{"tail", "2"}, {{"radius", {5e-5}, "b"}}, "b"},
+                                           {{"tail"}, {{"density", {900}, "c"}}, "c"}};
+  const std::vector<Material> materials = partMaterials(rules, {"cap", "tail", "fringe"});
+  ASSERT_EQ(materials.size(), 3u);
+  EXPECT_EQ(materials[0].density, 1500);
+  EXPECT_EQ(materials[1].density, 900);
+  EXPECT_EQ(materials[2].density, 1500);
+  EXPECT_EQ(materials[0].radius, Material().radius);
+  EXPECT_FLOAT_EQ(materials[1].radius, 5e-5f);
+  EXPECT_FLOAT_EQ(materials[2].radius, 5e-5f);
+}
+
+TEST(PartMaterials, AnUnknownPartIsAnErrorThatNamesThoseThereAre) {
+  const std::string error = errorOf([] {
+    partMaterials({{{"tale"}, {}, "hair.toml line 3"}}, {"cap", "tail"});
+  });
+  EXPECT_EQ(error, "the groom has no part 'tale': hair.toml line 3; its parts are cap (0), tail (1)");
+}
+
+TEST(PartMaterials, AShearModulusGoesWithTheYoungsModulusOfItsRule) {
+  const std::vector<MaterialRule> rules = {
+      {{}, {{"shear_modulus", {0.4e9}, "a"}, {"youngs_modulus", {1e9}, "a"}}, "a"}};
+  EXPECT_FLOAT_EQ(partMaterials(rules, {"hair"})[0].poisson_ratio, 0.25f);
+  const std::string both = errorOf([] {
+    checkRule({{}, {{"shear_modulus", {1e9}, "line 1"}, {"poisson_ratio", {0.3}, "line 2"}}, ""});
+  });
+  EXPECT_NE(both.find("twice: line 1"), std::string::npos) << both;
+  EXPECT_NE(errorOf("shear_modulus", {1e9}).find("give 1.33333e+09 to 2e+10 Pa"), std::string::npos);
+}
+
+TEST(MaterialSettings, EveryOneTakesTheLimitsOfItsRangeAndNothingBeyond) {
+  for (const MaterialSettingInfo& info : materialSettingList()) {
+    EXPECT_FALSE(info.help.empty()) << info.name;
+    const size_t to = info.range.find(" to ");
+    if (info.name == "shear_modulus") continue;  // its range depends on another setting
+    const double low = std::stod(info.range.substr(0, to)), high = std::stod(info.range.substr(to + 4));
+    EXPECT_EQ(errorOf(info.name, {low}), "");
+    EXPECT_EQ(errorOf(info.name, {high}), "");
+    for (const double bad : {low - 0.01 * std::fabs(low) - (low == 0 ? 0.01 : 0.0), 1.01 * high}) {
+      const std::string error = errorOf(info.name, {bad});
+      EXPECT_NE(error.find("out of range: hair.toml line 7"), std::string::npos) << info.name << " " << error;
+    }
+    EXPECT_NE(errorOf(info.name, {std::numeric_limits<double>::quiet_NaN()}).find("not finite"),
+              std::string::npos);
+    EXPECT_NE(errorOf(info.name, {}), "");
+    EXPECT_NE(errorOf(info.name, {low, low, low}), "");
+    EXPECT_EQ(errorOf(info.name, {0, low, 1, high}) == "", info.curve) << info.name;
+  }
+  EXPECT_EQ(errorOf("raduis", {1}),
+            "unknown material setting 'raduis': hair.toml line 7; did you mean 'radius'?");
+}
+
+TEST(MaterialSettings, ACurveIsGivenByItsKnots) {
+  Material material;
+  setMaterial(material, "radius_curve", {0, 1, 0.5, 0.8, 1, 0.4}, "test");
+  EXPECT_FLOAT_EQ(material.radius_scale.at(0.25f), 0.9f);
+  EXPECT_FLOAT_EQ(material.radius_scale.at(0.75f), 0.6f);
+  setMaterial(material, "radius_curve", {0.5}, "test");
+  EXPECT_FLOAT_EQ(material.radius_scale.at(0.75f), 0.5f);
+  EXPECT_NE(errorOf("radius_curve", {1, 1, 0, 1}).find("places in order"), std::string::npos);
+  EXPECT_NE(errorOf("radius_curve", {0, 1, 1.5, 1}).find("places in order"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace strandcast
