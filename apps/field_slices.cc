@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <system_error>
 
-#include "core/error.h"
+#include "apps/picture_folder.h"
 
 namespace strandcast {
 namespace {
@@ -54,9 +53,7 @@ Image fieldSlice(const DistanceField& field, int axis, double part) {
 
 std::vector<std::filesystem::path> writeFieldSlices(const DistanceField& field,
                                                     const std::filesystem::path& folder) {
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) throw Error("the folder cannot be made", folder.string(), failure.message());
+  makeFolder(folder);
   std::vector<std::filesystem::path> files;
   for (int axis = 0; axis < 3; ++axis)
     for (const int percent : {25, 50, 75}) {

@@ -7,6 +7,7 @@
 
 #include "collision/field_bake.h"
 #include "collision/field_grid.h"
+#include "core/content_hash.h"
 #include "core/error.h"
 
 namespace strandcast {
@@ -19,23 +20,6 @@ void requireRange(float value, float low, float high, const char* what, const Tr
   throw Error(fmt::format("{} is out of range", what), fmt::format("{} m, for {}", value, nameOf(mesh)),
               fmt::format("give {:g} to {:g} m", low, high));
 }
-
-/// FNV-1a (Fowler, Noll, Vo), 64 bits.
-class Hash {
- public:
-  void add(const void* data, size_t bytes) {
-    const auto* p = static_cast<const unsigned char*>(data);
-    for (size_t i = 0; i < bytes; ++i) value_ = (value_ ^ p[i]) * 0x100000001B3u;
-  }
-  template <class T>
-  void add(const T& value) {
-    add(&value, sizeof(T));
-  }
-  uint64_t value() const { return value_; }
-
- private:
-  uint64_t value_ = 0xCBF29CE484222325u;
-};
 
 /// Raised with every change of baking that gives other fields.
 constexpr uint32_t kBakingVersion = 1;
@@ -104,7 +88,7 @@ FieldOptions resolveFieldOptions(const TriangleMesh& mesh, const FieldOptions& o
 }
 
 uint64_t fieldKey(const TriangleMesh& mesh, const FieldOptions& resolved) {
-  Hash hash;
+  ContentHash hash;
   hash.add(kBakingVersion);
   hash.add(resolved.cell);
   hash.add(resolved.band);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/content_hash.h"
 #include "core/error.h"
 #include "core/joint_law.h"
 
@@ -221,14 +222,10 @@ StrandState restState(const StrandModel& model, const std::vector<Pose>& roots) 
 }
 
 uint64_t stateHash(const StrandState& state) {
-  uint64_t hash = 14695981039346656037ull;
-  auto add = [&](const auto& plane) {
-    const auto* bytes = reinterpret_cast<const unsigned char*>(plane.data());
-    for (size_t i = 0; i < plane.size() * sizeof(plane[0]); ++i) hash = (hash ^ bytes[i]) * 1099511628211ull;
-  };
-  add(state.positions);
-  add(state.velocities);
-  return hash;
+  ContentHash hash;
+  for (const std::vector<Vec3>* plane : {&state.positions, &state.velocities})
+    hash.add(plane->data(), plane->size() * sizeof(Vec3));
+  return hash.value();
 }
 
 }  // namespace strandcast

@@ -34,9 +34,13 @@ inline RootFrame loadRoot(const Block& b, int first_plane) {
           {load(p + 3 * next), load(p + 4 * next), load(p + 5 * next), load(p + 6 * next)}};
 }
 
+// Vertex i of the rest shape as the root carries it.
+inline real3 restPoint(const Block& b, const RootFrame& root, int i) {
+  return rotate(root.rotation, load3(b.rest_local, i)) + root.position;
+}
 // Where vertex i is to be if it is pinned; `time`: the part of the step that has passed then.
 inline real3 heldPoint(const Block& b, const RootFrame& root, int i, double time) {
-  const real3 by_root = rotate(root.rotation, load3(b.rest_local, i)) + root.position;
+  const real3 by_root = restPoint(b, root, i);
   if (b.bone_pins == nullptr) return by_root;
   const Scalar* row = b.bone_pins + static_cast<size_t>(i) * kBonePinPlanes * kLanes;
   auto place = [&](int plane) {

@@ -4,18 +4,14 @@
 
 #include "apps/settings.h"
 #include "core/error.h"
+#include "tests/error_of.h"
 
 namespace strandcast {
 namespace {
 
 std::string errorOf(const std::string& text) {
   Settings settings;
-  try {
-    readConfigText(text, "hair.toml", settings);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return strandcast::errorOf([&] { readConfigText(text, "hair.toml", settings); });
 }
 
 constexpr const char* kFull = R"(

@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "collision/body_distance.h"
-#include "core/error.h"
 #include "tests/collision/shapes.h"
+#include "tests/error_of.h"
 
 namespace strandcast {
 namespace {
@@ -289,16 +289,6 @@ TEST(FieldBake, TrianglesWithoutAreaChangeNothing) {
   EXPECT_NEAR(baked(line).at({0.05f, 0.005f, 0}).distance, 0.005f, 0.3f * kCell);
   line.positions.assign(3, Vec3(0.3f, 0.2f, 0.1f));
   EXPECT_NEAR(baked(line).at({0.3f, 0.205f, 0.1f}).distance, 0.005f, 0.3f * kCell);
-}
-
-template <class Action>
-std::string errorOf(Action action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 void expectRefused(const TriangleMesh& mesh, const FieldOptions& options, const std::string& why,

@@ -4,8 +4,8 @@
 
 #include <limits>
 
-#include "core/error.h"
 #include "tests/collision/shapes.h"
+#include "tests/error_of.h"
 
 namespace strandcast {
 namespace {
@@ -142,16 +142,6 @@ TEST(MeshQuery, SignedDistanceOfASphere) {
     EXPECT_NEAR(query.signedDistance(p), p.norm() - 0.1f, 2e-4)
         << p.transpose();  // 2e-4: chords of the facets
   }
-}
-
-template <class Action>
-std::string errorOf(Action action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(MeshQuery, RefusesBadMeshesAndSaysWhy) {

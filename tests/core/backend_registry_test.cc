@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/error_of.h"
 
 namespace strandcast {
 namespace {
@@ -20,12 +21,7 @@ BackendInfo absent(const std::string& name, int score) {
 }
 
 std::string errorOf(const std::vector<BackendInfo>& known, const std::string& name) {
-  try {
-    createBackend(known, name, 0);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return strandcast::errorOf([&] { createBackend(known, name, 0); });
 }
 
 TEST(BackendRegistry, AutoTakesTheHighestScore) {

@@ -5,18 +5,14 @@
 #include <limits>
 
 #include "core/error.h"
+#include "tests/error_of.h"
 
 namespace strandcast {
 namespace {
 
 std::string errorOf(const std::string& name, const std::vector<double>& value) {
   Parameters parameters;
-  try {
-    setParameter(parameters, name, value, "config.toml:7");
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return strandcast::errorOf([&] { setParameter(parameters, name, value, "config.toml:7"); });
 }
 
 TEST(Parameters, EveryOneCanBeReadAndSetAgain) {

@@ -7,9 +7,9 @@
 #include <array>
 #include <limits>
 
-#include "core/error.h"
 #include "core/measure.h"
 #include "core/strand_block.h"
+#include "tests/error_of.h"
 
 namespace strandcast {
 namespace {
@@ -20,13 +20,8 @@ StrandSet oneStrand(std::vector<Vec3> points) {
   return set;
 }
 
-std::string errorOf(const StrandSet& set) {
-  try {
-    makeStrandModel(set);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+std::string errorOfModel(const StrandSet& set) {
+  return errorOf([&] { makeStrandModel(set); });
 }
 
 TEST(StrandModel, KeepsTheRestShapeInTheRootFrame) {
@@ -70,12 +65,12 @@ TEST(StrandModel, AnEmptySetIsAModel) { EXPECT_EQ(makeStrandModel(StrandSet()).s
 TEST(StrandModel, BadStrandsAreErrorsThatNameThem) {
   StrandSet set = oneStrand({{0, 0, 0}, {0, 1, 0}});
   set.append(std::vector<Vec3>{{0, 0, 0}});
-  EXPECT_NE(errorOf(set).find("strand 1"), std::string::npos) << errorOf(set);
+  EXPECT_NE(errorOfModel(set).find("strand 1"), std::string::npos) << errorOfModel(set);
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-  EXPECT_NE(errorOf(oneStrand({{0, 0, 0}, {0, nan, 0}})).find("finite"), std::string::npos);
-  EXPECT_NE(errorOf(oneStrand({{0, 0, inf}, {0, 1, 0}})).find("finite"), std::string::npos);
-  EXPECT_NE(errorOf(oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 1, 0}})).find("coincide"), std::string::npos);
-  EXPECT_NE(errorOf(oneStrand(std::vector<Vec3>(129, Vec3(0, 0, 0)))).find("129 vertices"),
+  EXPECT_NE(errorOfModel(oneStrand({{0, 0, 0}, {0, nan, 0}})).find("finite"), std::string::npos);
+  EXPECT_NE(errorOfModel(oneStrand({{0, 0, inf}, {0, 1, 0}})).find("finite"), std::string::npos);
+  EXPECT_NE(errorOfModel(oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 1, 0}})).find("coincide"), std::string::npos);
+  EXPECT_NE(errorOfModel(oneStrand(std::vector<Vec3>(129, Vec3(0, 0, 0)))).find("129 vertices"),
             std::string::npos);
 }
 

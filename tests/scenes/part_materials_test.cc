@@ -3,25 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 
-#include "core/error.h"
+#include "tests/error_of.h"
 
 namespace strandcast {
 namespace {
 
-std::string errorOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
 std::string errorOf(const std::string& name, const std::vector<double>& values) {
-  return errorOf([&] {
+  return strandcast::errorOf([&] {
     Material material;
     setMaterial(material, name, values, "hair.toml line 7");
   });
@@ -42,7 +32,7 @@ TEST(PartMaterials, RulesChangeTheirPartsInOrder) {
 }
 
 TEST(PartMaterials, AnUnknownPartIsAnErrorThatNamesThoseThereAre) {
-  const std::string error = errorOf([] {
+  const std::string error = strandcast::errorOf([] {
     partMaterials({{{"tale"}, {}, "hair.toml line 3"}}, {"cap", "tail"});
   });
   EXPECT_EQ(error, "the groom has no part 'tale': hair.toml line 3; its parts are cap (0), tail (1)");
@@ -52,7 +42,7 @@ TEST(PartMaterials, AShearModulusGoesWithTheYoungsModulusOfItsRule) {
   const std::vector<MaterialRule> rules = {
       {{}, {{"shear_modulus", {0.4e9}, "a"}, {"youngs_modulus", {1e9}, "a"}}, "a"}};
   EXPECT_FLOAT_EQ(partMaterials(rules, {"hair"})[0].poisson_ratio, 0.25f);
-  const std::string both = errorOf([] {
+  const std::string both = strandcast::errorOf([] {
     checkRule({{}, {{"shear_modulus", {1e9}, "line 1"}, {"poisson_ratio", {0.3}, "line 2"}}, ""});
   });
   EXPECT_NE(both.find("twice: line 1"), std::string::npos) << both;

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "dds_domain.h"
 #include "sample_messages.h"
+#include "tests/error_of.h"
 #include "transport/dds.h"
 
 namespace strandcast {
@@ -25,15 +26,6 @@ bool becomesTrue(const std::function<bool()>& condition, milliseconds timeout = 
     std::this_thread::sleep_for(milliseconds(10));
   }
   return true;
-}
-
-std::string messageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 class Dds : public testing::Test {
@@ -179,16 +171,16 @@ TEST_F(Dds, SendSaysWhenNoDaemonAnswers) {
   Command command;
   command.id = 1;
   const auto start = std::chrono::steady_clock::now();
-  const std::string message = messageOf([&] { subscriber->send(command); });
+  const std::string message = errorOf([&] { subscriber->send(command); });
   EXPECT_NE(message.find("no daemon answers"), std::string::npos) << message;
   EXPECT_NE(message.find("groom 9"), std::string::npos) << message;
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(4));
 }
 
 TEST_F(Dds, BadOptionsAreRefused) {
-  EXPECT_NE(messageOf([] { makeDdsSubscriber({-1, 1, 0}); }).find("0 to 232"), std::string::npos);
-  EXPECT_NE(messageOf([] { makeDdsSubscriber({233, 1, 0}); }).find("0 to 232"), std::string::npos);
-  EXPECT_NE(messageOf([] { makeDdsPublisher({testDomain(5), 1, 0}); }).find("session"), std::string::npos);
+  EXPECT_NE(errorOf([] { makeDdsSubscriber({-1, 1, 0}); }).find("0 to 232"), std::string::npos);
+  EXPECT_NE(errorOf([] { makeDdsSubscriber({233, 1, 0}); }).find("0 to 232"), std::string::npos);
+  EXPECT_NE(errorOf([] { makeDdsPublisher({testDomain(5), 1, 0}); }).find("session"), std::string::npos);
 }
 
 TEST_F(Dds, ADiscoveryPortHeldByAnotherProgramIsNamed) {
@@ -198,7 +190,7 @@ TEST_F(Dds, ADiscoveryPortHeldByAnotherProgramIsNamed) {
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<uint16_t>(7400 + 250 * domain));
   ASSERT_EQ(bind(holder, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  const std::string message = messageOf([&] { makeDdsSubscriber({domain, 1, 0}); });
+  const std::string message = errorOf([&] { makeDdsSubscriber({domain, 1, 0}); });
   EXPECT_NE(message.find("UDP port " + std::to_string(7400 + 250 * domain) + " is in use"), std::string::npos)
       << message;
   EXPECT_NE(message.find("--domain"), std::string::npos) << message;
