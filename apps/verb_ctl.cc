@@ -35,18 +35,6 @@ bool waitUntil(double seconds, const std::function<bool()>& ready) {
   return true;
 }
 
-/// Sends as soon as the daemon is there, and says that it is not after `seconds`.
-void sendWhenMatched(Subscriber& subscriber, const Command& command, double seconds) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  for (;;) {
-    try {
-      return subscriber.send(command);
-    } catch (const Error&) {
-      if (g_interrupted || std::chrono::steady_clock::now() > deadline) throw;
-    }
-  }
-}
-
 int sendCommand(const Options& o, CommandKind kind, const std::string& name,
                 const std::vector<double>& values) {
   const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
@@ -56,12 +44,10 @@ int sendCommand(const Options& o, CommandKind kind, const std::string& name,
   command.kind = kind;
   command.name = name;
   command.values = values;
-  sendWhenMatched(*subscriber, command, o.timeout);
-  std::optional<std::string> refusal;
-  const bool answered = waitUntil(o.timeout, [&] {
-    return (refusal = subscriber->waitForAnswer(command.id, std::chrono::milliseconds(100))).has_value();
-  });
-  if (!answered)
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(o.timeout);
+  const std::optional<std::string> refusal =
+      ask(*subscriber, command, [&] { return g_interrupted || std::chrono::steady_clock::now() > deadline; });
+  if (!refusal)
     throw Error("the daemon did not answer",
                 fmt::format("groom {} on domain {}", o.network.groom_id, o.network.domain),
                 "see `strandcast ctl list`");

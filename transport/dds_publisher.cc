@@ -1,7 +1,6 @@
-#include <deque>
-
 #include "core/error.h"
 #include "transport/chunks.h"
+#include "transport/command_queue.h"
 #include "transport/dds.h"
 #include "transport/dds_participant.h"
 #include "transport/wire_type_support.h"
@@ -72,13 +71,7 @@ class DdsPublisher final : public Publisher {
     status_writer_->write(&sample);
   }
 
-  std::optional<Command> takeCommand() override {
-    const std::lock_guard lock(command_mutex_);
-    if (commands_.empty()) return std::nullopt;
-    Command command = std::move(commands_.front());
-    commands_.pop_front();
-    return command;
-  }
+  std::optional<Command> takeCommand() override { return commands_.take(); }
 
   uint32_t matchedReaders() const override { return readers_.matched(); }
   std::optional<uint64_t> rivalSession() const override {
@@ -111,9 +104,7 @@ class DdsPublisher final : public Publisher {
     fromWire(wire, command);
     if (command.groom_id != options_.groom_id || wire.name().size() > kMaxTextBytes || !isSound(command))
       return;
-    const std::lock_guard lock(command_mutex_);
-    commands_.push_back(std::move(command));
-    if (commands_.size() > kMaxQueuedCommands) commands_.pop_front();
+    commands_.push(std::move(command));
   }
 
   void hear(const v1::Status& wire, const StatusBoard::WriterId& writer) {
@@ -124,8 +115,7 @@ class DdsPublisher final : public Publisher {
   }
 
   const DdsOptions options_;
-  std::mutex command_mutex_;
-  std::deque<Command> commands_;
+  CommandQueue commands_;
   StatusBoard others_;  // of this groom
   std::vector<StrandRun> runs_;
   size_t vertices_ = 0;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <deque>
 #include <mutex>
 
 #include "core/error.h"
 #include "transport/answers.h"
 #include "transport/chunks.h"
+#include "transport/command_queue.h"
 #include "transport/frame_queue.h"
 
 namespace strandcast {
@@ -18,10 +18,10 @@ struct Channel {
   const uint32_t groom_id;
   FrameQueue queue;
   FramePool pool;
+  CommandQueue commands;
+  Answers answers;
   std::mutex mutex;  // of what follows
-  std::deque<Command> commands;
   std::optional<Status> status;
-  Answers answers;  // has its own lock
   ReceiveStatistics statistics;
   uint64_t newest_frame = 0;  // of the groom in force
   bool has_publisher = true, has_subscriber = true;
@@ -76,13 +76,7 @@ class InProcessPublisher final : public Publisher {
     channel_->status->groom_id = channel_->groom_id;
   }
 
-  std::optional<Command> takeCommand() override {
-    const std::lock_guard lock(channel_->mutex);
-    if (channel_->commands.empty()) return std::nullopt;
-    Command command = std::move(channel_->commands.front());
-    channel_->commands.pop_front();
-    return command;
-  }
+  std::optional<Command> takeCommand() override { return channel_->commands.take(); }
 
   uint32_t matchedReaders() const override {
     const std::lock_guard lock(channel_->mutex);
@@ -129,9 +123,9 @@ class InProcessSubscriber final : public Subscriber {
       throw Error("nobody takes commands", "groom " + std::to_string(channel_->groom_id),
                   "the simulation in this process has ended");
     }
-    channel_->commands.push_back(command);
-    channel_->commands.back().groom_id = channel_->groom_id;
-    if (channel_->commands.size() > kMaxQueuedCommands) channel_->commands.pop_front();
+    Command own = command;
+    own.groom_id = channel_->groom_id;
+    channel_->commands.push(std::move(own));
   }
 
   std::optional<std::string> waitForAnswer(uint64_t command, std::chrono::milliseconds timeout) override {

@@ -8,8 +8,6 @@
 
 namespace strandcast {
 
-inline constexpr size_t kMaxQueuedCommands = 1024;
-
 /// How long a new daemon listens for a rival on its own machine's network. Of 500 starts, half heard it
 /// within 35 ms, 99 % within 1 s, and the slowest after 1.1 s.
 inline constexpr std::chrono::milliseconds kRivalListenTime{3000};
@@ -30,8 +28,8 @@ class Publisher {
   /// The end of a publisher waits a second for live readers that lack the last status: it may hold the answer
   /// to the command that ended it.
   virtual void publishStatus(const Status& status) = 0;
-  /// The next command for this groom, in the order of arrival. Up to kMaxQueuedCommands wait; beyond that the
-  /// oldest go.
+  /// The next command for this groom, in the order of arrival; one that was sent twice comes once. Up to
+  /// kMaxQueuedCommands wait; beyond that the oldest go.
   virtual std::optional<Command> takeCommand() = 0;
   virtual uint32_t matchedReaders() const = 0;
   /// Session of another live daemon that publishes the same groom id, if one was heard. Over DDS every

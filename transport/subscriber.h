@@ -1,5 +1,6 @@
 #pragma once
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,14 +50,19 @@ class Subscriber {
   /// Newest status of every live daemon on the network.
   virtual std::vector<Status> allStatuses() const = 0;
   /// Sends a command to the daemon of `command.groom_id` 's groom, which is this subscriber's (0 stands for
-  /// it). Blocks until the daemon's machine has it, and the daemon's answer can be heard. Throws Error when no
-  /// daemon of that groom answers within 2 s, when `id` is 0, or when the command is longer than the wire
-  /// takes.
+  /// it). Blocks until the daemon's machine has it, and the daemon's answer can be heard. That daemon may end
+  /// before it obeys: ask() sends until there is an answer. Throws Error when no daemon of that groom answers
+  /// within 2 s, when `id` is 0, or when the command is longer than the wire takes.
   virtual void send(const Command& command) = 0;
-  /// The daemon's answer to the command of this id: empty text when it was carried out, the reason when it was
-  /// refused, nothing on timeout. The newest 256 answers are kept, also when the daemon has ended.
+  /// The daemon's answer to the command of this id: empty text when it was carried out, the reason when it
+  /// was refused, nothing on timeout. The newest 256 answers are kept, also when the daemon has ended.
   virtual std::optional<std::string> waitForAnswer(uint64_t command, std::chrono::milliseconds timeout) = 0;
   virtual ReceiveStatistics statistics() const = 0;
 };
+
+/// Sends the command, again every half second, until the daemon has answered; however often it comes, a daemon
+/// obeys it once. Its answer as of waitForAnswer(); nothing, or the Error of the last send, once `gives_up`.
+std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
+                               const std::function<bool()>& gives_up);
 
 }  // namespace strandcast
