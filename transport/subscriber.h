@@ -60,8 +60,9 @@ class Subscriber {
   virtual ReceiveStatistics statistics() const = 0;
 };
 
-/// Sends the command, again every half second, until the daemon has answered; however often it comes, a daemon
-/// obeys it once. Its answer as of waitForAnswer(); nothing, or the Error of the last send, once `gives_up`.
+/// Sends the command, again every half second, until the daemon has answered; however often it comes, a
+/// daemon obeys it once. Its answer as of waitForAnswer(); nothing, or the Error of the last send, once
+/// `gives_up`.
 std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
                                const std::function<bool()>& gives_up);
 
