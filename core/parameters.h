@@ -13,7 +13,7 @@ enum class SolverKind {
 
 /// Everything that may change while a simulation runs. SI units.
 struct Parameters {
-  float time_step = 1.0f / 60.0f;                ///< s, fixed; 1/2000 to 1/30
+  float time_step = 1.0f / 60.0f;                ///< s, fixed; 1e-5 to 1/30
   int substeps = 4;                              ///< per step, 1 to 64
   int iterations = 6;                            ///< of {angular, distance, contact} per substep, 1 to 64
   SolverKind solver = SolverKind::kGaussSeidel;  ///< of a simulation's whole life

@@ -1,7 +1,7 @@
 // One step of a block of strands as inextensible rods: docs/solver.md. Included after core/near_bodies.inl. Linearised at the
 // inertial point, with direct solves along the strand: twist (tridiagonal), bending (one pentadiagonal matrix for x, y, z),
-// lengths and tensions (tridiagonal), what the tensions move (the bending matrix again), lengths. Each solve eliminates in
-// one direction and substitutes in the other, so that they merge into eight sweeps.
+// lengths and tensions (tridiagonal), lengths again. Each solve eliminates in one direction and substitutes in the other, so
+// that they merge into eight sweeps. Violent motion takes more: its tensions act through the bending matrix.
 
 // Scratch, [row][plane][lane], `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i.
 enum RodScratch : int {
@@ -10,15 +10,19 @@ enum RodScratch : int {
   kStrain = 6,        // 3, of a joint, later the right-hand sides of bending
   kNormal = 9,        // 3, of the contact at a vertex
   kDirection = 12,    // 3, in which the forces of an edge act where there is damping
+  kResidual = kDirection,  // excess lengths that the pulls of violent motion leave
+  kConjugate,              // the direction of these pulls
+  kCorrection,             // what the tridiagonal system makes of the residual
   kFactor1 = 15,      // elimination factors: of twist, later of bending
   kFactor2 = 16,
   kBlend = kFactor2,  // of an edge, until the elimination of bending
   kPivot = 17,        // inverse pivots of bending
-  kRight = 18,        // right-hand sides of twist, later of lengths, at last pulls
+  kRight = 18,        // right-hand sides of twist, later of lengths, then pulls
   kSoftness = 19,     // of a vertex
   kStiffness = 20,    // K of a joint
   kLengthFactor = kStiffness,
   kMargin = 21,       // G of a joint
+  kLengthPivot = kMargin,  // inverse pivots of lengths
   kRodScratchPlanes = 22
 };
 
@@ -46,10 +50,8 @@ class RodStep {
 
   void run() {
     real length = lit(0), hung = lit(0);
-    loose_ = lit(1);
     for (int e = 0; e < ne; ++e) {
       length = length + lengthOf(e);
-      loose_ = select(weight(e + 1) > lit(0), loose_, lit(0));
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
@@ -61,10 +63,11 @@ class RodStep {
       predict(root, time);
       eliminateTwist();
       eliminateBending();
-      moveAndEliminateLengths();
-      pullAndEliminateBending();
-      moveAndEliminateLengths();
-      pullOnce();
+      moveByForces();
+      const mask violent = isViolent(substituteLengths());
+      if (anyTrue(violent)) pullThroughBending(violent);
+      moveByPulls();
+      substituteLengths();
       finish();
       frame_ = root.rotation;
     }
@@ -105,9 +108,13 @@ class RodStep {
   void predict(const RootFrame& root, double time);
   void eliminateTwist();
   void eliminateBending();
-  void moveAndEliminateLengths();
-  void pullAndEliminateBending();
-  void pullOnce();
+  void moveByForces();
+  void moveByPulls();
+  template <class Move>
+  void moveAndEliminateLengths(Move move);
+  real substituteLengths();
+  void pullThroughBending(const mask& violent);
+  class Pulls;
   void finish();
   real3 collide(int i, real3 x);
   real3 normalAt(int i) const { return near_.size() > 0 ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
@@ -134,8 +141,6 @@ class RodStep {
   real3 tangent_old_, swing_;  // root tangent before the substep, and how it changes
   real3 jump_;          // m, unexpected motion of the root
   real most_tension_;   // that is taken over from one substep to the next
-  // 1 where only the root is pinned. Between pins lengths leave little freedom: there the metric is that of the masses.
-  real loose_;
 };
 
 // Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
@@ -253,7 +258,7 @@ inline void RodStep::eliminateBending() {
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
     const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1), k2 = get(kStiffness, e + 2);
     const real edge = edgeMatrixStiffness(get(kMargin, e) + get(kMargin, e + 1), il, kept, get(kBlend, e));
-    set(kSoftness, e + 1, loose_ * curlSoftness(weight(e + 1), k1, il, t_in, t, t_out, t_out2));
+    set(kSoftness, e + 1, curlSoftness(weight(e + 1), k1, il, t_in, t, t_out, t_out2));
     const real diagonal = m + bendOwn(k0, k1, k2, il, il_out) + edge + edge_out;
     const real first = bendAcross(k1, k2, il, il_out, il_out2) - edge_out;
     const real second = bendAcrossTwo(k2, il_out, il_out2);
@@ -296,30 +301,49 @@ inline real3 RodStep::collide(int i, real3 x) {
   return x;
 }
 
-// Bending substituted from root to tip, contact, and the elimination of the length system.
-inline void RodStep::moveAndEliminateLengths() {
-  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  real3 d1 = zero, d2 = zero, x_in = root_.position, t_in = zero, normal_in = zero;
-  real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), w_in = lit(0), w_in2 = lit(0);
+// The pulls from root to tip, one vertex after another.
+class RodStep::Pulls {
+ public:
+  explicit Pulls(const RodStep& step) : s_(step), pull_(step.get(kRight, 0)), t_(step.get3(kTangent, 0)) {}
+  // The tension of edge e with its pull.
+  real tension(int e) const { return s_.state(s_.b.tension, 0, e) + pull_; }
+  // Where the pulls on both its sides move the outer vertex of edge e.
+  real3 moved(int e) {
+    const real pull_in = pull_;
+    const real3 t_in = t_;
+    const bool last = e + 1 == s_.ne;
+    pull_ = last ? lit(0) : s_.get(kRight, e + 1);
+    t_ = last ? makeReal3(lit(0), lit(0), lit(0)) : s_.get3(kTangent, e + 1);
+    const real3 push = pushOfPulls(t_in, pull_in, t_, pull_, s_.normalAt(e + 1), s_.get(kSoftness, e + 1));
+    return madd(push, s_.weight(e + 1), s_.get3(kNewPosition, e + 1));
+  }
+
+ private:
+  const RodStep& s_;
+  real pull_;  // of the edge after the vertex last asked for
+  real3 t_;
+};
+
+// From root to tip: every vertex moved to move(e), edge e before it, contact, and the elimination of the length system.
+template <class Move>
+void RodStep::moveAndEliminateLengths(Move move) {
+  real3 x_in = root_.position, t_in = makeReal3(lit(0), lit(0), lit(0)), normal_in = t_in;
+  real w_in = lit(0), w_in2 = lit(0);
   real own = lit(0), excess = lit(0), lower = lit(0), right = lit(0), factor = lit(0);
   // Row e with `own_out`, what its outer vertex has on its diagonal; gives its inverse pivot.
   auto eliminate = [&](int e, const real& own_out) {
     const real pivot = inverse(max(own + own_out - lower * factor, lengthPivot(w_in2, w_in)));
     right = (excess - lower * right) * pivot;
     set(kRight, e, right);
+    set(kLengthPivot, e, pivot);
     return pivot;
   };
   for (int e = 0; e < ne; ++e) {
-    const real3 d = get3(kStrain, e) - d1 * l1_in - d2 * l2_in2;
-    l1_in = get(kFactor1, e);
-    l2_in2 = l2_in;
-    l2_in = get(kFactor2, e);
-    d2 = d1;
-    d1 = d;
-    const real3 x = collide(e + 1, get3(kNewPosition, e + 1) + d);
+    const real3 t_before = get3(kTangent, e);
+    const real3 x = collide(e + 1, move(e));
     set3(kNewPosition, e + 1, x);
     const real3 edge = x - x_in;
-    const real3 t = directionOr(edge, get3(kTangent, e));
+    const real3 t = directionOr(edge, t_before);
     set3(kTangent, e, t);
     if (e > 0) {
       const real soft = get(kSoftness, e), c = dot(t_in, t);
@@ -329,75 +353,148 @@ inline void RodStep::moveAndEliminateLengths() {
       set(kLengthFactor, e, factor);  // of row e on row e - 1; symmetric
       own = weightAlong(t, normal_in, w_in, soft, c);
     }
-    excess = dot(edge, t) - lengthOf(e);
-    x_in = x;
-    t_in = t;
     w_in2 = w_in;
     w_in = weight(e + 1);
+    excess = lengthExcess(edge, t, lengthOf(e), w_in2, w_in);
+    x_in = x;
+    t_in = t;
     normal_in = normalAt(e + 1);
   }
   eliminate(ne - 1, weightAlong(t_in, normal_in, w_in, lit(0), lit(1)));
 }
 
-// The length system substituted from tip to root: how the tensions change. What that moves, where it is violent by the
-// elimination of bending.
-inline void RodStep::pullAndEliminateBending() {
-  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  real3 t_out = zero, y1 = zero, y2 = zero;
-  real pull_out = lit(0), pull = get(kRight, ne - 1);
+// Bending substituted from root to tip.
+inline void RodStep::moveByForces() {
+  real3 d1 = makeReal3(lit(0), lit(0), lit(0)), d2 = d1;
+  real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0);
+  moveAndEliminateLengths([&](int e) {
+    const real3 d = get3(kStrain, e) - d1 * l1_in - d2 * l2_in2;
+    l1_in = get(kFactor1, e);
+    l2_in2 = l2_in;
+    l2_in = get(kFactor2, e);
+    d2 = d1;
+    d1 = d;
+    const real3 x = get3(kNewPosition, e + 1);
+    return b.pinned ? select(weight(e + 1) > lit(0), x + d, x) : x + d;
+  });
+}
+
+// The length system substituted from tip to root; gives the strand's violence.
+inline real RodStep::substituteLengths() {
+  real pull = get(kRight, ne - 1), most = lit(0);
   for (int e = ne - 1; e >= 0; --e) {
-    const real applied = boundedPull(pull, lengthOf(e));
-    store(state(b.tension, 0, e) + applied, b.tension + at(0, e));
-    const real3 t = get3(kTangent, e);
-    const real w = weight(e + 1), soft = get(kSoftness, e + 1);
-    const real violent = loose_ * violence(applied, pull_out, w, inverseLength(e));
-    const real3 normal = normalAt(e + 1);
-    const real3 moved = pushOfPulls(t, applied, t_out, pull_out, normal, soft);
-    set3(kNewPosition, e + 1, madd(moved, w * (lit(1) - violent), get3(kNewPosition, e + 1)));
-    const real3 push = pushOfPulls(t, applied, t_out, pull_out, normal, lit(0)) * violent;
-    const real3 y = push - y1 * get(kFactor1, e) - y2 * get(kFactor2, e);
-    set3(kStrain, e, y * get(kPivot, e));
-    set(kSoftness, e + 1, softnessLeft(soft, violent));
-    if (e > 0) pull = get(kRight, e - 1) - get(kLengthFactor, e) * applied;
-    y2 = y1;
-    y1 = y;
-    pull_out = applied;
-    t_out = t;
+    set(kRight, e, pull);
+    most = max(most, violence(pull, e > 0 ? weight(e) : lit(0), weight(e + 1), inverseLength(e)));
+    if (e > 0) pull = get(kRight, e - 1) - get(kLengthFactor, e) * pull;
+  }
+  return most;
+}
+
+// The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the
+// second length system in the metric of the masses.
+inline void RodStep::pullThroughBending(const mask& violent) {
+  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
+  real product = lit(0);  // residual x correction
+  real3 x_in = root_.position;
+  real w_in = lit(0);
+  for (int e = 0; e < ne; ++e) {
+    const real3 x = get3(kNewPosition, e + 1);
+    const real w = weight(e + 1), correction = get(kRight, e);
+    const real excess = lengthExcess(x - x_in, get3(kTangent, e), lengthOf(e), w_in, w);
+    set(kResidual, e, excess);
+    set(kConjugate, e, lit(0));
+    set(kCorrection, e, correction);
+    set(kRight, e, select(violent, lit(0), correction));
+    set(kSoftness, e + 1, select(violent, lit(0), get(kSoftness, e + 1)));
+    product = madd(excess, correction, product);
+    x_in = x;
+    w_in = w;
+  }
+  real kept = lit(0);  // of the last direction
+  for (int iteration = 1;; ++iteration) {
+    // Tip to root: the direction, and the elimination of bending under its pulls.
+    real3 t_out = zero, y1 = zero, y2 = zero;
+    real pull_out = lit(0);
+    for (int e = ne - 1; e >= 0; --e) {
+      const real pull = madd(get(kConjugate, e), kept, get(kCorrection, e));
+      set(kConjugate, e, pull);
+      const real3 t = get3(kTangent, e);
+      const real3 push = pushOfPulls(t, pull, t_out, pull_out, normalAt(e + 1), lit(0));
+      const real3 y = select(weight(e + 1) > lit(0), push, zero) - y1 * get(kFactor1, e) - y2 * get(kFactor2, e);
+      set3(kStrain, e, y * get(kPivot, e));
+      y2 = y1;
+      y1 = y;
+      pull_out = pull;
+      t_out = t;
+    }
+    // Root to tip: what they move, and by how much that shortens the edges.
+    real3 d1 = zero, d2 = zero, moved_in = zero;
+    real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), curvature = lit(0);
+    for (int e = 0; e < ne; ++e) {
+      const real3 d = get3(kStrain, e) - d1 * l1_in - d2 * l2_in2;
+      l1_in = get(kFactor1, e);
+      l2_in2 = l2_in;
+      l2_in = get(kFactor2, e);
+      d2 = d1;
+      d1 = d;
+      const real3 moved = select(weight(e + 1) > lit(0), alongSurface(d, normalAt(e + 1)), zero);
+      set3(kStrain, e, moved);
+      curvature = madd(get(kConjugate, e), dot(get3(kTangent, e), moved_in - moved), curvature);
+      moved_in = moved;
+    }
+    // Root to tip: the step along the direction, and the elimination of the tridiagonal system.
+    const real step = conjugateStep(product, curvature);
+    moved_in = zero;
+    real y = lit(0);
+    for (int e = 0; e < ne; ++e) {
+      const real3 moved = get3(kStrain, e), x = get3(kNewPosition, e + 1);
+      const real tension = state(b.tension, 0, e);
+      set3(kNewPosition, e + 1, select(violent, madd(moved, step, x), x));
+      store(select(violent, madd(get(kConjugate, e), step, tension), tension), b.tension + at(0, e));
+      const real residual = get(kResidual, e) - step * dot(get3(kTangent, e), moved_in - moved);
+      set(kResidual, e, residual);
+      y = e > 0 ? residual - get(kLengthFactor, e) * y : residual;
+      set(kCorrection, e, y * get(kLengthPivot, e));
+      moved_in = moved;
+    }
+    if (iteration == kPullIterations) return;
+    // Tip to root: its substitution.
+    real correction = lit(0), next = lit(0);
+    for (int e = ne - 1; e >= 0; --e) {
+      correction = e + 1 < ne ? get(kCorrection, e) - get(kLengthFactor, e + 1) * correction : get(kCorrection, e);
+      set(kCorrection, e, correction);
+      next = madd(get(kResidual, e), correction, next);
+    }
+    kept = conjugateStep(next, product);
+    product = next;
   }
 }
 
-// The second length system substituted from tip to root.
-inline void RodStep::pullOnce() {
-  real pull = get(kRight, ne - 1);
-  for (int e = ne - 1; e >= 0; --e) {
-    pull = boundedPull(pull, lengthOf(e));
-    set(kRight, e, pull);
-    if (e > 0) pull = get(kRight, e - 1) - get(kLengthFactor, e) * pull;
-  }
+// Every vertex moved by its pulls.
+inline void RodStep::moveByPulls() {
+  Pulls pulls(*this);
+  moveAndEliminateLengths([&](int e) {
+    store(pulls.tension(e), b.tension + at(0, e));
+    return pulls.moved(e);
+  });
 }
 
 // What the second pulls move, exact lengths, velocities.
 inline void RodStep::finish() {
-  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   const real inverse_h = lit(1 / h);
   const real3 x0 = state3(b.position, 0);
   store3((root_.position - x0) * inverse_h, b.velocity, 0);
   store3(root_.position, b.position, 0);
-  real pull = get(kRight, 0);
-  real3 t = get3(kTangent, 0), before = root_.position, placed = root_.position;
+  Pulls pulls(*this);
+  real3 before = root_.position, placed = root_.position;
   for (int e = 0; e < ne; ++e) {
-    store((state(b.tension, 0, e) + pull) * lit(1 / (h * h)), b.tension + at(0, e));
-    const real pull_out = e + 1 < ne ? get(kRight, e + 1) : lit(0);
-    const real3 t_out = e + 1 < ne ? get3(kTangent, e + 1) : zero;
-    const real3 push = pushOfPulls(t, pull, t_out, pull_out, normalAt(e + 1), get(kSoftness, e + 1));
-    const real3 x = madd(push, weight(e + 1), get3(kNewPosition, e + 1));
+    store(pulls.tension(e) * lit(1 / (h * h)), b.tension + at(0, e));
+    const real3 t = get3(kTangent, e), x = pulls.moved(e);
     const mask free = weight(e + 1) > lit(0);
     placed = select(free, madd(directionOr(x - before, t), lengthOf(e), placed), x);
     store3((placed - state3(b.position, e + 1)) * inverse_h, b.velocity, e + 1);
     store3(placed, b.position, e + 1);
     before = x;
-    pull = pull_out;
-    t = t_out;
   }
 }
 

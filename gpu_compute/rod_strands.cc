@@ -34,7 +34,7 @@ bool equal(float a, float b) { return std::fabs(a - b) <= kUniform * std::fabs(b
 
 /// Of shaders/rod_strand.glsl.
 struct StrandRest {
-  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, loose;
+  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length;
 };
 
 float restLength(const StrandModel& model, uint32_t edge) {
@@ -57,8 +57,7 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
   float free_mass = 0;
   for (uint32_t v = first + 1; v <= first + edges; ++v)
     if (model.inverse_mass[v] > 0) free_mass += model.mass[v];
-  return {mean, 1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass, length,
-          isPinned(model, strand) ? 0.0f : 1.0f};
+  return {mean, 1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass, length};
 }
 
 bool isUniform(const StrandModel& model, uint32_t strand) {

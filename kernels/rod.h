@@ -130,13 +130,12 @@ FN real weightAlong(IN(real3) t, IN(real3) normal, IN(real) weight, IN(real) sof
 FN real lengthAcross(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) weight, IN(real) softness, IN(real) c) {
   return lit(0) - weight * (c - dot(t, normal) * dot(t_other, normal) + lit(0.5) * softness * (lit(1) - c));
 }
-// Calm motion is left to this metric, whose lengths are then exact to first order. Where the pulls next to a vertex would
-// move it far over its edge's length the metric is a bad guess: then they go through the bending matrix, and the lengths are
-// solved again with less of the softness. 0 calm, 1 violent.
-FN real violence(IN(real) pull_in, IN(real) pull_out, IN(real) weight, IN(real) inverse_length) {
-  return min(lit(10) * (abs(pull_in) + abs(pull_out)) * weight * inverse_length, lit(1));
+// How far the pull of an edge would move its ends, over its length. Where that is violent for any edge of a strand, this metric
+// is too bad a guess for it and would feed energy to stiff hair.
+FN real violence(IN(real) pull, IN(real) weight_in, IN(real) weight, IN(real) inverse_length) {
+  return abs(pull) * (weight_in + weight) * inverse_length;
 }
-FN real softnessLeft(IN(real) softness, IN(real) violence) { return softness * (lit(1) - lit(0.6) * violence); }
+FN mask isViolent(IN(real) violence) { return violence > lit(0.05); }
 // How the pulls of the edges before and after a vertex move it in this metric, per weight; as a force with softness 0.
 FN real3 pushOfPulls(IN(real3) t_in, IN(real) pull_in, IN(real3) t_out, IN(real) pull_out, IN(real3) normal, IN(real) softness) {
   real held = lit(0.5) * softness * (pull_in + pull_out);
@@ -145,10 +144,18 @@ FN real3 pushOfPulls(IN(real3) t_in, IN(real) pull_in, IN(real3) t_out, IN(real)
 // What the elimination of the length system may divide by at least. Low enough for strands of 128 vertices: on a straight
 // one of n the pivots fall to 1 / n, and what elimination gives must not depend on its order.
 FN real lengthPivot(IN(real) weight_in, IN(real) weight) { return max((weight_in + weight) * lit(1e-3), lit(1e-6)); }
-// The pull of an edge, bounded so that no strand is torn apart in one substep.
-FN real boundedPull(IN(real) pull, IN(real) rest_length) {
-  real limit = rest_length * lit(20);
-  return clamp(pull, lit(0) - limit, limit);
+// By how much an edge with direction t is too long, which its pull is to mend; nothing where both its ends are held.
+FN real lengthExcess(IN(real3) edge, IN(real3) t, IN(real) rest_length, IN(real) weight_in, IN(real) weight) {
+  return select(weight_in + weight > lit(0), dot(edge, t) - rest_length, lit(0));
+}
+// The length system of violent motion has the dense metric after all: J A^-1 J'. So many conjugate gradient iterations
+// (Shewchuk 1994, algorithm B3), preconditioned with the tridiagonal system, solve it well enough; after one, some stiff strands
+// never calm down. This is a quotient of theirs, 0 where there is nothing left to do. It is bounded: longer steps, on strands far
+// from their lengths, are more rounding than progress.
+const int kPullIterations = 2;
+FN real conjugateStep(IN(real) numerator, IN(real) denominator) {
+  mask some = denominator > lit(1e-30);
+  return min(select(some, numerator, lit(0)) * inverse(select(some, denominator, lit(1))), lit(16));
 }
 
 // The tension that a substep starts from, in units of length x mass: that of the last one. Edges that turn forget up to

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "validation/experiments.h"
 #include "validation/specimen.h"
@@ -132,6 +133,70 @@ std::vector<Case> coincident(const Laboratory& laboratory) {
                  });
 }
 
+// Strands of any length, shape and stiffness that the float form is made for: every second a helix.
+struct MixedHair {
+  std::vector<StrandPoints> strands;
+  std::vector<Material> materials;
+};
+
+MixedHair mixedHair(size_t count) {
+  constexpr double kDensest = 3000;  // B dt^2 / (mass per length x edge^4)
+  std::mt19937 random(7);
+  auto between = [&](double low, double high) { return low + (high - low) * random() / 4294967296.0; };
+  MixedHair hair;
+  while (hair.strands.size() < count) {
+    const double length = between(0.1, 0.3);
+    int edges = static_cast<int>(between(8, 64));
+    double stiffness = std::pow(10, between(0, 3));
+    if (hair.strands.size() % 2 == 0) {
+      const Vec3 direction(static_cast<float>(between(-0.5, 0.5)), static_cast<float>(between(-0.7, 0.3)),
+                           static_cast<float>(between(-0.5, 0.5)));
+      hair.strands.push_back(straightStrand(length, edges, direction.normalized()));
+    } else {
+      constexpr double kEdgesPerTurn = 12;
+      const double radius = between(0.003, 0.015), pitch = between(0.01, 0.04);
+      const double turn = std::hypot(2 * std::numbers::pi * radius, pitch);
+      edges = std::min(std::max(edges, static_cast<int>(length / turn * kEdgesPerTurn)), 100);
+      hair.strands.push_back(helixStrand(radius, pitch, length, edges));
+    }
+    const double density = bendingOverMass({}) / std::pow(kRate, 2) / std::pow(length / edges, 4);
+    stiffness = std::min(stiffness, kDensest / density);
+    hair.materials.push_back(hairTimes(static_cast<float>(stiffness)));
+  }
+  return hair;
+}
+
+// What is thrown about must come to rest: no strand may live on energy that the solver makes.
+constexpr const char* kThrown = "thrown about: at rest";
+
+std::vector<Case> thrown(const Laboratory& laboratory) {
+  constexpr size_t kStrands = 100;
+  constexpr double kShaking = 1, kCarrying = 0.3, kResting = 6;  // s
+  constexpr double kMoving = 0.01;                               // m/s
+  const MixedHair hair = mixedHair(kStrands);
+  Simulation simulation =
+      laboratory.simulation(modelOf(hair.strands, hair.materials), laboratory.parameters(kRate, 2));
+  shakeFor(laboratory, simulation, kShaking, {});
+  const double start = simulation.time();
+  laboratory.advance(
+      simulation, kCarrying + kResting,
+      [&](double t) {
+        return Pose{Vec3(static_cast<float>(std::min(0.5, 2 * (t - start))), 0, 0), Quat::Identity()};
+      },
+      {});
+  const StrandState state = simulation.state();
+  const StrandModel& model = simulation.model();
+  double moving = 0;
+  for (size_t s = 0; s < kStrands; ++s) {
+    double square = 0;
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+      square += state.velocities[v].cast<double>().squaredNorm();
+    const double speed = std::sqrt(square / static_cast<double>(model.verticesOf(s)));
+    if (!(speed < kMoving)) ++moving;
+  }
+  return {absoluteCase({kThrown, "strands of 100 faster than 10 mm/s", ""}, moving, 0, 1)};
+}
+
 }  // namespace
 
 void addGuardExperiments(std::vector<Experiment>& experiments) {
@@ -147,6 +212,10 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
   add("time steps of 1/30 to 1/2000 s by turns, shaken", "changing time steps", timeSteps);
   add("1 to 64 substeps of steps of 1/60 s by turns, shaken", "changing substeps", substeps);
   add("ten vertices in one point, then all of them", "coincident vertices", coincident);
+  experiments.push_back(
+      {"100 strands of any shape, up to 1000 times as stiff as hair, shaken and carried away",
+       {kThrown},
+       thrown});
 }
 
 }  // namespace strandcast

@@ -23,7 +23,6 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/root_motion.glsl"
 #include "gpu_compute/shaders/tridiagonal.glsl"
 #include "gpu_compute/shaders/pentadiagonal.glsl"
-#include "gpu_compute/shaders/bounded_lengths.glsl"
 #if BODIES
 #include "gpu_compute/shaders/bodies.glsl"
 #endif
@@ -183,7 +182,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     vec3 t_out2 = p < kLast - 1 ? tangent[min(p + 2, kLast)] : p < kLast ? tangent_out : tangent_out2;
     if (vertex + 2 >= edges) t_out2 = t_out;
     float soft = curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2);
-    softness[p] = vertex + 1 >= edges ? 0.0 : rest.loose * soft;
+    softness[p] = vertex + 1 >= edges ? 0.0 : soft;
     if (!isEdge(p)) {
       slack[p] = 1.0;
       lower[p] = turn[p] = 0.0;
@@ -266,15 +265,27 @@ void makeBending(RootMotion root) {
                 bendAcrossTwo(stiffness[1], il[0], il[1]));
 }
 
-// Moves the vertices by what the forces move them in the bending system.
-void moveByForces() {
+// What the forces move in the bending system.
+void solveBending(out vec3 moved[PER_THREAD]) {
+  moved = force;
+  solvePentadiagonal(diagonal, first, second, across, moved);
+#if THREADS > 16
   // On a long strand the reduction cancels stiffnesses down to a mass: its solution is refined once.
-  const int solves = THREADS > 16 ? 2 : 1;
-  for (int i = 0; i < solves; ++i) {
-    vec3 moved[PER_THREAD] = force;
-    solvePentadiagonal(diagonal, first, second, across, moved);
-    for (int p = 0; p < PER_THREAD; ++p) x_new[p] += moved[p];
-    if (i + 1 < solves) residual(diagonal, first, second, across, moved, force);
+  vec3 left[PER_THREAD] = force;
+  residual(diagonal, first, second, across, moved, left);
+  solvePentadiagonal(diagonal, first, second, across, left);
+  for (int p = 0; p < PER_THREAD; ++p) moved[p] += left[p];
+#endif
+}
+
+void moveByForces() {
+  vec3 moved[PER_THREAD];
+  solveBending(moved);
+  for (int p = 0; p < PER_THREAD; ++p) {
+#if PINNED
+    if (weight(p) == 0.0) continue;
+#endif
+    x_new[p] += moved[p];
   }
 }
 
@@ -306,7 +317,7 @@ void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD],
     own_diagonal[p] = isEdge(p) ? own : 1.0;
     lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in, soft_in, c_in) : 0.0;
     pivot[p] = lengthPivot(w_in, weight(p));
-    excess[p] = isEdge(p) ? dot(x_new[p] - inner, tangent[p]) - restLength(p) : 0.0;
+    excess[p] = isEdge(p) ? lengthExcess(x_new[p] - inner, tangent[p], restLength(p), w_in, weight(p)) : 0.0;
     inner = x_new[p];
     t_in = tangent[p];
     n_in = NORMAL(p);
@@ -316,21 +327,14 @@ void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD],
   }
 }
 
-// Whether a pull goes beyond its bounds; it is held to them.
-bool boundPulls() {
-  bool beyond = false;
-  for (int p = 0; p < PER_THREAD; ++p) {
-    float bounded = boundedPull(pull[p], restLength(p));
-    beyond = beyond || (isEdge(p) && bounded != pull[p]);
-    pull[p] = bounded;
-  }
-  return beyond;
-}
+shared uint violent_strand[WORKGROUP];  // at the first invocation of each strand
+shared uint any_violent;
 
-// The pulls of one Newton step towards the rest lengths.
-void solveLengths(RootMotion root) {
+// The pulls of one Newton step towards the rest lengths. Returns whether they are violent for any strand of the workgroup.
+bool solveLengths(RootMotion root) {
   for (int p = 1; p < PER_THREAD; ++p) tangent[p] = directionOr(x_new[p] - x_new[p - 1], tangent[p]);
-  forgetBeyondBound();
+  if (rank == 0) violent_strand[me] = 0u;
+  if (me == 0u) any_violent = 0u;
   exchange_a[me] = vec4(x_new[kLast], softness[kLast]);
   exchange_b[me] = vec4(tangent[kLast], x_new[0].x);
 #if BODIES
@@ -362,24 +366,18 @@ void solveLengths(RootMotion root) {
   lengthRows(slack, lower, pivot, pull);
   diagonalToSlack(slack, lower);
   pull_in = solveTridiagonal(slack, lower, pivot, pull);
-  if (boundPulls()) noteBeyondBound();
+  float most = 0.0, w_in = hasBefore(1) ? weight_in : 0.0;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    if (isEdge(p)) most = max(most, violence(pull[p], w_in, weight(p), inverseLength(p)));
+    w_in = weight(p);
+  }
+  if (isViolent(most)) violent_strand[me - uint(rank)] = any_violent = 1u;
   exchange_d[me] = pull[0];
   barrier();
-  pull_out = exchange_d[after(1)];
-  bool any_beyond = any_beyond_bound != 0u;
+  pull_out = hasAfter(1) ? exchange_d[after(1)] : 0.0;
+  bool any = any_violent != 0u;
   barrier();
-  if (any_beyond) {  // the same for the whole workgroup
-    float rows[PER_THREAD], excess[PER_THREAD];
-    lengthRows(rows, lower, pivot, excess);
-    pull_in = solveBounded(rows, lower, excess, pull, pull_in);
-    exchange_d[me] = pull[0];
-    barrier();
-    pull_out = exchange_d[after(1)];
-    barrier();
-  }
-  pull_in = boundedPull(pull_in, lengthIn());
-  if (!hasAfter(1)) pull_out = 0.0;
-  for (int p = 0; p < PER_THREAD; ++p) tension[p] += pull[p];
+  return any;
 }
 
 // What the pulls push the vertex of slot p with, where it gives way with this softness.
@@ -388,20 +386,74 @@ vec3 pushOn(int p, float soft) {
   return pushOfPulls(tangent[p], pull[p], t_out, p < kLast ? pull[min(p + 1, kLast)] : pull_out, NORMAL(p), soft);
 }
 
-// What the first pulls move: by themselves where that is calm, as forces in the bending system where it is violent.
-void moveByFirstPulls() {
+// The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the second
+// length system in the metric of the masses. Of other strands only the barriers are wanted.
+void pullThroughBending() {
+  const bool violent = violent_strand[me - uint(rank)] != 0u;
+  const float calm_in = violent ? 0.0 : pull_in, calm_out = violent ? 0.0 : pull_out;
+  float calm[PER_THREAD], excess[PER_THREAD], conjugate[PER_THREAD];
+  float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
+  lengthRows(slack, lower, pivot, excess);
+  diagonalToSlack(slack, lower);
+  float product = 0.0;
   for (int p = 0; p < PER_THREAD; ++p) {
-    float outer = p < kLast ? pull[min(p + 1, kLast)] : pull_out;
-    float violent = rest.loose * violence(pull[p], outer, weight(p), inverseLength(p));
-    x_new[p] = madd(pushOn(p, softness[p]), weight(p) * (1.0 - violent), x_new[p]);
-    force[p] = isEdge(p) ? pushOn(p, 0.0) * violent : vec3(0);
-    softness[p] = softnessLeft(softness[p], violent);
+    calm[p] = violent ? 0.0 : pull[p];
+    conjugate[p] = 0.0;
+    product = madd(excess[p], pull[p], product);
+    if (violent) softness[p] = 0.0;
   }
+  if (violent) softness_in = 0.0;
+  product = strandSum(product);
+  float kept = 0.0;  // of the last direction
+  for (int iteration = 1; iteration <= kPullIterations; ++iteration) {
+    for (int p = 0; p < PER_THREAD; ++p) pull[p] = conjugate[p] = madd(conjugate[p], kept, pull[p]);
+    exchange_d[me] = pull[0];
+    barrier();
+    pull_out = hasAfter(1) ? exchange_d[after(1)] : 0.0;
+    barrier();
+    for (int p = 0; p < PER_THREAD; ++p) force[p] = isEdge(p) && weight(p) > 0.0 ? pushOn(p, 0.0) : vec3(0);
+    vec3 moved[PER_THREAD];
+    solveBending(moved);
+    for (int p = 0; p < PER_THREAD; ++p) moved[p] = weight(p) > 0.0 ? alongSurface(moved[p], NORMAL(p)) : vec3(0);
+    exchange_a[me].xyz = moved[kLast];
+    barrier();
+    vec3 moved_in = hasBefore(1) ? exchange_a[before(1)].xyz : vec3(0);
+    barrier();
+    float shortened[PER_THREAD];
+    float curvature = 0.0;
+    for (int p = 0; p < PER_THREAD; ++p) {
+      shortened[p] = isEdge(p) ? dot(tangent[p], moved_in - moved[p]) : 0.0;
+      curvature = madd(conjugate[p], shortened[p], curvature);
+      moved_in = moved[p];
+    }
+    float way = conjugateStep(product, strandSum(curvature));
+    for (int p = 0; p < PER_THREAD; ++p) {
+      if (violent) {
+        x_new[p] = madd(moved[p], way, x_new[p]);
+        tension[p] = madd(conjugate[p], way, tension[p]);
+      }
+      excess[p] -= way * shortened[p];
+    }
+    if (iteration == kPullIterations) break;
+    pull = excess;
+    solveTridiagonal(slack, lower, pivot, pull);
+    float next = 0.0;
+    for (int p = 0; p < PER_THREAD; ++p) next = madd(excess[p], pull[p], next);
+    next = strandSum(next);
+    kept = conjugateStep(next, product);
+    product = next;
+  }
+  pull = calm;
+  pull_in = calm_in;
+  pull_out = calm_out;
 }
 
-// The pulls as what they move by themselves.
+// Every vertex moved by its pulls.
 void moveByPulls() {
-  for (int p = 0; p < PER_THREAD; ++p) x_new[p] = madd(pushOn(p, softness[p]), weight(p), x_new[p]);
+  for (int p = 0; p < PER_THREAD; ++p) {
+    tension[p] += pull[p];
+    x_new[p] = madd(pushOn(p, softness[p]), weight(p), x_new[p]);
+  }
   // The same for the vertex before slot 0, which saves an exchange.
   if (hasBefore(1))
     x_new_in =
@@ -472,13 +524,18 @@ void main() {
 #if BODIES
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
 #endif
+    bool violent;
     for (int iteration = 0; iteration < 2; ++iteration) {
-      if (iteration > 0) moveByFirstPulls();
-      moveByForces();
+      if (iteration == 0) {
+        moveByForces();
+      } else {
+        if (violent) pullThroughBending();  // the same for the whole workgroup
+        moveByPulls();
+      }
 #if BODIES
       collide(timeAfter(substep));
 #endif
-      solveLengths(root);
+      violent = solveLengths(root);
     }
     moveByPulls();
     finish(root);

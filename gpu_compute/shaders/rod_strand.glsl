@@ -18,7 +18,6 @@ struct StrandRest {      // gpu_compute/rod_strands.cc
   float shortest;        // m; shorter edges bend as if they were this long
   float free_mass;       // of all vertices that are not pinned
   float arc_length;      // m
-  float loose;           // 1 where only the root is pinned, else 0
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
 layout(location = 0) uniform uint first_strand;  // of this group, in order[]
@@ -94,13 +93,12 @@ float inverseLength(int p) { return rest.inverse_length; }
 float twist(int p) { return bends[p] * rest.twist_per_bend; }
 float mass(int p) { return isTip(p) ? 0.5 : 1.0; }
 float weight(int p) { return isTip(p) ? 2.0 : 1.0; }
-float lengthIn() { return rest.edge_length; }
 float inverseLengthIn() { return rest.inverse_length; }
 float inverseLengthOut() { return rest.inverse_length; }
 #else
 vec4 edge[PER_THREAD];           // length, twist; mass, weight of the vertex
 float inverse_lengths[PER_THREAD];
-float length_in, weight_in, inverse_length_in;  // of the edge and vertex before slot 0
+float weight_in, inverse_length_in;  // of the edge and vertex before slot 0
 float inverse_length_out;                       // of the edge after the last slot
 float boundedInverse(float edge_length) { return 1.0 / max(edge_length, rest.shortest); }
 float restLength(int p) { return edge[p].x; }
@@ -108,7 +106,6 @@ float inverseLength(int p) { return inverse_lengths[p]; }
 float twist(int p) { return edge[p].y; }
 float mass(int p) { return edge[p].z; }
 float weight(int p) { return edge[p].w; }
-float lengthIn() { return length_in; }
 float inverseLengthIn() { return inverse_length_in; }
 float inverseLengthOut() { return inverse_length_out; }
 #endif
@@ -152,7 +149,6 @@ void loadStrand() {
   v_in = velocities[at].xyz;
 #if !UNIFORM
   vec4 edge_in = edgeRest(max(at, root_vertex + 1u) - 1u);
-  length_in = edge_in.x;
   weight_in = rank > 0 ? edge_in.w : 0.0;
   inverse_length_in = boundedInverse(edge_in.x);
   inverse_length_out = boundedInverse(edge_rest[root_vertex + uint(min((rank + 1) * PER_THREAD, edges - 1))].x);

@@ -34,3 +34,14 @@ const int kDoublings = 4;
 #else
 const int kDoublings = 5;
 #endif
+
+// The sum over the strand's invocations, the same bits in each of them.
+float strandSum(float value) {
+  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+    exchange_d[me] = value;
+    barrier();
+    value += exchange_d[me ^ (1u << doubling)];
+    barrier();
+  }
+  return value;
+}
