@@ -14,7 +14,7 @@ namespace strandcast {
 namespace {
 
 DdsOptions ddsOptions(const Settings& settings, uint64_t session) {
-  return {settings.domain, settings.groom_id, session};
+  return {settings.domain, settings.groom_id, session, settings.codec};
 }
 
 }  // namespace

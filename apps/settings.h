@@ -7,6 +7,7 @@
 
 #include "core/parameters.h"
 #include "scenes/scene.h"
+#include "transport/codec/codec.h"
 
 namespace CLI {
 class App;
@@ -28,6 +29,7 @@ struct Settings {
   std::string transport = "dds";  ///< "dds"
   int domain = 0;                 ///< DDS domain, 0 to 232
   uint32_t groom_id = 1;
+  CodecOptions codec;   ///< of the frames that are cast
   double rate = 60;     ///< frames published per second
   double duration = 0;  ///< s; 0 = until interrupted
 };
@@ -50,7 +52,8 @@ class SettingsOptions {
   CLI::App& app_;
   std::filesystem::path config_;
   Settings given_;
-  std::string up_, solver_;
+  std::string up_, solver_, codec_;
+  double codec_error_mm_ = 0;
   bool sag_free_ = true;
   std::vector<std::string> groom_, material_, set_;
 };

@@ -56,6 +56,10 @@ int sendCommand(const Options& o, CommandKind kind, const std::string& name,
   return 0;
 }
 
+double bytesPerVertex(const Status& s) {
+  return s.vertices > 0 ? static_cast<double>(s.encoding.frame_bytes) / static_cast<double>(s.vertices) : 0;
+}
+
 nlohmann::json toJson(const Status& s) {
   return {{"groom_id", s.groom_id},
           {"session", fmt::format("{:016x}", s.session)},
@@ -74,6 +78,12 @@ nlohmann::json toJson(const Status& s) {
           {"non_finite", s.non_finite},
           {"strands_reset", s.strands_reset},
           {"readers", s.readers},
+          {"codec", s.encoding.codec},
+          {"codec_max_error_mm", 1e3 * s.encoding.max_error},
+          {"codec_worst_error_mm", 1e3 * s.encoding.worst_error},
+          {"bytes_per_frame", s.encoding.frame_bytes},
+          {"bytes_per_vertex", bytesPerVertex(s)},
+          {"strands_sent_finer", s.encoding.strands_sent_finer},
           {"last_command_error", s.last_command_error}};
 }
 

@@ -15,6 +15,7 @@ find_package(PNG REQUIRED)
 find_package(GTest REQUIRED)
 find_package(tinyobjloader REQUIRED)
 
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(EPOXY IMPORTED_TARGET epoxy)
 pkg_check_modules(EGL IMPORTED_TARGET egl)
 find_package(glfw3 QUIET)

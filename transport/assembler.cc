@@ -157,18 +157,6 @@ bool hasSoundPose(const GuideChunk& chunk) {
          std::abs(squared - 1) < 1e-3f;  // false for NaN
 }
 
-bool hasFiniteFloats(const std::vector<uint8_t>& payload) {
-  // A float32 is not finite when all bits of its exponent are set; in whole words, this costs next to
-  // nothing.
-  uint32_t any = 0;
-  for (size_t i = 0; i + sizeof(uint32_t) <= payload.size(); i += sizeof(uint32_t)) {
-    uint32_t bits;
-    std::memcpy(&bits, payload.data() + i, sizeof bits);
-    any |= (bits & 0x7f800000u) == 0x7f800000u;
-  }
-  return any == 0;
-}
-
 }  // namespace
 
 // ---- descriptions
@@ -213,6 +201,7 @@ template class DescriptionAssembler<BodyChunk, BodyDescription>;
 
 void GuideAssembler::setGroom(std::shared_ptr<const GroomDescription> groom) {
   groom_ = std::move(groom);
+  decoder_.setGroom(groom_->guides);
   for (Pending& pending : pending_) pool_.giveBack(std::move(pending.frame));
   pending_.clear();
   newest_ = 0;
@@ -229,8 +218,8 @@ bool GuideAssembler::fits(const GuideChunk& chunk) const {
   const uint32_t first_vertex = guides.offsets[chunk.first_strand];
   const uint32_t vertices = guides.offsets[chunk.first_strand + chunk.strand_count] - first_vertex;
   return chunk.first_vertex == first_vertex && chunk.vertex_count == vertices &&
-         chunk.encoding == Encoding::kFloat32 && chunk.payload.size() == uint64_t{vertices} * sizeof(Vec3) &&
-         std::isfinite(chunk.simulation_time) && hasSoundPose(chunk) && hasFiniteFloats(chunk.payload);
+         chunk.payload.size() <= kMaxChunkBytes && vertices * sizeof(Vec3) <= kMaxChunkBytes &&
+         std::isfinite(chunk.simulation_time) && hasSoundPose(chunk);
 }
 
 GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
@@ -268,22 +257,26 @@ std::shared_ptr<const GuideFrame> GuideAssembler::add(const GuideChunk& chunk) {
     return nullptr;
   }
   if (chunk.frame <= newest_) return nullptr;  // late; counted as lost when the newer frame was completed
-  Pending* pending = pendingFor(chunk);
+  // Before anything is kept of it: a damaged payload leaves no trace.
+  decoded_.resize(chunk.vertex_count);
+  const DecodeResult decoded = decoder_.decode(chunk, decoded_);
+  Pending* pending = decoded == DecodeResult::kDone ? pendingFor(chunk) : nullptr;
   if (!pending) {
-    ++chunks_rejected_;
+    ++(decoded == DecodeResult::kNoKey ? chunks_without_key_ : chunks_rejected_);
     return nullptr;
   }
   StrandRun& run = pending->runs[chunk.chunk_index];
   if (run.strand_count != 0) return nullptr;  // received twice
   run = {chunk.first_strand, chunk.strand_count, chunk.first_vertex, chunk.vertex_count};
-  std::memcpy(static_cast<void*>(pending->frame->positions.data() + run.first_vertex), chunk.payload.data(),
-              chunk.payload.size());
+  std::copy(decoded_.begin(), decoded_.end(), pending->frame->positions.begin() + run.first_vertex);
+  pending->bytes += chunk.payload.size();
   return ++pending->received == chunk.chunk_count ? complete(pending_.begin()) : nullptr;
 }
 
 std::shared_ptr<const GuideFrame> GuideAssembler::complete(std::list<Pending>::iterator pending) {
   const GuideChunk header = std::move(pending->header);
   FramePool::Buffer frame = std::move(pending->frame);
+  const uint64_t bytes = pending->bytes;
   uint64_t next_strand = 0;
   bool is_whole = true;
   for (const StrandRun& run : pending->runs) {
@@ -307,6 +300,7 @@ std::shared_ptr<const GuideFrame> GuideAssembler::complete(std::list<Pending>::i
   if (newest_ != 0) frames_lost_ += header.frame - newest_ - 1;
   newest_ = header.frame;
   ++frames_received_;
+  bytes_received_ += bytes;
   for (auto older = pending_.begin(); older != pending_.end();) {
     const auto here = older++;
     if (here->header.frame > newest_) continue;

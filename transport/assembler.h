@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "transport/chunks.h"
+#include "transport/codec/guide_decoder.h"
 #include "transport/frame_queue.h"
 #include "transport/messages.h"
 
@@ -42,12 +43,17 @@ class GuideAssembler {
   /// `groom` as an assembler or a checked announcement made it. Frames under way are dropped and the count of
   /// lost frames starts anew with the first complete frame.
   void setGroom(std::shared_ptr<const GroomDescription> groom);
-  /// The frame that this chunk completed, or null. The payload is copied once, into the frame.
+  /// The frame that this chunk completed, or null.
   std::shared_ptr<const GuideFrame> add(const GuideChunk& chunk);
 
   uint64_t framesReceived() const { return frames_received_; }
   uint64_t framesLost() const { return frames_lost_; }
   uint64_t chunksRejected() const { return chunks_rejected_; }
+  /// Sound chunks that refer to a key frame that is not here: of frames from before this receiver joined, or
+  /// behind a lost key frame.
+  uint64_t chunksWithoutKey() const { return chunks_without_key_; }
+  /// Payload bytes of the frames received.
+  uint64_t bytesReceived() const { return bytes_received_; }
 
  private:
   struct Pending {
@@ -55,6 +61,7 @@ class GuideAssembler {
     FramePool::Buffer frame;
     std::vector<StrandRun> runs;  // by chunk index; strand_count 0 = not received
     uint32_t received = 0;
+    uint64_t bytes = 0;
   };
   bool fits(const GuideChunk& chunk) const;
   Pending* pendingFor(const GuideChunk& chunk);
@@ -62,9 +69,12 @@ class GuideAssembler {
 
   std::shared_ptr<const GroomDescription> groom_;
   FramePool pool_;
+  GuideDecoder decoder_;
+  std::vector<Vec3> decoded_;   // of the chunk under way
   std::list<Pending> pending_;  // fed last first; at most kFramesUnderWay
   uint64_t newest_ = 0;         // complete frame of this groom, 0 = none
-  uint64_t frames_received_ = 0, frames_lost_ = 0, chunks_rejected_ = 0;
+  uint64_t frames_received_ = 0, frames_lost_ = 0, chunks_rejected_ = 0, chunks_without_key_ = 0;
+  uint64_t bytes_received_ = 0;
 };
 
 }  // namespace strandcast

@@ -82,6 +82,7 @@ class InProcessPublisher final : public Publisher {
     const std::lock_guard lock(channel_->mutex);
     return channel_->has_subscriber ? 1 : 0;
   }
+  EncodingReport encoding() const override { return {}; }
   std::optional<uint64_t> rivalSession() const override { return std::nullopt; }
 
  private:

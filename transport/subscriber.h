@@ -17,6 +17,10 @@ struct ReceiveStatistics {
   /// renderer did not look at in time are not lost.
   uint64_t frames_lost = 0;
   uint64_t chunks_rejected = 0;  ///< damaged, or of another session or revision
+  /// Sound chunks that refer to a key frame that is not here (--codec temporal): from before this reader
+  /// joined, or behind a key frame that it lost.
+  uint64_t chunks_without_key = 0;
+  uint64_t payload_bytes = 0;  ///< of the frames received; 0 in-process, where nothing is encoded
   /// Publish to complete, over the last 1,000 frames, by the system clocks of both machines: their difference
   /// is in it.
   double latency_ms_p50 = 0, latency_ms_p99 = 0;

@@ -101,13 +101,6 @@ TEST(Chunks, BodiesComeBack) {
   }
 }
 
-std::vector<GuideChunk> splitFrame(const GroomDescription& groom, const GuideFrame& frame) {
-  const std::vector<StrandRun> runs = divideGuides(groom.guides);
-  std::vector<GuideChunk> chunks(runs.size());
-  for (uint32_t i = 0; i < runs.size(); ++i) fillGuideChunk(frame, runs, i, chunks[i]);
-  return chunks;
-}
-
 TEST(Chunks, FramesComeBack) {
   for (const GroomDescription& groom : {sampleGroom(1003, [](size_t s) { return 1 + s * 37 % 123; }),
                                         uniformGroom(1, 2), uniformGroom(20000, 16)}) {
@@ -262,6 +255,8 @@ TEST(Chunks, DamagedGuideChunksAreRefused) {
                     {"short payload", [](C& c) { c.payload.pop_back(); }},
                     {"no payload", [](C& c) { c.payload.clear(); }},
                     {"unknown encoding", [](C& c) { c.encoding = static_cast<Encoding>(99); }},
+                    {"another encoding", [](C& c) { c.encoding = Encoding::kDelta16; }},
+                    {"a key frame", [](C& c) { c.key_frame = 1; }},
                     {"NaN position", [](C& c) { c.payload[3] = 0x7f, c.payload[2] = 0xc0; }},
                     {"NaN head", [](C& c) { c.head_position[1] = kNan; }},
                     {"no rotation",

@@ -41,7 +41,7 @@ void print(const char* key, double value) {
 
 int publish(int domain, double seconds) {
   const auto session = static_cast<uint64_t>(getpid());
-  const auto publisher = makeDdsPublisher({domain, 1, session});
+  const auto publisher = makeDdsPublisher({domain, 1, session, {Codec::kFloat32}});
   const auto start = Clock::now();
   while (Clock::now() - start < kRivalListenTime && !publisher->rivalSession()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -78,7 +78,7 @@ int publish(int domain, double seconds) {
 }
 
 int read(int domain, double seconds, int work_ms) {
-  const auto subscriber = makeDdsSubscriber({domain, 1, 0});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
   const auto start = Clock::now();
   if (!subscriber->waitForGroom(std::chrono::milliseconds(8000))) {
     print("groom", 0);
@@ -111,7 +111,7 @@ int read(int domain, double seconds, int work_ms) {
 }
 
 int send(int domain, uint64_t id) {
-  const auto subscriber = makeDdsSubscriber({domain, 1, 0});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
   Command command;
   command.id = id;
   subscriber->send(command);
