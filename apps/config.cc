@@ -256,7 +256,12 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     daemon.number("duration", 0, 1e9, [&](double v) { s.duration = v; });
   });
   root.section("transport", [&](Section& transport) {
-    transport.text("kind", [&](const std::string& v) { s.transport = v; });
+    transport.text("kind", [&](const std::string& v) {
+      if (v != "dds" && v != "lcm")
+        throw Error("unknown transport '" + v + "'", transport.place("kind"), "choose dds or lcm");
+      s.transport = v;
+    });
+    transport.text("lcm_url", [&](const std::string& v) { s.lcm_url = v; });
     transport.number("domain", 0, 232, [&](double v) { s.domain = static_cast<int>(v); });
     transport.number("groom_id", 1, 4294967295.0, [&](double v) { s.groom_id = static_cast<uint32_t>(v); });
     transport.text("codec",

@@ -106,11 +106,16 @@ UpAxis upAxisOf(const std::string& name, const std::string& where) {
 }
 
 void addNetworkOptions(CLI::App& app, Settings& settings) {
-  app.add_option("--transport", settings.transport, "how frames travel: dds")
-      ->check(CLI::IsMember({"dds"}))
+  app.add_option(
+         "--transport", settings.transport,
+         "how frames travel. dds: repairs losses, finds the others by itself; lcm: UDP multicast without "
+         "repair or security, readers conceal what is lost")
+      ->check(CLI::IsMember({"dds", "lcm"}))
       ->capture_default_str();
-  app.add_option("--domain", settings.domain,
-                 "DDS domain; programs on different domains do not see each other")
+  app.add_option("--lcm-url", settings.lcm_url,
+                 "with --transport lcm: udpm://ADDRESS:PORT?ttl=N or file:///PATH?mode=w (r to replay it). "
+                 "Without: this machine alone, port 7667 + domain; ttl=1 reaches the local network");
+  app.add_option("--domain", settings.domain, "programs on different domains do not see each other")
       ->check(CLI::Range(0, 232))
       ->capture_default_str();
   app.add_option("--groom-id", settings.groom_id, "number of the groom on the network; one daemon each")
@@ -206,6 +211,7 @@ Settings SettingsOptions::resolve() const {
   lay("--rate", out.rate, given_.rate);
   lay("--duration", out.duration, given_.duration);
   lay("--transport", out.transport, given_.transport);
+  lay("--lcm-url", out.lcm_url, given_.lcm_url);
   lay("--domain", out.domain, given_.domain);
   lay("--groom-id", out.groom_id, given_.groom_id);
   if (!codec_.empty()) out.codec.codec = codecNamed(codec_, "--codec");

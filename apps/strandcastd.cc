@@ -71,8 +71,8 @@ int main(int argc, char** argv) {
     const uint64_t session = newSession();
     const std::unique_ptr<Publisher> publisher = claimGroom(settings, session);
     Daemon daemon(settings, std::move(scene), *publisher, session);
-    spdlog::info("casting groom {} on DDS domain {} at {:g} frames/s; Ctrl-C ends it", settings.groom_id,
-                 settings.domain, settings.rate);
+    spdlog::info("casting groom {} on {} at {:g} frames/s; Ctrl-C ends it", settings.groom_id,
+                 networkName(settings), settings.rate);
     report(daemon.run(g_interrupted), json);
     return g_interrupted ? kExitInterrupted : 0;
   });

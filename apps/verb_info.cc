@@ -15,6 +15,7 @@
 #include "groom/groom_file.h"
 #include "transport/codec/codec.h"
 #include "transport/dds.h"
+#include "transport/lcm.h"
 
 namespace strandcast {
 namespace {
@@ -27,8 +28,8 @@ struct Options {
 
 int printBackends(bool json) {
   nlohmann::json list = nlohmann::json::array();
-  std::string why_no_dds;
-  const bool dds = ddsAvailable(&why_no_dds);
+  std::string why_no_dds, why_no_lcm;
+  const bool dds = ddsAvailable(&why_no_dds), lcm = lcmAvailable(&why_no_lcm);
   for (const BackendInfo& info : knownBackends()) {
     list.push_back({{"name", info.name},
                     {"available", info.available},
@@ -38,10 +39,12 @@ int printBackends(bool json) {
       fmt::print("  {:<10} {:<4} score {:>3}  {}\n", info.name, info.available ? "yes" : "no", info.score,
                  info.reason);
   }
-  if (json)
-    fmt::print("{}\n", nlohmann::json({{"backends", list}, {"dds", dds}}).dump());
-  else
-    fmt::print("  {:<10} {:<4}            {}\n", "dds", dds ? "yes" : "no", dds ? "Fast DDS" : why_no_dds);
+  if (json) {
+    fmt::print("{}\n", nlohmann::json({{"backends", list}, {"dds", dds}, {"lcm", lcm}}).dump());
+    return 0;
+  }
+  fmt::print("  {:<10} {:<4}            {}\n", "dds", dds ? "yes" : "no", dds ? "Fast DDS" : why_no_dds);
+  fmt::print("  {:<10} {:<4}            {}\n", "lcm", lcm ? "yes" : "no", lcm ? "UDP multicast" : why_no_lcm);
   return 0;
 }
 

@@ -83,12 +83,8 @@ class DdsSubscriber final : public Subscriber {
     ReceiveStatistics statistics;
     {
       const std::lock_guard lock(assembly_mutex_);
-      statistics.frames_received = frames_.framesReceived();
-      statistics.frames_lost = frames_.framesLost();
-      statistics.chunks_without_key = frames_.chunksWithoutKey();
-      statistics.payload_bytes = frames_.bytesReceived();
-      statistics.chunks_rejected =
-          frames_.chunksRejected() + grooms_.chunksRejected() + bodies_.chunksRejected();
+      statistics = frames_.statistics();
+      statistics.chunks_rejected += grooms_.chunksRejected() + bodies_.chunksRejected();
     }
     queue_.addLatencies(statistics);
     return statistics;

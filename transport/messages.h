@@ -39,6 +39,9 @@ struct GuideFrame {
   uint64_t publish_time = 0;    ///< ns, system clock of the daemon
   Pose head;                    ///< of the head, relative to rest
   std::vector<Vec3> positions;  ///< world, m, natural order of the groom's guides
+  // Of the receiver:
+  uint64_t arrival_time = 0;       ///< ns, steady clock of the receiver, when it was complete
+  uint32_t strands_concealed = 0;  ///< that were lost on the way and are put where they probably are
 };
 
 enum class CommandKind : uint32_t {

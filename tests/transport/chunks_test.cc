@@ -117,8 +117,8 @@ TEST(Chunks, FramesComeBack) {
     EXPECT_EQ(result->frame, 5u);
     EXPECT_EQ(result->simulation_time, frame.simulation_time);
     EXPECT_EQ(result->publish_time, frame.publish_time);
-    EXPECT_EQ(assembler.framesReceived(), 1u);
-    EXPECT_EQ(assembler.framesLost(), 0u);
+    EXPECT_EQ(assembler.statistics().frames_received, 1u);
+    EXPECT_EQ(assembler.statistics().frames_lost, 0u);
     EXPECT_EQ(assembler.chunksRejected(), 0u);
   }
 }
@@ -298,20 +298,20 @@ TEST(Chunks, LostFramesAreCountedExactly) {
   assembler.setGroom(groom);
   EXPECT_FALSE(add(9, 0));  // before the first complete one: not lost
   EXPECT_TRUE(add(10, kAll));
-  EXPECT_EQ(assembler.framesLost(), 0u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 0u);
   EXPECT_FALSE(add(11, 1));  // incomplete, with nothing newer: not lost yet
-  EXPECT_EQ(assembler.framesLost(), 0u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 0u);
   EXPECT_TRUE(add(12, kAll));  // now it is
-  EXPECT_EQ(assembler.framesLost(), 1u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 1u);
   EXPECT_TRUE(add(16, kAll));  // 13, 14, 15
-  EXPECT_EQ(assembler.framesLost(), 4u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 4u);
   EXPECT_FALSE(add(14, kAll));  // late: counted already
-  EXPECT_EQ(assembler.framesLost(), 4u);
-  EXPECT_EQ(assembler.framesReceived(), 3u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 4u);
+  EXPECT_EQ(assembler.statistics().frames_received, 3u);
   assembler.setGroom(groom);  // a receiver joins anew with every groom
   EXPECT_TRUE(add(30, kAll));
-  EXPECT_EQ(assembler.framesLost(), 4u);
-  EXPECT_EQ(assembler.framesReceived(), 4u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 4u);
+  EXPECT_EQ(assembler.statistics().frames_received, 4u);
 }
 
 TEST(Chunks, InterleavedFramesAllComplete) {
@@ -324,7 +324,7 @@ TEST(Chunks, InterleavedFramesAllComplete) {
     EXPECT_EQ(assembler.add(a[i]) != nullptr, is_last);
     EXPECT_EQ(assembler.add(b[i]) != nullptr, is_last);
   }
-  EXPECT_EQ(assembler.framesLost(), 0u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 0u);
 }
 
 TEST(Chunks, DamagedFrameNumbersDoNotStarveSoundFrames) {

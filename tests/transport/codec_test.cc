@@ -7,6 +7,7 @@
 #include <random>
 
 #include "moving_hair.h"
+#include "payload_fuzz.h"
 #include "tests/error_of.h"
 #include "transport/assembler.h"
 #include "transport/codec/guide_decoder.h"
@@ -71,8 +72,8 @@ double measure(Road& road, double max_error) {
     EXPECT_EQ(received->head.rotation.coeffs(), frame.head.rotation.coeffs());
     bytes += road.encoder().report().frame_bytes;
   }
-  EXPECT_EQ(road.assembler().chunksRejected(), 0u);
-  EXPECT_EQ(road.assembler().framesLost(), 0u);
+  EXPECT_EQ(road.assembler().statistics().chunks_rejected, 0u);
+  EXPECT_EQ(road.assembler().statistics().frames_lost, 0u);
   return static_cast<double>(bytes) / (30 * static_cast<double>(road.groom().guides.vertices()));
 }
 
@@ -156,7 +157,7 @@ TEST(Codec, ANonFiniteStrandIsRefusedByTheReader) {
     GuideFrame frame = hairFrame(road.groom(), 1);
     frame.positions[40].x() = std::numeric_limits<float>::quiet_NaN();
     EXPECT_FALSE(road.send(frame)) << info.name;
-    EXPECT_EQ(road.assembler().chunksRejected(), 1u) << info.name;
+    EXPECT_EQ(road.assembler().statistics().chunks_rejected, 1u) << info.name;
   }
 }
 
@@ -183,9 +184,9 @@ TEST(Codec, KeyFramesLetAReaderJoinWithinTheirInterval) {
   }
   EXPECT_GT(first, 0u);
   EXPECT_LE(first, 29u);
-  EXPECT_EQ(late.framesReceived(), 41 - first) << "and sees every frame from then on";
-  EXPECT_GT(late.chunksWithoutKey(), 0u);
-  EXPECT_EQ(late.chunksRejected(), 0u);
+  EXPECT_EQ(late.statistics().frames_received, 41 - first) << "and sees every frame from then on";
+  EXPECT_GT(late.statistics().chunks_without_key, 0u);
+  EXPECT_EQ(late.statistics().chunks_rejected, 0u);
 }
 
 TEST(Codec, ChunksInAnyOrderDecodeAlone) {
@@ -224,6 +225,39 @@ TEST(Codec, OctahedralDirectionsAreUniformlyFine) {
   }
   for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(0, -1, 0)})
     EXPECT_LT((fromOctahedral(toOctahedral(axis, 12), 12) - axis).norm(), 7e-4f);
+}
+
+TEST(Codec, DamagedPayloadsAreRefusedOrHarmless) {
+  const GroomDescription groom = hairGroom(40, [](size_t s) { return 1 + s % 20; });
+  std::mt19937 random(6);
+  size_t taken = 0, runs = 0;
+  for (const CodecInfo& info : codecList()) {
+    GuideEncoder encoder({info.codec});
+    encoder.setGroom(groom.guides);
+    for (uint64_t number = 1; number <= 2; ++number) {
+      GuideFrame frame = hairFrame(groom, number);
+      frame.positions[groom.guides.offsets[7]].x() += 900;  // one strand is sent as it is
+      GuideChunk chunk;
+      encoder.encode(frame, 0, chunk);
+      // The first byte chooses encoding and key frame: fuzzPayload().
+      const auto head = static_cast<uint8_t>(static_cast<uint32_t>(chunk.encoding) + 5 * chunk.key_frame);
+      for (int run = 0; run < 4000; ++run, ++runs) {
+        std::vector<uint8_t> bytes = chunk.payload;
+        bytes.insert(bytes.begin(), run % 32 == 31 ? static_cast<uint8_t>(random()) : head);
+        if (run % 4 == 1) bytes.resize(1 + random() % bytes.size());
+        const size_t reach = run % 2 == 0 ? std::min<size_t>(bytes.size(), 64) : bytes.size();
+        for (uint32_t i = 0; run > 0 && reach > 1 && i < 1 + random() % 3; ++i)
+          bytes[1 + random() % (reach - 1)] = static_cast<uint8_t>(random());
+        const bool is_taken = fuzzPayload(bytes.data(), bytes.size());
+        taken += is_taken ? 1 : 0;
+        if (run == 0) {
+          EXPECT_TRUE(is_taken) << info.name << " undamaged";
+        }
+      }
+    }
+  }
+  EXPECT_GT(taken, runs / 50) << "damage no longer reaches past the checks";
+  EXPECT_LT(taken, runs);
 }
 
 TEST(Codec, BadOptionsAreRefused) {

@@ -14,7 +14,8 @@ GroomDescription hairGroom(size_t strands, VerticesOf vertices, float length = 0
 /// Vertex i of strand s at an instant, in the head's frame: edges of equal length, directions that bend, wave
 /// and sway along the strand.
 inline void swayingStrand(size_t s, double time, float length, std::span<Vec3> out) {
-  std::mt19937 random(static_cast<uint32_t>(s));
+  std::minstd_rand random(static_cast<uint32_t>(s) + 1);
+  random.discard(8);
   std::uniform_real_distribution<float> unit(-1, 1);
   const float azimuth = 3.14f * unit(random), height = 0.5f + 0.5f * unit(random), phase = 3 * unit(random);
   const float waves = 12 + 6 * unit(random), own = 0.1f * unit(random);
