@@ -73,4 +73,48 @@ class Subscriber {
 std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
                                const std::function<bool()>& gives_up);
 
+/// Which of the frames that have come is drawn.
+enum class Playout {
+  kLatest,  ///< the newest one: least delay, but uneven motion where frames come unevenly
+  kSmooth,  ///< between two frames, one frame behind: even motion at any rate of pictures
+  kExact    ///< each one once, in order: for pictures that are kept
+};
+
+struct PlayoutStatistics {
+  uint64_t pictures = 0;  ///< calls that gave a frame
+  uint64_t repeated = 0;  ///< of these, with nothing newer than the picture before
+  double delay_ms = 0;    ///< kSmooth: from the arrival of a frame without jitter to its picture
+  double jitter_ms = 0;   ///< kSmooth: by which 19 of 20 frames come later than the fastest
+};
+
+/// Moves hair that was simulated on one head pose rigidly to another, newer one ("late latching"): a renderer
+/// that tracks the head itself then shows no delay of the head, only of the sway of the hair.
+void moveToHead(GuideFrame& frame, const Pose& head);
+
+/// Picks frames for the pictures of a renderer, one thread at a time. `subscriber` outlives it.
+class FramePlayer {
+ public:
+  FramePlayer(Subscriber& subscriber, Playout playout);
+  ~FramePlayer();
+  FramePlayer(const FramePlayer&) = delete;
+  FramePlayer& operator=(const FramePlayer&) = delete;
+
+  /// The frame for a picture that is drawn now; null while there is none (kExact: no further one). With
+  /// `head`, moved there. Never waits. `now` by the steady clock.
+  ///
+  /// kSmooth keeps the offset between this machine's clock and simulation time at the least that the last
+  /// second or so of arrivals shows, and plays one frame interval and the jitter (at most a second interval)
+  /// behind it. Where frames stay away it stands still on the newest. Between two frames positions go
+  /// straight relative to the head, and the head from pose to pose; `frame` is the later one's number,
+  /// `simulation_time` the picture's own.
+  std::shared_ptr<const GuideFrame> next(
+      const std::optional<Pose>& head = std::nullopt,
+      std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());
+  PlayoutStatistics statistics() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 }  // namespace strandcast
