@@ -158,7 +158,7 @@ void GuideEncoder::writePayload(const GuideFrame& frame, const StrandRun& run, u
       mode |= kKeep;
     }
   }
-  if (packer_.prefersAlongStrand(symbols_, prediction)) {
+  if (SymbolPacker::prefersAlongStrand(symbols_, prediction)) {
     mode |= kAlongStrand;
     prediction.along_strand = true;
   }

@@ -8,6 +8,7 @@
 #include "core/strand_set.h"
 #include "transport/chunks.h"
 #include "transport/codec/guide_symbols.h"
+#include "transport/codec/nearest.h"
 
 namespace strandcast {
 
@@ -22,14 +23,12 @@ enum PayloadMode : uint8_t {
 };
 
 inline constexpr float kMaxGridStep = 0.01f;       // m
-inline constexpr int32_t kMaxGridIndex = 1 << 23;  // so that indices are exact as floats
+inline constexpr int32_t kMaxGridIndex = 1 << 22;  // so that indices are exact as floats, and nearest() is right
 
-/// Nearest point of the grid; clamped to kMaxGridIndex, 0 for NaN.
+/// Nearest point of the grid; clamped to kMaxGridIndex, which NaN becomes too.
 inline int32_t gridIndex(float position, float step) {
-  const float index = position / step;
   constexpr auto kMax = static_cast<float>(kMaxGridIndex);
-  return index >= -kMax && index <= kMax ? static_cast<int32_t>(std::lrintf(index))
-                                         : (index > 0) * kMaxGridIndex - (index < 0) * kMaxGridIndex;
+  return nearest(std::min(kMax, std::max(-kMax, position / step)));
 }
 inline float gridPosition(int32_t index, float step) { return static_cast<float>(index) * step; }
 

@@ -70,13 +70,21 @@ SymbolPacker::SymbolPacker() : context_(ZSTD_createCCtx()) {
   ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_contentSizeFlag, 0);
 }
 
-bool SymbolPacker::prefersAlongStrand(const GuideSymbols& symbols, SymbolPrediction prediction) {
+bool SymbolPacker::prefersAlongStrand(const GuideSymbols& symbols, const SymbolPrediction& prediction) {
+  // A few strands of one plane tell as much as all of them.
+  constexpr size_t kSampleEvery = 8;
+  const size_t count = symbols.edges.size() / static_cast<size_t>(symbols.edge_planes);
+  const uint16_t* const key = prediction.key ? prediction.key->edges.data() : nullptr;
   uint64_t bits[2] = {};
-  for (const bool along : {false, true}) {
-    prediction.along_strand = along;
-    predictEdges(symbols, prediction, [&](size_t, uint16_t folded) {
-      bits[along ? 1 : 0] += static_cast<uint64_t>(std::bit_width(folded));
-    });
+  for (size_t s = 0; s < prediction.strand_ends.size(); s += kSampleEvery) {
+    const size_t first = s == 0 ? 0 : prediction.strand_ends[s - 1];
+    const uint32_t length[] = {static_cast<uint32_t>(prediction.strand_ends[s] - first)};
+    for (const bool along : {false, true}) {
+      for (size_t at = first; at < symbols.edges.size(); at += count) {
+        predictPlane({symbols.edges.data() + at, length[0]}, key ? key + at : nullptr, along, prediction.edge_bits, length,
+                     [&](size_t, uint16_t folded) { bits[along ? 1 : 0] += static_cast<uint64_t>(std::bit_width(folded)); });
+      }
+    }
   }
   return bits[1] < bits[0];
 }

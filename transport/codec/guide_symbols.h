@@ -29,8 +29,8 @@ struct SymbolPrediction {
 class SymbolPacker {
  public:
   SymbolPacker();
-  /// Which of both predictions along the strand costs fewer bits.
-  bool prefersAlongStrand(const GuideSymbols& symbols, SymbolPrediction prediction);
+  /// Whether predicting edges from the edge before costs fewer bits, by a sample; whatever `prediction` says of it.
+  static bool prefersAlongStrand(const GuideSymbols& symbols, const SymbolPrediction& prediction);
   /// Appends to `bytes`; allocates only while its memory grows.
   void pack(const GuideSymbols& symbols, const SymbolPrediction& prediction, std::vector<uint8_t>& bytes);
 

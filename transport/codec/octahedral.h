@@ -1,8 +1,10 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "core/geometry.h"
+#include "transport/codec/nearest.h"
 
 namespace strandcast {
 
@@ -27,11 +29,11 @@ inline OctahedralPoint toOctahedral(const Vec3& direction, int bits) {
   const float u = below ? octahedralFold(p.y(), p.x()) : p.x(),
               v = below ? octahedralFold(p.x(), p.y()) : p.y();
   const float steps = static_cast<float>((1 << bits) - 1);
-  const float at[2] = {std::fmin(std::fmax(u * 0.5f + 0.5f, 0.0f), 1.0f) * steps,
-                       std::fmin(std::fmax(v * 0.5f + 0.5f, 0.0f), 1.0f) * steps};
+  const float at[2] = {std::clamp(u * 0.5f + 0.5f, 0.0f, 1.0f) * steps,
+                       std::clamp(v * 0.5f + 0.5f, 0.0f, 1.0f) * steps};
   float nearest[2], off[2], other[2];
   for (int k = 0; k < 2; ++k) {
-    nearest[k] = std::nearbyintf(at[k]);
+    nearest[k] = static_cast<float>(strandcast::nearest(at[k]));
     off[k] = nearest[k] - at[k];
     other[k] = nearest[k] - std::copysign(1.0f, off[k]);
     if (other[k] < 0 || other[k] > steps) other[k] = nearest[k];
