@@ -30,6 +30,12 @@ Encoding encodingOf(Codec codec) {
   return Encoding::kDelta16;
 }
 
+constexpr float kMaxSquaredEdge = 1e12f;  // m^2, beyond any hair
+
+float squaredError(const HeadFrame& head, const Vec3& decoded, const Vec3& wanted) {
+  return (head.toWorld(decoded) - wanted).squaredNorm();
+}
+
 bool fits16(int32_t value) { return value >= -32768 && value <= 32767; }
 
 void writeFloat32(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
@@ -48,66 +54,78 @@ void GuideEncoder::setGroom(const StrandSet& guides) {
   report_ = {nameOf(options_.codec), options_.codec == Codec::kFloat32 ? 0.0 : double{options_.max_error}};
   reported_frame_ = 0;
   step_ = kStepOfError * options_.max_error;
+  squared_limit_ = options_.max_error * options_.max_error;
 }
 
-bool GuideEncoder::isClose(const HeadFrame& head, const Vec3& decoded, const Vec3& wanted) {
-  const auto squared = static_cast<double>((head.toWorld(decoded) - wanted).squaredNorm());
-  squared_error_ = std::max(squared_error_, squared);
-  return squared <= double{options_.max_error} * options_.max_error;  // false for NaN
-}
-
-bool GuideEncoder::quantizeRoot(const HeadFrame& head, const Vec3& root, uint32_t number,
-                                const StrandRun& run, int32_t (&index)[3]) {
+Vec3 GuideEncoder::quantizeRoot(const HeadFrame& head, const Vec3& root, uint32_t number,
+                                const StrandRun& run, int32_t (&index)[3], Fit& fit) {
   const Vec3 local = head.toHead(root);
   const Vec3& rest = geometry_.roots[run.first_strand + number];
+  Vec3 decoded;
   for (int c = 0; c < 3; ++c) {
     index[c] = gridIndex(local[c], step_);
     const int32_t moved = index[c] - gridIndex(rest[c], step_);
-    if (!fits16(moved)) return false;
+    fit.holds &= fits16(moved);
     symbols_.roots[static_cast<size_t>(c) * run.strand_count + number] = static_cast<uint16_t>(moved);
+    decoded[c] = gridPosition(index[c], step_);
   }
-  const Vec3 decoded(gridPosition(index[0], step_), gridPosition(index[1], step_),
-                     gridPosition(index[2], step_));
-  return isClose(head, decoded, root);
+  const float error = squaredError(head, decoded, root);
+  fit.squared_error = std::max(fit.squared_error, error);
+  fit.holds &= error <= squared_limit_;  // false for NaN
+  return decoded;
 }
 
-bool GuideEncoder::quantizeDelta(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number,
-                                 size_t first_edge, const StrandRun& run) {
+// Both go through the whole strand before they look at how it fits: a strand that does not is rare, and
+// waiting for each vertex costs more than the work.
+
+void GuideEncoder::quantizeDelta(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number,
+                                 size_t first_edge, const StrandRun& run, Fit& fit) {
   int32_t before[3];
-  if (!quantizeRoot(head, strand[0], number, run, before)) return false;
+  quantizeRoot(head, strand[0], number, run, before, fit);
   const size_t plane = run.vertex_count - run.strand_count;
+  uint16_t* const edges = symbols_.edges.data() + first_edge;
+  float worst = fit.squared_error;
+  bool holds = fit.holds;
   for (size_t i = 1; i < strand.size(); ++i) {
     const Vec3 local = head.toHead(strand[i]);
     Vec3 decoded;
-    for (int c = 0; c < 3; ++c) {
-      const int32_t index = gridIndex(local[c], step_), edge = index - before[c];
-      if (!fits16(edge)) return false;
-      symbols_.edges[static_cast<size_t>(c) * plane + first_edge + i - 1] = static_cast<uint16_t>(edge);
+    for (size_t c = 0; c < 3; ++c) {
+      const int32_t index = gridIndex(local[static_cast<int>(c)], step_), edge = index - before[c];
+      holds &= fits16(edge);
+      edges[c * plane + i - 1] = static_cast<uint16_t>(edge);
       before[c] = index;
-      decoded[c] = gridPosition(index, step_);
+      decoded[static_cast<int>(c)] = gridPosition(index, step_);
     }
-    if (!isClose(head, decoded, strand[i])) return false;
+    const float error = squaredError(head, decoded, strand[i]);
+    worst = std::max(worst, error);
+    holds &= error <= squared_limit_;
   }
-  return true;
+  fit = {worst, holds};
 }
 
-bool GuideEncoder::quantizeOctahedral(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number,
-                                      size_t first_edge, const StrandRun& run, int bits) {
+void GuideEncoder::quantizeOctahedral(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number,
+                                      size_t first_edge, const StrandRun& run, int bits, Fit& fit) {
   int32_t root[3];
-  if (!quantizeRoot(head, strand[0], number, run, root)) return false;
-  Vec3 before(gridPosition(root[0], step_), gridPosition(root[1], step_), gridPosition(root[2], step_));
+  Vec3 before = quantizeRoot(head, strand[0], number, run, root, fit);
   const size_t plane = run.vertex_count - run.strand_count;
   const size_t first_vertex = geometry_.offsets[run.first_strand + number];
+  uint16_t* const edges = symbols_.edges.data() + first_edge;
+  float worst = fit.squared_error;
+  bool holds = fit.holds;
   for (size_t i = 1; i < strand.size(); ++i) {
     // Aimed from where the receiver has the vertex before: errors do not add up.
     const Vec3 edge = head.toHead(strand[i]) - before;
-    const OctahedralPoint point = edge.squaredNorm() > 0 ? toOctahedral(edge, bits) : OctahedralPoint{};
-    symbols_.edges[first_edge + i - 1] = point.u;
-    symbols_.edges[plane + first_edge + i - 1] = point.v;
+    const float squared_length = edge.squaredNorm();
+    const bool has_direction = squared_length > 0 && squared_length < kMaxSquaredEdge;  // false for NaN
+    const OctahedralPoint point = has_direction ? toOctahedral(edge, bits) : OctahedralPoint{};
+    edges[i - 1] = point.u;
+    edges[plane + i - 1] = point.v;
     before += geometry_.lengths[first_vertex + i] * fromOctahedral(point, bits);
-    if (!isClose(head, before, strand[i])) return false;
+    const float error = squaredError(head, before, strand[i]);
+    worst = std::max(worst, error);
+    holds &= error <= squared_limit_;
   }
-  return true;
+  fit = {worst, holds};
 }
 
 void GuideEncoder::quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding) {
@@ -121,12 +139,14 @@ void GuideEncoder::quantize(const GuideFrame& frame, const StrandRun& run, Encod
     const std::span<const Vec3> strand(frame.positions.data() + first,
                                        geometry_.offsets[run.first_strand + s + 1] - first);
     const size_t first_edge = first - run.first_vertex - s;
-    squared_error_ = 0;
-    const bool fits = encoding == Encoding::kDelta16
-                          ? quantizeDelta(head, strand, s, first_edge, run)
-                          : quantizeOctahedral(head, strand, s, first_edge, run, edgeBits(encoding));
-    if (fits) {
-      worst_squared_ = std::max(worst_squared_, squared_error_);
+    Fit fit;
+    if (encoding == Encoding::kDelta16) {
+      quantizeDelta(head, strand, s, first_edge, run, fit);
+    } else {
+      quantizeOctahedral(head, strand, s, first_edge, run, edgeBits(encoding), fit);
+    }
+    if (fit.holds) {
+      worst_squared_ = std::max(worst_squared_, fit.squared_error);
       continue;
     }
     exact_.push_back(static_cast<uint16_t>(s));
@@ -211,7 +231,7 @@ void GuideEncoder::encode(const GuideFrame& frame, uint32_t index, GuideChunk& c
       report_.strands_sent_finer += run.strand_count;
     } else {
       report_.strands_sent_finer += exact_strands;
-      report_.worst_error = std::max(report_.worst_error, std::sqrt(worst_squared_));
+      report_.worst_error = std::max(report_.worst_error, std::sqrt(double{worst_squared_}));
     }
   }
   report_.frame_bytes += chunk.payload.size();

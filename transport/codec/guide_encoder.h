@@ -30,14 +30,18 @@ class GuideEncoder {
     Encoding encoding = Encoding::kFloat32;
     GuideSymbols symbols;
   };
+  /// How well the symbols of a strand hold it.
+  struct Fit {
+    float squared_error = 0;  // m^2, the largest
+    bool holds = true;        // false where a number does not fit its symbol or is none
+  };
   void quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding);
-  bool quantizeDelta(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number, size_t first_edge,
-                     const StrandRun& run);
-  bool quantizeOctahedral(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number,
-                          size_t first_edge, const StrandRun& run, int bits);
-  bool quantizeRoot(const HeadFrame& head, const Vec3& root, uint32_t number, const StrandRun& run,
-                    int32_t (&index)[3]);
-  bool isClose(const HeadFrame& head, const Vec3& decoded, const Vec3& wanted);
+  void quantizeDelta(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number, size_t first_edge,
+                     const StrandRun& run, Fit& fit);
+  void quantizeOctahedral(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number,
+                          size_t first_edge, const StrandRun& run, int bits, Fit& fit);
+  Vec3 quantizeRoot(const HeadFrame& head, const Vec3& root, uint32_t number, const StrandRun& run,
+                    int32_t (&index)[3], Fit& fit);
   void writePayload(const GuideFrame& frame, const StrandRun& run, uint32_t index, GuideChunk& chunk);
 
   CodecOptions options_;
@@ -47,12 +51,12 @@ class GuideEncoder {
   EncodingReport report_;
   uint64_t reported_frame_ = 0;
   // Of the chunk under way.
-  float step_ = 0;            // m
-  double squared_error_ = 0;  // m^2, of the strand under way
+  float squared_limit_ = 0;  // m^2
+  float step_ = 0;           // m
   GuideSymbols symbols_;
   std::vector<uint32_t> strand_ends_;
   std::vector<uint16_t> exact_;  // strands of the run that are sent as they are
-  double worst_squared_ = 0;     // m^2, of the others
+  float worst_squared_ = 0;      // m^2, of the others
   SymbolPacker packer_;
 };
 
