@@ -15,6 +15,7 @@
 #include "core/error.h"
 #include "dds_domain.h"
 #include "transport/dds.h"
+#include "transport/lcm.h"
 
 namespace strandcast {
 namespace {
@@ -225,6 +226,16 @@ TEST_F(DdsProcesses, NoNetworkAtAllIsSaid) {
   if (peer.exitCode() == kNoNamespace) GTEST_SKIP() << "this process may not make a network namespace";
   EXPECT_EQ(peer.exitCode(), 2);
   EXPECT_NE(peer.text().find("no IPv4 network interface is up"), std::string::npos) << peer.text();
+}
+
+TEST(LcmProcesses, AMissingRouteIsExplained) {
+  std::string reason;
+  if (!lcmAvailable(&reason)) GTEST_SKIP() << reason;
+  Peer peer({"lcm_alone", std::to_string(testDomain(1))});
+  peer.finish();
+  if (peer.exitCode() == kNoNamespace) GTEST_SKIP() << "this process may not make a network namespace";
+  EXPECT_EQ(peer.exitCode(), 2);
+  EXPECT_NE(peer.text().find("ip route add 224.0.0.0/4 dev lo"), std::string::npos) << peer.text();
 }
 
 }  // namespace
