@@ -96,12 +96,27 @@ TEST(Lcm, GroomFramesStatusAndCommandsGoThrough) {
   expectEverything(*publisher, *subscriber);
 }
 
-TEST(Lcm, MemoryQueueCarriesEverything) {
+/// LCM's own threads hand messages over under locks of GLib, which is not instrumented: the thread sanitizer
+/// does not see their order and would report each message. Our handlers are watched behind LossyLink.
+#ifdef __SANITIZE_THREAD__
+constexpr bool kLcmIsWatched = true;
+#else
+constexpr bool kLcmIsWatched = false;
+#endif
+
+class LcmItself : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (kLcmIsWatched) GTEST_SKIP() << "the thread sanitizer does not understand GLib's locks";
+  }
+};
+
+TEST_F(LcmItself, MemoryQueueCarriesEverything) {
   const auto [publisher, subscriber] = makeLcmChannel({"memq://", 1, 11, {}});
   expectEverything(*publisher, *subscriber);
 }
 
-TEST(Lcm, MulticastCarriesEverything) {
+TEST_F(LcmItself, MulticastCarriesEverything) {
   const std::string url = lcmUrl(testDomain(3));
   std::unique_ptr<Publisher> publisher;
   const std::string error = errorOf([&] { publisher = makeLcmPublisher({url, 1, 11, {}}); });
@@ -110,7 +125,7 @@ TEST(Lcm, MulticastCarriesEverything) {
   expectEverything(*publisher, *subscriber);
 }
 
-TEST(Lcm, ALogFileIsReplayed) {
+TEST_F(LcmItself, ALogFileIsReplayed) {
   const auto file =
       std::filesystem::temp_directory_path() / ("strandcast_lcm_" + std::to_string(getpid()) + ".log");
   const GroomDescription groom = hair();
