@@ -9,27 +9,42 @@
 #include "core/error.h"
 #include "transport/dds.h"
 #include "transport/in_process.h"
+#include "transport/lcm.h"
 
 namespace strandcast {
 namespace {
 
 DdsOptions ddsOptions(const Settings& settings, uint64_t session) {
-  return {settings.domain, settings.groom_id, session};
+  return {settings.domain, settings.groom_id, session, settings.codec};
 }
+
+LcmOptions lcmOptions(const Settings& settings, uint64_t session) {
+  return {settings.lcm_url.empty() ? lcmUrl(settings.domain) : settings.lcm_url, settings.groom_id, session,
+          settings.codec};
+}
+
+bool usesLcm(const Settings& settings) { return settings.transport == "lcm"; }
 
 }  // namespace
 
+std::string networkName(const Settings& settings) {
+  return usesLcm(settings) ? "LCM " + lcmOptions(settings, 0).url
+                           : fmt::format("DDS domain {}", settings.domain);
+}
+
 std::unique_ptr<Subscriber> subscribe(const Settings& settings) {
+  if (usesLcm(settings)) return makeLcmSubscriber(lcmOptions(settings, 0));
   return makeDdsSubscriber(ddsOptions(settings, 0));
 }
 
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session) {
-  std::unique_ptr<Publisher> publisher = makeDdsPublisher(ddsOptions(settings, session));
+  std::unique_ptr<Publisher> publisher = usesLcm(settings) ? makeLcmPublisher(lcmOptions(settings, session))
+                                                           : makeDdsPublisher(ddsOptions(settings, session));
   const auto deadline = std::chrono::steady_clock::now() + kRivalListenTime;
   while (std::chrono::steady_clock::now() < deadline) {
     if (const auto rival = publisher->rivalSession())
       throw Error(fmt::format("another daemon already casts groom {}", settings.groom_id),
-                  fmt::format("domain {}, session {:016x}", settings.domain, *rival),
+                  fmt::format("{}, session {:016x}", networkName(settings), *rival),
                   "stop it (`strandcast ctl stop`) or choose another --groom-id");
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
@@ -64,7 +79,7 @@ Stream::Stream(const Settings& settings, bool here, double timeout) {
     remote_ = subscribe(settings);
   if (!subscriber().waitForGroom(std::chrono::milliseconds(static_cast<int>(1000 * timeout))))
     throw Error("no daemon casts this groom",
-                fmt::format("groom {} on domain {}", settings.groom_id, settings.domain),
+                fmt::format("groom {} on {}", settings.groom_id, networkName(settings)),
                 "start strandcastd, or name a --scene or --groom to simulate here");
 }
 

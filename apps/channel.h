@@ -9,6 +9,8 @@
 
 namespace strandcast {
 
+/// The network of these settings, for messages: "DDS domain 3".
+std::string networkName(const Settings& settings);
 /// Joins the network as a reader of settings.groom_id.
 std::unique_ptr<Subscriber> subscribe(const Settings& settings);
 /// Joins the network as the daemon of settings.groom_id; an Error when another daemon has that id.

@@ -256,9 +256,20 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     daemon.number("duration", 0, 1e9, [&](double v) { s.duration = v; });
   });
   root.section("transport", [&](Section& transport) {
-    transport.text("kind", [&](const std::string& v) { s.transport = v; });
+    transport.text("kind", [&](const std::string& v) {
+      if (v != "dds" && v != "lcm")
+        throw Error("unknown transport '" + v + "'", transport.place("kind"), "choose dds or lcm");
+      s.transport = v;
+    });
+    transport.text("lcm_url", [&](const std::string& v) { s.lcm_url = v; });
     transport.number("domain", 0, 232, [&](double v) { s.domain = static_cast<int>(v); });
     transport.number("groom_id", 1, 4294967295.0, [&](double v) { s.groom_id = static_cast<uint32_t>(v); });
+    transport.text("codec",
+                   [&](const std::string& v) { s.codec.codec = codecNamed(v, transport.place("codec")); });
+    transport.number("codec_error_mm", 0.001, 1,
+                     [&](double v) { s.codec.max_error = static_cast<float>(v * 1e-3); });
+    transport.number("key_interval", 1, kMaxKeyInterval,
+                     [&](double v) { s.codec.key_interval = static_cast<uint32_t>(v); });
   });
   root.section("parameters", [&](Section& parameters) {
     parameters.remaining(

@@ -167,6 +167,7 @@ void Daemon::publishStatus() {
   status_.max_penetration = std::max(status_.max_penetration, measured.max_penetration);
   status_.non_finite = measured.non_finite;
   status_.readers = publisher_.matchedReaders();
+  status_.encoding = publisher_.encoding();
   publisher_.publishStatus(status_);
 }
 

@@ -23,6 +23,19 @@ std::string sceneHelp() {
   return text;
 }
 
+std::vector<std::string> codecNames() {
+  std::vector<std::string> names;
+  for (const CodecInfo& info : codecList()) names.emplace_back(info.name);
+  return names;
+}
+
+std::string codecHelp() {
+  std::string text =
+      "how guides are written for the network (default " + std::string(nameOf(CodecOptions().codec)) + "):";
+  for (const CodecInfo& info : codecList()) text += fmt::format("\n  {}: {}", info.name, info.help);
+  return text + "\nReaders are told with each chunk; see bytes per frame in `strandcast ctl status`.";
+}
+
 double numberOf(const std::string& text, const std::string& where, const std::string& example) {
   try {
     size_t used = 0;
@@ -93,11 +106,16 @@ UpAxis upAxisOf(const std::string& name, const std::string& where) {
 }
 
 void addNetworkOptions(CLI::App& app, Settings& settings) {
-  app.add_option("--transport", settings.transport, "how frames travel: dds")
-      ->check(CLI::IsMember({"dds"}))
+  app.add_option(
+         "--transport", settings.transport,
+         "how frames travel. dds: repairs losses, finds the others by itself; lcm: UDP multicast without "
+         "repair or security, readers conceal what is lost")
+      ->check(CLI::IsMember({"dds", "lcm"}))
       ->capture_default_str();
-  app.add_option("--domain", settings.domain,
-                 "DDS domain; programs on different domains do not see each other")
+  app.add_option("--lcm-url", settings.lcm_url,
+                 "with --transport lcm: udpm://ADDRESS:PORT?ttl=N or file:///PATH?mode=w (r to replay it). "
+                 "Without: this machine alone, port 7667 + domain; ttl=1 reaches the local network");
+  app.add_option("--domain", settings.domain, "programs on different domains do not see each other")
       ->check(CLI::Range(0, 232))
       ->capture_default_str();
   app.add_option("--groom-id", settings.groom_id, "number of the groom on the network; one daemon each")
@@ -154,6 +172,14 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   simulation->add_option("--duration", given_.duration, "seconds to run; 0 = until interrupted")
       ->check(CLI::Range(0.0, 1e9));
   addNetworkOptions(app, given_);
+  app.add_option("--codec", codec_, codecHelp())->check(CLI::IsMember(codecNames()));
+  app.add_option("--codec-error", codec_error_mm_,
+                 "mm; no guide vertex is received further from where it was (default 0.01)")
+      ->check(CLI::Range(0.001, 1.0));
+  app.add_option("--key-interval", given_.codec.key_interval,
+                 "frames between key frames of the temporal codec: a reader that joins waits that long")
+      ->check(CLI::Range(1u, kMaxKeyInterval))
+      ->capture_default_str();
 }
 
 bool SettingsOptions::namesScene() const {
@@ -185,8 +211,12 @@ Settings SettingsOptions::resolve() const {
   lay("--rate", out.rate, given_.rate);
   lay("--duration", out.duration, given_.duration);
   lay("--transport", out.transport, given_.transport);
+  lay("--lcm-url", out.lcm_url, given_.lcm_url);
   lay("--domain", out.domain, given_.domain);
   lay("--groom-id", out.groom_id, given_.groom_id);
+  if (!codec_.empty()) out.codec.codec = codecNamed(codec_, "--codec");
+  lay("--codec-error", out.codec.max_error, static_cast<float>(codec_error_mm_ * 1e-3));
+  lay("--key-interval", out.codec.key_interval, given_.codec.key_interval);
   for (const std::string& text : material_) out.scene.materials.push_back(parseMaterial(text));
   for (const std::string& text : set_) {
     out.parameters.push_back(parseAssignment(text));

@@ -7,6 +7,7 @@
 
 #include "core/parameters.h"
 #include "scenes/scene.h"
+#include "transport/codec/codec.h"
 
 namespace CLI {
 class App;
@@ -25,9 +26,11 @@ struct Settings {
   bool sag_free = true;  ///< the groomed shape is the shape at rest under gravity (rod only)
   std::string backend = "auto";
   int threads = 0;                ///< of the simd backend; 0 = all
-  std::string transport = "dds";  ///< "dds"
-  int domain = 0;                 ///< DDS domain, 0 to 232
+  std::string transport = "dds";  ///< "dds" or "lcm"
+  std::string lcm_url;            ///< empty: lcmUrl(domain)
+  int domain = 0;                 ///< 0 to 232; of DDS, or the port of LCM
   uint32_t groom_id = 1;
+  CodecOptions codec;   ///< of the frames that are cast
   double rate = 60;     ///< frames published per second
   double duration = 0;  ///< s; 0 = until interrupted
 };
@@ -50,7 +53,8 @@ class SettingsOptions {
   CLI::App& app_;
   std::filesystem::path config_;
   Settings given_;
-  std::string up_, solver_;
+  std::string up_, solver_, codec_;
+  double codec_error_mm_ = 0;
   bool sag_free_ = true;
   std::vector<std::string> groom_, material_, set_;
 };
@@ -58,7 +62,7 @@ class SettingsOptions {
 /// "auto", "x", "y" or "z"; Error otherwise, naming `where`.
 UpAxis upAxisOf(const std::string& name, const std::string& where = "--up");
 
-/// Adds --transport, --domain and --groom-id, which every program that joins a network has.
+/// Adds --transport, --lcm-url, --domain and --groom-id, which every program that joins a network has.
 void addNetworkOptions(CLI::App& app, Settings& settings);
 
 /// Reads a configuration file over `settings`. Every unknown key is an Error that names its line and the

@@ -33,6 +33,12 @@ void report(const DaemonSummary& summary, bool json) {
   out.add("max_penetration_m", "max penetration", s.max_penetration, "m", 6);
   out.addCount("non_finite", "non-finite vertices", s.non_finite);
   out.addCount("strands_reset", "strands reset", s.strands_reset);
+  if (!s.encoding.codec.empty()) {
+    out.add("codec", "codec", s.encoding.codec);
+    out.addCount("bytes_per_frame", "bytes per frame", s.encoding.frame_bytes);
+    out.add("codec_worst_error_mm", "worst error of the codec", 1e3 * s.encoding.worst_error, "mm", 4);
+    out.addCount("strands_sent_finer", "strands sent finer", s.encoding.strands_sent_finer);
+  }
   out.print(json);
 }
 
@@ -65,8 +71,8 @@ int main(int argc, char** argv) {
     const uint64_t session = newSession();
     const std::unique_ptr<Publisher> publisher = claimGroom(settings, session);
     Daemon daemon(settings, std::move(scene), *publisher, session);
-    spdlog::info("casting groom {} on DDS domain {} at {:g} frames/s; Ctrl-C ends it", settings.groom_id,
-                 settings.domain, settings.rate);
+    spdlog::info("casting groom {} on {} at {:g} frames/s; Ctrl-C ends it", settings.groom_id,
+                 networkName(settings), settings.rate);
     report(daemon.run(g_interrupted), json);
     return g_interrupted ? kExitInterrupted : 0;
   });

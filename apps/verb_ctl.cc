@@ -49,11 +49,15 @@ int sendCommand(const Options& o, CommandKind kind, const std::string& name,
       ask(*subscriber, command, [&] { return g_interrupted || std::chrono::steady_clock::now() > deadline; });
   if (!refusal)
     throw Error("the daemon did not answer",
-                fmt::format("groom {} on domain {}", o.network.groom_id, o.network.domain),
+                fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
                 "see `strandcast ctl list`");
   if (!refusal->empty()) throw Error("the daemon refused", *refusal, "");
   if (o.json) fmt::print("{}\n", nlohmann::json({{"command", command.id}, {"accepted", true}}).dump());
   return 0;
+}
+
+double bytesPerVertex(const Status& s) {
+  return s.vertices > 0 ? static_cast<double>(s.encoding.frame_bytes) / static_cast<double>(s.vertices) : 0;
 }
 
 nlohmann::json toJson(const Status& s) {
@@ -74,6 +78,12 @@ nlohmann::json toJson(const Status& s) {
           {"non_finite", s.non_finite},
           {"strands_reset", s.strands_reset},
           {"readers", s.readers},
+          {"codec", s.encoding.codec},
+          {"codec_max_error_mm", 1e3 * s.encoding.max_error},
+          {"codec_worst_error_mm", 1e3 * s.encoding.worst_error},
+          {"bytes_per_frame", s.encoding.frame_bytes},
+          {"bytes_per_vertex", bytesPerVertex(s)},
+          {"strands_sent_finer", s.encoding.strands_sent_finer},
           {"last_command_error", s.last_command_error}};
 }
 
@@ -87,7 +97,7 @@ int list(const Options& o) {
     fmt::print("{}\n", nlohmann::json({{"daemons", out}}).dump());
     return 0;
   }
-  if (all.empty()) fmt::print("no daemon on DDS domain {}\n", o.network.domain);
+  if (all.empty()) fmt::print("no daemon on {}\n", networkName(o.network));
   for (const Status& s : all)
     fmt::print("  groom {:<4} {:<16} {:<10} {} strands, {} vertices, step {:.2f} ms, {} readers\n",
                s.groom_id, s.groom_name, s.backend, s.strands, s.vertices, s.step_ms_median, s.readers);
@@ -98,7 +108,7 @@ int printStatus(const Options& o) {
   const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
   std::optional<Status> status;
   if (!waitUntil(o.timeout, [&] { return (status = subscriber->status()).has_value(); }))
-    throw Error("no daemon", fmt::format("groom {} on domain {}", o.network.groom_id, o.network.domain),
+    throw Error("no daemon", fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
                 "see `strandcast ctl list`");
   const nlohmann::json object = toJson(*status);
   if (o.json) {

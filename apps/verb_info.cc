@@ -3,15 +3,19 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/backends.h"
+#include "apps/cast_size.h"
 #include "apps/console.h"
 #include "apps/settings.h"
 #include "apps/verbs.h"
 #include "core/error.h"
 #include "groom/axes_and_units.h"
 #include "groom/groom_file.h"
+#include "transport/codec/codec.h"
 #include "transport/dds.h"
+#include "transport/lcm.h"
 
 namespace strandcast {
 namespace {
@@ -24,8 +28,8 @@ struct Options {
 
 int printBackends(bool json) {
   nlohmann::json list = nlohmann::json::array();
-  std::string why_no_dds;
-  const bool dds = ddsAvailable(&why_no_dds);
+  std::string why_no_dds, why_no_lcm;
+  const bool dds = ddsAvailable(&why_no_dds), lcm = lcmAvailable(&why_no_lcm);
   for (const BackendInfo& info : knownBackends()) {
     list.push_back({{"name", info.name},
                     {"available", info.available},
@@ -35,10 +39,12 @@ int printBackends(bool json) {
       fmt::print("  {:<10} {:<4} score {:>3}  {}\n", info.name, info.available ? "yes" : "no", info.score,
                  info.reason);
   }
-  if (json)
-    fmt::print("{}\n", nlohmann::json({{"backends", list}, {"dds", dds}}).dump());
-  else
-    fmt::print("  {:<10} {:<4}            {}\n", "dds", dds ? "yes" : "no", dds ? "Fast DDS" : why_no_dds);
+  if (json) {
+    fmt::print("{}\n", nlohmann::json({{"backends", list}, {"dds", dds}, {"lcm", lcm}}).dump());
+    return 0;
+  }
+  fmt::print("  {:<10} {:<4}            {}\n", "dds", dds ? "yes" : "no", dds ? "Fast DDS" : why_no_dds);
+  fmt::print("  {:<10} {:<4}            {}\n", "lcm", lcm ? "yes" : "no", lcm ? "UDP multicast" : why_no_lcm);
   return 0;
 }
 
@@ -57,6 +63,7 @@ int printGroom(const Options& options) {
   turnYUp(meters.positions, read.up == UpAxis::kAuto ? raw.native_up : read.up);
   scaleToMeters(meters.positions, unit, options.file);
   const GroomSummary s = summarize(meters);
+  const std::optional<uint64_t> cast = bytesPerFrame(groom.strands);
   if (options.json) {
     fmt::print("{}\n", nlohmann::json({{"file", options.file},
                                        {"format", raw.format},
@@ -71,6 +78,7 @@ int printGroom(const Options& options) {
                                        {"length_median", s.median_length},
                                        {"length_max", s.max_length},
                                        {"degenerate_strands", s.degenerate_strands},
+                                       {"bytes_per_frame", cast ? nlohmann::json(*cast) : nlohmann::json()},
                                        {"warnings", groom.report.warnings}})
                            .dump());
     return 0;
@@ -88,6 +96,10 @@ int printGroom(const Options& options) {
   out.add("lengths", "strand length",
           fmt::format("{:.4f} to {:.4f} m, median {:.4f} m", s.min_length, s.max_length, s.median_length));
   out.addCount("degenerate", "degenerate strands", s.degenerate_strands);
+  if (cast)
+    out.add("bytes_per_frame", "cast, at rest",
+            fmt::format("{} bytes per frame as {} ({:.2f} per vertex)", *cast, nameOf(CodecOptions().codec),
+                        static_cast<double>(*cast) / static_cast<double>(groom.strands.vertices())));
   for (const std::string& warning : groom.report.warnings) out.add("warning", "warning", warning);
   out.print(false);
   return 0;

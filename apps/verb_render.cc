@@ -121,6 +121,11 @@ void report(const Options& o, Subscriber& subscriber, const std::optional<Status
   }
   out.addCount("frames_received", "frames received", r.frames_received);
   out.addCount("frames_lost", "frames lost", r.frames_lost);
+  if (r.frames_concealed > 0) out.addCount("frames_concealed", "with concealed strands", r.frames_concealed);
+  if (r.payload_bytes > 0) {
+    if (status) out.add("codec", "codec", status->encoding.codec);
+    out.addCount("bytes_per_frame", "bytes per frame, mean", r.payload_bytes / r.frames_received);
+  }
   out.add("latency_ms_p50", "latency, median", r.latency_ms_p50, "ms", 3);
   out.add("latency_ms_p99", "latency, 99th percentile", r.latency_ms_p99, "ms", 3);
   out.addCount("frames_drawn", "frames drawn", static_cast<uint64_t>(drawn));

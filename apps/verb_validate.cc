@@ -9,6 +9,7 @@
 #include "apps/console.h"
 #include "apps/interrupt.h"
 #include "apps/verbs.h"
+#include "apps/wire_suite.h"
 #include "core/backend_registry.h"
 #include "validation/suite.h"
 
@@ -48,7 +49,7 @@ void printTable(const std::vector<Case>& cases) {
 }
 
 int validate(const Options& o) {
-  const Suite& suite = validationSuite(o.suite);
+  const Suite& suite = o.suite == wireSuite().name ? wireSuite() : validationSuite(o.suite);
   if (o.list) {
     printList(suite);
     return 0;
@@ -96,11 +97,13 @@ Verb addValidate(CLI::App& app) {
   std::string suites;
   for (const Suite& suite : validationSuites())
     suites += fmt::format("\n  {:<12}{}", suite.name, suite.about);
+  suites += fmt::format("\n  {:<12}{}", wireSuite().name, wireSuite().about);
   app.description(app.get_description() + ".\nSuites:" + suites +
                   "\n\nExit code 0: every case within its limit; 1: a case failed; 2: it could not run.\n"
                   "Examples:\n"
                   "  strandcast validate cantilever --backend simd\n"
                   "  strandcast validate physics --only helix --json\n"
+                  "  strandcast validate wire --only \"delta16 5000x32 60 Hz\"\n"
                   "  strandcast validate cantilever --solver gauss_seidel   what the other solver misses");
   app.add_option("SUITE", o->suite, "which suite")->required();
   app.add_option("--backend", o->backend, "auto, reference, simd or gpu")->capture_default_str();

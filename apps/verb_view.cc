@@ -24,6 +24,7 @@ struct Options {
   std::unique_ptr<SettingsOptions> settings;
   PictureOptions picture;
   double timeout = 20;  // s
+  std::string playout = "smooth";
 };
 
 /// A GLFW window with an OpenGL 4.5 context, and the mouse turned into an orbit.
@@ -103,6 +104,7 @@ int view(const Options& o) {
   Stream stream(settings, o.settings->namesScene(), o.timeout);
   Subscriber& subscriber = stream.subscriber();
 
+  FramePlayer player(subscriber, o.playout == "latest" ? Playout::kLatest : Playout::kSmooth);
   Renderer renderer(renderSettings(o.picture));
   std::shared_ptr<const GroomDescription> groom;
   Box box;
@@ -117,7 +119,7 @@ int view(const Options& o) {
       renderer.setBody(*body);
       box = pictureBox(*groom, *body);
     }
-    const auto frame = subscriber.frame();
+    const auto frame = player.next();
     if (!frame) continue;
     renderer.draw(*frame, window.camera(box));
     const auto now = std::chrono::steady_clock::now();
@@ -143,6 +145,10 @@ Verb addView(CLI::App& app) {
       "is drawn.");
   app.add_option("--timeout", o->timeout, "seconds to wait for a daemon")
       ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  app.add_option("--playout", o->playout,
+                 "smooth: even motion, one frame behind; latest: the newest frame as soon as it is there")
+      ->check(CLI::IsMember({"smooth", "latest"}))
       ->capture_default_str();
   addPictureOptions(app, o->picture);
   o->settings = std::make_unique<SettingsOptions>(app);

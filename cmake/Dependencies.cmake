@@ -1,4 +1,4 @@
-# Everything comes from Debian's packages (./dev setup). GL, DDS and GLFW may be missing: that part is then switched off,
+# Everything comes from Debian's packages (./dev setup). GL, DDS, LCM and GLFW may be missing: that part is then switched off,
 # said so here and in `strandcast info --backends`, and the rest still builds.
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
@@ -15,12 +15,15 @@ find_package(PNG REQUIRED)
 find_package(GTest REQUIRED)
 find_package(tinyobjloader REQUIRED)
 
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(EPOXY IMPORTED_TARGET epoxy)
 pkg_check_modules(EGL IMPORTED_TARGET egl)
 find_package(glfw3 QUIET)
 find_package(fastrtps QUIET)
 find_package(fastcdr QUIET)
 find_program(FASTDDSGEN fastddsgen)
+pkg_check_modules(LCM IMPORTED_TARGET lcm)
+find_program(LCM_GEN lcm-gen)
 find_program(GLSLANG_VALIDATOR glslangValidator)
 
 set(STRANDCAST_GL OFF)
@@ -34,4 +37,10 @@ if(fastrtps_FOUND AND fastcdr_FOUND AND FASTDDSGEN)
   set(STRANDCAST_DDS ON)
 else()
   message(WARNING "DDS is off: libfastrtps-dev, libfastcdr-dev or fastddsgen is missing (run ./dev setup)")
+endif()
+set(STRANDCAST_LCM OFF)
+if(LCM_FOUND AND LCM_GEN)
+  set(STRANDCAST_LCM ON)
+else()
+  message(WARNING "LCM is off: liblcm-dev, liblcm-bin or libglib2.0-dev is missing (run ./dev setup)")
 endif()

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 namespace strandcast {
 namespace {
@@ -157,18 +158,6 @@ bool hasSoundPose(const GuideChunk& chunk) {
          std::abs(squared - 1) < 1e-3f;  // false for NaN
 }
 
-bool hasFiniteFloats(const std::vector<uint8_t>& payload) {
-  // A float32 is not finite when all bits of its exponent are set; in whole words, this costs next to
-  // nothing.
-  uint32_t any = 0;
-  for (size_t i = 0; i + sizeof(uint32_t) <= payload.size(); i += sizeof(uint32_t)) {
-    uint32_t bits;
-    std::memcpy(&bits, payload.data() + i, sizeof bits);
-    any |= (bits & 0x7f800000u) == 0x7f800000u;
-  }
-  return any == 0;
-}
-
 }  // namespace
 
 // ---- descriptions
@@ -213,6 +202,8 @@ template class DescriptionAssembler<BodyChunk, BodyDescription>;
 
 void GuideAssembler::setGroom(std::shared_ptr<const GroomDescription> groom) {
   groom_ = std::move(groom);
+  decoder_.setGroom(groom_->guides);
+  if (conceals_) concealment_.setGroom(groom_->guides);
   for (Pending& pending : pending_) pool_.giveBack(std::move(pending.frame));
   pending_.clear();
   newest_ = 0;
@@ -229,8 +220,8 @@ bool GuideAssembler::fits(const GuideChunk& chunk) const {
   const uint32_t first_vertex = guides.offsets[chunk.first_strand];
   const uint32_t vertices = guides.offsets[chunk.first_strand + chunk.strand_count] - first_vertex;
   return chunk.first_vertex == first_vertex && chunk.vertex_count == vertices &&
-         chunk.encoding == Encoding::kFloat32 && chunk.payload.size() == uint64_t{vertices} * sizeof(Vec3) &&
-         std::isfinite(chunk.simulation_time) && hasSoundPose(chunk) && hasFiniteFloats(chunk.payload);
+         chunk.payload.size() <= kMaxChunkBytes && vertices * sizeof(Vec3) <= kMaxChunkBytes &&
+         std::isfinite(chunk.simulation_time) && hasSoundPose(chunk);
 }
 
 GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
@@ -245,8 +236,7 @@ GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
   if (pending_.size() == kFramesUnderWay) {
     // The one not fed for longest, not the one with the lowest number: a damaged number must not hold its
     // place for ever.
-    pool_.giveBack(std::move(pending_.back().frame));
-    pending_.pop_back();
+    drop(std::prev(pending_.end()));
   }
   Pending& pending = pending_.emplace_front();
   pending.header.frame = chunk.frame;
@@ -264,56 +254,90 @@ GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
 std::shared_ptr<const GuideFrame> GuideAssembler::add(const GuideChunk& chunk) {
   if (!groom_) return nullptr;
   if (!fits(chunk)) {
-    ++chunks_rejected_;
+    ++statistics_.chunks_rejected;
     return nullptr;
   }
   if (chunk.frame <= newest_) return nullptr;  // late; counted as lost when the newer frame was completed
-  Pending* pending = pendingFor(chunk);
+  // Before anything is kept of it: a damaged payload leaves no trace.
+  decoded_.resize(chunk.vertex_count);
+  const DecodeResult decoded = decoder_.decode(chunk, decoded_);
+  Pending* pending = decoded == DecodeResult::kDone ? pendingFor(chunk) : nullptr;
   if (!pending) {
-    ++chunks_rejected_;
+    ++(decoded == DecodeResult::kNoKey ? statistics_.chunks_without_key : statistics_.chunks_rejected);
     return nullptr;
   }
   StrandRun& run = pending->runs[chunk.chunk_index];
   if (run.strand_count != 0) return nullptr;  // received twice
   run = {chunk.first_strand, chunk.strand_count, chunk.first_vertex, chunk.vertex_count};
-  std::memcpy(static_cast<void*>(pending->frame->positions.data() + run.first_vertex), chunk.payload.data(),
-              chunk.payload.size());
+  std::copy(decoded_.begin(), decoded_.end(), pending->frame->positions.begin() + run.first_vertex);
+  pending->bytes += chunk.payload.size();
   return ++pending->received == chunk.chunk_count ? complete(pending_.begin()) : nullptr;
 }
 
+void GuideAssembler::drop(std::list<Pending>::iterator pending) {
+  pool_.giveBack(std::move(pending->frame));
+  pending_.erase(pending);
+}
+
 std::shared_ptr<const GuideFrame> GuideAssembler::complete(std::list<Pending>::iterator pending) {
-  const GuideChunk header = std::move(pending->header);
-  FramePool::Buffer frame = std::move(pending->frame);
   uint64_t next_strand = 0;
   bool is_whole = true;
   for (const StrandRun& run : pending->runs) {
     is_whole = is_whole && run.first_strand == next_strand;
     next_strand += run.strand_count;
   }
-  pending_.erase(pending);
   if (!is_whole || next_strand != groom_->guides.strands()) {
-    chunks_rejected_ += header.chunk_count;
-    pool_.giveBack(std::move(frame));
+    statistics_.chunks_rejected += pending->header.chunk_count;
+    drop(pending);
     return nullptr;
   }
-  frame->groom_id = groom_->groom_id;
-  frame->session = groom_->session;
-  frame->revision = groom_->revision;
-  frame->frame = header.frame;
-  frame->simulation_time = header.simulation_time;
-  frame->publish_time = header.publish_time;
-  frame->head.position = Vec3(header.head_position.data());
-  frame->head.rotation.coeffs() = Eigen::Map<const Eigen::Vector4f>(header.head_rotation.data());
-  if (newest_ != 0) frames_lost_ += header.frame - newest_ - 1;
-  newest_ = header.frame;
-  ++frames_received_;
+  return release(pending);
+}
+
+std::shared_ptr<const GuideFrame> GuideAssembler::concealOverdue() {
+  auto oldest = pending_.end();
+  uint64_t later = 0;  // the newest frame of which a quarter is here
+  for (auto here = pending_.begin(); here != pending_.end(); ++here) {
+    if (uint64_t{here->received} * 4 >= here->header.chunk_count) later = std::max(later, here->header.frame);
+    if (oldest == pending_.end() || here->header.frame < oldest->header.frame) oldest = here;
+  }
+  return oldest != pending_.end() && oldest->header.frame < later ? release(oldest) : nullptr;
+}
+
+/// Null when lost strands cannot be concealed.
+std::shared_ptr<const GuideFrame> GuideAssembler::release(std::list<Pending>::iterator pending) {
+  const GuideChunk& header = pending->header;
+  GuideFrame& frame = *pending->frame;
+  frame.groom_id = groom_->groom_id;
+  frame.session = groom_->session;
+  frame.revision = groom_->revision;
+  frame.frame = header.frame;
+  frame.simulation_time = header.simulation_time;
+  frame.publish_time = header.publish_time;
+  frame.arrival_time = steadyTime();
+  frame.head.position = Vec3(header.head_position.data());
+  frame.head.rotation.coeffs() = Eigen::Map<const Eigen::Vector4f>(header.head_rotation.data());
+  frame.strands_concealed = 0;
+  if (conceals_) {
+    concealment_.learn(frame, pending->runs);
+    if (pending->received < header.chunk_count && !concealment_.conceal(frame)) {
+      drop(pending);
+      return nullptr;
+    }
+  }
+  if (newest_ != 0) statistics_.frames_lost += frame.frame - newest_ - 1;
+  newest_ = frame.frame;
+  ++statistics_.frames_received;
+  statistics_.payload_bytes += pending->bytes;
+  statistics_.strands_concealed += frame.strands_concealed;
+  statistics_.frames_concealed += frame.strands_concealed > 0 ? 1 : 0;
+  FramePool::Buffer buffer = std::move(pending->frame);
+  pending_.erase(pending);
   for (auto older = pending_.begin(); older != pending_.end();) {
     const auto here = older++;
-    if (here->header.frame > newest_) continue;
-    pool_.giveBack(std::move(here->frame));
-    pending_.erase(here);
+    if (here->header.frame <= newest_) drop(here);
   }
-  return pool_.share(std::move(frame));
+  return pool_.share(std::move(buffer));
 }
 
 }  // namespace strandcast

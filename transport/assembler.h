@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "transport/chunks.h"
+#include "transport/codec/guide_decoder.h"
+#include "transport/concealment.h"
 #include "transport/frame_queue.h"
 #include "transport/messages.h"
 
@@ -39,15 +41,21 @@ using BodyAssembler = DescriptionAssembler<BodyChunk, BodyDescription>;
 /// Puts frames together that fit one groom. Chunks that come before there is a groom are dropped uncounted.
 class GuideAssembler {
  public:
+  /// With `conceals`, takes note of where strands are for concealOverdue().
+  explicit GuideAssembler(bool conceals = false) : conceals_(conceals) {}
   /// `groom` as an assembler or a checked announcement made it. Frames under way are dropped and the count of
   /// lost frames starts anew with the first complete frame.
   void setGroom(std::shared_ptr<const GroomDescription> groom);
-  /// The frame that this chunk completed, or null. The payload is copied once, into the frame.
+  /// The frame that this chunk completed, or null.
   std::shared_ptr<const GuideFrame> add(const GuideChunk& chunk);
+  /// A frame that will not be completed any more, its lost strands concealed; null when there is none. Call
+  /// after add() on links that do not repair losses: a frame is given up once a quarter of a later one is
+  /// here.
+  std::shared_ptr<const GuideFrame> concealOverdue();
 
-  uint64_t framesReceived() const { return frames_received_; }
-  uint64_t framesLost() const { return frames_lost_; }
-  uint64_t chunksRejected() const { return chunks_rejected_; }
+  /// All but the latencies; chunks_rejected are the guides'.
+  const ReceiveStatistics& statistics() const { return statistics_; }
+  uint64_t chunksRejected() const { return statistics_.chunks_rejected; }
 
  private:
   struct Pending {
@@ -55,16 +63,23 @@ class GuideAssembler {
     FramePool::Buffer frame;
     std::vector<StrandRun> runs;  // by chunk index; strand_count 0 = not received
     uint32_t received = 0;
+    uint64_t bytes = 0;
   };
   bool fits(const GuideChunk& chunk) const;
   Pending* pendingFor(const GuideChunk& chunk);
   std::shared_ptr<const GuideFrame> complete(std::list<Pending>::iterator pending);
+  std::shared_ptr<const GuideFrame> release(std::list<Pending>::iterator pending);
+  void drop(std::list<Pending>::iterator pending);
 
+  const bool conceals_;
   std::shared_ptr<const GroomDescription> groom_;
+  Concealment concealment_;
   FramePool pool_;
+  GuideDecoder decoder_;
+  std::vector<Vec3> decoded_;   // of the chunk under way
   std::list<Pending> pending_;  // fed last first; at most kFramesUnderWay
   uint64_t newest_ = 0;         // complete frame of this groom, 0 = none
-  uint64_t frames_received_ = 0, frames_lost_ = 0, chunks_rejected_ = 0;
+  ReceiveStatistics statistics_;
 };
 
 }  // namespace strandcast

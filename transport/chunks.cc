@@ -205,8 +205,8 @@ std::vector<BodyChunk> splitBody(const BodyDescription& body) {
   return chunks;
 }
 
-void fillGuideChunk(const GuideFrame& frame, std::span<const StrandRun> runs, uint32_t index,
-                    GuideChunk& chunk) {
+void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, uint32_t index,
+                     GuideChunk& chunk) {
   const StrandRun& run = runs[index];
   chunk.session = frame.session;
   chunk.frame = frame.frame;
@@ -222,9 +222,6 @@ void fillGuideChunk(const GuideFrame& frame, std::span<const StrandRun> runs, ui
   chunk.vertex_count = run.vertex_count;
   for (int k = 0; k < 3; ++k) chunk.head_position[static_cast<size_t>(k)] = frame.head.position[k];
   for (int k = 0; k < 4; ++k) chunk.head_rotation[static_cast<size_t>(k)] = frame.head.rotation.coeffs()[k];
-  chunk.encoding = Encoding::kFloat32;
-  chunk.payload.resize(run.vertex_count * sizeof(Vec3));
-  std::memcpy(chunk.payload.data(), frame.positions.data() + run.first_vertex, chunk.payload.size());
 }
 
 bool isSound(const Command& command) {

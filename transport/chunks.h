@@ -18,7 +18,8 @@ inline constexpr uint32_t kMaxChunks = 4096;           ///< of one message
 inline constexpr size_t kMaxVerticesPerStrand = 3500;  ///< a strand is not divided between chunks
 inline constexpr size_t kMaxTextBytes = 255;           ///< of every name on the wire
 
-enum class Encoding : uint32_t { kFloat32 = 0 };
+/// How GuideChunk::payload holds positions: docs/wire.md.
+enum class Encoding : uint32_t { kFloat32 = 0, kDelta16 = 1, kOctahedral12 = 2, kOctahedral16 = 3 };
 
 struct GroomChunk {
   enum Arrays : uint32_t { kPinned = 1, kRadii = 2, kUvs = 4, kParts = 8 };
@@ -56,6 +57,7 @@ struct GuideChunk {
   uint32_t first_strand = 0, strand_count = 0, first_vertex = 0, vertex_count = 0;
   std::array<float, 3> head_position{};
   std::array<float, 4> head_rotation{0, 0, 0, 1};
+  uint64_t key_frame = 0;  ///< that the payload is a difference to; 0 = it can be decoded alone
   Encoding encoding = Encoding::kFloat32;
   std::vector<uint8_t> payload;
 };
@@ -84,10 +86,10 @@ std::vector<StrandRun> divideGuides(const StrandSet& guides);
 std::vector<GroomChunk> splitGroom(const GroomDescription& groom);
 std::vector<BodyChunk> splitBody(const BodyDescription& body);
 
-/// Writes chunk `index` of `frame` into `chunk`, whose memory is used again. `runs` of divideGuides; the
-/// frame has the positions of all of them.
-void fillGuideChunk(const GuideFrame& frame, std::span<const StrandRun> runs, uint32_t index,
-                    GuideChunk& chunk);
+/// All of chunk `index` of `frame` but encoding, key_frame and payload (codec/guide_encoder.h does those).
+/// `runs` of divideGuides.
+void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, uint32_t index,
+                     GuideChunk& chunk);
 
 /// A command that fits the wire: known kind, id not 0, finite values, at most 64 of them, short name.
 bool isSound(const Command& command);

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "transport/codec/codec.h"
 #include "transport/publisher.h"
 #include "transport/subscriber.h"
 
@@ -12,6 +13,7 @@ struct DdsOptions {
   int domain = 0;  ///< 0 to 232
   uint32_t groom_id = 1;
   uint64_t session = 0;  ///< publisher only: of this start, not 0
+  CodecOptions codec;    ///< publisher only
 };
 
 /// Whether this build has DDS, and why not.
@@ -22,8 +24,8 @@ bool ddsAvailable(std::string* reason = nullptr);
 /// * domain (UDP multicast 239.255.0.1, discovery) and those following it. Frames of 1 MB or less need
 /// net.core.rmem_max >= 4194304 on the reader's machine to survive bursts without repair.
 ///
-/// Both throw Error when the participant cannot be made: domain out of range, no network interface, a
-/// discovery port held by a program that does not share it.
+/// Both throw Error when an option is out of range or the participant cannot be made: domain out of range, no
+/// network interface, a discovery port held by a program that does not share it.
 std::unique_ptr<Publisher> makeDdsPublisher(const DdsOptions& options);
 std::unique_ptr<Subscriber> makeDdsSubscriber(const DdsOptions& options);
 

@@ -1,5 +1,6 @@
 #include "core/error.h"
 #include "transport/chunks.h"
+#include "transport/codec/guide_encoder.h"
 #include "transport/command_queue.h"
 #include "transport/dds.h"
 #include "transport/dds_participant.h"
@@ -17,8 +18,9 @@ class DdsPublisher final : public Publisher {
  public:
   explicit DdsPublisher(const DdsOptions& options)
       : options_(options),
-        command_listener_([this](v1::Command& wire, const auto&) { receive(wire); }),
-        status_listener_([this](v1::Status& wire, const auto& writer) { hear(wire, writer); },
+        encoder_(options.codec),
+        command_listener_([this](v2::Command& wire, const auto&) { receive(wire); }),
+        status_listener_([this](v2::Status& wire, const auto& writer) { hear(wire, writer); },
                          [this](const auto& writer) { others_.remove(writer); }),
         participant_(options.domain, options.groom_id) {
     participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
@@ -42,9 +44,9 @@ class DdsPublisher final : public Publisher {
     own_body.groom_id = options_.groom_id;
     own_body.session = options_.session;
     own_body.revision = groom.revision;
-    groom_chunks_ = replace<v1::GroomChunk>(*groom_writer_, splitGroom(own_groom), groom_chunks_);
-    body_chunks_ = replace<v1::BodyChunk>(*body_writer_, splitBody(own_body), body_chunks_);
-    runs_ = divideGuides(groom.guides);
+    groom_chunks_ = replace<v2::GroomChunk>(*groom_writer_, splitGroom(own_groom), groom_chunks_);
+    body_chunks_ = replace<v2::BodyChunk>(*body_writer_, splitBody(own_body), body_chunks_);
+    encoder_.setGroom(groom.guides);
     vertices_ = groom.guides.vertices();
     revision_ = groom.revision;
     last_.session = options_.session;
@@ -53,8 +55,8 @@ class DdsPublisher final : public Publisher {
 
   void publish(const GuideFrame& frame) override {
     if (!revision_ || frame.revision != *revision_ || frame.positions.size() != vertices_) return;
-    for (uint32_t i = 0; i < runs_.size(); ++i) {
-      fillGuideChunk(frame, runs_, i, chunk_);
+    for (uint32_t i = 0; i < encoder_.runs().size(); ++i) {
+      encoder_.encode(frame, i, chunk_);
       chunk_.groom_id = options_.groom_id;
       chunk_.session = options_.session;
       toWire(chunk_, guide_sample_);
@@ -64,7 +66,7 @@ class DdsPublisher final : public Publisher {
   }
 
   void publishStatus(const Status& status) override {
-    v1::Status sample;
+    v2::Status sample;
     toWire(status, sample);
     sample.groom_id(options_.groom_id);
     sample.session(options_.session);
@@ -74,6 +76,7 @@ class DdsPublisher final : public Publisher {
   std::optional<Command> takeCommand() override { return commands_.take(); }
 
   uint32_t matchedReaders() const override { return readers_.matched(); }
+  EncodingReport encoding() const override { return encoder_.report(); }
   std::optional<uint64_t> rivalSession() const override {
     return others_.rivalOf(options_.groom_id, options_.session);
   }
@@ -99,7 +102,7 @@ class DdsPublisher final : public Publisher {
     return count;
   }
 
-  void receive(const v1::Command& wire) {
+  void receive(const v2::Command& wire) {
     Command command;
     fromWire(wire, command);
     if (command.groom_id != options_.groom_id || wire.name().size() > kMaxTextBytes || !isSound(command))
@@ -107,7 +110,7 @@ class DdsPublisher final : public Publisher {
     commands_.push(std::move(command));
   }
 
-  void hear(const v1::Status& wire, const StatusBoard::WriterId& writer) {
+  void hear(const v2::Status& wire, const StatusBoard::WriterId& writer) {
     if (wire.groom_id() != options_.groom_id || wire.session() == options_.session) return;
     Status status;
     fromWire(wire, status);
@@ -117,17 +120,17 @@ class DdsPublisher final : public Publisher {
   const DdsOptions options_;
   CommandQueue commands_;
   StatusBoard others_;  // of this groom
-  std::vector<StrandRun> runs_;
+  GuideEncoder encoder_;
   size_t vertices_ = 0;
   std::optional<uint32_t> revision_;
   GroomDescription last_;  // only its session and revision
   uint32_t groom_chunks_ = 0, body_chunks_ = 0;
   GuideChunk chunk_;
-  v1::GuideChunk guide_sample_;
+  v2::GuideChunk guide_sample_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter readers_;
-  TakingListener<v1::Command> command_listener_;
-  TakingListener<v1::Status> status_listener_;
+  TakingListener<v2::Command> command_listener_;
+  TakingListener<v2::Status> status_listener_;
   DdsParticipant participant_;
   dds::DataWriter* status_writer_ = nullptr;
   dds::DataWriter* groom_writer_ = nullptr;
@@ -145,6 +148,7 @@ bool ddsAvailable(std::string* reason) {
 std::unique_ptr<Publisher> makeDdsPublisher(const DdsOptions& options) {
   if (options.session == 0)
     throw Error("a publisher needs a session", "DDS options", "choose one at random, not 0");
+  checkCodecOptions(options.codec, "DDS options");
   return std::make_unique<DdsPublisher>(options);
 }
 

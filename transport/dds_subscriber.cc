@@ -23,10 +23,10 @@ class DdsSubscriber final : public Subscriber {
       : options_(options),
         grooms_(options.groom_id),
         bodies_(options.groom_id),
-        groom_listener_([this](v1::GroomChunk& wire, const auto&) { receive(wire); }),
-        body_listener_([this](v1::BodyChunk& wire, const auto&) { receive(wire); }),
-        guide_listener_([this](v1::GuideChunk& wire, const auto&) { receive(wire); }),
-        status_listener_([this](v1::Status& wire, const auto& writer) { receive(wire, writer); },
+        groom_listener_([this](v2::GroomChunk& wire, const auto&) { receive(wire); }),
+        body_listener_([this](v2::BodyChunk& wire, const auto&) { receive(wire); }),
+        guide_listener_([this](v2::GuideChunk& wire, const auto&) { receive(wire); }),
+        status_listener_([this](v2::Status& wire, const auto& writer) { receive(wire, writer); },
                          [this](const auto& writer) { statuses_.remove(writer); }),
         participant_(options.domain, options.groom_id) {
     participant_.createReader(kGroomTopic, new GroomChunkType, &groom_listener_);
@@ -63,7 +63,7 @@ class DdsSubscriber final : public Subscriber {
         throw Error("no daemon answers", where, remedy);
     }
     const std::lock_guard lock(send_mutex_);
-    v1::Command sample;
+    v2::Command sample;
     toWire(command, sample);
     sample.groom_id(options_.groom_id);
     if (!command_writer_->write(&sample)) throw Error("the command cannot be written", where, remedy);
@@ -83,17 +83,15 @@ class DdsSubscriber final : public Subscriber {
     ReceiveStatistics statistics;
     {
       const std::lock_guard lock(assembly_mutex_);
-      statistics.frames_received = frames_.framesReceived();
-      statistics.frames_lost = frames_.framesLost();
-      statistics.chunks_rejected =
-          frames_.chunksRejected() + grooms_.chunksRejected() + bodies_.chunksRejected();
+      statistics = frames_.statistics();
+      statistics.chunks_rejected += grooms_.chunksRejected() + bodies_.chunksRejected();
     }
     queue_.addLatencies(statistics);
     return statistics;
   }
 
  private:
-  void receive(v1::GroomChunk& wire) {
+  void receive(v2::GroomChunk& wire) {
     GroomChunk chunk;
     fromWire(wire, chunk);
     const std::lock_guard lock(assembly_mutex_);
@@ -101,14 +99,14 @@ class DdsSubscriber final : public Subscriber {
     if (groom && queue_.setGroom(groom)) frames_.setGroom(groom);
   }
 
-  void receive(v1::BodyChunk& wire) {
+  void receive(v2::BodyChunk& wire) {
     BodyChunk chunk;
     fromWire(wire, chunk);
     const std::lock_guard lock(assembly_mutex_);
     if (auto body = bodies_.add(std::move(chunk))) queue_.setBody(std::move(body));
   }
 
-  void receive(v1::GuideChunk& wire) {
+  void receive(v2::GuideChunk& wire) {
     const std::lock_guard lock(assembly_mutex_);
     fromWire(wire, guide_chunk_);
     if (auto frame = frames_.add(guide_chunk_)) {
@@ -117,7 +115,7 @@ class DdsSubscriber final : public Subscriber {
     }
   }
 
-  void receive(const v1::Status& wire, const StatusBoard::WriterId& writer) {
+  void receive(const v2::Status& wire, const StatusBoard::WriterId& writer) {
     Status status;
     fromWire(wire, status);
     if (status.groom_id == options_.groom_id) answers_.post(status);
@@ -136,10 +134,10 @@ class DdsSubscriber final : public Subscriber {
   std::mutex send_mutex_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter daemons_;
-  TakingListener<v1::GroomChunk> groom_listener_;
-  TakingListener<v1::BodyChunk> body_listener_;
-  TakingListener<v1::GuideChunk> guide_listener_;
-  TakingListener<v1::Status> status_listener_;
+  TakingListener<v2::GroomChunk> groom_listener_;
+  TakingListener<v2::BodyChunk> body_listener_;
+  TakingListener<v2::GuideChunk> guide_listener_;
+  TakingListener<v2::Status> status_listener_;
   DdsParticipant participant_;
   dds::DataWriter* command_writer_ = nullptr;
 };

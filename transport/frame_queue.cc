@@ -105,11 +105,18 @@ void FrameQueue::addLatencies(ReceiveStatistics& statistics) const {
   statistics.latency_ms_p99 = quantile(0.99);
 }
 
-uint64_t systemTime() {
-  return static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
-                                   std::chrono::system_clock::now().time_since_epoch())
-                                   .count());
+namespace {
+
+template <class Clock>
+uint64_t nanoseconds() {
+  const auto since = Clock::now().time_since_epoch();
+  return static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(since).count());
 }
+
+}  // namespace
+
+uint64_t systemTime() { return nanoseconds<std::chrono::system_clock>(); }
+uint64_t steadyTime() { return nanoseconds<std::chrono::steady_clock>(); }
 
 double latencyMs(uint64_t publish_time) {
   return static_cast<double>(static_cast<int64_t>(systemTime() - publish_time)) * 1e-6;

@@ -64,6 +64,8 @@ class FrameQueue {
 
 /// ns since 1970 by the system clock, as GuideFrame::publish_time.
 uint64_t systemTime();
+/// ns by the steady clock, as GuideFrame::arrival_time.
+uint64_t steadyTime();
 /// From `publish_time` to now; negative when the sender's clock is ahead.
 double latencyMs(uint64_t publish_time);
 

@@ -58,6 +58,7 @@ class InProcessPublisher final : public Publisher {
     FramePool::Buffer copy = channel_->pool.take();
     *copy = frame;  // into the memory of a frame that was let go of
     copy->groom_id = channel_->groom_id;
+    copy->arrival_time = steadyTime();
     {
       const std::lock_guard lock(channel_->mutex);
       if (frame.frame <= channel_->newest_frame) return channel_->pool.giveBack(std::move(copy));
@@ -82,6 +83,7 @@ class InProcessPublisher final : public Publisher {
     const std::lock_guard lock(channel_->mutex);
     return channel_->has_subscriber ? 1 : 0;
   }
+  EncodingReport encoding() const override { return {}; }
   std::optional<uint64_t> rivalSession() const override { return std::nullopt; }
 
  private:

@@ -39,6 +39,9 @@ struct GuideFrame {
   uint64_t publish_time = 0;    ///< ns, system clock of the daemon
   Pose head;                    ///< of the head, relative to rest
   std::vector<Vec3> positions;  ///< world, m, natural order of the groom's guides
+  // Of the receiver:
+  uint64_t arrival_time = 0;       ///< ns, steady clock of the receiver, when it was complete
+  uint32_t strands_concealed = 0;  ///< that were lost on the way and are put where they probably are
 };
 
 enum class CommandKind : uint32_t {
@@ -57,6 +60,15 @@ struct Command {
   std::vector<double> values;  ///< parameter components; head pose: position x y z, rotation x y z w
 };
 
+/// What the channel made of the newest frame.
+struct EncodingReport {
+  std::string codec;         ///< as of codecList(), transport/codec/codec.h; empty where nothing is encoded
+  double max_error = 0;      ///< m, that the encoder keeps to
+  double worst_error = 0;    ///< m, that it found
+  uint64_t frame_bytes = 0;  ///< of all payloads; 0 before the first frame
+  uint64_t strands_sent_finer = 0;  ///< because their error would have been larger
+};
+
 struct Status {
   uint32_t groom_id = 0;
   uint64_t session = 0;
@@ -68,8 +80,9 @@ struct Status {
   double mean_stretch = 0, max_stretch = 0;  ///< of the newest frame, relative
   double max_penetration = 0;                ///< m, deepest since the start
   uint64_t non_finite = 0;                   ///< vertices in the newest frame
-  uint64_t strands_reset = 0;      ///< put back to their rest shape because they went wrong, since the start
-  uint32_t readers = 0;            ///< matched subscribers of the guides
+  uint64_t strands_reset = 0;  ///< put back to their rest shape because they went wrong, since the start
+  uint32_t readers = 0;        ///< matched subscribers of the guides
+  EncodingReport encoding;
   uint64_t last_command = 0;       ///< id of the newest command carried out or refused
   std::string last_command_error;  ///< empty when it was carried out
 };

@@ -32,6 +32,8 @@ class Publisher {
   /// kMaxQueuedCommands wait; beyond that the oldest go.
   virtual std::optional<Command> takeCommand() = 0;
   virtual uint32_t matchedReaders() const = 0;
+  /// What became of the newest frame on the wire; in-process nothing is encoded.
+  virtual EncodingReport encoding() const = 0;
   /// Session of another live daemon that publishes the same groom id, if one was heard. Over DDS every
   /// publisher names itself from its creation on; ask again for kRivalListenTime and before announce(), which
   /// would take the readers over. Two daemons started at once hear each other: let the one with the higher

@@ -11,12 +11,19 @@
 namespace strandcast {
 
 struct ReceiveStatistics {
-  uint64_t frames_received = 0;  ///< complete frames
+  uint64_t frames_received = 0;  ///< complete frames, concealed ones among them
   /// Frame numbers from the first to the newest complete frame of each session and revision that never became
   /// complete: gaps in the count, and frames left incomplete when a newer one was completed. Frames that the
   /// renderer did not look at in time are not lost.
   uint64_t frames_lost = 0;
+  /// Of the frames received: those with strands that were lost and are put where they probably are, and these
+  /// strands, added up. Only over links that do not repair losses (LCM).
+  uint64_t frames_concealed = 0, strands_concealed = 0;
   uint64_t chunks_rejected = 0;  ///< damaged, or of another session or revision
+  /// Sound chunks that refer to a key frame that is not here (--codec temporal): from before this reader
+  /// joined, or behind a key frame that it lost.
+  uint64_t chunks_without_key = 0;
+  uint64_t payload_bytes = 0;  ///< of the frames received; 0 in-process, where nothing is encoded
   /// Publish to complete, over the last 1,000 frames, by the system clocks of both machines: their difference
   /// is in it.
   double latency_ms_p50 = 0, latency_ms_p99 = 0;
@@ -50,9 +57,10 @@ class Subscriber {
   /// Newest status of every live daemon on the network.
   virtual std::vector<Status> allStatuses() const = 0;
   /// Sends a command to the daemon of `command.groom_id` 's groom, which is this subscriber's (0 stands for
-  /// it). Blocks until the daemon's machine has it, and the daemon's answer can be heard. That daemon may end
-  /// before it obeys: ask() sends until there is an answer. Throws Error when no daemon of that groom answers
-  /// within 2 s, when `id` is 0, or when the command is longer than the wire takes.
+  /// it). Blocks until the daemon's machine has it (over LCM: until it is sent), and the daemon's answer can
+  /// be heard. The command may be lost, and the daemon may end before it obeys: ask() sends until there is an
+  /// answer. Throws Error when no daemon of that groom answers within 2 s, when `id` is 0, or when the
+  /// command is longer than the wire takes.
   virtual void send(const Command& command) = 0;
   /// The daemon's answer to the command of this id: empty text when it was carried out, the reason when it
   /// was refused, nothing on timeout. The newest 256 answers are kept, also when the daemon has ended.
@@ -65,5 +73,49 @@ class Subscriber {
 /// `gives_up`.
 std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
                                const std::function<bool()>& gives_up);
+
+/// Which of the frames that have come is drawn.
+enum class Playout {
+  kLatest,  ///< the newest one: least delay, but uneven motion where frames come unevenly
+  kSmooth,  ///< between two frames, one frame behind: even motion at any rate of pictures
+  kExact    ///< each one once, in order: for pictures that are kept
+};
+
+struct PlayoutStatistics {
+  uint64_t pictures = 0;  ///< calls that gave a frame
+  uint64_t repeated = 0;  ///< of these, with nothing newer than the picture before
+  double delay_ms = 0;    ///< kSmooth: from the arrival of a frame without jitter to its picture
+  double jitter_ms = 0;   ///< kSmooth: by which 19 of 20 frames come later than the fastest
+};
+
+/// Moves hair that was simulated on one head pose rigidly to another, newer one ("late latching"): a renderer
+/// that tracks the head itself then shows no delay of the head, only of the sway of the hair.
+void moveToHead(GuideFrame& frame, const Pose& head);
+
+/// Picks frames for the pictures of a renderer, one thread at a time. `subscriber` outlives it.
+class FramePlayer {
+ public:
+  FramePlayer(Subscriber& subscriber, Playout playout);
+  ~FramePlayer();
+  FramePlayer(const FramePlayer&) = delete;
+  FramePlayer& operator=(const FramePlayer&) = delete;
+
+  /// The frame for a picture that is drawn now; null while there is none (kExact: no further one). With
+  /// `head`, moved there. Never waits. `now` by the steady clock.
+  ///
+  /// kSmooth keeps the offset between this machine's clock and simulation time at the least that the last
+  /// second or so of arrivals shows, and plays one frame interval and the jitter (at most a second interval)
+  /// behind it. Where frames stay away it stands still on the newest. Between two frames positions go
+  /// straight relative to the head, and the head from pose to pose; `frame` is the later one's number,
+  /// `simulation_time` the picture's own.
+  std::shared_ptr<const GuideFrame> next(
+      const std::optional<Pose>& head = std::nullopt,
+      std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());
+  PlayoutStatistics statistics() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace strandcast

@@ -20,10 +20,10 @@ class GuardedType final : public Generated {
   }
 };
 
-using GroomChunkType = GuardedType<v1::GroomChunkPubSubType>;
-using BodyChunkType = GuardedType<v1::BodyChunkPubSubType>;
-using GuideChunkType = GuardedType<v1::GuideChunkPubSubType>;
-using CommandType = GuardedType<v1::CommandPubSubType>;
-using StatusType = GuardedType<v1::StatusPubSubType>;
+using GroomChunkType = GuardedType<v2::GroomChunkPubSubType>;
+using BodyChunkType = GuardedType<v2::BodyChunkPubSubType>;
+using GuideChunkType = GuardedType<v2::GuideChunkPubSubType>;
+using CommandType = GuardedType<v2::CommandPubSubType>;
+using StatusType = GuardedType<v2::StatusPubSubType>;
 
 }  // namespace strandcast

@@ -7,7 +7,7 @@ namespace {
 std::string shortened(const std::string& text) { return text.substr(0, kMaxTextBytes); }
 }  // namespace
 
-void toWire(GroomChunk& chunk, v1::GroomChunk& wire) {
+void toWire(GroomChunk& chunk, v2::GroomChunk& wire) {
   wire.session(chunk.session);
   wire.groom_id(chunk.groom_id);
   wire.chunk_index(chunk.chunk_index);
@@ -28,7 +28,7 @@ void toWire(GroomChunk& chunk, v1::GroomChunk& wire) {
   std::swap(wire.parts(), chunk.parts);
 }
 
-void fromWire(v1::GroomChunk& wire, GroomChunk& chunk) {
+void fromWire(v2::GroomChunk& wire, GroomChunk& chunk) {
   chunk.session = wire.session();
   chunk.groom_id = wire.groom_id();
   chunk.chunk_index = wire.chunk_index();
@@ -49,7 +49,7 @@ void fromWire(v1::GroomChunk& wire, GroomChunk& chunk) {
   std::swap(wire.parts(), chunk.parts);
 }
 
-void toWire(BodyChunk& chunk, v1::BodyChunk& wire) {
+void toWire(BodyChunk& chunk, v2::BodyChunk& wire) {
   wire.session(chunk.session);
   wire.groom_id(chunk.groom_id);
   wire.chunk_index(chunk.chunk_index);
@@ -67,7 +67,7 @@ void toWire(BodyChunk& chunk, v1::BodyChunk& wire) {
   std::swap(wire.triangles(), chunk.triangles);
 }
 
-void fromWire(v1::BodyChunk& wire, BodyChunk& chunk) {
+void fromWire(v2::BodyChunk& wire, BodyChunk& chunk) {
   chunk.session = wire.session();
   chunk.groom_id = wire.groom_id();
   chunk.chunk_index = wire.chunk_index();
@@ -85,7 +85,7 @@ void fromWire(v1::BodyChunk& wire, BodyChunk& chunk) {
   std::swap(wire.triangles(), chunk.triangles);
 }
 
-void toWire(GuideChunk& chunk, v1::GuideChunk& wire) {
+void toWire(GuideChunk& chunk, v2::GuideChunk& wire) {
   wire.session(chunk.session);
   wire.frame(chunk.frame);
   wire.publish_time(chunk.publish_time);
@@ -100,11 +100,12 @@ void toWire(GuideChunk& chunk, v1::GuideChunk& wire) {
   wire.vertex_count(chunk.vertex_count);
   wire.head_position(chunk.head_position);
   wire.head_rotation(chunk.head_rotation);
-  wire.encoding(static_cast<v1::Encoding>(chunk.encoding));
+  wire.key_frame(chunk.key_frame);
+  wire.encoding(static_cast<v2::Encoding>(chunk.encoding));
   std::swap(wire.payload(), chunk.payload);
 }
 
-void fromWire(v1::GuideChunk& wire, GuideChunk& chunk) {
+void fromWire(v2::GuideChunk& wire, GuideChunk& chunk) {
   chunk.session = wire.session();
   chunk.frame = wire.frame();
   chunk.publish_time = wire.publish_time();
@@ -119,11 +120,12 @@ void fromWire(v1::GuideChunk& wire, GuideChunk& chunk) {
   chunk.vertex_count = wire.vertex_count();
   chunk.head_position = wire.head_position();
   chunk.head_rotation = wire.head_rotation();
+  chunk.key_frame = wire.key_frame();
   chunk.encoding = static_cast<Encoding>(wire.encoding());
   std::swap(wire.payload(), chunk.payload);
 }
 
-void toWire(const Command& command, v1::Command& wire) {
+void toWire(const Command& command, v2::Command& wire) {
   wire.id(command.id);
   wire.groom_id(command.groom_id);
   wire.name(shortened(command.name));
@@ -131,7 +133,7 @@ void toWire(const Command& command, v1::Command& wire) {
   wire.values(command.values);
 }
 
-void fromWire(const v1::Command& wire, Command& command) {
+void fromWire(const v2::Command& wire, Command& command) {
   command.id = wire.id();
   command.groom_id = wire.groom_id();
   command.name = shortened(wire.name());
@@ -139,7 +141,7 @@ void fromWire(const v1::Command& wire, Command& command) {
   command.values = wire.values();
 }
 
-void toWire(const Status& status, v1::Status& wire) {
+void toWire(const Status& status, v2::Status& wire) {
   wire.session(status.session);
   wire.strands(status.strands);
   wire.vertices(status.vertices);
@@ -155,13 +157,18 @@ void toWire(const Status& status, v1::Status& wire) {
   wire.max_penetration(status.max_penetration);
   wire.groom_id(status.groom_id);
   wire.readers(status.readers);
+  wire.codec(shortened(status.encoding.codec));
+  wire.codec_max_error(status.encoding.max_error);
+  wire.codec_worst_error(status.encoding.worst_error);
+  wire.frame_bytes(status.encoding.frame_bytes);
+  wire.strands_sent_finer(status.encoding.strands_sent_finer);
   wire.groom_name(shortened(status.groom_name));
   wire.backend(shortened(status.backend));
   wire.device(shortened(status.device));
   wire.last_command_error(shortened(status.last_command_error));
 }
 
-void fromWire(const v1::Status& wire, Status& status) {
+void fromWire(const v2::Status& wire, Status& status) {
   status.session = wire.session();
   status.strands = wire.strands();
   status.vertices = wire.vertices();
@@ -177,6 +184,11 @@ void fromWire(const v1::Status& wire, Status& status) {
   status.max_penetration = wire.max_penetration();
   status.groom_id = wire.groom_id();
   status.readers = wire.readers();
+  status.encoding.codec = shortened(wire.codec());
+  status.encoding.max_error = wire.codec_max_error();
+  status.encoding.worst_error = wire.codec_worst_error();
+  status.encoding.frame_bytes = wire.frame_bytes();
+  status.encoding.strands_sent_finer = wire.strands_sent_finer();
   status.groom_name = shortened(wire.groom_name());
   status.backend = shortened(wire.backend());
   status.device = shortened(wire.device());

@@ -54,6 +54,9 @@ duration = 10
 kind = "dds"
 domain = 3
 groom_id = 9
+codec = "temporal"
+codec_error_mm = 0.05
+key_interval = 20
 [parameters]
 wind = [1, 0, -2.5]
 substeps = 8
@@ -94,6 +97,9 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_DOUBLE_EQ(s.duration, 10);
   EXPECT_EQ(s.domain, 3);
   EXPECT_EQ(s.groom_id, 9u);
+  EXPECT_EQ(s.codec.codec, Codec::kTemporal);
+  EXPECT_FLOAT_EQ(s.codec.max_error, 5e-5f);
+  EXPECT_EQ(s.codec.key_interval, 20u);
   ASSERT_EQ(s.parameters.size(), 2u);
 }
 

@@ -88,8 +88,8 @@ class Programs : public ::testing::Test {
 };
 
 TEST_F(Programs, HelpTeachesAndExitsWithZero) {
-  for (const char* words : {" --help", " info --help", " convert --help", " bake --help", " render --help", " compare --help",
-                            " ctl --help", " validate --help"}) {
+  for (const char* words : {" --help", " info --help", " convert --help", " bake --help", " render --help",
+                            " compare --help", " ctl --help", " validate --help"}) {
     const Outcome r = run(program_ + words);
     EXPECT_EQ(r.exit_code, 0) << words << r.err;
     EXPECT_GT(r.out.size(), 200u) << words;
@@ -312,6 +312,36 @@ TEST_F(Programs, DaemonCastsToARendererAndObeys) {
   const nlohmann::json summary = nlohmann::json::parse(contents(folder_ / "daemon.json"));
   EXPECT_GT(summary["frames_published"], 10);
   EXPECT_EQ(summary["non_finite"], 0);
+}
+
+TEST_F(Programs, DaemonCastsOverLcm) {
+  const std::string network = " --transport lcm --domain " + domain_;
+  const pid_t daemon = start({daemon_, "--scene", "straight", "--strands", "200", "--transport", "lcm",
+                              "--domain", domain_, "--codec", "oct12", "--quiet", "--duration", "120"},
+                             "daemon.txt");
+  const Outcome wind = run(program_ + " ctl wind 1 0 0 --timeout 60" + network);
+  if (wind.err.find("LCM cannot") != std::string::npos || wind.err.find("LCM is not") != std::string::npos) {
+    kill(daemon, SIGKILL);
+    GTEST_SKIP() << wind.err;
+  }
+  ASSERT_EQ(wind.exit_code, 0) << wind.err;
+  nlohmann::json status;
+  for (int i = 0; i < 100 && (i == 0 || status["bytes_per_frame"] == 0);
+       ++i) {  // the first status has no frame yet
+    const Outcome r = run(program_ + " ctl status --json --timeout 60" + network);
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    status = nlohmann::json::parse(r.out);
+  }
+  EXPECT_EQ(status["codec"], "oct12");
+  EXPECT_GT(status["bytes_per_vertex"], 1);
+  EXPECT_LT(status["bytes_per_vertex"], 5);
+  EXPECT_LE(status["codec_worst_error_mm"], 0.0100001);
+  EXPECT_EQ(run(program_ + " ctl stop --timeout 60" + network).exit_code, 0);
+  EXPECT_EQ(wait(daemon), 0);
+
+  const Outcome refused = run(daemon_ + " --scene straight --strands 20 --quiet --codec temporal" + network);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("loses nothing"), std::string::npos) << refused.err;
 }
 
 TEST_F(Programs, InterruptEndsTheDaemonCleanly) {

@@ -39,6 +39,7 @@ struct Confined {
 const std::vector<Confined> kConfined = {
     {{"fcl"}, "FCL", {"collision"}},
     {{"fastdds", "fastrtps", "fastcdr"}, "DDS", {"transport"}},
+    {{"lcm", "strandcast_v2"}, "LCM", {"transport"}},
     {{"epoxy", "GL", "EGL", "GLES2", "GLES3", "KHR"}, "GL", {"gl", "gpu_compute", "render", "apps"}},
 };
 

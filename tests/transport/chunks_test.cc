@@ -101,13 +101,6 @@ TEST(Chunks, BodiesComeBack) {
   }
 }
 
-std::vector<GuideChunk> splitFrame(const GroomDescription& groom, const GuideFrame& frame) {
-  const std::vector<StrandRun> runs = divideGuides(groom.guides);
-  std::vector<GuideChunk> chunks(runs.size());
-  for (uint32_t i = 0; i < runs.size(); ++i) fillGuideChunk(frame, runs, i, chunks[i]);
-  return chunks;
-}
-
 TEST(Chunks, FramesComeBack) {
   for (const GroomDescription& groom : {sampleGroom(1003, [](size_t s) { return 1 + s * 37 % 123; }),
                                         uniformGroom(1, 2), uniformGroom(20000, 16)}) {
@@ -124,8 +117,8 @@ TEST(Chunks, FramesComeBack) {
     EXPECT_EQ(result->frame, 5u);
     EXPECT_EQ(result->simulation_time, frame.simulation_time);
     EXPECT_EQ(result->publish_time, frame.publish_time);
-    EXPECT_EQ(assembler.framesReceived(), 1u);
-    EXPECT_EQ(assembler.framesLost(), 0u);
+    EXPECT_EQ(assembler.statistics().frames_received, 1u);
+    EXPECT_EQ(assembler.statistics().frames_lost, 0u);
     EXPECT_EQ(assembler.chunksRejected(), 0u);
   }
 }
@@ -262,6 +255,8 @@ TEST(Chunks, DamagedGuideChunksAreRefused) {
                     {"short payload", [](C& c) { c.payload.pop_back(); }},
                     {"no payload", [](C& c) { c.payload.clear(); }},
                     {"unknown encoding", [](C& c) { c.encoding = static_cast<Encoding>(99); }},
+                    {"another encoding", [](C& c) { c.encoding = Encoding::kDelta16; }},
+                    {"a key frame", [](C& c) { c.key_frame = 1; }},
                     {"NaN position", [](C& c) { c.payload[3] = 0x7f, c.payload[2] = 0xc0; }},
                     {"NaN head", [](C& c) { c.head_position[1] = kNan; }},
                     {"no rotation",
@@ -303,20 +298,20 @@ TEST(Chunks, LostFramesAreCountedExactly) {
   assembler.setGroom(groom);
   EXPECT_FALSE(add(9, 0));  // before the first complete one: not lost
   EXPECT_TRUE(add(10, kAll));
-  EXPECT_EQ(assembler.framesLost(), 0u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 0u);
   EXPECT_FALSE(add(11, 1));  // incomplete, with nothing newer: not lost yet
-  EXPECT_EQ(assembler.framesLost(), 0u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 0u);
   EXPECT_TRUE(add(12, kAll));  // now it is
-  EXPECT_EQ(assembler.framesLost(), 1u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 1u);
   EXPECT_TRUE(add(16, kAll));  // 13, 14, 15
-  EXPECT_EQ(assembler.framesLost(), 4u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 4u);
   EXPECT_FALSE(add(14, kAll));  // late: counted already
-  EXPECT_EQ(assembler.framesLost(), 4u);
-  EXPECT_EQ(assembler.framesReceived(), 3u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 4u);
+  EXPECT_EQ(assembler.statistics().frames_received, 3u);
   assembler.setGroom(groom);  // a receiver joins anew with every groom
   EXPECT_TRUE(add(30, kAll));
-  EXPECT_EQ(assembler.framesLost(), 4u);
-  EXPECT_EQ(assembler.framesReceived(), 4u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 4u);
+  EXPECT_EQ(assembler.statistics().frames_received, 4u);
 }
 
 TEST(Chunks, InterleavedFramesAllComplete) {
@@ -329,7 +324,7 @@ TEST(Chunks, InterleavedFramesAllComplete) {
     EXPECT_EQ(assembler.add(a[i]) != nullptr, is_last);
     EXPECT_EQ(assembler.add(b[i]) != nullptr, is_last);
   }
-  EXPECT_EQ(assembler.framesLost(), 0u);
+  EXPECT_EQ(assembler.statistics().frames_lost, 0u);
 }
 
 TEST(Chunks, DamagedFrameNumbersDoNotStarveSoundFrames) {

@@ -15,6 +15,7 @@
 #include "core/error.h"
 #include "dds_domain.h"
 #include "transport/dds.h"
+#include "transport/lcm.h"
 
 namespace strandcast {
 namespace {
@@ -158,7 +159,7 @@ TEST_F(DdsProcesses, AKilledDaemonDoesNotBlockTheNextStart) {
     Peer rival({"publish", domain(10), "1"});
     EXPECT_TRUE(rival.waitFor("rival")) << rival.text();
   }
-  const auto watcher = makeDdsPublisher({testDomain(10), 1, 77});
+  const auto watcher = makeDdsPublisher({testDomain(10), 1, 77, {Codec::kFloat32}});
   const auto wait_for_rival = [&](bool expected) {
     for (int i = 0; i < 600 && watcher->rivalSession().has_value() != expected; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -174,7 +175,7 @@ TEST_F(DdsProcesses, AKilledDaemonDoesNotBlockTheNextStart) {
 
 TEST_F(DdsProcesses, ANewDaemonTakesOverFromAKilledOneAtOnce) {
   auto first = std::make_unique<Peer>(std::vector<std::string>{"publish", domain(11), "60"});
-  const auto reader = makeDdsSubscriber({testDomain(11), 1, 0});
+  const auto reader = makeDdsSubscriber({testDomain(11), 1, 0, {}});
   const auto first_frame = reader->waitForFrame(0, std::chrono::milliseconds(8000));
   ASSERT_TRUE(first_frame);
   first->kill();
@@ -192,7 +193,7 @@ TEST_F(DdsProcesses, ANewDaemonTakesOverFromAKilledOneAtOnce) {
 
 TEST_F(DdsProcesses, OneShotCommandsReachTheDaemonAndAreAcknowledged) {
   Peer publisher({"publish", domain(12), "60"});
-  const auto observer = makeDdsSubscriber({testDomain(12), 1, 0});
+  const auto observer = makeDdsSubscriber({testDomain(12), 1, 0, {}});
   ASSERT_TRUE(observer->waitForGroom(std::chrono::milliseconds(8000)));
   for (uint64_t id = 101; id <= 103; ++id) {
     Peer sender({"send", domain(12), std::to_string(id)});
@@ -225,6 +226,16 @@ TEST_F(DdsProcesses, NoNetworkAtAllIsSaid) {
   if (peer.exitCode() == kNoNamespace) GTEST_SKIP() << "this process may not make a network namespace";
   EXPECT_EQ(peer.exitCode(), 2);
   EXPECT_NE(peer.text().find("no IPv4 network interface is up"), std::string::npos) << peer.text();
+}
+
+TEST(LcmProcesses, AMissingRouteIsExplained) {
+  std::string reason;
+  if (!lcmAvailable(&reason)) GTEST_SKIP() << reason;
+  Peer peer({"lcm_alone", std::to_string(testDomain(1))});
+  peer.finish();
+  if (peer.exitCode() == kNoNamespace) GTEST_SKIP() << "this process may not make a network namespace";
+  EXPECT_EQ(peer.exitCode(), 2);
+  EXPECT_NE(peer.text().find("ip route add 224.0.0.0/4 dev lo"), std::string::npos) << peer.text();
 }
 
 }  // namespace

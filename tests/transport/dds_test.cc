@@ -42,15 +42,15 @@ TEST(DdsBuild, SaysWhyWhenThereIsNone) {
     EXPECT_EQ(reason, "");
   } else {
     EXPECT_NE(reason, "");
-    EXPECT_THROW(makeDdsPublisher({0, 1, 1}), Error);
-    EXPECT_THROW(makeDdsSubscriber({0, 1, 0}), Error);
+    EXPECT_THROW(makeDdsPublisher({0, 1, 1, {Codec::kFloat32}}), Error);
+    EXPECT_THROW(makeDdsSubscriber({0, 1, 0, {}}), Error);
   }
 }
 
 TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
   const int domain = testDomain(0);
-  const auto publisher = makeDdsPublisher({domain, 1, 11});
-  const auto subscriber = makeDdsSubscriber({domain, 1, 0});
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
   const GroomDescription groom = sampleGroom(1500, [](size_t s) { return 2 + s % 40; });
   const BodyDescription body = sampleBody(100);
   publisher->announce(groom, body);
@@ -95,9 +95,9 @@ TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
 }
 
 TEST_F(Dds, TheAnswerOfADaemonThatEndsAtOnceIsHeard) {
-  const auto subscriber = makeDdsSubscriber({testDomain(0), 1, 0});
+  const auto subscriber = makeDdsSubscriber({testDomain(0), 1, 0, {}});
   for (uint64_t id = 1; id <= 5; ++id) {
-    auto publisher = makeDdsPublisher({testDomain(0), 1, 100 + id});
+    auto publisher = makeDdsPublisher({testDomain(0), 1, 100 + id, {Codec::kFloat32}});
     Command command;
     command.id = id;
     command.kind = CommandKind::kShutdown;
@@ -118,8 +118,8 @@ TEST_F(Dds, TheAnswerOfADaemonThatEndsAtOnceIsHeard) {
 
 TEST_F(Dds, ANewRevisionReplacesTheGroomForOldAndNewReaders) {
   const int domain = testDomain(1);
-  const auto publisher = makeDdsPublisher({domain, 1, 11});
-  const auto early = makeDdsSubscriber({domain, 1, 0});
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
+  const auto early = makeDdsSubscriber({domain, 1, 0, {}});
   GroomDescription groom = uniformGroom(6000, 10);
   publisher->announce(groom, sampleBody(100));
   ASSERT_TRUE(early->waitForGroom(milliseconds(5000)));
@@ -127,7 +127,7 @@ TEST_F(Dds, ANewRevisionReplacesTheGroomForOldAndNewReaders) {
   smaller.revision = 2;
   publisher->announce(smaller, sampleBody(4));
   EXPECT_TRUE(becomesTrue([&] { return early->groom()->revision == 2 && early->body() != nullptr; }));
-  const auto late = makeDdsSubscriber({domain, 1, 0});
+  const auto late = makeDdsSubscriber({domain, 1, 0, {}});
   ASSERT_TRUE(late->waitForGroom(milliseconds(5000)));
   EXPECT_EQ(late->groom()->guides.strands(), 20u);
   EXPECT_EQ(late->statistics().chunks_rejected, 0u);
@@ -138,9 +138,9 @@ TEST_F(Dds, ANewRevisionReplacesTheGroomForOldAndNewReaders) {
 
 TEST_F(Dds, GroomsDoNotMixButAllStatusesAreSeen) {
   const int domain = testDomain(2);
-  const auto first = makeDdsPublisher({domain, 1, 11});
-  auto second = makeDdsPublisher({domain, 2, 22});
-  const auto reader = makeDdsSubscriber({domain, 2, 0});
+  const auto first = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
+  auto second = makeDdsPublisher({domain, 2, 22, {Codec::kFloat32}});
+  const auto reader = makeDdsSubscriber({domain, 2, 0, {}});
   first->announce(uniformGroom(10, 4), sampleBody(4));
   second->announce(uniformGroom(33, 4), sampleBody(4));
   ASSERT_TRUE(reader->waitForGroom(milliseconds(5000)));
@@ -163,8 +163,8 @@ TEST_F(Dds, GroomsDoNotMixButAllStatusesAreSeen) {
 
 TEST_F(Dds, ARivalIsHeardAndForgotten) {
   const int domain = testDomain(3);
-  const auto first = makeDdsPublisher({domain, 1, 11});
-  auto second = makeDdsPublisher({domain, 1, 22});
+  const auto first = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
+  auto second = makeDdsPublisher({domain, 1, 22, {Codec::kFloat32}});
   EXPECT_TRUE(becomesTrue([&] { return second->rivalSession() == 11; }, kRivalListenTime));
   EXPECT_TRUE(becomesTrue([&] { return first->rivalSession() == 22; }, kRivalListenTime));
   second.reset();
@@ -172,7 +172,7 @@ TEST_F(Dds, ARivalIsHeardAndForgotten) {
 }
 
 TEST_F(Dds, SendSaysWhenNoDaemonAnswers) {
-  const auto subscriber = makeDdsSubscriber({testDomain(4), 9, 0});
+  const auto subscriber = makeDdsSubscriber({testDomain(4), 9, 0, {}});
   Command command;
   command.id = 1;
   const auto start = std::chrono::steady_clock::now();
@@ -183,9 +183,12 @@ TEST_F(Dds, SendSaysWhenNoDaemonAnswers) {
 }
 
 TEST_F(Dds, BadOptionsAreRefused) {
-  EXPECT_NE(errorOf([] { makeDdsSubscriber({-1, 1, 0}); }).find("0 to 232"), std::string::npos);
-  EXPECT_NE(errorOf([] { makeDdsSubscriber({233, 1, 0}); }).find("0 to 232"), std::string::npos);
-  EXPECT_NE(errorOf([] { makeDdsPublisher({testDomain(5), 1, 0}); }).find("session"), std::string::npos);
+  EXPECT_NE(errorOf([] { makeDdsSubscriber({-1, 1, 0, {}}); }).find("0 to 232"), std::string::npos);
+  EXPECT_NE(errorOf([] { makeDdsSubscriber({233, 1, 0, {}}); }).find("0 to 232"), std::string::npos);
+  EXPECT_NE(errorOf([] {
+              makeDdsPublisher({testDomain(5), 1, 0, {Codec::kFloat32}});
+            }).find("session"),
+            std::string::npos);
 }
 
 TEST_F(Dds, ADiscoveryPortHeldByAnotherProgramIsNamed) {
@@ -195,12 +198,12 @@ TEST_F(Dds, ADiscoveryPortHeldByAnotherProgramIsNamed) {
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<uint16_t>(7400 + 250 * domain));
   ASSERT_EQ(bind(holder, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  const std::string message = errorOf([&] { makeDdsSubscriber({domain, 1, 0}); });
+  const std::string message = errorOf([&] { makeDdsSubscriber({domain, 1, 0, {}}); });
   EXPECT_NE(message.find("UDP port " + std::to_string(7400 + 250 * domain) + " is in use"), std::string::npos)
       << message;
   EXPECT_NE(message.find("--domain"), std::string::npos) << message;
   close(holder);
-  EXPECT_NO_THROW(makeDdsSubscriber({domain, 1, 0}));
+  EXPECT_NO_THROW(makeDdsSubscriber({domain, 1, 0, {}}));
 }
 
 }  // namespace

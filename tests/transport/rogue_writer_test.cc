@@ -45,8 +45,8 @@ class RawType final : public eprosima::fastdds::dds::TopicDataType {
 
 TEST(RogueWriter, BadSamplesOnEveryTopicDoNoHarm) {
   const int domain = testDomain(7);
-  const auto publisher = makeDdsPublisher({domain, 1, 11});
-  const auto subscriber = makeDdsSubscriber({domain, 1, 0});
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
   const GroomDescription groom = uniformGroom(1500, 10);
   publisher->announce(groom, sampleBody(20));
   ASSERT_TRUE(subscriber->waitForGroom(std::chrono::milliseconds(5000)));
@@ -54,11 +54,11 @@ TEST(RogueWriter, BadSamplesOnEveryTopicDoNoHarm) {
   DdsParticipant rogue(domain, 1);
   MatchCounter matches[5];
   eprosima::fastdds::dds::DataWriter* writers[] = {
-      rogue.createWriter(kGroomTopic, new RawType("strandcast::v1::GroomChunk"), &matches[0]),
-      rogue.createWriter(kBodiesTopic, new RawType("strandcast::v1::BodyChunk"), &matches[1]),
-      rogue.createWriter(kGuidesTopic, new RawType("strandcast::v1::GuideChunk"), &matches[2]),
-      rogue.createWriter(kCommandTopic, new RawType("strandcast::v1::Command"), &matches[3]),
-      rogue.createWriter(kStatusTopic, new RawType("strandcast::v1::Status"), &matches[4])};
+      rogue.createWriter(kGroomTopic, new RawType("strandcast::v2::GroomChunk"), &matches[0]),
+      rogue.createWriter(kBodiesTopic, new RawType("strandcast::v2::BodyChunk"), &matches[1]),
+      rogue.createWriter(kGuidesTopic, new RawType("strandcast::v2::GuideChunk"), &matches[2]),
+      rogue.createWriter(kCommandTopic, new RawType("strandcast::v2::Command"), &matches[3]),
+      rogue.createWriter(kStatusTopic, new RawType("strandcast::v2::Status"), &matches[4])};
   for (MatchCounter& match : matches) ASSERT_TRUE(match.waitForMatch(std::chrono::milliseconds(5000)));
   std::mt19937 random(9);
   for (int i = 0; i < 400; ++i) {

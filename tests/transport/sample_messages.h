@@ -1,6 +1,7 @@
 #pragma once
 #include <random>
 
+#include "transport/codec/guide_encoder.h"
 #include "transport/frame_queue.h"
 #include "transport/messages.h"
 
@@ -76,6 +77,16 @@ inline GuideFrame sampleFrame(const GroomDescription& groom, uint64_t number) {
   GuideFrame frame;
   fillSampleFrame(groom, number, frame);
   return frame;
+}
+
+/// All chunks of a frame, as a publisher with these options makes them.
+inline std::vector<GuideChunk> splitFrame(const GroomDescription& groom, const GuideFrame& frame,
+                                          const CodecOptions& codec = {Codec::kFloat32}) {
+  GuideEncoder encoder(codec);
+  encoder.setGroom(groom.guides);
+  std::vector<GuideChunk> chunks(encoder.runs().size());
+  for (uint32_t i = 0; i < chunks.size(); ++i) encoder.encode(frame, i, chunks[i]);
+  return chunks;
 }
 
 inline bool isSampleFrame(const GuideFrame& frame) {

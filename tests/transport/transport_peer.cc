@@ -6,6 +6,7 @@
 //   transport_peer send DOMAIN ID             sends one command and ends
 //   transport_peer alone DOMAIN SECONDS       both of the first two where there is no network but 127.0.0.1
 //   transport_peer offline DOMAIN             a reader where no interface is up
+//   transport_peer lcm_alone DOMAIN           a reader over LCM where 127.0.0.1 has no route for multicast
 #include <net/if.h>
 #include <sched.h>
 #include <signal.h>
@@ -26,6 +27,7 @@
 #include "dds_domain.h"
 #include "sample_messages.h"
 #include "transport/dds.h"
+#include "transport/lcm.h"
 
 namespace strandcast {
 namespace {
@@ -41,7 +43,7 @@ void print(const char* key, double value) {
 
 int publish(int domain, double seconds) {
   const auto session = static_cast<uint64_t>(getpid());
-  const auto publisher = makeDdsPublisher({domain, 1, session});
+  const auto publisher = makeDdsPublisher({domain, 1, session, {Codec::kFloat32}});
   const auto start = Clock::now();
   while (Clock::now() - start < kRivalListenTime && !publisher->rivalSession()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -78,7 +80,7 @@ int publish(int domain, double seconds) {
 }
 
 int read(int domain, double seconds, int work_ms) {
-  const auto subscriber = makeDdsSubscriber({domain, 1, 0});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
   const auto start = Clock::now();
   if (!subscriber->waitForGroom(std::chrono::milliseconds(8000))) {
     print("groom", 0);
@@ -111,7 +113,7 @@ int read(int domain, double seconds, int work_ms) {
 }
 
 int send(int domain, uint64_t id) {
-  const auto subscriber = makeDdsSubscriber({domain, 1, 0});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
   Command command;
   command.id = id;
   subscriber->send(command);
@@ -142,6 +144,12 @@ int alone(const char* program, const char* domain, const char* seconds) {
   return result;
 }
 
+int lcmAlone(int domain) {
+  if (!enterEmptyNetwork() || !raiseLoopback()) return kNoNamespace;
+  makeLcmSubscriber({lcmUrl(domain), 1, 0, {}});
+  return 0;
+}
+
 int run(int count, char** arguments) {
   const std::string verb = count > 2 ? arguments[1] : "";
   const int domain = count > 2 ? std::atoi(arguments[2]) : 0;
@@ -150,6 +158,7 @@ int run(int count, char** arguments) {
   if (verb == "send" && count == 4) return send(domain, std::strtoull(arguments[3], nullptr, 10));
   if (verb == "alone" && count == 4) return alone(arguments[0], arguments[2], arguments[3]);
   if (verb == "offline" && count == 3) return enterEmptyNetwork() ? read(domain, 1, 0) : kNoNamespace;
+  if (verb == "lcm_alone" && count == 3) return lcmAlone(domain);
   std::fprintf(stderr, "see the head of transport_peer.cc\n");
   return 2;
 }

@@ -66,7 +66,7 @@ TEST(Wire, ChunksSurviveTheWireFormat) {
   GroomAssembler assembler(1);
   std::shared_ptr<const GroomDescription> result;
   for (GroomChunk& chunk : splitGroom(groom)) {
-    v1::GroomChunk sent, received;
+    v2::GroomChunk sent, received;
     toWire(chunk, sent);
     const std::vector<uint8_t> bytes = serialized<GroomChunkType>(sent);
     EXPECT_LT(bytes.size(), 64u * 1024) << "does not fit a datagram";
@@ -82,20 +82,18 @@ TEST(Wire, ChunksSurviveTheWireFormat) {
 
 TEST(Wire, DamagedBytesAreRefusedOrCaught) {
   const auto groom = std::make_shared<GroomDescription>(uniformGroom(500, 16));
-  damageBytes<GroomChunkType, v1::GroomChunk>(
+  damageBytes<GroomChunkType, v2::GroomChunk>(
       splitGroom(*groom), [] { return GroomAssembler(1); }, 300);
-  damageBytes<BodyChunkType, v1::BodyChunk>(
+  damageBytes<BodyChunkType, v2::BodyChunk>(
       splitBody(sampleBody(60)), [] { return BodyAssembler(1); }, 300);
   const GuideFrame frame = sampleFrame(*groom, 1);
-  const std::vector<StrandRun> runs = divideGuides(groom->guides);
-  std::vector<GuideChunk> chunks(runs.size());
-  for (uint32_t i = 0; i < runs.size(); ++i) fillGuideChunk(frame, runs, i, chunks[i]);
   const auto make = [&] {
     GuideAssembler assembler;
     assembler.setGroom(groom);
     return assembler;
   };
-  damageBytes<GuideChunkType, v1::GuideChunk>(std::move(chunks), make, 300);
+  for (const CodecInfo& info : codecList())
+    damageBytes<GuideChunkType, v2::GuideChunk>(splitFrame(*groom, frame, {info.codec}), make, 300);
 }
 
 }  // namespace

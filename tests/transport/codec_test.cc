@@ -1,0 +1,278 @@
+#include "transport/codec/codec.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "moving_hair.h"
+#include "payload_fuzz.h"
+#include "tests/error_of.h"
+#include "transport/assembler.h"
+#include "transport/codec/guide_decoder.h"
+#include "transport/codec/guide_encoder.h"
+#include "transport/codec/octahedral.h"
+
+namespace strandcast {
+namespace {
+
+double worstError(const GuideFrame& a, const GuideFrame& b) {
+  double worst = 0;
+  for (size_t v = 0; v < a.positions.size(); ++v)
+    worst = std::max(worst, static_cast<double>((a.positions[v] - b.positions[v]).norm()));
+  return worst;
+}
+
+/// One end to the other, without a network.
+class Road {
+ public:
+  Road(GroomDescription groom, CodecOptions options)
+      : groom_(std::make_shared<GroomDescription>(std::move(groom))), encoder_(options) {
+    encoder_.setGroom(groom_->guides);
+    assembler_.setGroom(groom_);
+  }
+  std::shared_ptr<const GuideFrame> send(const GuideFrame& frame) {
+    std::shared_ptr<const GuideFrame> received;
+    for (uint32_t i = 0; i < encoder_.runs().size(); ++i) {
+      encoder_.encode(frame, i, chunk_);
+      EXPECT_LE(chunk_.payload.size(), kMaxChunkBytes);
+      encodings_.push_back(chunk_.encoding);
+      if (const auto frame_done = assembler_.add(chunk_)) received = frame_done;
+    }
+    return received;
+  }
+  const GroomDescription& groom() const { return *groom_; }
+  GuideEncoder& encoder() { return encoder_; }
+  GuideAssembler& assembler() { return assembler_; }
+  const std::vector<Encoding>& encodings() const { return encodings_; }
+
+ private:
+  std::shared_ptr<const GroomDescription> groom_;
+  GuideEncoder encoder_;
+  GuideAssembler assembler_;
+  GuideChunk chunk_;
+  std::vector<Encoding> encodings_;
+};
+
+GroomDescription head() {
+  return hairGroom(1000, [](size_t) { return 32; });
+}
+
+/// Sends half a second; mean bytes per vertex.
+double measure(Road& road, double max_error) {
+  uint64_t bytes = 0;
+  for (uint64_t number = 1; number <= 30; ++number) {
+    const GuideFrame frame = hairFrame(road.groom(), number);
+    const auto received = road.send(frame);
+    EXPECT_TRUE(received) << number;
+    if (!received) return 0;
+    EXPECT_LE(worstError(frame, *received), max_error * 1.000001);
+    EXPECT_NEAR(worstError(frame, *received), road.encoder().report().worst_error, 1e-9);
+    EXPECT_EQ(received->head.rotation.coeffs(), frame.head.rotation.coeffs());
+    bytes += road.encoder().report().frame_bytes;
+  }
+  EXPECT_EQ(road.assembler().statistics().chunks_rejected, 0u);
+  EXPECT_EQ(road.assembler().statistics().frames_lost, 0u);
+  return static_cast<double>(bytes) / (30 * static_cast<double>(road.groom().guides.vertices()));
+}
+
+TEST(Codec, EveryCodecKeepsItsErrorAndSize) {
+  struct Expected {
+    Codec codec;
+    double bytes;
+  };
+  for (const Expected& e : {Expected{Codec::kFloat32, 12.0},
+                            {Codec::kDelta16, 4.0},
+                            {Codec::kOctahedral12, 4.0},
+                            {Codec::kOctahedral16, 5.0},
+                            {Codec::kTemporal, 2.5}}) {
+    Road road(head(), {e.codec});
+    const double bytes = measure(road, e.codec == Codec::kFloat32 ? 0 : 1e-5);
+    EXPECT_LE(bytes, e.bytes) << nameOf(e.codec);
+    EXPECT_EQ(road.encoder().report().strands_sent_finer, 0u) << nameOf(e.codec);
+    std::printf("%-8s %.2f bytes per vertex, worst error %.4f mm\n", nameOf(e.codec), bytes,
+                1e3 * road.encoder().report().worst_error);
+  }
+}
+
+TEST(Codec, AnyErrorThatIsAskedForIsKept) {
+  double before = 1e9;
+  for (const float max_error : {1e-6f, 1e-5f, 1e-4f, 1e-3f}) {
+    for (const Codec codec :
+         {Codec::kDelta16, Codec::kOctahedral12, Codec::kOctahedral16, Codec::kTemporal}) {
+      Road road(hairGroom(100, [](size_t s) { return 1 + s % 50; }), {codec, max_error});
+      const double bytes = measure(road, static_cast<double>(max_error));
+      EXPECT_GT(bytes, 0);
+      if (codec != Codec::kDelta16) continue;
+      EXPECT_LT(bytes, before) << "a coarser grid takes fewer bytes";
+      before = bytes;
+    }
+  }
+}
+
+TEST(Codec, StrandsThatWouldBreakTheBoundAreSentFiner) {
+  for (const Codec codec : {Codec::kDelta16, Codec::kOctahedral12, Codec::kTemporal}) {
+    Road road(head(), {codec}), whole(head(), {codec});
+    for (uint64_t number = 1; number <= 12; ++number) {
+      GuideFrame frame = hairFrame(road.groom(), number);
+      whole.send(frame);
+      const uint64_t finer_anyway = whole.encoder().report().strands_sent_finer;
+      EXPECT_LE(finer_anyway, 2u);
+      // A stretched strand (no octahedral direction reaches its tip), one far away, one torn apart.
+      const auto& offsets = road.groom().guides.offsets;
+      for (uint32_t v = offsets[3] + 1; v < offsets[4]; ++v)
+        frame.positions[v] += 0.1f * (frame.positions[v] - frame.positions[offsets[3]]);
+      for (uint32_t v = offsets[7]; v < offsets[8]; ++v) frame.positions[v].x() += 900;
+      frame.positions[offsets[9] + 5].y() += 2;
+      const auto received = road.send(frame);
+      ASSERT_TRUE(received);
+      EXPECT_LE(worstError(frame, *received), 1e-5);
+      EXPECT_EQ(received->positions[offsets[7]], frame.positions[offsets[7]]) << "far away: exactly";
+      EXPECT_EQ(road.encoder().report().strands_sent_finer,
+                finer_anyway + (codec == Codec::kDelta16 ? 2u : 3u));
+    }
+  }
+}
+
+TEST(Codec, HairThatDoesNotFitTheCodecFallsBackAndIsAnnounced) {
+  Road stretched(head(), {Codec::kOctahedral12});
+  GuideFrame frame = hairFrame(stretched.groom(), 1);
+  for (Vec3& position : frame.positions)
+    position = frame.head.position + 1.2f * (position - frame.head.position);
+  auto received = stretched.send(frame);
+  ASSERT_TRUE(received);
+  EXPECT_LE(worstError(frame, *received), 1e-5);
+  for (const Encoding encoding : stretched.encodings()) EXPECT_EQ(encoding, Encoding::kDelta16);
+  // Noise over kilometres: nothing is smaller than floats, and they are exact.
+  Road noise(head(), {Codec::kTemporal});
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> any(-1000, 1000);
+  for (Vec3& position : frame.positions) position = Vec3(any(random), any(random), any(random));
+  received = noise.send(frame);
+  ASSERT_TRUE(received);
+  EXPECT_EQ(received->positions, frame.positions);
+  for (const Encoding encoding : noise.encodings()) EXPECT_EQ(encoding, Encoding::kFloat32);
+}
+
+TEST(Codec, ANonFiniteStrandIsRefusedByTheReader) {
+  for (const CodecInfo& info : codecList()) {
+    Road road(head(), {info.codec});
+    GuideFrame frame = hairFrame(road.groom(), 1);
+    frame.positions[40].x() = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_FALSE(road.send(frame)) << info.name;
+    EXPECT_EQ(road.assembler().statistics().chunks_rejected, 1u) << info.name;
+  }
+}
+
+TEST(Codec, KeyFramesLetAReaderJoinWithinTheirInterval) {
+  CodecOptions options{Codec::kTemporal};
+  options.key_interval = 8;
+  Road road(head(), options);
+  for (uint64_t number = 1; number <= 20; ++number) road.send(hairFrame(road.groom(), number));
+  GuideAssembler late;
+  late.setGroom(std::make_shared<GroomDescription>(road.groom()));
+  GuideChunk chunk;
+  uint64_t first = 0;
+  for (uint64_t number = 21; number <= 40; ++number) {
+    const GuideFrame frame = hairFrame(road.groom(), number);
+    for (uint32_t i = 0; i < road.encoder().runs().size(); ++i) {
+      road.encoder().encode(frame, i, chunk);
+      EXPECT_LT(chunk.key_frame, number);
+      const auto received = late.add(chunk);
+      if (received && first == 0) first = number;
+      if (received) {
+        EXPECT_LE(worstError(frame, *received), 1e-5);
+      }
+    }
+  }
+  EXPECT_GT(first, 0u);
+  EXPECT_LE(first, 29u);
+  EXPECT_EQ(late.statistics().frames_received, 41 - first) << "and sees every frame from then on";
+  EXPECT_GT(late.statistics().chunks_without_key, 0u);
+  EXPECT_EQ(late.statistics().chunks_rejected, 0u);
+}
+
+TEST(Codec, ChunksInAnyOrderDecodeAlone) {
+  for (const Codec codec : {Codec::kDelta16, Codec::kOctahedral12, Codec::kOctahedral16}) {
+    const GroomDescription groom = head();
+    const GuideFrame frame = hairFrame(groom, 9);
+    const std::vector<GuideChunk> chunks = splitFrame(groom, frame, {codec});
+    ASSERT_GE(chunks.size(), 3u);
+    for (const GuideChunk& chunk : chunks) {
+      GuideDecoder decoder;  // has seen nothing else
+      decoder.setGroom(groom.guides);
+      std::vector<Vec3> positions(chunk.vertex_count);
+      EXPECT_EQ(chunk.key_frame, 0u);
+      ASSERT_EQ(decoder.decode(chunk, positions), DecodeResult::kDone);
+      EXPECT_LE((positions[5] - frame.positions[chunk.first_vertex + 5]).norm(), 1e-5f);
+    }
+  }
+}
+
+TEST(Codec, OctahedralDirectionsAreUniformlyFine) {
+  std::mt19937 random(5);
+  std::normal_distribution<float> normal;
+  for (const int bits : {12, 16}) {
+    // In the middle of a face the points are a hexagonal lattice, 2 sqrt(2) / (2^bits - 1) apart, seen from
+    // 1 / sqrt(3) away; nothing is further from a point of such a lattice than 1 / sqrt(3) of that.
+    const float limit = 1.02f * 2 * 1.41421356f / static_cast<float>((1 << bits) - 1);
+    float worst = 0;
+    for (int i = 0; i < 100000; ++i) {
+      const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
+      const Vec3 back = fromOctahedral(toOctahedral(direction, bits), bits);
+      EXPECT_NEAR(back.norm(), 1, 1e-6);
+      worst = std::max(worst, (back - direction).norm());
+    }
+    EXPECT_LT(worst, limit) << bits;
+    EXPECT_GT(worst, limit / 2) << bits;
+  }
+  for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(0, -1, 0)})
+    EXPECT_LT((fromOctahedral(toOctahedral(axis, 12), 12) - axis).norm(), 7e-4f);
+}
+
+TEST(Codec, DamagedPayloadsAreRefusedOrHarmless) {
+  const GroomDescription groom = hairGroom(40, [](size_t s) { return 1 + s % 20; });
+  std::mt19937 random(6);
+  size_t taken = 0, runs = 0;
+  for (const CodecInfo& info : codecList()) {
+    GuideEncoder encoder({info.codec});
+    encoder.setGroom(groom.guides);
+    for (uint64_t number = 1; number <= 2; ++number) {
+      GuideFrame frame = hairFrame(groom, number);
+      frame.positions[groom.guides.offsets[7]].x() += 900;  // one strand is sent as it is
+      GuideChunk chunk;
+      encoder.encode(frame, 0, chunk);
+      // The first byte chooses encoding and key frame: fuzzPayload().
+      const auto head = static_cast<uint8_t>(static_cast<uint32_t>(chunk.encoding) + 5 * chunk.key_frame);
+      for (int run = 0; run < 4000; ++run, ++runs) {
+        std::vector<uint8_t> bytes = chunk.payload;
+        bytes.insert(bytes.begin(), run % 32 == 31 ? static_cast<uint8_t>(random()) : head);
+        if (run % 4 == 1) bytes.resize(1 + random() % bytes.size());
+        const size_t reach = run % 2 == 0 ? std::min<size_t>(bytes.size(), 64) : bytes.size();
+        for (uint32_t i = 0; run > 0 && reach > 1 && i < 1 + random() % 3; ++i)
+          bytes[1 + random() % (reach - 1)] = static_cast<uint8_t>(random());
+        const bool is_taken = fuzzPayload(bytes.data(), bytes.size());
+        taken += is_taken ? 1 : 0;
+        if (run == 0) {
+          EXPECT_TRUE(is_taken) << info.name << " undamaged";
+        }
+      }
+    }
+  }
+  EXPECT_GT(taken, runs / 50) << "damage no longer reaches past the checks";
+  EXPECT_LT(taken, runs);
+}
+
+TEST(Codec, BadOptionsAreRefused) {
+  EXPECT_NE(errorOf([] { codecNamed("mp3", "--codec"); }).find("choose one of float32, delta16"),
+            std::string::npos);
+  for (const CodecInfo& info : codecList()) EXPECT_EQ(codecNamed(info.name, ""), info.codec);
+  for (const float error : {0.0f, -1.0f, 0.5e-6f, 2e-3f, std::numeric_limits<float>::quiet_NaN()})
+    EXPECT_NE(errorOf([&] { checkCodecOptions({Codec::kDelta16, error}, "here"); }), "") << error;
+  EXPECT_NE(errorOf([] { checkCodecOptions({Codec::kTemporal, 1e-5f, 0}, "here"); }), "");
+  EXPECT_EQ(errorOf([] { checkCodecOptions({}, "here"); }), "");
+}
+
+}  // namespace
+}  // namespace strandcast

@@ -1,0 +1,105 @@
+#pragma once
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "transport/lcm/message_link.h"
+
+namespace strandcast {
+
+/// What happens to messages on the way, by seed. Probabilities from 0 to 1.
+struct Losses {
+  double drop = 0, duplicate = 0;
+  double swap = 0;  ///< a message comes after the one that follows it
+  uint32_t seed = 1;
+};
+
+/// A network in memory: what is sent comes to every listener, in a thread of its own, less its losses.
+class LossyLink final : public MessageLink {
+ public:
+  explicit LossyLink(Losses losses = {})
+      : losses_(losses), random_(losses.seed), thread_([this] { carry(); }) {}
+  ~LossyLink() override {
+    {
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
+  Listening listen(const std::string& channel, Handler handler) override {
+    const std::lock_guard lock(mutex_);
+    auto ear = std::make_shared<Ear>(std::move(handler));
+    ears_.emplace(channel, ear);
+    return listening(std::move(ear));
+  }
+  void send(const std::string& channel, std::span<const uint8_t> message) override {
+    const std::lock_guard lock(mutex_);
+    ++sent_;
+    if (chance(losses_.drop)) {
+      ++dropped_;
+      return;
+    }
+    const int copies = chance(losses_.duplicate) ? 2 : 1;
+    for (int i = 0; i < copies; ++i) {
+      queue_.push_back({channel, {message.begin(), message.end()}});
+      if (queue_.size() > 1 && chance(losses_.swap)) std::swap(queue_.back(), queue_[queue_.size() - 2]);
+    }
+    changed_.notify_all();
+  }
+  /// From now on.
+  void setLosses(const Losses& losses) {
+    const std::lock_guard lock(mutex_);
+    losses_ = losses;
+  }
+  /// Until all that was sent has been heard.
+  void drain() {
+    std::unique_lock lock(mutex_);
+    idle_.wait(lock, [&] { return queue_.empty() && !is_busy_; });
+  }
+  uint64_t dropped() const {
+    const std::lock_guard lock(mutex_);
+    return dropped_;
+  }
+
+ private:
+  struct Message {
+    std::string channel;
+    std::vector<uint8_t> bytes;
+  };
+  bool chance(double p) { return p > 0 && std::uniform_real_distribution<double>()(random_) < p; }
+  void carry() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      changed_.wait(lock, [&] { return stop_ || !queue_.empty(); });
+      if (stop_) return;
+      const Message message = std::move(queue_.front());
+      queue_.pop_front();
+      is_busy_ = true;
+      std::vector<std::shared_ptr<Ear>> ears;
+      for (auto [at, end] = ears_.equal_range(message.channel); at != end; ++at) ears.push_back(at->second);
+      lock.unlock();
+      for (const auto& ear : ears) ear->hear(message.bytes);
+      lock.lock();
+      is_busy_ = false;
+      idle_.notify_all();
+    }
+  }
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_, idle_;
+  Losses losses_;
+  std::mt19937 random_;
+  std::multimap<std::string, std::shared_ptr<Ear>> ears_;
+  std::deque<Message> queue_;
+  uint64_t sent_ = 0, dropped_ = 0;
+  bool stop_ = false, is_busy_ = false;
+  std::thread thread_;
+};
+
+}  // namespace strandcast

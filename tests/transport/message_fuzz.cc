@@ -1,0 +1,40 @@
+#include "message_fuzz.h"
+
+#include <cstdlib>
+
+#include "moving_hair.h"
+#include "transport/assembler.h"
+#include "transport/lcm/lcm_messages.h"
+
+namespace strandcast {
+
+size_t fuzzMessages(const uint8_t* data, size_t size) {
+  const std::span<const uint8_t> bytes(data, size);
+  static const auto kGroom =
+      std::make_shared<const GroomDescription>(hairGroom(40, [](size_t s) { return 1 + s % 20; }));
+  size_t read = 0;
+  GroomChunk groom;
+  if (fromBytes(bytes, groom)) ++read, GroomAssembler(1).add(std::move(groom));
+  BodyChunk body;
+  if (fromBytes(bytes, body)) ++read, BodyAssembler(1).add(std::move(body));
+  GuideChunk guides;
+  if (fromBytes(bytes, guides)) {
+    ++read;
+    GuideAssembler assembler(true);
+    assembler.setGroom(kGroom);
+    if (const auto frame = assembler.add(guides)) {
+      for (const Vec3& position : frame->positions) {
+        if (!position.allFinite()) std::abort();
+      }
+    }
+  }
+  Command command;
+  if (fromBytes(bytes, command)) ++read, isSound(command);
+  ReaderSign sign;
+  if (fromBytes(bytes, sign)) ++read;
+  Status status;
+  if (fromBytes(bytes, status)) ++read;
+  return read;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,6 @@
+#include "payload_fuzz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  strandcast::fuzzPayload(data, size);
+  return 0;
+}

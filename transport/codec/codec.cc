@@ -1,0 +1,50 @@
+#include "transport/codec/codec.h"
+
+#include <array>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+constexpr std::array<CodecInfo, 5> kCodecs = {{
+    {Codec::kFloat32, "float32", "positions as they are, 12 bytes per vertex"},
+    {Codec::kDelta16, "delta16",
+     "16-bit differences along the strand, compressed; about 3 bytes per vertex, for any hair and any link"},
+    {Codec::kOctahedral12, "oct12",
+     "directions of edges in 2 x 12 bits, compressed; smallest where edges are short and do not stretch"},
+    {Codec::kOctahedral16, "oct16", "directions in 2 x 16 bits, for long edges or a small --codec-error"},
+    {Codec::kTemporal, "temporal",
+     "oct12 against the last key frame: down to half of it, for links that lose nothing (DDS)"},
+}};
+
+}  // namespace
+
+std::span<const CodecInfo> codecList() { return kCodecs; }
+
+const char* nameOf(Codec codec) {
+  for (const CodecInfo& info : kCodecs) {
+    if (info.codec == codec) return info.name;
+  }
+  return "?";
+}
+
+Codec codecNamed(const std::string& name, const std::string& where) {
+  std::string names;
+  for (const CodecInfo& info : kCodecs) {
+    if (name == info.name) return info.codec;
+    names += (names.empty() ? "" : ", ") + std::string(info.name);
+  }
+  throw Error("unknown codec '" + name + "'", where, "choose one of " + names);
+}
+
+void checkCodecOptions(const CodecOptions& options, const std::string& where) {
+  if (!(options.max_error >= kMinCodecError && options.max_error <= kMaxCodecError)) {
+    throw Error("the codec's worst error is out of range", where, "give 0.001 to 1 mm");
+  }
+  if (options.key_interval < 1 || options.key_interval > kMaxKeyInterval) {
+    throw Error("the interval of key frames is out of range", where, "give 1 to 1000 frames");
+  }
+}
+
+}  // namespace strandcast

@@ -1,0 +1,63 @@
+#pragma once
+#include <vector>
+
+#include "transport/chunks.h"
+#include "transport/codec/codec.h"
+#include "transport/codec/guide_payload.h"
+#include "transport/codec/guide_symbols.h"
+
+namespace strandcast {
+
+/// Writes the guides of one groom into chunks. Memory is that of the largest chunk, of the groom's rest shape
+/// and, for kTemporal, of a key frame; encode() does not allocate once it has seen a frame or two.
+class GuideEncoder {
+ public:
+  /// `options` as checkCodecOptions accepts them.
+  explicit GuideEncoder(const CodecOptions& options) : options_(options) {}
+  /// `guides` of a checked announcement.
+  void setGroom(const StrandSet& guides);
+  /// One chunk each; a frame is these in order.
+  const std::vector<StrandRun>& runs() const { return runs_; }
+  /// Chunk `index` of `frame`, header and payload, into `chunk`, whose memory is used again. The frame has
+  /// the positions of all runs and a head pose with a unit quaternion.
+  void encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk);
+  /// Of the chunks of the newest frame number that encode() was given.
+  const EncodingReport& report() const { return report_; }
+
+ private:
+  struct Key {
+    uint64_t frame = 0;  // 0 = none
+    Encoding encoding = Encoding::kFloat32;
+    GuideSymbols symbols;
+  };
+  /// How well the symbols of a strand hold it.
+  struct Fit {
+    float squared_error = 0;  // m^2, the largest
+    bool holds = true;        // false where a number does not fit its symbol or is none
+  };
+  void quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding);
+  void quantizeDelta(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number, size_t first_edge,
+                     const StrandRun& run, Fit& fit);
+  void quantizeOctahedral(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number,
+                          size_t first_edge, const StrandRun& run, int bits, Fit& fit);
+  Vec3 quantizeRoot(const HeadFrame& head, const Vec3& root, uint32_t number, const StrandRun& run,
+                    int32_t (&index)[3], Fit& fit);
+  void writePayload(const GuideFrame& frame, const StrandRun& run, uint32_t index, GuideChunk& chunk);
+
+  CodecOptions options_;
+  GuideGeometry geometry_;
+  std::vector<StrandRun> runs_;
+  std::vector<Key> keys_;  // per run
+  EncodingReport report_;
+  uint64_t reported_frame_ = 0;
+  // Of the chunk under way.
+  float squared_limit_ = 0;  // m^2
+  float step_ = 0;           // m
+  GuideSymbols symbols_;
+  std::vector<uint32_t> strand_ends_;
+  std::vector<uint16_t> exact_;  // strands of the run that are sent as they are
+  float worst_squared_ = 0;      // m^2, of the others
+  SymbolPacker packer_;
+};
+
+}  // namespace strandcast

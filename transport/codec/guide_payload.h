@@ -1,0 +1,78 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/strand_set.h"
+#include "transport/chunks.h"
+#include "transport/codec/guide_symbols.h"
+#include "transport/codec/nearest.h"
+
+namespace strandcast {
+
+/// What encoder and decoder agree on; the payload itself is described in docs/wire.md.
+
+inline constexpr size_t kPayloadHeadBytes = 8;
+/// Bits of the first byte of a payload that is not float32.
+enum PayloadMode : uint8_t {
+  kAlongStrand = 1,  ///< edges are predicted from the edge before
+  kFromKey = 2,      ///< symbols are differences to those of GuideChunk::key_frame
+  kKeep = 4          ///< later frames may refer to this one
+};
+
+inline constexpr float kMaxGridStep = 0.01f;       // m
+inline constexpr int32_t kMaxGridIndex = 1 << 22;  // so that indices are exact as floats, and nearest() is right
+
+/// Nearest point of the grid; clamped to kMaxGridIndex, which NaN becomes too.
+inline int32_t gridIndex(float position, float step) {
+  constexpr auto kMax = static_cast<float>(kMaxGridIndex);
+  return nearest(std::min(kMax, std::max(-kMax, position / step)));
+}
+inline float gridPosition(int32_t index, float step) { return static_cast<float>(index) * step; }
+
+/// Between the world and the frame of the head, which guides are encoded in.
+class HeadFrame {
+ public:
+  explicit HeadFrame(const Pose& head)
+      : rotation_(head.rotation.toRotationMatrix()), position_(head.position) {}
+  Vec3 toWorld(const Vec3& local) const { return rotation_ * local + position_; }
+  Vec3 toHead(const Vec3& world) const { return rotation_.transpose() * (world - position_); }
+
+ private:
+  Eigen::Matrix<float, 3, 3, Eigen::DontAlign> rotation_;
+  Vec3 position_;
+};
+
+/// What both ends know of a groom: its topology, where its roots rest and how long its edges are.
+struct GuideGeometry {
+  std::vector<uint32_t> offsets;  ///< strands + 1
+  std::vector<Vec3> roots;        ///< per strand, m, at rest in the head's frame
+  std::vector<float> lengths;     ///< per vertex, m: of the edge that ends there; 0 at a root
+
+  GuideGeometry() = default;
+  explicit GuideGeometry(const StrandSet& guides) : offsets(guides.offsets), lengths(guides.vertices()) {
+    for (size_t s = 0; s < guides.strands(); ++s) {
+      const std::span<const Vec3> strand = guides.strand(s);
+      roots.push_back(strand[0]);
+      for (size_t i = 1; i < strand.size(); ++i) lengths[offsets[s] + i] = (strand[i] - strand[i - 1]).norm();
+    }
+  }
+};
+
+inline int edgePlanes(Encoding encoding) { return encoding == Encoding::kDelta16 ? 3 : 2; }
+inline int edgeBits(Encoding encoding) { return encoding == Encoding::kOctahedral12 ? 12 : 16; }
+
+/// Gives `symbols` the lengths that a run has, and `strand_ends` where each strand's edges end in a plane.
+inline void shapeSymbols(const GuideGeometry& geometry, const StrandRun& run, Encoding encoding,
+                         GuideSymbols& symbols, std::vector<uint32_t>& strand_ends) {
+  symbols.edge_planes = edgePlanes(encoding);
+  symbols.roots.resize(3 * size_t{run.strand_count});
+  symbols.edges.resize(static_cast<size_t>(symbols.edge_planes) * (run.vertex_count - run.strand_count));
+  strand_ends.resize(run.strand_count);
+  for (uint32_t s = 0; s < run.strand_count; ++s)
+    strand_ends[s] = geometry.offsets[run.first_strand + s + 1] - run.first_vertex - (s + 1);
+}
+
+}  // namespace strandcast

@@ -1,0 +1,69 @@
+#include "transport/lcm/lcm_link.h"
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+constexpr const char* kReceiveBuffer =
+    "recv_buf_size=4194304";  // with the default, bursts of a frame are lost
+/// Messages of a channel that may wait for the drain thread: frames of two million vertices.
+constexpr int kQueued = 1024;
+constexpr int kPollMs = 50;
+
+std::string completed(const std::string& url) {
+  if (!url.starts_with("udpm://") || url.find("recv_buf_size") != std::string::npos) return url;
+  return url + (url.find('?') == std::string::npos ? "?" : "&") + kReceiveBuffer;
+}
+
+[[noreturn]] void fail(const std::string& url) {
+  if (url.starts_with("udpm://")) {
+    throw Error("LCM cannot use multicast", url,
+                "it needs a route: `ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo` for this "
+                "machine alone, or dev and name of a network interface");
+  }
+  if (url.starts_with("file://"))
+    throw Error("LCM cannot open its log file", url, "check path and mode (r or w)");
+  throw Error("not an LCM URL", url, "give udpm://ADDRESS:PORT?ttl=N, file:///PATH?mode=w or memq://");
+}
+
+}  // namespace
+
+LcmLink::LcmLink(const std::string& url) : url_(url) {
+  const bool is_known =
+      url.starts_with("udpm://") || url.starts_with("file://") || url.starts_with("memq://");
+  if (is_known) lcm_ = lcm_create(completed(url).c_str());
+  if (lcm_ == nullptr) fail(url);
+}
+
+LcmLink::~LcmLink() {
+  stop_ = true;
+  if (drain_.joinable()) drain_.join();
+  lcm_destroy(lcm_);
+}
+
+MessageLink::Listening LcmLink::listen(const std::string& channel, Handler handler) {
+  const std::lock_guard lock(mutex_);
+  ears_.push_back(std::make_shared<Ear>(std::move(handler)));
+  const auto receive = [](const lcm_recv_buf_t* message, const char*, void* ear) {
+    static_cast<Ear*>(ear)->hear({static_cast<const uint8_t*>(message->data), message->data_size});
+  };
+  lcm_subscription_t* subscription = lcm_subscribe(lcm_, channel.c_str(), receive, ears_.back().get());
+  if (subscription == nullptr) fail(url_);
+  lcm_subscription_set_queue_capacity(subscription, kQueued);
+  if (!drain_.joinable()) drain_ = std::thread([this] { drain(); });
+  return listening(ears_.back());
+}
+
+void LcmLink::send(const std::string& channel, std::span<const uint8_t> message) {
+  // What cannot be sent is lost, as on the network.
+  lcm_publish(lcm_, channel.c_str(), message.data(), static_cast<unsigned>(message.size()));
+}
+
+void LcmLink::drain() {
+  // Below 0: a log file has ended.
+  while (!stop_ && lcm_handle_timeout(lcm_, kPollMs) >= 0) {
+  }
+}
+
+}  // namespace strandcast

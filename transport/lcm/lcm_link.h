@@ -1,0 +1,34 @@
+#pragma once
+#include <lcm/lcm.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "transport/lcm/message_link.h"
+
+namespace strandcast {
+
+/// An LCM instance with a thread that drains it: LCM's own queue then never grows old behind slow work.
+class LcmLink final : public MessageLink {
+ public:
+  /// Throws Error.
+  explicit LcmLink(const std::string& url);
+  ~LcmLink() override;
+  Listening listen(const std::string& channel, Handler handler) override;
+  void send(const std::string& channel, std::span<const uint8_t> message) override;
+
+ private:
+  void drain();
+  const std::string url_;
+  lcm_t* lcm_ = nullptr;
+  std::mutex mutex_;  // of ears_
+  std::vector<std::shared_ptr<Ear>> ears_;
+  std::atomic<bool> stop_{false};
+  std::thread drain_;  // from the first listen() on
+};
+
+}  // namespace strandcast

@@ -1,0 +1,257 @@
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "core/error.h"
+#include "transport/codec/guide_encoder.h"
+#include "transport/command_queue.h"
+#include "transport/lcm/lcm_channels.h"
+#include "transport/lcm/lcm_ends.h"
+#include "transport/lcm/lcm_link.h"
+#include "transport/lcm/lcm_messages.h"
+
+namespace strandcast {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kCarouselPeriod{1000}, kStatusPeriod{500}, kRepeatAtMost{100};
+/// The description goes out in bursts that a gigabit network keeps up with.
+constexpr size_t kBurst = 4;
+constexpr milliseconds kBetweenBursts{2};
+constexpr size_t kAnswersKept = 256, kMaxReaders = 4096;
+/// What a publisher says last is said as often, for nobody acknowledges it.
+constexpr int kFarewells = 3;
+
+class LcmPublisher final : public Publisher {
+ public:
+  LcmPublisher(std::shared_ptr<MessageLink> link, const LcmOptions& options)
+      : options_(options), channels_(options.groom_id), encoder_(options.codec), link_(std::move(link)) {
+    ears_.push_back(link_->listen(channels_.command, [this](auto message) { receiveCommand(message); }));
+    ears_.push_back(link_->listen(channels_.reader, [this](auto message) { receiveSign(message); }));
+    ears_.push_back(link_->listen(channels_.status, [this](auto message) { receiveStatus(message); }));
+    publishStatus({});  // so that rivals hear of this session at once
+    service_ = std::thread([this] { serve(); });
+  }
+
+  ~LcmPublisher() override {
+    ears_.clear();
+    {
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+    }
+    wake_.notify_all();
+    service_.join();
+    for (int i = 0; i < kFarewells; ++i) link_->send(channels_.status, status_message_);
+  }
+
+  void announce(const GroomDescription& groom, const BodyDescription& body) override {
+    checkAnnouncement(groom, body, "groom " + groom.name);
+    GroomDescription own_groom = groom;
+    own_groom.groom_id = options_.groom_id;
+    own_groom.session = options_.session;
+    checkSuccession(revision_ ? &last_ : nullptr, own_groom);
+    BodyDescription own_body = body;
+    own_body.groom_id = options_.groom_id;
+    own_body.session = options_.session;
+    own_body.revision = groom.revision;
+    std::vector<Message> carousel;
+    for (const GroomChunk& chunk : splitGroom(own_groom)) {
+      carousel.push_back({channels_.groom, {}});
+      toBytes(chunk, carousel.back().bytes);
+    }
+    for (const BodyChunk& chunk : splitBody(own_body)) {
+      carousel.push_back({channels_.bodies, {}});
+      toBytes(chunk, carousel.back().bytes);
+    }
+    encoder_.setGroom(groom.guides);
+    vertices_ = groom.guides.vertices();
+    revision_ = groom.revision;
+    last_.session = options_.session;
+    last_.revision = groom.revision;
+    std::unique_lock lock(mutex_);
+    carousel_ = std::make_shared<const std::vector<Message>>(std::move(carousel));
+    sendDescription(lock);
+    wake_.notify_all();
+  }
+
+  void publish(const GuideFrame& frame) override {
+    if (!revision_ || frame.revision != *revision_ || frame.positions.size() != vertices_) return;
+    for (uint32_t i = 0; i < encoder_.runs().size(); ++i) {
+      encoder_.encode(frame, i, chunk_);
+      chunk_.groom_id = options_.groom_id;
+      chunk_.session = options_.session;
+      toBytes(chunk_, guide_message_);
+      link_->send(channels_.guides, guide_message_);
+    }
+  }
+
+  void publishStatus(const Status& status) override {
+    Status own = status;
+    own.groom_id = options_.groom_id;
+    own.session = options_.session;
+    const std::lock_guard lock(mutex_);
+    toBytes(own, status_message_);
+    status_due_ = Clock::now() + kStatusPeriod;
+    if (own.last_command != 0 && !answers_.contains(own.last_command)) {
+      answers_[own.last_command] = status_message_;
+      answered_.push_back(own.last_command);
+      if (answered_.size() > kAnswersKept) {
+        answers_.erase(answered_.front());
+        answered_.pop_front();
+      }
+    }
+    link_->send(channels_.status, status_message_);
+  }
+
+  std::optional<Command> takeCommand() override { return commands_.take(); }
+
+  uint32_t matchedReaders() const override {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(readers_, [now = Clock::now()](const auto& r) { return now - r.second > kLcmSilence; });
+    return static_cast<uint32_t>(readers_.size());
+  }
+
+  EncodingReport encoding() const override { return encoder_.report(); }
+
+  std::optional<uint64_t> rivalSession() const override {
+    const std::lock_guard lock(mutex_);
+    if (rival_ == 0 || Clock::now() - rival_heard_ > kLcmSilence) return std::nullopt;
+    return rival_;
+  }
+
+ private:
+  struct Message {
+    std::string channel;
+    std::vector<uint8_t> bytes;
+  };
+
+  void receiveCommand(std::span<const uint8_t> message) {
+    Command command;
+    if (!fromBytes(message, command) || command.groom_id != options_.groom_id || !isSound(command)) return;
+    {
+      // Its answer was lost: it is not obeyed again.
+      const std::lock_guard lock(mutex_);
+      if (const auto answer = answers_.find(command.id); answer != answers_.end())
+        return link_->send(channels_.status, answer->second);
+    }
+    commands_.push(std::move(command));
+  }
+
+  void receiveSign(std::span<const uint8_t> message) {
+    ReaderSign sign;
+    if (!fromBytes(message, sign) || sign.groom_id != options_.groom_id) return;
+    const std::lock_guard lock(mutex_);
+    if (readers_.size() < kMaxReaders || readers_.contains(sign.reader)) readers_[sign.reader] = Clock::now();
+    if (!sign.wants_groom) return;
+    is_asked_ = true;
+    repeat_due_ = std::min(repeat_due_, repeated_ + kRepeatAtMost);
+    wake_.notify_all();
+  }
+
+  void receiveStatus(std::span<const uint8_t> message) {
+    Status status;
+    if (!fromBytes(message, status) || status.groom_id != options_.groom_id ||
+        status.session == options_.session)
+      return;
+    const std::lock_guard lock(mutex_);
+    rival_ = status.session;
+    rival_heard_ = Clock::now();
+  }
+
+  void serve() {
+    std::unique_lock lock(mutex_);
+    while (!stop_) {
+      const Clock::time_point now = Clock::now();
+      if (now >= status_due_) {
+        link_->send(channels_.status, status_message_);
+        status_due_ = now + kStatusPeriod;
+      }
+      if (carousel_ && now >= repeat_due_) {
+        sendDescription(lock);
+      } else {
+        wake_.wait_until(lock, carousel_ ? std::min(status_due_, repeat_due_) : status_due_);
+      }
+    }
+  }
+
+  /// Once through; a newer one takes its place.
+  void sendDescription(std::unique_lock<std::mutex>& lock) {
+    is_asked_ = false;
+    const auto carousel = carousel_;
+    for (size_t i = 0; i < carousel->size() && carousel == carousel_ && !stop_; ++i) {
+      lock.unlock();
+      link_->send((*carousel)[i].channel, (*carousel)[i].bytes);
+      if (i % kBurst == kBurst - 1) std::this_thread::sleep_for(kBetweenBursts);
+      lock.lock();
+    }
+    repeated_ = Clock::now();
+    repeat_due_ =
+        carousel != carousel_ ? repeated_ : repeated_ + (is_asked_ ? kRepeatAtMost : kCarouselPeriod);
+  }
+
+  const LcmOptions options_;
+  const LcmChannels channels_;
+  CommandQueue commands_;
+  GuideEncoder encoder_;
+  size_t vertices_ = 0;
+  std::optional<uint32_t> revision_;
+  GroomDescription last_;  // only its session and revision
+  GuideChunk chunk_;
+  std::vector<uint8_t> guide_message_;
+
+  mutable std::mutex mutex_;  // of all that follows
+  std::condition_variable wake_;
+  std::shared_ptr<const std::vector<Message>> carousel_;
+  Clock::time_point repeat_due_ = Clock::time_point::max(), repeated_{}, status_due_{};
+  std::vector<uint8_t> status_message_;
+  std::map<uint64_t, std::vector<uint8_t>> answers_;  // by command: the status that told it
+  std::deque<uint64_t> answered_;                     // its keys, oldest first
+  mutable std::map<uint64_t, Clock::time_point> readers_;
+  uint64_t rival_ = 0;
+  Clock::time_point rival_heard_{};
+  bool is_asked_ = false, stop_ = false;
+
+  std::shared_ptr<MessageLink> link_;
+  std::vector<MessageLink::Listening> ears_;
+  std::thread service_;
+};
+
+void checkPublisher(const LcmOptions& options) {
+  if (options.session == 0)
+    throw Error("a publisher needs a session", "LCM options", "choose one at random, not 0");
+  checkCodecOptions(options.codec, "LCM options");
+  if (options.codec.codec == Codec::kTemporal && options.url.starts_with("udpm://")) {
+    throw Error("the temporal codec needs a link that loses nothing", options.url,
+                "choose another --codec, or --transport dds");
+  }
+}
+
+}  // namespace
+
+bool lcmAvailable(std::string* reason) {
+  if (reason) reason->clear();
+  return true;
+}
+
+std::unique_ptr<Publisher> makeLcmPublisher(std::shared_ptr<MessageLink> link, const LcmOptions& options) {
+  checkPublisher(options);
+  return std::make_unique<LcmPublisher>(std::move(link), options);
+}
+
+std::unique_ptr<Publisher> makeLcmPublisher(const LcmOptions& options) {
+  checkPublisher(options);
+  return makeLcmPublisher(std::make_shared<LcmLink>(options.url), options);
+}
+
+std::pair<std::unique_ptr<Publisher>, std::unique_ptr<Subscriber>> makeLcmChannel(const LcmOptions& options) {
+  checkPublisher(options);
+  const auto link = std::make_shared<LcmLink>(options.url);
+  return {makeLcmPublisher(link, options), makeLcmSubscriber(link, options)};
+}
+
+}  // namespace strandcast

@@ -1,0 +1,124 @@
+#pragma once
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace strandcast {
+
+/// LCM's encoding of numbers, texts and arrays: big-endian, texts with their length including a final zero
+/// byte. Writer and reader have the same members, so that a message is described once (lcm_messages.cc).
+template <size_t kBytes>
+using UnsignedOf = std::conditional_t<
+    kBytes == 8, uint64_t,
+    std::conditional_t<kBytes == 4, uint32_t, std::conditional_t<kBytes == 2, uint16_t, uint8_t>>>;
+
+template <class Number>
+void storeBigEndian(Number value, uint8_t* to) {
+  auto bits = std::bit_cast<UnsignedOf<sizeof(Number)>>(value);
+  for (size_t i = sizeof bits; i-- > 0; bits = static_cast<decltype(bits)>(bits >> (sizeof bits > 1 ? 8 : 0)))
+    to[i] = static_cast<uint8_t>(bits);
+}
+
+template <class Number>
+Number loadBigEndian(const uint8_t* from) {
+  using Bits = UnsignedOf<sizeof(Number)>;
+  Bits bits = 0;
+  for (size_t i = 0; i < sizeof bits; ++i)
+    bits = static_cast<Bits>((sizeof bits > 1 ? bits << 8 : 0) | from[i]);
+  return std::bit_cast<Number>(bits);
+}
+
+class MessageWriter {
+ public:
+  explicit MessageWriter(std::vector<uint8_t>& bytes) : bytes_(bytes) { bytes_.clear(); }
+  template <class Number>
+  void number(const Number& value) {
+    storeBigEndian(value, grow(sizeof value));
+  }
+  void text(const std::string& value) {
+    number(static_cast<uint32_t>(value.size() + 1));
+    std::memcpy(grow(value.size() + 1), value.c_str(), value.size() + 1);
+  }
+  template <class Array>
+  void items(const Array& values) {
+    constexpr size_t kSize = sizeof(values[0]);
+    uint8_t* to = grow(values.size() * kSize);
+    for (const auto& value : values) storeBigEndian(value, to), to += kSize;
+  }
+  template <class Number>
+  void array(const std::vector<Number>& values) {
+    number(static_cast<uint32_t>(values.size()));
+    items(values);
+  }
+
+ private:
+  uint8_t* grow(size_t count) {
+    bytes_.resize(bytes_.size() + count);
+    return bytes_.data() + bytes_.size() - count;
+  }
+  std::vector<uint8_t>& bytes_;
+};
+
+/// Believes no length: arrays grow no larger than the bytes that are there. Once something does not fit, ok()
+/// is false and what is read is arbitrary.
+class MessageReader {
+ public:
+  explicit MessageReader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
+  bool ok() const { return ok_; }
+  bool atEnd() const { return ok_ && bytes_.empty(); }
+  template <class Number>
+  void number(Number& value) {
+    if (const uint8_t* from = take(sizeof value)) value = loadBigEndian<Number>(from);
+  }
+  void text(std::string& value) {
+    const size_t length = this->length(1);
+    const uint8_t* from = take(length);
+    if (length == 0 || from == nullptr || from[length - 1] != 0) {
+      ok_ = false;
+      return;
+    }
+    value.assign(reinterpret_cast<const char*>(from), length - 1);
+  }
+  template <class Array>
+  void items(Array& values) {
+    constexpr size_t kSize = sizeof(values[0]);
+    const uint8_t* from = take(values.size() * kSize);
+    if (from == nullptr) return;
+    for (auto& value : values) {
+      value = loadBigEndian<std::remove_reference_t<decltype(value)>>(from);
+      from += kSize;
+    }
+  }
+  template <class Number>
+  void array(std::vector<Number>& values) {
+    values.resize(length(sizeof(Number)));
+    items(values);
+  }
+
+ private:
+  /// Of an array; 0 when it is longer than what is left.
+  size_t length(size_t item_bytes) {
+    uint32_t count = 0;
+    number(count);
+    if (count <= bytes_.size() / item_bytes) return count;
+    ok_ = false;
+    return 0;
+  }
+  const uint8_t* take(size_t count) {
+    if (!ok_ || count > bytes_.size()) {
+      ok_ = false;
+      return nullptr;
+    }
+    const uint8_t* from = bytes_.data();
+    bytes_ = bytes_.subspan(count);
+    return from;
+  }
+  std::span<const uint8_t> bytes_;
+  bool ok_ = true;
+};
+
+}  // namespace strandcast

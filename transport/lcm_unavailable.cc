@@ -1,0 +1,26 @@
+#include "core/error.h"
+#include "transport/lcm.h"
+
+namespace strandcast {
+namespace {
+
+const char* const kReason = "built without LCM (liblcm-dev, liblcm-bin or libglib2.0-dev was missing)";
+
+[[noreturn]] void refuse() {
+  throw Error("LCM is not available", kReason, "install the packages and build again");
+}
+
+}  // namespace
+
+bool lcmAvailable(std::string* reason) {
+  if (reason) *reason = kReason;
+  return false;
+}
+
+std::unique_ptr<Publisher> makeLcmPublisher(const LcmOptions&) { refuse(); }
+std::unique_ptr<Subscriber> makeLcmSubscriber(const LcmOptions&) { refuse(); }
+std::pair<std::unique_ptr<Publisher>, std::unique_ptr<Subscriber>> makeLcmChannel(const LcmOptions&) {
+  refuse();
+}
+
+}  // namespace strandcast
