@@ -117,7 +117,8 @@ RodStrands::RodStrands(const StrandModel& model) : groups_(keysOf(model)) {
   }
 }
 
-RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, ProgramCache& programs) const {
+RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, bool violent,
+                                              ProgramCache& programs) const {
   GroupPrograms out;
   for (size_t g = 0; g < edges_of_.size(); ++g) {
     const uint32_t key = groups_.groups()[g].key;
@@ -125,23 +126,26 @@ RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, ProgramCache& 
     out.push_back(&programs.get(
         "rod.comp", shaders::kRodComp,
         fmt::format("#define THREADS {}\n#define EDGES {}\n#define UNIFORM {}\n#define PINNED {}\n#define "
-                    "BODIES {}\n#define GROOMED {}\n",
+                    "BODIES {}\n#define GROOMED {}\n#define VIOLENT {}\n",
                     threadsOf(key), edges_of_[g], (key & kGeneral) == 0 && !groomed ? 1 : 0,
-                    (key & kPinned) != 0 ? 1 : 0, needs.bodies ? 1 : 0, groomed ? 1 : 0)));
+                    (key & kPinned) != 0 ? 1 : 0, needs.bodies ? 1 : 0, groomed ? 1 : 0, violent ? 1 : 0)));
   }
   return out;
 }
 
 void RodStrands::step(const Needs& needs, ProgramCache& programs) {
-  GroupPrograms& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0)];
-  if (mine.empty()) mine = compile(needs, programs);
+  Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0)];
+  if (mine.calm.empty()) mine = {compile(needs, false, programs), compile(needs, true, programs)};
   groups_.order().bindStorage(5);
   joints_.bindStorage(10);
   edges_.bindStorage(11);
   strands_.bindStorage(12);
-  for (size_t g = 0; g < mine.size(); ++g) {
-    const StrandGroup& group = groups_.groups()[g];
-    dispatch(*mine[g], group, kWorkgroup / threadsOf(group.key));
+  for (const GroupPrograms* pass : {&mine.calm, &mine.violent}) {
+    for (size_t g = 0; g < pass->size(); ++g) {
+      const StrandGroup& group = groups_.groups()[g];
+      dispatch(*(*pass)[g], group, kWorkgroup / threadsOf(group.key));
+    }
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   }
 }
 

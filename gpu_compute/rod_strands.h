@@ -22,12 +22,15 @@ class RodStrands {
 
  private:
   using GroupPrograms = std::vector<const gl::Program*>;
-  GroupPrograms compile(const Needs& needs, ProgramCache& programs) const;
+  GroupPrograms compile(const Needs& needs, bool violent, ProgramCache& programs) const;
 
   StrandGroups groups_;             ///< key: see rod_strands.cc
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
   gl::Buffer joints_, edges_, strands_;
-  std::array<GroupPrograms, 4> programs_;  ///< by needs; empty until first needed
+  struct Programs {
+    GroupPrograms calm, violent;
+  };
+  std::array<Programs, 4> programs_;  ///< by needs; empty until first needed
 };
 
 }  // namespace strandcast::gpu

@@ -1,11 +1,13 @@
 #version 450
-// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 GROOMED=1 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 GROOMED=0 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 GROOMED=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 GROOMED=0
+// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 GROOMED=1 VIOLENT=0 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 GROOMED=0 VIOLENT=1 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 GROOMED=1 VIOLENT=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 GROOMED=0 VIOLENT=0
 // One step of strands as inextensible rods, all substeps in one dispatch: core/rod_sweep.inl with the state in registers,
 // four edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
 // become: own slots by elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
 // PINNED: more vertices than the roots are. BODIES: there are some. GROOMED: there is a goal pull, or strands have
 // factors that are not 1; then UNIFORM is 0.
+// VIOLENT: what violent motion takes would double the registers of every strand. So a step is two dispatches: 0 does calm
+// strands and marks the others, 1 does the whole step of those that are marked.
 #define WORKGROUP 32
 layout(local_size_x = WORKGROUP) in;
 
@@ -328,13 +330,11 @@ void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD],
 }
 
 shared uint violent_strand[WORKGROUP];  // at the first invocation of each strand
-shared uint any_violent;
 
-// The pulls of one Newton step towards the rest lengths. Returns whether they are violent for any strand of the workgroup.
+// The pulls of one Newton step towards the rest lengths. Returns whether they are violent for this strand.
 bool solveLengths(RootMotion root) {
   for (int p = 1; p < PER_THREAD; ++p) tangent[p] = directionOr(x_new[p] - x_new[p - 1], tangent[p]);
   if (rank == 0) violent_strand[me] = 0u;
-  if (me == 0u) any_violent = 0u;
   exchange_a[me] = vec4(x_new[kLast], softness[kLast]);
   exchange_b[me] = vec4(tangent[kLast], x_new[0].x);
 #if BODIES
@@ -371,13 +371,13 @@ bool solveLengths(RootMotion root) {
     if (isEdge(p)) most = max(most, violence(pull[p], w_in, weight(p), inverseLength(p)));
     w_in = weight(p);
   }
-  if (isViolent(most)) violent_strand[me - uint(rank)] = any_violent = 1u;
+  if (isViolent(most)) violent_strand[me - uint(rank)] = 1u;
   exchange_d[me] = pull[0];
   barrier();
   pull_out = hasAfter(1) ? exchange_d[after(1)] : 0.0;
-  bool any = any_violent != 0u;
+  bool violent = violent_strand[me - uint(rank)] != 0u;
   barrier();
-  return any;
+  return violent;
 }
 
 // What the pulls push the vertex of slot p with, where it gives way with this softness.
@@ -386,10 +386,23 @@ vec3 pushOn(int p, float soft) {
   return pushOfPulls(tangent[p], pull[p], t_out, p < kLast ? pull[min(p + 1, kLast)] : pull_out, NORMAL(p), soft);
 }
 
+#if VIOLENT
+shared uint any_strand;
+
+// Whether this holds for any strand of the workgroup.
+bool anyStrand(bool own) {
+  if (me == 0u) any_strand = 0u;
+  barrier();
+  if (own) any_strand = 1u;
+  barrier();
+  bool any = any_strand != 0u;
+  barrier();
+  return any;
+}
+
 // The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the second
 // length system in the metric of the masses. Of other strands only the barriers are wanted.
-void pullThroughBending() {
-  const bool violent = violent_strand[me - uint(rank)] != 0u;
+void pullThroughBending(bool violent) {
   const float calm_in = violent ? 0.0 : pull_in, calm_out = violent ? 0.0 : pull_out;
   float calm[PER_THREAD], excess[PER_THREAD], conjugate[PER_THREAD];
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
@@ -447,6 +460,7 @@ void pullThroughBending() {
   pull_in = calm_in;
   pull_out = calm_out;
 }
+#endif
 
 // Every vertex moved by its pulls.
 void moveByPulls() {
@@ -513,6 +527,12 @@ void finish(RootMotion root) {
 
 void main() {
   loadStrand();
+#if VIOLENT
+  const bool wanted = exists && positions[root_vertex].w != 0.0;
+  if (!anyStrand(wanted)) return;
+#else
+  bool ever_violent = false;
+#endif
   for (int substep = 0; substep < int(settings.substeps); ++substep) {
     int ahead = substep % THREADS;
     if (ahead == 0) placeRoots(substep);
@@ -529,7 +549,11 @@ void main() {
       if (iteration == 0) {
         moveByForces();
       } else {
-        if (violent) pullThroughBending();  // the same for the whole workgroup
+#if VIOLENT
+        if (anyStrand(violent)) pullThroughBending(violent);
+#else
+        ever_violent = ever_violent || violent;
+#endif
         moveByPulls();
       }
 #if BODIES
@@ -540,5 +564,10 @@ void main() {
     moveByPulls();
     finish(root);
   }
-  storeStrand();
+#if VIOLENT
+  if (wanted) storeStrand();
+#else
+  if (exists && rank == 0) positions[root_vertex].w = ever_violent ? 1.0 : 0.0;  // the mark
+  if (exists && !ever_violent) storeStrand();
+#endif
 }

@@ -2,7 +2,7 @@
 // edge and the vertex at the edge's end with the number PER_THREAD rank + p. Slots past the strand's last edge are padding:
 // they repeat its tip, without length and stiffness. Needs strand_threads.glsl, step_input.glsl and kernels/rod.h.
 
-layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
+layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here, of a root: see VIOLENT
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz
 layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
 layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };      // first vertex of each strand
@@ -166,7 +166,6 @@ void storeGuide(uint vertex, vec3 position) {
 }
 
 void storeStrand() {
-  if (!exists) return;
   if (rank == 0) {
     positions[root_vertex].xyz = x_in;
     velocities[root_vertex].xyz = v_in;
