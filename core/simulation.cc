@@ -44,12 +44,12 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
 
 void Simulation::checkSurroundings(const Parameters& parameters) const {
   if (!needsSurroundings(parameters)) return;
-  if (!surroundings_)
-    throw Error("there is no air for wind_grid, air_drag_along, volume_stiffness or hair_friction",
-                "Simulation", "leave them as they are by default");
   if (!backend_->takesAccelerations())
     throw Error("wind_grid, air_drag_along, volume_stiffness and hair_friction do not run on this backend",
                 backend_->name(), "choose --backend simd or reference");
+  if (!surroundings_)
+    throw Error("there is no air for wind_grid, air_drag_along, volume_stiffness or hair_friction",
+                "Simulation", "leave them as they are by default");
 }
 
 void Simulation::setHeadPose(const Pose& head) {
