@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace strandcast {
+namespace {
+
+constexpr float kLongest = 1.5f;  // cells that a piece of several edges may be long: the blur is wider
+
+}  // namespace
 
 StrandSamples strandSamples(const StrandModel& model, float cell) {
   StrandSamples out;
@@ -48,7 +53,7 @@ StrandSamples strandSamples(const StrandModel& model, float cell) {
         masses.back() += edge_mass[v - first] / 2;
         masses.push_back(edge_mass[v - first] / 2);
         along += length(v++);
-      } while (v < last && along + length(v) <= cell);
+      } while (v < last && along + length(v) <= kLongest * cell);
       add(begin, masses);
     }
     out.offsets.push_back(static_cast<uint32_t>(out.samples.size()));
