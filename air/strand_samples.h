@@ -4,8 +4,8 @@
 
 namespace strandcast {
 
-/// The pieces of strands that stand for them on a grid: whole edges up to 1.5 cells long in all, or parts of an
-/// edge that is longer. Pieces of a strand are neighbours, root to tip.
+/// The pieces of strands that stand for them on a grid: whole edges up to 1.5 cells long in all, or parts of
+/// an edge that is longer. Pieces of a strand are neighbours, root to tip.
 struct StrandSamples {
   std::vector<StrandSample> samples;
   std::vector<float> shares;      ///< of each sample's vertices in it, sum 1
