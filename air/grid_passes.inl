@@ -274,6 +274,7 @@ inline void subtractGradientPass(const WindView<Scalar>& w, const PressureView<S
     }
 }
 
+constexpr Scalar kSane = 1e4;  // m/s
 inline Scalar placePass(const SplatView<Scalar>& v, size_t begin, size_t end) {
   Scalar most = 0;
   for (size_t n = begin; n < end; ++n) {
@@ -288,12 +289,20 @@ inline Scalar placePass(const SplatView<Scalar>& v, size_t begin, size_t end) {
       }
     }
     Scalar* out = v.places + kPlaceNumbers * n;
+    Scalar speed = 0;
+    bool sane = true;
     for (int c = 0; c < 3; ++c) {
       out[c] = v.frame[3 * c] * x[0] + v.frame[3 * c + 1] * x[1] + v.frame[3 * c + 2] * x[2] + v.frame[9 + c];
       out[3 + c] = u[c];
       out[6 + c] = x[c];
       const Scalar size = u[c] < 0 ? -u[c] : u[c];
-      if (size > most) most = size;
+      sane = sane && size < kSane;
+      if (size > speed) speed = size;
+    }
+    if (!sane) {  // its strand went wrong: it is left out, as beyond the grid
+      out[0] = -1;
+    } else if (speed > most) {
+      most = speed;
     }
   }
   return most;

@@ -40,7 +40,7 @@ class HairGrid {
   /// Density (kg/m^3, of the strands themselves) and momentum per volume, from place (0, 0, 0).
   const Scalar* nodes() const { return nodes_.data() + 4 * origin_; }
   const Scalar* frame() const { return frame_; }
-  /// Density at a node, blurred; the density at which it is pushed. kg/m^3.
+  /// Density at a node, blurred, kg/m^3.
   double densityAt(int i, int j, int k) const { return static_cast<double>(density_[shape_.at(i, j, k)]); }
   /// Rest density that sample n carries, kg/m^3.
   float restDensity(size_t n) const { return rest_density_[n]; }

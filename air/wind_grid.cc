@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kResidual = 1e-4;  // of the fastest component: half of what is promised of the divergence
 constexpr int kMostIterations = 100;
-constexpr double kStill = 1e-6;         // m/s, below which the residual need not go
-constexpr double kLargestSixth = 0.15;  // of viscosity x time / cell^2 in one explicit step; stable below 1/6
+constexpr double kStill = 1e-6;        // m/s, below which the residual need not go
+constexpr double kLargestPart = 0.15;  // of viscosity x time / cell^2 in one explicit step; stable below 1/6
 
 }  // namespace
 
@@ -212,7 +212,7 @@ void WindGrid<Scalar>::advect(double seconds, bool mac_cormack) {
 template <class Scalar>
 void WindGrid<Scalar>::diffuse(double seconds, double viscosity) {
   const double whole = viscosity * seconds / (static_cast<double>(cell_) * static_cast<double>(cell_));
-  const int steps = static_cast<int>(std::ceil(whole / kLargestSixth));
+  const int steps = static_cast<int>(std::ceil(whole / kLargestPart));
   for (int step = 0; step < steps; ++step)
     for (int axis = 0; axis < 3; ++axis) {
       const WindView<Scalar> w = view();

@@ -84,7 +84,7 @@ class NearBodies {
     // 4 sqrt(1 - cosine) is more than the angle.
     const real swung = sqrt(lit(1) - cosine) * lit(4) * length;
     real far = lit(2) * (sqrt(speed2) * lit(dt) + sqrt(dot(moved, moved)) + swung + length * lit(2 * drawn) +
-                               lit(0.5 * dt * dt * pulled + blown));
+                          lit(0.5 * dt * dt * pulled + blown));
     if (b.acceleration != nullptr) far = madd(sqrt(pushed2), lit(dt * dt), far);
     low = {low.x - far, low.y - far, low.z - far};
     high = {high.x + far, high.y + far, high.z + far};

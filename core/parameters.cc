@@ -70,7 +70,7 @@ const std::vector<Entry>& entries() {
              &P::wind_grid),
       scalar("mac_cormack", "", 0, 1, "0 or 1", "1: less numerical viscosity of the air, at more cost",
              &P::mac_cormack),
-      scalar("air_viscosity", "m^2/s", 0, 1, "0 to 1", "kinematic viscosity of the air on the grid",
+      scalar("air_viscosity", "m^2/s", 0, 0.01, "0 to 0.01", "kinematic viscosity of the air on the grid",
              &P::air_viscosity),
       scalar("air_drag_along", "", 0, 1, "0 to 1",
              "drag of the air along a strand over that across it; thin rods: 0.5", &P::air_drag_along),
