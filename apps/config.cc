@@ -20,6 +20,8 @@
 namespace strandcast {
 namespace {
 
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
+
 /// One table of a configuration file: hands out its values, checks their types, and in the end complains of
 /// whatever nobody asked for.
 class Section {
@@ -224,6 +226,29 @@ PinRule readPin(Section& section) {
   return rule;
 }
 
+WindSource readWindSource(Section& section) {
+  WindSource out;
+  auto vector = [&](const char* key, Vec3& to) {
+    section.numbers(key, 3, [&](const std::vector<double>& v) {
+      to = Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>());
+    });
+  };
+  auto number = [&](const char* key, double low, double high, float& to) {
+    section.number(key, low, high, [&](double v) { to = static_cast<float>(v); });
+  };
+  section.text("kind", [&](const std::string& kind) { out.kind = windSourceKind(kind, section.place("kind")); });
+  vector("position", out.position);
+  vector("direction", out.direction);
+  number("radius", 1e-3, 100, out.radius);
+  number("length", 1e-3, 100, out.length);
+  section.number("angle", 0.1, 90, [&](double v) { out.angle = static_cast<float>(v * kRadiansPerDegree); });
+  number("speed", -100, 100, out.speed);
+  number("swirl", -100, 100, out.swirl);
+  number("rate", 0, 1000, out.rate);
+  checkWindSource(out, section.place());
+  return out;
+}
+
 void readSections(Section& root, const std::filesystem::path& folder, Settings& s) {
   auto path = [&](const std::string& text) { return folder / text; };  // relative to the file that names it
   root.text("scene", [&](const std::string& v) { s.scene.name = v; });
@@ -247,6 +272,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   });
   root.sections("material", [&](Section& material) { s.scene.materials.push_back(readMaterial(material)); });
   root.sections("pin", [&](Section& pin) { s.scene.pins.push_back(readPin(pin)); });
+  root.sections("wind", [&](Section& wind) { s.wind_sources.push_back(readWindSource(wind)); });
   root.section("daemon", [&](Section& daemon) {
     daemon.text("backend", [&](const std::string& v) { s.backend = v; });
     daemon.text("solver", [&](const std::string& v) { s.solver = solverKind(v); });

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "air/surroundings.h"
 #include "apps/backends.h"
 #include "core/backend_registry.h"
 #include "core/sag_free.h"
@@ -33,8 +34,13 @@ StrandModel modelOf(const Scene& scene, const Settings& settings, const Vec3& gr
 
 Simulation makeSimulation(const Scene& scene, const Settings& settings) {
   const Parameters parameters = sceneParameters(scene, settings);
+  std::unique_ptr<Backend> backend =
+      createBackend(knownBackends(), settings.backend, settings.threads, settings.solver);
+  std::unique_ptr<Surroundings> surroundings;
+  if (backend->takesAccelerations())
+    surroundings = makeSurroundings(backend->name(), settings.threads, settings.wind_sources);
   return Simulation(modelOf(scene, settings, parameters.gravity), scene.bodies, parameters,
-                    createBackend(knownBackends(), settings.backend, settings.threads, settings.solver));
+                    std::move(backend), std::move(surroundings));
 }
 
 }  // namespace strandcast

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "air/wind_source.h"
 #include "core/parameters.h"
 #include "scenes/scene.h"
 #include "transport/codec/codec.h"
@@ -20,7 +21,8 @@ namespace strandcast {
 struct Settings {
   SceneOptions scene;
   std::vector<std::pair<std::string, std::vector<double>>>
-      parameters;  ///< by name, on top of the scene's own
+      parameters;                        ///< by name, on top of the scene's own
+  std::vector<WindSource> wind_sources;  ///< of the wind grid
 
   SolverKind solver = SolverKind::kRod;
   bool sag_free = true;  ///< the groomed shape is the shape at rest under gravity (rod only)

@@ -29,7 +29,7 @@ double operationsPerVertexSubstep(const StrandModel& model, const StrandState& s
   kernels::counting::operations = 0;
   size_t vertices = 0;
   for (size_t b = 0; b < store.blocks(); b += apart) {
-    store.setPoses(b, input);
+    store.setInput(b, input);
     kernels::counting::stepBlock(store.block(b), input, scratch.data());
     vertices += static_cast<size_t>(store.block(b).vertices);
   }

@@ -1,7 +1,7 @@
 // strandbench step: how long a step takes, and in the same run what it computed. ms: of a step and of reading
 // its guides, by the wall; gpu ms: of a step's dispatches alone, by the GPU's own clock; of peak: the
 // operations of the step, counted, against what the same threads reach with multiply-adds alone, measured.
-// strandbench accuracy: bench/accuracy.h.
+// strandbench accuracy: bench/accuracy.h. strandbench grid: bench/grid_bench.h.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +14,7 @@
 #include "apps/backends.h"
 #include "apps/console.h"
 #include "bench/accuracy.h"
+#include "bench/grid_bench.h"
 #include "bench/operation_count.h"
 #include "core/backend_registry.h"
 #include "core/simulation.h"
@@ -208,10 +209,14 @@ int main(int argc, char** argv) {
   CLI::App* accuracy_verb =
       app.add_subcommand("accuracy", "cost of the solvers' settings against their error");
   const std::function<int()> accuracy = addAccuracy(*accuracy_verb);
+  CLI::App* grid_verb = app.add_subcommand("grid", "time of wind on a grid and of forces between hairs");
+  const std::function<int()> grid = addGridBench(*grid_verb);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitBadInput;
   }
-  return runProgram([&] { return accuracy_verb->parsed() ? accuracy() : step(o); });
+  return runProgram([&] {
+    return accuracy_verb->parsed() ? accuracy() : grid_verb->parsed() ? grid() : step(o);
+  });
 }

@@ -21,6 +21,9 @@ struct StepInput {
   /// Poses of StrandModel::bones at the start and the end of the step, world; may be empty where no vertex is
   /// pinned to another bone than its root frame. Pinned vertices go straight from one place to the other.
   std::span<const Pose> bones_begin{}, bones_end{};
+  /// m/s^2 per vertex, natural order, on top of gravity and constant over the step; may be empty. See
+  /// core/surroundings.h. Only for backends that take them.
+  std::span<const Vec3> accelerations{};
 };
 
 /// Simulates the strands of one model. One implementation per way of computing; all keep the same state and
@@ -44,6 +47,11 @@ class Backend {
   virtual void step(const StepInput& input) = 0;
   /// Positions after the newest step, natural order, valid until the next step(). Waits for it.
   virtual std::span<const Vec3> guides() = 0;
+
+  /// Whether step() heeds StepInput::accelerations and velocities() may be asked.
+  virtual bool takesAccelerations() const { return false; }
+  /// Velocities after the newest step, natural order, m/s; valid until the next step().
+  virtual std::span<const Vec3> velocities() { return {}; }
 
   /// How long a GPU worked on the newest step whose time is known, s, transfers aside. None on a CPU or where
   /// the driver does not measure. Never waits.

@@ -28,7 +28,8 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
     for (int i = 0; i < n; ++i) {  // predict; pinned vertices ride on the root frame
       const real3 x = load3(b.position, i);
       store3(x, start, i);
-      real3 free = predictPosition(x, load3(b.velocity, i), gravity, wind, grooming.on() ? grooming.keep(i) : keep, lit(h));
+      const real3 pulled = b.acceleration != nullptr ? gravity + accelerationOf(b, i) : gravity;
+      real3 free = predictPosition(x, load3(b.velocity, i), pulled, wind, grooming.on() ? grooming.keep(i) : keep, lit(h));
       const real3 held = heldPoint(b, root, i, time);
       if (grooming.on()) free = drawnToGoal(free, held, grooming.rate(i), lit(h));
       store3(select(inverseMass(b, i) < lit(0.5), held, free), b.position, i);

@@ -62,13 +62,14 @@ class NearBodies {
   // Where vertices may come in the step: twice as far from where they are as their speed and their root's motion say.
   static Box reach(const Block& b, const StepInput& input) {
     real3 low = load3(b.position, 0), high = low;
-    real speed2 = lit(0), length = lit(0);
+    real speed2 = lit(0), length = lit(0), pushed2 = lit(0);
     for (int i = 0; i < b.vertices; ++i) {
       const real3 x = load3(b.position, i), v = load3(b.velocity, i);
       low = {min(low.x, x.x), min(low.y, x.y), min(low.z, x.z)};
       high = {max(high.x, x.x), max(high.y, x.y), max(high.z, x.z)};
       speed2 = max(speed2, dot(v, v));
       length = length + load(b.rest_length + at(0, i));
+      if (b.acceleration != nullptr) pushed2 = max(pushed2, dot(accelerationOf(b, i), accelerationOf(b, i)));
     }
     const RootFrame begin = loadRoot(b, 0), end = loadRoot(b, kRootPlanes / 2);
     const real3 moved = end.position - begin.position;
@@ -82,8 +83,9 @@ class NearBodies {
     const double drawn = std::min(1.0, 0.5 * std::pow(parameters.goal_rate * dt, 2));
     // 4 sqrt(1 - cosine) is more than the angle.
     const real swung = sqrt(lit(1) - cosine) * lit(4) * length;
-    const real far = lit(2) * (sqrt(speed2) * lit(dt) + sqrt(dot(moved, moved)) + swung + length * lit(2 * drawn) +
-                               lit(0.5 * dt * dt * pulled + blown));
+    real far = lit(2) * (sqrt(speed2) * lit(dt) + sqrt(dot(moved, moved)) + swung + length * lit(2 * drawn) +
+                          lit(0.5 * dt * dt * pulled + blown));
+    if (b.acceleration != nullptr) far = madd(sqrt(pushed2), lit(dt * dt), far);
     low = {low.x - far, low.y - far, low.z - far};
     high = {high.x + far, high.y + far, high.z + far};
 

@@ -15,17 +15,19 @@ struct Entry {
   ParameterInfo info;
   double low, high;
   bool whole;
+  int multiple;  ///< of whole numbers
   std::function<double(const Parameters&, int)> get;
   std::function<void(Parameters&, int, double)> set;
 };
 
 template <class T>
 Entry scalar(const char* name, const char* unit, double low, double high, const char* range, const char* help,
-             T Parameters::*member) {
+             T Parameters::*member, int multiple = 1) {
   return {{name, unit, range, help, 1},
           low,
           high,
           std::is_integral_v<T>,
+          multiple,
           [=](const Parameters& p, int) { return static_cast<double>(p.*member); },
           [=](Parameters& p, int, double v) { p.*member = static_cast<T>(v); }};
 }
@@ -35,6 +37,7 @@ Entry vector(const char* name, const char* unit, const char* help, double limit,
           -limit,
           limit,
           false,
+          1,
           [=](const Parameters& p, int c) { return static_cast<double>((p.*member)[c]); },
           [=](Parameters& p, int c, double v) { (p.*member)[c] = static_cast<float>(v); }};
 }
@@ -60,6 +63,34 @@ const std::vector<Entry>& entries() {
              &P::goal_rate),
       scalar("hair_radius", "m", 0, 0.01, "0 to 0.01", "distance kept between a hair's axis and every body",
              &P::hair_radius),
+      scalar("grid_cells", "", 16, 128, "16 to 128, a multiple of 16",
+             "cells per axis of the grids of air and of hair", &P::grid_cells, 16),
+      scalar("wind_grid", "", 0, 1, "0 or 1",
+             "1: wind flows through a grid, and bodies and hair block it; 0: it is the same everywhere",
+             &P::wind_grid),
+      scalar("mac_cormack", "", 0, 1, "0 or 1", "1: less numerical viscosity of the air, at more cost",
+             &P::mac_cormack),
+      scalar("air_viscosity", "m^2/s", 0, 0.01, "0 to 0.01", "kinematic viscosity of the air on the grid",
+             &P::air_viscosity),
+      scalar("air_drag_along", "", 0, 1, "0 to 1",
+             "drag of the air along a strand over that across it; thin rods: 0.5", &P::air_drag_along),
+      scalar("hairs_per_strand", "", 0, 1e4, "0 to 1e4",
+             "hairs that a strand stands for where it holds the air back", &P::hairs_per_strand),
+      scalar("gust", "", 0, 2, "0 to 2", "rms of gusts over the speed of the wind", &P::gust),
+      scalar("gust_period", "s", 0.1, 1000, "0.1 to 1000", "period of the slowest gust", &P::gust_period),
+      scalar("turbulence", "", 0, 2, "0 to 2", "rms of each component of turbulence over the wind's speed",
+             &P::turbulence),
+      scalar("turbulence_length", "m", 0.01, 100, "0.01 to 100", "size of the largest eddies",
+             &P::turbulence_length),
+      scalar("wind_seed", "", 0, 1e6, "0 to 1e6", "of gusts and turbulence", &P::wind_seed),
+      scalar("volume_stiffness", "m^2/s^2", 0, 100, "0 to 100",
+             "hair denser than at rest is pushed apart; square of the speed of its pressure waves; 0 = off",
+             &P::volume_stiffness),
+      scalar("volume_target", "", 0.1, 10, "0.1 to 10", "volume that hair keeps over that at rest",
+             &P::volume_target),
+      scalar("hair_friction", "1/s", 0, 1000, "0 to 1000",
+             "rate at which hair takes on the mean velocity of the hair around it; 0 = off",
+             &P::hair_friction),
   };
   return list;
 }
@@ -76,7 +107,7 @@ const Entry& entry(const std::string& name, const std::string& where) {
 void checkRange(const Entry& e, const std::vector<double>& value, const std::string& where) {
   for (double v : value) {
     if (!std::isfinite(v) || v < e.low * (1 - 1e-6) - 1e-12 || v > e.high * (1 + 1e-6) ||
-        (e.whole && v != std::floor(v)))
+        (e.whole && std::fmod(v, e.multiple) != 0))
       throw Error(fmt::format("'{}' = {} is out of range", e.info.name, v), where,
                   fmt::format("give {}{} {}", e.whole ? "a whole number, " : "", e.info.range, e.info.unit));
   }

@@ -26,6 +26,22 @@ struct Parameters {
   float goal_rate =
       0;  ///< 1/s, pull towards the rest shape as the root carries it: goal_rate^2 (goal - x); 0 = off
   float hair_radius = 40e-6f;  ///< m, kept between the hair's axis and every body
+
+  // Surroundings (air/, docs/air.md). Backends reference and simd.
+  int grid_cells = 32;             ///< per axis, of the grids of air and of hair; 16 to 128, a multiple of 16
+  int wind_grid = 0;               ///< 1: `wind` is what flows into a grid that hair and bodies block
+  int mac_cormack = 0;             ///< 1: air is advected with MacCormack's correction
+  float air_viscosity = 1.5e-5f;   ///< m^2/s, kinematic
+  float air_drag_along = 1;        ///< drag along a strand over that across it; 0 to 1
+  float hairs_per_strand = 40;     ///< that a strand stands for, where it holds the air back
+  float gust = 0;                  ///< rms of the inflow's speed over its mean
+  float gust_period = 4;           ///< s, of the slowest gust
+  float turbulence = 0;            ///< rms of each component of the inflow's turbulence over its mean speed
+  float turbulence_length = 0.3f;  ///< m, of the largest eddies
+  int wind_seed = 1;               ///< of gusts and turbulence
+  float volume_stiffness = 0;      ///< m^2/s^2, of hair that is denser than at rest; 0 = off
+  float volume_target = 1;         ///< volume that hair keeps over that at rest
+  float hair_friction = 0;  ///< 1/s, rate at which hair takes on the mean velocity of the hair around it
 };
 
 /// One setting by name, as configuration files, commands and --help know it.

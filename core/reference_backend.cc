@@ -34,6 +34,7 @@ class ScalarBackend final : public Backend {
     store_.load(model, 1);
     scratch_.resize(blockScratch(store_.maxVertices(), 1));
     guides_.resize(model.vertices());
+    velocities_.resize(model.vertices());
     upload(state);
   }
   void upload(const StrandState& state) override {
@@ -44,12 +45,17 @@ class ScalarBackend final : public Backend {
 
   void step(const StepInput& input) override {
     for (size_t b = 0; b < store_.blocks(); ++b) {
-      store_.setPoses(b, input);
+      store_.setInput(b, input);
       sweep(store_.block(b), input, scratch_.data());
     }
     readGuides();
   }
   std::span<const Vec3> guides() override { return guides_; }
+  bool takesAccelerations() const override { return true; }
+  std::span<const Vec3> velocities() override {
+    for (size_t b = 0; b < store_.blocks(); ++b) store_.readVelocities(b, velocities_);
+    return velocities_;
+  }
 
  private:
   void readGuides() {
@@ -59,7 +65,7 @@ class ScalarBackend final : public Backend {
   std::string name_, device_;
   BlockStore<Scalar> store_;
   std::vector<Scalar> scratch_;
-  std::vector<Vec3> guides_;
+  std::vector<Vec3> guides_, velocities_;
 };
 
 }  // namespace

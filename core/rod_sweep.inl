@@ -250,9 +250,10 @@ inline void RodStep::eliminateBending() {
     real3 force = cross(moment_out - moment, direction) * (il * lit(h * h)) - direction * kept;
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
+    const real3 way = b.acceleration != nullptr ? madd(accelerationOf(b, e + 1), lit(h * h), pull) : pull;
     const real3 total = grooming_.on()
-                            ? grooming_.pull(e + 1, pull, root_, get3(kNewPosition, e + 1)) + (force - force_out)
-                            : madd(pull, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
+                            ? grooming_.pull(e + 1, way, root_, get3(kNewPosition, e + 1)) + (force - force_out)
+                            : madd(way, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
 
     const real il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);

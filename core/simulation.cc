@@ -18,16 +18,18 @@ void checkPrimitive(const ContactPrimitive& primitive) {
 }  // namespace
 
 Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
-                       std::unique_ptr<Backend> backend)
+                       std::unique_ptr<Backend> backend, std::unique_ptr<Surroundings> surroundings)
     : model_(std::move(model)),
       bodies_(std::move(bodies)),
       parameters_(parameters),
       backend_(std::move(backend)),
+      surroundings_(std::move(surroundings)),
       bones_begin_(model_.bones.size()),
       bones_end_(model_.bones.size()),
       roots_begin_(model_.rest_roots),
       roots_end_(model_.rest_roots) {
   checkParameters(parameters_, "Simulation");
+  checkSurroundings(parameters_);
   for (const RigidBody& body : bodies_)
     for (const ContactPrimitive& primitive : body.primitives) checkPrimitive(primitive);
   for (size_t s = 0; s < model_.strands(); ++s)
@@ -36,7 +38,18 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
   for (const RigidBody& body : bodies_) primitives += body.primitives.size();
   primitives_.resize(primitives);
   backend_->load(model_, restState(model_, roots_begin_));
+  if (surroundings_) surroundings_->load(model_, parameters_);
   placePrimitives();
+}
+
+void Simulation::checkSurroundings(const Parameters& parameters) const {
+  if (!needsSurroundings(parameters)) return;
+  if (!backend_->takesAccelerations())
+    throw Error("wind_grid, air_drag_along, volume_stiffness and hair_friction do not run on this backend",
+                backend_->name(), "choose --backend simd or reference");
+  if (!surroundings_)
+    throw Error("there is no air for wind_grid, air_drag_along, volume_stiffness or hair_friction",
+                "Simulation", "leave them as they are by default");
 }
 
 void Simulation::setHeadPose(const Pose& head) {
@@ -62,6 +75,8 @@ void Simulation::setBonePose(const std::string& bone, const Pose& pose) {
 
 void Simulation::setParameters(const Parameters& parameters) {
   checkParameters(parameters, "Simulation::setParameters");
+  checkSurroundings(parameters);
+  if (surroundings_) surroundings_->configure(parameters);
   parameters_ = parameters;
 }
 
@@ -86,11 +101,18 @@ StepInput Simulation::nextInput() {
 }
 
 void Simulation::step() {
-  backend_->step(nextInput());
+  StepInput input = nextInput();
+  if (surroundings_ && needsSurroundings(parameters_))
+    input.accelerations = surroundings_->step(input, backend_->guides(), backend_->velocities());
+  backend_->step(input);
   std::swap(roots_begin_, roots_end_);
   bones_begin_ = bones_end_;
   time_ += parameters_.time_step;
   ++steps_;
+}
+
+bool needsSurroundings(const Parameters& p) {
+  return p.wind_grid > 0 || p.air_drag_along < 1 || p.volume_stiffness > 0 || p.hair_friction > 0;
 }
 
 StrandState Simulation::restNow() const {
@@ -107,6 +129,7 @@ void Simulation::reset() {
   bones_end_ = bones_begin_;
   placePrimitives();
   backend_->upload(restNow());
+  if (surroundings_) surroundings_->reset();
 }
 
 size_t Simulation::resetBroken() {
@@ -153,6 +176,7 @@ void Simulation::teleport(const Pose& head) {
   placeRoots(bones_begin_, roots_begin_);
   placePrimitives();
   backend_->upload(state);
+  if (surroundings_) surroundings_->reset();
 }
 
 Measurement Simulation::measure() { return strandcast::measure(model_, guides(), primitives_); }

@@ -5,6 +5,7 @@
 
 #include "core/backend.h"
 #include "core/measure.h"
+#include "core/surroundings.h"
 
 namespace strandcast {
 
@@ -21,9 +22,10 @@ struct RigidBody {
 /// constructor throw Error on it and leave the simulation as it was.
 class Simulation {
  public:
-  /// `backend` is empty-handed: the simulation loads the model into it.
+  /// `backend` and `surroundings` are empty-handed: the simulation loads the model into them. Error where the
+  /// parameters ask for surroundings and there are none, or the backend does not take them.
   Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
-             std::unique_ptr<Backend> backend);
+             std::unique_ptr<Backend> backend, std::unique_ptr<Surroundings> surroundings = nullptr);
 
   /// Where the head is to be at the end of the next step. Motion in between is interpolated. Error: see
   /// checkPose.
@@ -34,7 +36,7 @@ class Simulation {
   void setBonePose(size_t bone, const Pose& pose);
   void setBonePose(const std::string& bone, const Pose& pose);
   const Pose& bonePose(size_t bone) const { return bones_begin_[bone]; }
-  /// Error: see checkParameters.
+  /// Error: see checkParameters and the constructor.
   void setParameters(const Parameters& parameters);
   const Parameters& parameters() const { return parameters_; }
 
@@ -56,6 +58,7 @@ class Simulation {
   uint64_t steps() const { return steps_; }
   const StrandModel& model() const { return model_; }
   Backend& backend() { return *backend_; }
+  Surroundings* surroundings() { return surroundings_.get(); }  ///< may be null
   /// Positions after the newest step, natural order. Waits for the backend.
   std::span<const Vec3> guides() { return backend_->guides(); }
   /// Length and penetration of the newest guides.
@@ -67,11 +70,13 @@ class Simulation {
   void placePrimitives();
   /// The rest shape where roots and bones are now, at rest.
   StrandState restNow() const;
+  void checkSurroundings(const Parameters& parameters) const;
 
   StrandModel model_;
   std::vector<RigidBody> bodies_;
   Parameters parameters_;
   std::unique_ptr<Backend> backend_;
+  std::unique_ptr<Surroundings> surroundings_;
   std::vector<Pose> bones_begin_, bones_end_;  ///< of the model's bones
   std::vector<Pose> roots_begin_, roots_end_;
   std::vector<float> lengths_;  ///< of strands at rest, m

@@ -94,7 +94,7 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
   std::stable_sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) {
     return std::pair(model.verticesOf(a), place[a]) < std::pair(model.verticesOf(b), place[b]);
   });
-  size_t memory = 0;
+  size_t memory = 0, accelerations = 0;
   for (size_t first = 0; first < order_.size();) {
     const int vertices = static_cast<int>(model.verticesOf(order_[first]));
     size_t count = 0;
@@ -121,10 +121,13 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
         kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) + (block.pins > 0 ? kBonePinPlanes : 0);
     memory += static_cast<size_t>(planes_of_vertex * vertices + kRootPlanes) * lanes;
     memory = (memory + 15) / 16 * 16;
+    block.acceleration = accelerations;
+    accelerations += (static_cast<size_t>(3 * vertices) * lanes + 15) / 16 * 16;
     max_vertices_ = std::max(max_vertices_, vertices);
     first += count;
   }
   memory_.assign(memory, Scalar(0));
+  accelerations_.assign(accelerations, Scalar(0));
 
   std::array<Vec3, kMaxVerticesPerStrand> edges;
   for (Block& block : blocks_) {
@@ -227,19 +230,20 @@ void BlockStore<Scalar>::download(StrandState& state) const {
 }
 
 template <class Scalar>
-void BlockStore<Scalar>::readPositions(size_t b, std::span<Vec3> positions) const {
+void BlockStore<Scalar>::read(size_t b, int plane, std::span<Vec3> vectors) const {
+  static_assert(kPosition == 0 && kVelocity == 3);
   const Block& block = blocks_[b];
   for (size_t lane = 0; lane < block.count; ++lane) {
-    Vec3* out = positions.data() + offsets_[order_[block.first + lane]];
+    Vec3* out = vectors.data() + offsets_[order_[block.first + lane]];
     for (int i = 0; i < block.vertices; ++i)
       for (int c = 0; c < 3; ++c)
-        out[i][c] = static_cast<float>(number(block, kPosition + c, i, static_cast<int>(lane)));
+        out[i][c] = static_cast<float>(number(block, plane + c, i, static_cast<int>(lane)));
   }
 }
 
 template <class Scalar>
-void BlockStore<Scalar>::setPoses(size_t b, const StepInput& input) {
-  const Block& block = blocks_[b];
+void BlockStore<Scalar>::setInput(size_t b, const StepInput& input) {
+  Block& block = blocks_[b];
   Scalar* root = roots(block);
   for (int lane = 0; lane < lanes_; ++lane) {
     const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
@@ -259,6 +263,15 @@ void BlockStore<Scalar>::setPoses(size_t b, const StepInput& input) {
       row[static_cast<size_t>(kHeldBegin + c) * lanes_] = static_cast<Scalar>(begin[c]);
       row[static_cast<size_t>(kHeldEnd + c) * lanes_] = static_cast<Scalar>(end[c]);
     }
+  }
+  block.accelerated = !input.accelerations.empty();
+  if (!block.accelerated) return;
+  for (int lane = 0; lane < lanes_; ++lane) {
+    const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
+    const Vec3* in = input.accelerations.data() + offsets_[strand];
+    Scalar* out = accelerations_.data() + block.acceleration + lane;
+    for (int i = 0; i < block.vertices; ++i)
+      for (int c = 0; c < 3; ++c, out += lanes_) *out = static_cast<Scalar>(in[i][c]);
   }
 }
 
@@ -285,7 +298,8 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           roots(block),
           block.pins > 0 ? bonePins(block) : nullptr,
           block.factors,
-          groomed(block) ? grooming(block) : nullptr};
+          groomed(block) ? grooming(block) : nullptr,
+          block.accelerated ? accelerations_.data() + block.acceleration : nullptr};
 }
 
 template class BlockStore<float>;

@@ -48,9 +48,10 @@ struct BlockView {
   const Scalar* mass;    ///< 1 plane, of vertices; large where pinned
   const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
-  const Scalar* bone_pins;  ///< [vertex][kBonePinPlanes][lane]; null where there is none
-  bool factors;             ///< some factor of the strands is not 1
-  const Scalar* grooming;   ///< [vertex][kGroomingPlanes][lane]; null where there is none
+  const Scalar* bone_pins;     ///< [vertex][kBonePinPlanes][lane]; null where there is none
+  bool factors;                ///< some factor of the strands is not 1
+  const Scalar* grooming;      ///< [vertex][kGroomingPlanes][lane]; null where there is none
+  const Scalar* acceleration;  ///< [vertex][3][lane], m/s^2; null where StepInput has none
 };
 
 constexpr int kRootPlanes = 14;
@@ -100,10 +101,13 @@ class BlockStore {
   int lanes() const { return lanes_; }
   int maxVertices() const { return max_vertices_; }
   BlockView<Scalar> block(size_t b);
-  /// Copies the roots of block b's strands, and where bones hold their vertices, into its planes.
-  void setPoses(size_t b, const StepInput& input);
+  /// Copies what the step gives block b's strands into its planes: roots, where bones hold vertices,
+  /// accelerations.
+  void setInput(size_t b, const StepInput& input);
   /// Copies the positions of block b's strands out, natural order.
-  void readPositions(size_t b, std::span<Vec3> positions) const;
+  void readPositions(size_t b, std::span<Vec3> positions) const { read(b, 0, positions); }
+  /// The same of velocities.
+  void readVelocities(size_t b, std::span<Vec3> velocities) const { read(b, 3, velocities); }
 
  private:
   struct Block {
@@ -113,6 +117,8 @@ class BlockStore {
     size_t count;                    ///< strands, at most lanes_
     size_t memory;                   ///< index of its first scalar in memory_
     size_t first_pin = 0, pins = 0;  ///< in pins_
+    size_t acceleration = 0;         ///< index of its first scalar in accelerations_
+    bool accelerated = false;
   };
   static bool groomed(const Block& block) { return block.factors || block.tethers; }
   /// A vertex that is pinned to another bone than its root frame.
@@ -126,6 +132,7 @@ class BlockStore {
   Scalar* roots(const Block& block) const;
   Scalar* grooming(const Block& block) const;
   Scalar* bonePins(const Block& block) const;
+  void read(size_t b, int plane, std::span<Vec3> out) const;
 
   int lanes_ = 1;
   int max_vertices_ = 0;
@@ -134,6 +141,7 @@ class BlockStore {
   std::vector<uint32_t> order_;    ///< strands, by vertex count
   std::vector<uint32_t> offsets_;  ///< of the model
   mutable std::vector<Scalar, CacheLineAllocator<Scalar>> memory_;
+  std::vector<Scalar, CacheLineAllocator<Scalar>> accelerations_;
 };
 
 extern template class BlockStore<float>;

@@ -23,6 +23,12 @@ inline real groomingFactor(const Block& b, GroomingPlane plane, int i) {
   return load(b.grooming + (static_cast<size_t>(i) * kGroomingPlanes + plane) * kLanes);
 }
 
+// Of BlockView::acceleration, which there must be.
+inline real3 accelerationOf(const Block& b, int i) {
+  const Scalar* row = b.acceleration + static_cast<size_t>(3 * i) * kLanes;
+  return {load(row), load(row + kLanes), load(row + 2 * kLanes)};
+}
+
 struct RootFrame {
   real3 position;
   quat rotation;

@@ -63,4 +63,5 @@ HWY_INLINE bool anyTrue(mask m) { return !hn::AllFalse(Tag(), m.m); }
 #include "kernels/distance_field.h"
 #include "kernels/rod.h"
 #include "kernels/grooming.h"
+#include "kernels/grid.h"
 // clang-format on

@@ -49,6 +49,7 @@ class SimdBackend final : public Backend {
     scratch_stride_ = (needed + 15) / 16 * 16;
     scratch_.assign(scratch_stride_ * threads_, 0.0f);
     guides_.resize(model.vertices());
+    velocities_.resize(model.vertices());
     arena_.initialize();
     upload(state);
   }
@@ -72,11 +73,26 @@ class SimdBackend final : public Backend {
     });
   }
   std::span<const Vec3> guides() override { return guides_; }
+  bool takesAccelerations() const override { return true; }
+  std::span<const Vec3> velocities() override {
+    auto read = [&](size_t begin, size_t end) {
+      for (size_t b = begin; b < end; ++b) store_.readVelocities(b, velocities_);
+    };
+    if (threads_ == 1) {
+      read(0, store_.blocks());
+    } else {
+      arena_.execute([&] {
+        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, store_.blocks()),
+                                  [&](const auto& range) { read(range.begin(), range.end()); });
+      });
+    }
+    return velocities_;
+  }
 
  private:
   void stepBlocks(size_t begin, size_t end, const StepInput& input, float* scratch) {
     for (size_t b = begin; b < end; ++b) {
-      store_.setPoses(b, input);
+      store_.setInput(b, input);
       target_.kernel.step_block(store_.block(b), input, scratch);
       store_.readPositions(b, guides_);
     }
@@ -88,7 +104,7 @@ class SimdBackend final : public Backend {
   BlockStore<float> store_;
   size_t scratch_stride_ = 0;                              ///< floats per thread
   std::vector<float, CacheLineAllocator<float>> scratch_;  ///< threads x scratch_stride_
-  std::vector<Vec3> guides_;
+  std::vector<Vec3> guides_, velocities_;
 };
 
 }  // namespace

@@ -15,5 +15,7 @@ void addBendTwistExperiments(
 void addInvarianceExperiments(std::vector<Experiment>& experiments);  ///< time step, drag, order, units
 void addMotionExperiments(std::vector<Experiment>& experiments);      ///< a shaken root: stretch, tip error
 void addGuardExperiments(std::vector<Experiment>& experiments);       ///< abuse
+void addAirExperiments(std::vector<Experiment>& experiments);         ///< the wind grid; a strand in the wind
+void addVolumeExperiments(std::vector<Experiment>& experiments);      ///< forces between hairs
 
 }  // namespace strandcast

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "air/surroundings.h"
+
 namespace strandcast {
 
 Parameters Laboratory::parameters(double rate, float air_drag) const {
@@ -13,8 +15,13 @@ Parameters Laboratory::parameters(double rate, float air_drag) const {
   return parameters;
 }
 
-Simulation Laboratory::simulation(StrandModel model, const Parameters& parameters) const {
-  return Simulation(std::move(model), {}, parameters, backend_());
+Simulation Laboratory::simulation(StrandModel model, const Parameters& parameters,
+                                  std::vector<RigidBody> bodies) const {
+  std::unique_ptr<Backend> backend = backend_();
+  std::unique_ptr<Surroundings> surroundings;
+  if (needsSurroundings(parameters)) surroundings = makeSurroundings(backend->name());
+  return Simulation(std::move(model), std::move(bodies), parameters, std::move(backend),
+                    std::move(surroundings));
 }
 
 void Laboratory::advance(Simulation& simulation, double seconds,
@@ -30,7 +37,7 @@ void Laboratory::advance(Simulation& simulation, double seconds, const std::func
   const auto steps = std::lround(seconds / step);
   const double start = simulation.time();
   for (long i = 1; i <= steps; ++i) {
-    if (stopped_()) throw Stopped();
+    checkStopped();
     simulation.setHeadPose(motion(start + static_cast<double>(i) * step));
     simulation.step();
     if (after_step) after_step();

@@ -19,7 +19,14 @@ class Laboratory {
 
   /// One substep per step, `rate` steps per second.
   Parameters parameters(double rate, float air_drag) const;
-  Simulation simulation(StrandModel model, const Parameters& parameters) const;
+  /// With surroundings where the parameters ask for them.
+  Simulation simulation(StrandModel model, const Parameters& parameters,
+                        std::vector<RigidBody> bodies = {}) const;
+  std::string backendName() const { return backend_()->name(); }
+  /// Throws Stopped where the experiment is to be given up.
+  void checkStopped() const {
+    if (stopped_()) throw Stopped();
+  }
 
   /// Steps until `seconds` more have passed; `after_step` may look at the simulation. Throws Stopped.
   void advance(Simulation& simulation, double seconds, const std::function<void()>& after_step = {}) const;

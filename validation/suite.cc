@@ -18,7 +18,11 @@ const std::vector<Suite>& validationSuites() {
     addInvarianceExperiments(physics.experiments);
     addMotionExperiments(physics.experiments);
     addGuardExperiments(physics.experiments);
-    return std::vector<Suite>{cantilever, physics};
+    Suite air{"air", "wind on a grid: convergence, divergence, obstacles; a strand in the wind", {}};
+    addAirExperiments(air.experiments);
+    Suite volume{"volume", "forces between hairs: volume, momentum, rest", {}};
+    addVolumeExperiments(volume.experiments);
+    return std::vector<Suite>{cantilever, physics, air, volume};
   }();
   return suites;
 }

@@ -45,6 +45,13 @@ part = "a"
 bone = "ribbon"
 from = 0.5
 to = 0.6
+[[wind]]
+kind = "turbine"
+position = [0, 1.5, 0.5]
+direction = [0, 0, -1]
+radius = 0.25
+angle = 30
+swirl = 2
 [daemon]
 backend = "reference"
 threads = 2
@@ -101,6 +108,20 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_FLOAT_EQ(s.codec.max_error, 5e-5f);
   EXPECT_EQ(s.codec.key_interval, 20u);
   ASSERT_EQ(s.parameters.size(), 2u);
+}
+
+TEST(Config, SourcesOfWindAreReadAndChecked) {
+  Settings settings;
+  readConfigText(kFull, "hair.toml", settings);
+  ASSERT_EQ(settings.wind_sources.size(), 1u);
+  const WindSource& source = settings.wind_sources[0];
+  EXPECT_EQ(source.kind, WindSource::Kind::kTurbine);
+  EXPECT_EQ(source.position, Vec3(0, 1.5f, 0.5f));
+  EXPECT_NEAR(source.angle, 0.5236, 1e-4);
+  EXPECT_EQ(source.swirl, 2);
+  EXPECT_NE(errorOf("[[wind]]\nkind = \"storm\"").find("cone, sphere, turbine"), std::string::npos);
+  EXPECT_NE(errorOf("[[wind]]\ndirection = [0, 0, 0]").find("hair.toml line 1"), std::string::npos);
+  EXPECT_NE(errorOf("[[wind]]\nspeed = 1e9").find("wind.speed"), std::string::npos);
 }
 
 TEST(Config, UnknownKeysAreRefusedWithTheirLine) {

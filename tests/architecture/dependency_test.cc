@@ -20,11 +20,12 @@ const std::map<std::string, Folders> kAllowed = {
     {"core", {"kernels"}},
     {"gl", {"core"}},
     {"simd", {"core", "kernels"}},
+    {"air", {"core", "kernels", "simd"}},
     {"gpu_compute", {"core", "kernels", "gl"}},
     {"collision", {"core", "kernels"}},
     {"groom", {"core", "kernels"}},
     {"scenes", {"core", "kernels", "collision", "groom"}},
-    {"validation", {"core", "kernels"}},
+    {"validation", {"core", "kernels", "air"}},
     {"transport", {"core", "kernels"}},
     {"render", {"core", "kernels", "groom", "transport", "gl"}},
 };

@@ -26,6 +26,12 @@ enum Kernel {
   kGoalPull,
   kDrawnToGoal,
   kTethered,
+  kGridPlace,
+  kInterpolated,
+  kSplatWeight,
+  kMacCormack,
+  kCrowding,
+  kDragNotFelt,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

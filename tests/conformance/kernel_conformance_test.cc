@@ -38,7 +38,9 @@ constexpr const char* kNames[kKernels] = {
     "solveDistance",   "solveAngular",        "rotationBetween", "rotate",         "interpolateRotation",
     "sphereDistance",  "capsuleDistance",     "planeDistance",   "resolveContact", "predictPosition",
     "normalizeOrZero", "surfaceMotion",       "multiply",        "fieldPlace",     "trilinear",
-    "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",    "tethered"};
+    "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",    "tethered",
+    "gridPlace",       "interpolated",        "splatWeight",     "macCormack",     "crowding",
+    "dragNotFelt"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -140,6 +142,27 @@ class InputMaker {
       case kTethered:
         vector(v, 0.3f), vector(v + 3, 0.3f), v[6] = number(0.001f, 0.6f);
         break;
+      case kGridPlace:  // well within a cell, as above
+        v[3] = std::floor(number(4, 128));
+        for (int c = 0; c < 3; ++c) v[c] = std::floor(number(0, v[3])) + number(0.1f, 0.9f);
+        break;
+      case kInterpolated:
+        for (int c = 0; c < 8; ++c) v[c] = number(-30, 30);
+        for (int c = 8; c < 11; ++c) v[c] = number(0, 1);
+        break;
+      case kSplatWeight:
+        for (int c = 0; c < 3; ++c) v[c] = number(0, 1), v[3 + c] = number(0, 2) < 1 ? 0.0f : 1.0f;
+        break;
+      case kMacCormack:
+        for (int c = 0; c < 3; ++c) v[c] = number(-30, 30);
+        v[3] = number(-30, 0), v[4] = number(0, 30);
+        break;
+      case kCrowding:
+        v[0] = number(0.5f, 2), v[1] = number(0.5f, 2), v[2] = number(0, 10);
+        break;
+      case kDragNotFelt:
+        vector(v, 10), unit(v + 3, 3), v[6] = number(0, 10), v[7] = number(0, 1);
+        break;
     }
     return item;
   }
@@ -212,6 +235,16 @@ Item nasty(int kernel, Item item, size_t way) {
       break;
     case kDistanceOutsideGrid:
       std::fill(v, v + 2, 0.0f);
+      break;
+    case kGridPlace:  // beyond the grid on one side or another
+      v[way % 3] += way % 2 == 0 ? 1000.0f : -1000.0f;
+      break;
+    case kSplatWeight:
+      for (int c = 0; c < 3; ++c) v[c] = std::round(v[c]);
+      break;
+    case kCrowding:  // as dense as at rest, and none at all
+      if (way % 2 == 0) v[1] = v[0];
+      if (way % 2 == 1) v[0] = v[1] = 0;
       break;
     default:
       break;

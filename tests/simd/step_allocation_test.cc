@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "air/surroundings.h"
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
 #include "tests/conformance/conformance_model.h"
@@ -74,6 +75,28 @@ TEST(StepAllocation, TheCounterCounts) {
   auto number = std::make_unique<int>(3);
   EXPECT_EQ(*number, 3);
   EXPECT_GT(allocations, before);
+}
+
+TEST(StepAllocation, WindAndForcesBetweenHairsAllocateNothing) {
+  Parameters parameters;
+  parameters.wind = Vec3(3, 0, 0);
+  parameters.turbulence = 0.2f;
+  parameters.wind_grid = parameters.mac_cormack = 1;
+  parameters.grid_cells = 16;
+  parameters.volume_stiffness = parameters.hair_friction = 1;
+  parameters.air_drag_along = 0.5f;
+  RigidBody head{{{PrimitiveKind::kSphere, Vec3(0, -0.1f, 0), Vec3::UnitY(), 0.09f, 0.3f}}, true};
+  for (const int threads : {1, 2}) {
+    Simulation simulation(awkwardModel(257, 91), {head}, parameters, makeSimdBackend(threads),
+                          makeSurroundings("simd", threads));
+    simulation.step();
+    const size_t before = allocations;
+    for (int i = 0; i < 20; ++i) {
+      simulation.setHeadPose({Vec3(0.02f * static_cast<float>(i), 0, 0), Quat::Identity()});
+      simulation.step();
+    }
+    EXPECT_EQ(allocations - before, 0u) << threads;
+  }
 }
 
 TEST(StepAllocation, ReferenceAllocatesNothing) { expectNoAllocation(makeReferenceBackend()); }

@@ -35,7 +35,7 @@ TEST(Suites, CasesAreNamedOnceAndAsListed) {
     std::set<std::string> names;
     for (const Experiment& experiment : suite.experiments)
       for (const std::string& name : experiment.cases) EXPECT_TRUE(names.insert(name).second) << name;
-    EXPECT_GE(names.size(), 15u) << suite.name;
+    EXPECT_GE(names.size(), suite.name == "volume" ? 7u : 15u) << suite.name;
   }
   const Suite& physics = validationSuite("physics");
   const Experiment& first = physics.experiments.front();

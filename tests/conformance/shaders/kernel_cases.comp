@@ -8,6 +8,7 @@ layout(local_size_x = 64) in;
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
 #include "kernels/grooming.h"
+#include "kernels/grid.h"
 #include "tests/conformance/shaders/kernel_cases.h"
 
 layout(std430, binding = 0) readonly buffer Inputs { float inputs[]; };     // [16][count]

@@ -92,6 +92,20 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     out3(o, 0, drawnToGoal(in3(i, 0), in3(i, 3), i.v[6], i.v[7]));
   } else if (kernel == 19) {
     out3(o, 0, tethered(in3(i, 0), in3(i, 3), i.v[6]));
+  } else if (kernel == 20) {
+    GridPlace place = gridPlace(in3(i, 0), makeReal3(i.v[3], i.v[3], i.v[3]));
+    out3(o, 0, place.low);
+    out3(o, 3, place.part);
+  } else if (kernel == 21) {
+    o.v[0] = interpolated(i.v[0], i.v[1], i.v[2], i.v[3], i.v[4], i.v[5], i.v[6], i.v[7], in3(i, 8));
+  } else if (kernel == 22) {
+    o.v[0] = splatWeight(in3(i, 0), i.v[3], i.v[4], i.v[5]);
+  } else if (kernel == 23) {
+    o.v[0] = macCormack(i.v[0], i.v[1], i.v[2], i.v[3], i.v[4]);
+  } else if (kernel == 24) {
+    o.v[0] = crowding(i.v[0], i.v[1], i.v[2]);
+  } else if (kernel == 25) {
+    out3(o, 0, dragNotFelt(in3(i, 0), in3(i, 3), i.v[6], i.v[7]));
   }
   return o;
 }

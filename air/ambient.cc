@@ -1,0 +1,108 @@
+#include "air/ambient.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace strandcast {
+namespace {
+
+constexpr int kGusts = 8, kModes = 96, kBox = 32;
+constexpr double kTurn = 2 * std::numbers::pi, kHighest = 8;
+
+// In [0, 1): the standard's distributions differ between libraries.
+double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
+
+Eigen::Vector3d direction(std::mt19937_64& random) {
+  const double z = 2 * uniform(random) - 1, angle = kTurn * uniform(random), r = std::sqrt(1 - z * z);
+  return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+size_t boxIndex(int i, int j, int k) {
+  return (static_cast<size_t>(k & (kBox - 1)) * kBox + static_cast<size_t>(j & (kBox - 1))) * kBox +
+         static_cast<size_t>(i & (kBox - 1));
+}
+
+}  // namespace
+
+Ambient::Ambient() { makeBox(0); }
+
+void Ambient::makeBox(uint64_t seed) {
+  std::mt19937_64 random(seed);
+  gust_phases_.clear();
+  for (int n = 0; n < kGusts; ++n) gust_phases_.push_back(static_cast<float>(kTurn * uniform(random)));
+  std::vector<Eigen::Vector3d> sum(size_t{kBox} * kBox * kBox, Eigen::Vector3d::Zero());
+  std::vector<double> cosines(kBox), sines(kBox);
+  for (int i = 0; i < kBox; ++i) {
+    cosines[i] = std::cos(kTurn * i / kBox);
+    sines[i] = std::sin(kTurn * i / kBox);
+  }
+  for (int mode = 0; mode < kModes; ++mode) {
+    // Wave numbers evenly in their logarithm: each then stands for energy E(n) n.
+    Eigen::Vector3i wave;
+    double n = 0;
+    do {
+      wave = (std::pow(kHighest, uniform(random)) * direction(random)).array().round().cast<int>();
+      n = wave.cast<double>().norm();
+    } while (!(n >= 1 && n < kHighest));
+    const Eigen::Vector3d amplitude =
+        wave.cast<double>().cross(direction(random)).normalized() * std::pow(n, -1.0 / 3);
+    const int phase = static_cast<int>(kBox * uniform(random));
+    for (int k = 0; k < kBox; ++k)
+      for (int j = 0; j < kBox; ++j)
+        for (int i = 0; i < kBox; ++i)
+          sum[boxIndex(i, j, k)] +=
+              amplitude * cosines[(wave.x() * i + wave.y() * j + wave.z() * k + phase) & (kBox - 1)];
+  }
+  double square = 0;
+  for (const Eigen::Vector3d& u : sum) square += u.squaredNorm() / 3;
+  const double scale = 1 / std::sqrt(square / static_cast<double>(sum.size()));
+  box_.clear();
+  for (const Eigen::Vector3d& u : sum) box_.push_back((scale * u).cast<float>());
+}
+
+void Ambient::configure(const Parameters& p) {
+  if (p.wind_seed != seed_) makeBox(static_cast<uint64_t>(p.wind_seed));
+  seed_ = p.wind_seed;
+  wind_ = p.wind;
+  gust_ = p.gust;
+  gust_period_ = p.gust_period;
+  turbulence_ = p.turbulence * p.wind.norm();
+  turbulence_length_ = p.turbulence_length;
+  setTime(time_);
+}
+
+void Ambient::setTime(double seconds) {
+  time_ = seconds;
+  double sum = 0, square = 0;
+  for (int n = 1; n <= kGusts; ++n) {
+    const double amplitude = std::pow(n, -5.0 / 6);
+    sum += amplitude * std::cos(kTurn * n * seconds / gust_period_ + gust_phases_[n - 1]);
+    square += amplitude * amplitude / 2;
+  }
+  mean_ = wind_ * static_cast<float>(1 + gust_ * sum / std::sqrt(square));
+  carried_ = wind_ * static_cast<float>(std::fmod(seconds, 1e4));
+}
+
+Vec3 Ambient::at(const Vec3& point) const {
+  if (!(turbulence_ > 0)) return mean_;
+  const Vec3 place = (point - carried_) * (kBox / turbulence_length_);
+  const Vec3 low = place.array().floor(), part = place - low;
+  Vec3 out = Vec3::Zero();
+  for (int c = 0; c < 8; ++c) {
+    float weight = turbulence_;
+    for (int axis = 0; axis < 3; ++axis) weight *= (c >> axis & 1) != 0 ? part[axis] : 1 - part[axis];
+    out +=
+        weight * box_[boxIndex(static_cast<int>(low.x()) + (c & 1), static_cast<int>(low.y()) + (c >> 1 & 1),
+                               static_cast<int>(low.z()) + (c >> 2))];
+  }
+  return mean_ + out;
+}
+
+double Ambient::boxMeanSquare() const {
+  double square = 0;
+  for (const Vec3& u : box_) square += u.cast<double>().squaredNorm() / 3;
+  return square / static_cast<double>(box_.size());
+}
+
+}  // namespace strandcast

@@ -1,0 +1,41 @@
+#pragma once
+#include <vector>
+
+#include "core/parameters.h"
+
+namespace strandcast {
+
+/// What blows into the wind grid: `wind`, stronger and weaker in gusts, with turbulence that it carries along
+/// (Taylor's frozen turbulence). The same seed gives the same wind on every machine.
+///
+/// Gusts: the speed is wind (1 + gust s(t)), s a sum of 8 harmonics of gust_period with random phases and
+/// amplitudes as n^(-5/6), so that power goes with frequency^(-5/3), rms 1 (Kolmogorov's inertial range).
+/// Turbulence: a periodic box of edge turbulence_length, sum of 96 solenoidal Fourier modes (Kraichnan 1970)
+/// with whole wave numbers 1 <= |n| < 8 and energy E(n) as n^(-5/3); rms of each component turbulence |wind|.
+class Ambient {
+ public:
+  Ambient();
+  /// Takes the settings; makes a new box where the seed is another.
+  void configure(const Parameters& parameters);
+  void setTime(double seconds);
+  double time() const { return time_; }
+
+  /// m/s without turbulence.
+  const Vec3& mean() const { return mean_; }
+  /// m/s at a point in metres.
+  Vec3 at(const Vec3& point) const;
+  /// Mean over the three components and all points of the box of the square of what it holds: 1.
+  double boxMeanSquare() const;
+
+ private:
+  void makeBox(uint64_t seed);
+
+  Vec3 wind_ = Vec3::Zero(), mean_ = Vec3::Zero(), carried_ = Vec3::Zero();
+  float gust_ = 0, gust_period_ = 1, turbulence_ = 0, turbulence_length_ = 1;
+  int seed_ = -1;
+  double time_ = 0;
+  std::vector<float> gust_phases_;
+  std::vector<Vec3> box_;
+};
+
+}  // namespace strandcast

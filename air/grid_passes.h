@@ -1,0 +1,109 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "air/grid_shape.h"
+
+namespace strandcast {
+
+/// The wind grid as its passes see it. Arrays of the shape, from place (0, 0, 0); velocities in m/s.
+template <class Scalar>
+struct WindView {
+  GridShape shape;
+  Scalar* velocity[3];      ///< of faces
+  Scalar* next[3];          ///< what a pass makes of them
+  Scalar* displacement[3];  ///< of cells: how far what comes there has gone over the step, in cells
+  Scalar* onward[3];    ///< of cells: how far what is there will go over the step, less than 0 along the wind
+  Scalar* centre;       ///< of cells: 4 numbers each, velocity and 0
+  Scalar* exchange[4];  ///< of cells: rate x time step, and that times the velocity that air is drawn to
+  const void* ambient = nullptr;  ///< for ambient_velocity; null: walls
+  /// Component `axis` of what blows beyond the grid, at a place in cells.
+  Scalar (*ambient_velocity)(const void* ambient, int axis, const Scalar* at) = nullptr;
+};
+
+/// One level of the pressure's linear system: each cell against its six neighbours.
+template <class Scalar>
+struct PressureView {
+  GridShape shape;
+  const Scalar* open[3];           ///< weights of faces
+  const Scalar* diagonal;          ///< their sum around a cell, 0 in solids
+  const Scalar* inverse_diagonal;  ///< 0 in solids
+};
+
+/// A piece of a strand, as it is splatted.
+struct StrandSample {
+  uint32_t vertex;  ///< its first
+  uint32_t share;   ///< first of as many entries of shares
+  uint32_t count;   ///< of vertices
+  float mass;       ///< kg
+};
+
+template <class Scalar>
+struct SplatView {
+  GridShape shape;
+  Scalar frame[12];                   ///< world to cells: 3 rows of 3, then the offset
+  Scalar mass_scale, momentum_scale;  ///< from kg and kg m/s to whole numbers
+  const float* positions;
+  const float* velocities;
+  const StrandSample* samples;
+  const float* shares;  ///< of a sample's vertices in it, sum 1
+  Scalar* places;       ///< per sample kPlaceNumbers: place in cells, velocity, place in the world
+};
+constexpr int kPlaceNumbers = 9;
+
+/// What is done to a layer, a range of samples, ... Compiled once per lane type.
+template <class Scalar>
+struct GridPasses {
+  std::string name;  ///< "scalar" or of the instruction set
+  void (*centre)(const WindView<Scalar>&, int layer);
+  /// Into `out`; a negative Courant number (time step over cell, s/m) looks ahead.
+  void (*displace)(const WindView<Scalar>&, Scalar courant, Scalar* const* out, int layer);
+  void (*advect)(const WindView<Scalar>&, int axis, int layer);
+  /// MacCormack: corrects `next` into `out`.
+  void (*correct)(const WindView<Scalar>&, int axis, Scalar* out, int layer);
+  void (*diffuse)(const WindView<Scalar>&, int axis, Scalar coefficient, int layer);
+  void (*exchange)(const WindView<Scalar>&, int axis, int layer);
+
+  /// Gives the largest |right|.
+  void (*outflow)(const WindView<Scalar>&, const PressureView<Scalar>&, Scalar* right, int layer);
+  void (*smooth)(const PressureView<Scalar>&, const Scalar* x, const Scalar* right, Scalar weight,
+                 Scalar* out, int layer);
+  void (*residual)(const PressureView<Scalar>&, const Scalar* x, const Scalar* right, Scalar* out, int layer);
+  /// out = A x; gives dot(x, out).
+  double (*apply)(const PressureView<Scalar>&, const Scalar* x, Scalar* out, int layer);
+  /// x += a s, r -= a q; gives the largest |r|.
+  Scalar (*advance)(const GridShape&, Scalar a, const Scalar* s, const Scalar* q, Scalar* x, Scalar* r,
+                    int layer);
+  double (*dot)(const GridShape&, const Scalar* a, const Scalar* b, int layer);
+  /// s = z + a s
+  void (*turn)(const GridShape&, Scalar a, const Scalar* z, Scalar* s, int layer);
+  void (*subtractGradient)(const WindView<Scalar>&, const PressureView<Scalar>&, const Scalar* pressure,
+                           int axis, int layer);
+
+  /// Where samples are and how fast; gives the largest component of velocity.
+  Scalar (*place)(const SplatView<Scalar>&, size_t begin, size_t end);
+  /// Adds them to nodes of 4 numbers, mass and momentum.
+  void (*splat)(const SplatView<Scalar>&, size_t begin, size_t end, int32_t* nodes);
+  /// Adds `numbers`, whole ones of each sample, to nodes of one.
+  void (*splatNumbers)(const SplatView<Scalar>&, size_t begin, size_t end, const Scalar* numbers,
+                       int32_t* nodes);
+  /// One axis of a blur by (1 2 1) / 4 of nodes of `numbers` numbers; beyond the grid there is nothing.
+  void (*blur)(const GridShape&, int numbers, int axis, const Scalar* in, Scalar* out, int layer);
+  /// What nodes of 4 numbers have at `count` places of 3 numbers (in cells, `apart` numbers apart), 4 numbers
+  /// each.
+  void (*sample)(const GridShape&, const Scalar* nodes, const Scalar* places, size_t apart, size_t count,
+                 Scalar* out);
+};
+
+template <class Scalar>
+const GridPasses<Scalar>& scalarPasses();
+template <>
+const GridPasses<float>& scalarPasses<float>();
+template <>
+const GridPasses<double>& scalarPasses<double>();
+/// For the best instruction set that was compiled for and that the machine has.
+const GridPasses<float>& simdPasses();
+/// Those of a backend: "reference" or "simd"; Error on another name.
+const GridPasses<float>& passesOf(const std::string& backend);
+
+}  // namespace strandcast

@@ -1,0 +1,390 @@
+// The passes of air/grid_passes.h over any lane type. Included inside a namespace that has the lane vocabulary, the kernel
+// text and air/lanes_*.inl. Lanes are neighbours along x, or samples; the formulas are in kernels/grid.h.
+
+// From place (0, 0, 0), as all arrays here.
+inline size_t startOf(const GridShape& s, int j, int k) {
+  return s.row() * static_cast<size_t>(j) + s.layer() * static_cast<size_t>(k);
+}
+inline int inside(int i, int end) { return i < 0 ? 0 : i < end ? i : end - 1; }
+
+// The corners around `kLanes` places.
+struct Corners {
+  alignas(64) Scalar first[kLanes], part[3][kLanes];
+};
+inline Corners cornersAt(const GridShape& s, const real3& at) {
+  const real last = lit(s.cells - 1);
+  const GridPlace place = gridPlace(at, makeReal3(last, last, last));
+  Corners out;
+  store(madd(place.low.z, lit(static_cast<double>(s.layer())),
+             madd(place.low.y, lit(static_cast<double>(s.row())), place.low.x)),
+        out.first);
+  store(place.part.x, out.part[0]);
+  store(place.part.y, out.part[1]);
+  store(place.part.z, out.part[2]);
+  return out;
+}
+// Four numbers of nodes at the corners of one lane.
+inline quads::real sampled(const GridShape& s, const Scalar* nodes, const Corners& corners, int lane) {
+  const Scalar* n = nodes + 4 * static_cast<size_t>(corners.first[lane]);
+  const size_t y = 4 * s.row(), z = 4 * s.layer();
+  const quads::real3 part = {quads::fill(corners.part[0][lane]), quads::fill(corners.part[1][lane]),
+                             quads::fill(corners.part[2][lane])};
+  return quads::interpolated(quads::load(n), quads::load(n + 4), quads::load(n + y), quads::load(n + y + 4),
+                             quads::load(n + z), quads::load(n + z + 4), quads::load(n + z + y),
+                             quads::load(n + z + y + 4), part);
+}
+
+inline void centrePass(const WindView<Scalar>& w, int k) {
+  const GridShape& s = w.shape;
+  for (int j = 0; j < s.cells; ++j) {
+    const size_t row = startOf(s, j, k);
+    for (int i = 0; i < s.cells; ++i) {
+      const size_t c = row + static_cast<size_t>(i);
+      Scalar* out = w.centre + 4 * c;
+      for (int axis = 0; axis < 3; ++axis)
+        out[axis] = Scalar(0.5) * (w.velocity[axis][c] + w.velocity[axis][c + s.next(axis)]);
+      out[3] = 0;
+    }
+  }
+}
+
+// Displacement by the velocity half way (midpoint rule). Where the row ends, as at its last cell.
+inline void displacePass(const WindView<Scalar>& w, Scalar courant, Scalar* const* out, int k) {
+  const GridShape& s = w.shape;
+  for (int j = 0; j < s.cells; ++j) {
+    const size_t row = startOf(s, j, k);
+    for (int i = 0; i < s.cells; i += kLanes) {
+      alignas(64) Scalar place[3][kLanes];
+      for (int lane = 0; lane < kLanes; ++lane)
+        for (int axis = 0; axis < 3; ++axis)
+          place[axis][lane] = w.centre[4 * (row + static_cast<size_t>(i + lane)) + static_cast<size_t>(axis)];
+      const real3 here = makeReal3(laneNumbers() + lit(i), lit(j), lit(k));
+      const real3 middle =
+          tracedBack(here, makeReal3(load(place[0]), load(place[1]), load(place[2])), lit(0.5 * courant));
+      const Corners corners = cornersAt(s, middle);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        alignas(64) Scalar moved[4];
+        quads::store(sampled(s, w.centre, corners, lane), moved);
+        for (int axis = 0; axis < 3; ++axis)
+          out[axis][row + static_cast<size_t>(i + lane)] = courant * moved[axis];
+      }
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      Scalar* d = out[axis] + row;
+      d[-1] = d[0];
+      d[s.cells] = d[s.cells - 1];
+    }
+  }
+}
+
+// How far what comes to faces of component `axis` has gone: the mean of the cells on both sides.
+inline real3 displacementAt(const GridShape& s, Scalar* const* of_cells, int axis, int i, int j, int k) {
+  const int jb = inside(axis == 1 ? j - 1 : j, s.cells), kb = inside(axis == 2 ? k - 1 : k, s.cells);
+  const size_t after = startOf(s, inside(j, s.cells), inside(k, s.cells)) + static_cast<size_t>(i);
+  const size_t before = axis == 0 ? after - 1 : startOf(s, jb, kb) + static_cast<size_t>(i);
+  auto mean = [&](const Scalar* d) { return (loadAt(d + before) + loadAt(d + after)) * lit(0.5); };
+  return makeReal3(mean(of_cells[0]), mean(of_cells[1]), mean(of_cells[2]));
+}
+
+struct Advected {
+  real value, low, high;
+};
+inline Advected valueAt(const GridShape& s, const Scalar* field, int axis, const real3& at) {
+  const double n = s.cells;
+  const GridPlace place =
+      gridPlace(at, makeReal3(lit(axis == 0 ? n : n - 1), lit(axis == 1 ? n : n - 1), lit(axis == 2 ? n : n - 1)));
+  const real first = madd(place.low.z, lit(static_cast<double>(s.layer())),
+                          madd(place.low.y, lit(static_cast<double>(s.row())), place.low.x));
+  const size_t y = s.row(), z = s.layer();
+  const real v[8] = {gather(field, first),         gather(field + 1, first),     gather(field + y, first),
+                     gather(field + y + 1, first), gather(field + z, first),     gather(field + z + 1, first),
+                     gather(field + z + y, first), gather(field + z + y + 1, first)};
+  Advected out{interpolated(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], place.part), v[0], v[0]};
+  for (int c = 1; c < 8; ++c) {
+    out.low = min(out.low, v[c]);
+    out.high = max(out.high, v[c]);
+  }
+  return out;
+}
+// Beyond the grid's own box, half a cell out of the places of components that do not lie on its faces.
+inline mask beyond(const GridShape& s, int axis, const real3& at) {
+  const double n = s.cells;
+  auto out = [&](const real& x, bool own) { return x < lit(own ? 0 : -0.5) || x > lit(own ? n : n - 0.5); };
+  return out(at.x, axis == 0) || out(at.y, axis == 1) || out(at.z, axis == 2);
+}
+inline int rowsOf(const GridShape& s, int axis) { return axis == 1 ? s.cells + 1 : s.cells; }
+inline int columnsOf(const GridShape& s, int axis) { return axis == 0 ? s.cells + 1 : s.cells; }
+
+inline void advectPass(const WindView<Scalar>& w, int axis, int k) {
+  const GridShape& s = w.shape;
+  for (int j = 0; j < rowsOf(s, axis); ++j) {
+    const size_t row = startOf(s, j, k);
+    for (int i = 0; i < columnsOf(s, axis); i += kLanes) {
+      const real3 here = makeReal3(laneNumbers() + lit(i), lit(j), lit(k));
+      const real3 at = here - displacementAt(s, w.displacement, axis, i, j, k);
+      Scalar* out = w.next[axis] + row + i;
+      storeAt(valueAt(s, w.velocity[axis], axis, at).value, out);
+      if (w.ambient == nullptr || !anyTrue(beyond(s, axis, at))) continue;
+      alignas(64) Scalar flags[kLanes], place[3][kLanes];
+      store(select(beyond(s, axis, at), lit(1), lit(0)), flags);
+      store(at.x, place[0]);
+      store(at.y, place[1]);
+      store(at.z, place[2]);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const Scalar point[3] = {place[0][lane], place[1][lane], place[2][lane]};
+        if (flags[lane] > 0) out[lane] = w.ambient_velocity(w.ambient, axis, point);
+      }
+    }
+  }
+}
+
+inline void correctPass(const WindView<Scalar>& w, int axis, Scalar* out, int k) {
+  const GridShape& s = w.shape;
+  for (int j = 0; j < rowsOf(s, axis); ++j) {
+    const size_t row = startOf(s, j, k);
+    for (int i = 0; i < columnsOf(s, axis); i += kLanes) {
+      const real3 here = makeReal3(laneNumbers() + lit(i), lit(j), lit(k));
+      const real3 behind = here - displacementAt(s, w.displacement, axis, i, j, k);
+      const real3 onward = here - displacementAt(s, w.onward, axis, i, j, k);
+      const Advected from = valueAt(s, w.velocity[axis], axis, behind);
+      const real ahead = loadAt(w.next[axis] + row + i), was = loadAt(w.velocity[axis] + row + i);
+      const real back = valueAt(s, w.next[axis], axis, onward).value;
+      real corrected = macCormack(ahead, was, back, from.low, from.high);
+      if (w.ambient != nullptr)
+        corrected = select(beyond(s, axis, behind) || beyond(s, axis, onward), ahead, corrected);
+      storeAt(corrected, out + row + i);
+    }
+  }
+}
+
+// One explicit step of viscosity; beyond the outermost values everything is as they are.
+inline void diffusePass(const WindView<Scalar>& w, int axis, Scalar coefficient, int k) {
+  const GridShape& s = w.shape;
+  const int rows = rowsOf(s, axis), columns = columnsOf(s, axis), layers = axis == 2 ? s.cells + 1 : s.cells;
+  Scalar* field = w.velocity[axis];
+  for (int j = 0; j < rows; ++j) {
+    Scalar* row = field + startOf(s, j, k);
+    const Scalar* rows_around[4] = {field + startOf(s, inside(j - 1, rows), k), field + startOf(s, inside(j + 1, rows), k),
+                                    field + startOf(s, j, inside(k - 1, layers)),
+                                    field + startOf(s, j, inside(k + 1, layers))};
+    row[-1] = row[0];
+    row[columns] = row[columns - 1];
+    for (int i = 0; i < columns; i += kLanes) {
+      const real own = loadAt(row + i);
+      real sum = loadAt(row + i - 1) + loadAt(row + i + 1);
+      for (const Scalar* around : rows_around) sum = sum + loadAt(around + i);
+      storeAt(madd(sum - own * lit(6), lit(coefficient), own), w.next[axis] + startOf(s, j, k) + i);
+    }
+  }
+}
+
+inline void exchangePass(const WindView<Scalar>& w, int axis, int k) {
+  const GridShape& s = w.shape;
+  for (int j = 0; j < rowsOf(s, axis); ++j) {
+    const size_t row = startOf(s, j, k);
+    for (int i = 0; i < columnsOf(s, axis); i += kLanes) {
+      const size_t after = row + static_cast<size_t>(i), before = after - s.next(axis);
+      auto mean = [&](const Scalar* e) { return (loadAt(e + before) + loadAt(e + after)) * lit(0.5); };
+      const real rate = mean(w.exchange[0]);
+      if (!anyTrue(rate > lit(0))) continue;
+      Scalar* out = w.velocity[axis] + after;
+      const real target = mean(w.exchange[1 + axis]) * inverse(max(rate, lit(1e-20)));
+      storeAt(draggedTo(loadAt(out), target, rate), out);
+    }
+  }
+}
+
+inline real neighbours(const PressureView<Scalar>& p, const Scalar* x, size_t c) {
+  const size_t y = p.shape.row(), z = p.shape.layer();
+  real sum = loadAt(p.open[0] + c) * loadAt(x + c - 1);
+  sum = madd(loadAt(p.open[0] + c + 1), loadAt(x + c + 1), sum);
+  sum = madd(loadAt(p.open[1] + c), loadAt(x + c - y), sum);
+  sum = madd(loadAt(p.open[1] + c + y), loadAt(x + c + y), sum);
+  sum = madd(loadAt(p.open[2] + c), loadAt(x + c - z), sum);
+  return madd(loadAt(p.open[2] + c + z), loadAt(x + c + z), sum);
+}
+inline real residualAt(const PressureView<Scalar>& p, const Scalar* x, const Scalar* right, size_t c) {
+  return loadAt(right + c) - (loadAt(p.diagonal + c) * loadAt(x + c) - neighbours(p, x, c));
+}
+// body(c) for the first cell of every vector of a layer.
+template <class Body>
+inline void alongRows(const GridShape& s, int k, const Body& body) {
+  for (int j = 0; j < s.cells; ++j) {
+    const size_t row = startOf(s, j, k);
+    for (int i = 0; i < s.cells; i += kLanes) body(row + static_cast<size_t>(i));
+  }
+}
+
+inline void outflowPass(const WindView<Scalar>& w, const PressureView<Scalar>& p, Scalar* right, int k) {
+  const size_t y = w.shape.row(), z = w.shape.layer();
+  alongRows(w.shape, k, [&](size_t c) {
+    const real out = outflow(loadAt(w.velocity[0] + c), loadAt(w.velocity[0] + c + 1), loadAt(w.velocity[1] + c),
+                             loadAt(w.velocity[1] + c + y), loadAt(w.velocity[2] + c), loadAt(w.velocity[2] + c + z));
+    const real fluid = loadAt(p.diagonal + c);
+    storeAt(select(fluid > lit(0), lit(0) - out, lit(0)), right + c);
+  });
+}
+inline void smoothPass(const PressureView<Scalar>& p, const Scalar* x, const Scalar* right, Scalar weight, Scalar* out,
+                       int k) {
+  alongRows(p.shape, k, [&](size_t c) {
+    const real scale = loadAt(p.inverse_diagonal + c) * lit(weight);
+    storeAt(madd(scale, residualAt(p, x, right, c), loadAt(x + c)), out + c);
+  });
+}
+inline void residualPass(const PressureView<Scalar>& p, const Scalar* x, const Scalar* right, Scalar* out, int k) {
+  alongRows(p.shape, k, [&](size_t c) { storeAt(residualAt(p, x, right, c), out + c); });
+}
+inline double applyPass(const PressureView<Scalar>& p, const Scalar* x, Scalar* out, int k) {
+  real sum = lit(0);
+  alongRows(p.shape, k, [&](size_t c) {
+    const real own = loadAt(x + c), row = loadAt(p.diagonal + c) * own - neighbours(p, x, c);
+    storeAt(row, out + c);
+    sum = madd(own, row, sum);
+  });
+  return static_cast<double>(sumOf(sum));
+}
+inline Scalar advancePass(const GridShape& s, Scalar a, const Scalar* step, const Scalar* q, Scalar* x, Scalar* r, int k) {
+  real most = lit(0);
+  alongRows(s, k, [&](size_t c) {
+    storeAt(madd(loadAt(step + c), lit(a), loadAt(x + c)), x + c);
+    const real left = madd(loadAt(q + c), lit(-a), loadAt(r + c));
+    storeAt(left, r + c);
+    most = max(most, abs(left));
+  });
+  return largest(most);
+}
+inline double dotPass(const GridShape& s, const Scalar* a, const Scalar* b, int k) {
+  real sum = lit(0);
+  alongRows(s, k, [&](size_t c) { sum = madd(loadAt(a + c), loadAt(b + c), sum); });
+  return static_cast<double>(sumOf(sum));
+}
+inline void turnPass(const GridShape& s, Scalar a, const Scalar* z, Scalar* step, int k) {
+  alongRows(s, k, [&](size_t c) { storeAt(madd(loadAt(step + c), lit(a), loadAt(z + c)), step + c); });
+}
+inline void subtractGradientPass(const WindView<Scalar>& w, const PressureView<Scalar>& p, const Scalar* pressure, int axis,
+                                 int k) {
+  const GridShape& s = w.shape;
+  for (int j = 0; j < rowsOf(s, axis); ++j)
+    for (int i = 0; i < columnsOf(s, axis); i += kLanes) {
+      const size_t c = startOf(s, j, k) + static_cast<size_t>(i);
+      Scalar* out = w.velocity[axis] + c;
+      storeAt(lessGradient(loadAt(out), loadAt(p.open[axis] + c), loadAt(pressure + c - s.next(axis)),
+                           loadAt(pressure + c)),
+              out);
+    }
+}
+
+constexpr Scalar kSane = 1e4;  // m/s
+inline Scalar placePass(const SplatView<Scalar>& v, size_t begin, size_t end) {
+  Scalar most = 0;
+  for (size_t n = begin; n < end; ++n) {
+    const StrandSample& sample = v.samples[n];
+    Scalar x[3] = {0, 0, 0}, u[3] = {0, 0, 0};
+    for (uint32_t i = 0; i < sample.count; ++i) {
+      const Scalar share = static_cast<Scalar>(v.shares[sample.share + i]);
+      const size_t at = 3 * static_cast<size_t>(sample.vertex + i);
+      for (size_t c = 0; c < 3; ++c) {
+        x[c] += share * static_cast<Scalar>(v.positions[at + c]);
+        u[c] += share * static_cast<Scalar>(v.velocities[at + c]);
+      }
+    }
+    Scalar* out = v.places + kPlaceNumbers * n;
+    Scalar speed = 0;
+    bool sane = true;
+    for (int c = 0; c < 3; ++c) {
+      out[c] = v.frame[3 * c] * x[0] + v.frame[3 * c + 1] * x[1] + v.frame[3 * c + 2] * x[2] + v.frame[9 + c];
+      out[3 + c] = u[c];
+      out[6 + c] = x[c];
+      const Scalar size = u[c] < 0 ? -u[c] : u[c];
+      sane = sane && size < kSane;
+      if (size > speed) speed = size;
+    }
+    if (!sane) {  // its strand went wrong: it is left out, as beyond the grid
+      out[0] = -1;
+    } else if (speed > most) {
+      most = speed;
+    }
+  }
+  return most;
+}
+
+// Samples at the grid's border, and what is not finite, are left out: what is spread from them must stay in the grid.
+inline bool isInGrid(const GridShape& s, const Scalar* at) {
+  const Scalar low = 2, high = static_cast<Scalar>(s.cells - 3);
+  return at[0] >= low && at[0] <= high && at[1] >= low && at[1] <= high && at[2] >= low && at[2] <= high;
+}
+
+// spread(n, node, weights): of every sample in the grid, its first corner and the shares of all eight, kLanes apart.
+template <class Spread>
+inline void eachSplat(const SplatView<Scalar>& v, size_t begin, size_t end, const Spread& spread) {
+  const GridShape& s = v.shape;
+  for (size_t first = begin; first < end; first += kLanes) {
+    const int count = static_cast<int>(end - first < kLanes ? end - first : kLanes);
+    alignas(64) Scalar place[3][kLanes] = {};
+    bool in[kLanes] = {};
+    for (int lane = 0; lane < count; ++lane) {
+      const Scalar* at = v.places + kPlaceNumbers * (first + static_cast<size_t>(lane));
+      in[lane] = isInGrid(s, at);
+      for (size_t c = 0; c < 3; ++c) place[c][lane] = in[lane] ? at[c] : 0;
+    }
+    const Corners corners = cornersAt(s, makeReal3(load(place[0]), load(place[1]), load(place[2])));
+    alignas(64) Scalar weights[8][kLanes];
+    const real3 part = makeReal3(load(corners.part[0]), load(corners.part[1]), load(corners.part[2]));
+    for (int c = 0; c < 8; ++c) store(splatWeight(part, lit(c & 1), lit(c >> 1 & 1), lit(c >> 2)), weights[c]);
+    for (int lane = 0; lane < count; ++lane)
+      if (in[lane]) spread(first + static_cast<size_t>(lane), static_cast<size_t>(corners.first[lane]), &weights[0][lane]);
+  }
+}
+inline void splatPass(const SplatView<Scalar>& v, size_t begin, size_t end, int32_t* nodes) {
+  const size_t y = v.shape.row(), z = v.shape.layer();
+  const size_t corner_of[8] = {0, 1, y, y + 1, z, z + 1, z + y, z + y + 1};
+  eachSplat(v, begin, end, [&](size_t n, size_t node, const Scalar* weights) {
+    const Scalar* at = v.places + kPlaceNumbers * n;
+    const Scalar mass = static_cast<Scalar>(v.samples[n].mass), momentum = mass * v.momentum_scale;
+    const Scalar numbers[4] = {mass * v.mass_scale, at[3] * momentum, at[4] * momentum, at[5] * momentum};
+    const quads::real value = quads::load(numbers);
+    for (int c = 0; c < 8; ++c)
+      addFixed(quads::fixedPoint(value * quads::fill(weights[c * kLanes])), nodes + 4 * (node + corner_of[c]));
+  });
+}
+inline void splatNumbersPass(const SplatView<Scalar>& v, size_t begin, size_t end, const Scalar* numbers,
+                             int32_t* nodes) {
+  const size_t y = v.shape.row(), z = v.shape.layer();
+  const size_t corner_of[8] = {0, 1, y, y + 1, z, z + 1, z + y, z + y + 1};
+  eachSplat(v, begin, end, [&](size_t n, size_t node, const Scalar* weights) {
+    if (!(numbers[n] > 0)) return;
+    for (int c = 0; c < 8; ++c)
+      nodes[node + corner_of[c]] += static_cast<int32_t>(numbers[n] * weights[c * kLanes] + Scalar(0.5));
+  });
+}
+
+inline void blurPass(const GridShape& s, int numbers, int axis, const Scalar* in, Scalar* out, int k) {
+  const size_t next = s.next(axis) * static_cast<size_t>(numbers);
+  for (int j = 0; j < s.cells; ++j) {
+    const size_t row = startOf(s, j, k) * static_cast<size_t>(numbers);
+    for (int i = 0; i < s.cells * numbers; i += kLanes) {
+      const size_t c = row + static_cast<size_t>(i);
+      const real sides = loadAt(in + c - next) + loadAt(in + c + next);
+      storeAt(madd(sides, lit(0.25), loadAt(in + c) * lit(0.5)), out + c);
+    }
+  }
+}
+
+inline void samplePass(const GridShape& s, const Scalar* nodes, const Scalar* places, size_t apart, size_t count,
+                       Scalar* out) {
+  for (size_t first = 0; first < count; first += kLanes) {
+    const size_t lanes = count - first < kLanes ? count - first : kLanes;
+    alignas(64) Scalar place[3][kLanes] = {};
+    for (size_t lane = 0; lane < lanes; ++lane)
+      for (size_t c = 0; c < 3; ++c) place[c][lane] = places[apart * (first + lane) + c];
+    const Corners corners = cornersAt(s, makeReal3(load(place[0]), load(place[1]), load(place[2])));
+    for (size_t lane = 0; lane < lanes; ++lane)
+      quads::store(sampled(s, nodes, corners, static_cast<int>(lane)), out + 4 * (first + lane));
+  }
+}
+
+inline GridPasses<Scalar> passes() {
+  return {"",           &centrePass, &displacePass, &advectPass, &correctPass, &diffusePass, &exchangePass,
+          &outflowPass, &smoothPass, &residualPass, &applyPass,  &advancePass, &dotPass,     &turnPass,
+          &subtractGradientPass, &placePass, &splatPass, &splatNumbersPass, &blurPass, &samplePass};
+}

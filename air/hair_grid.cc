@@ -1,0 +1,253 @@
+#include "air/hair_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/content_hash.h"
+#include "kernels/scalar_float.h"
+
+namespace strandcast {
+namespace {
+
+constexpr double kFastestWave = 1.4;  // cells in a step; with 2, hair that was pushed apart trembles
+constexpr int kMargin = 6;            // cells around the groom at rest
+constexpr double kWhole = 1 << 30;    // what all hair in one node would come to
+constexpr size_t kMostSumBytes = size_t{1} << 28;  // of all chunks
+constexpr int kMostChunks = 16;
+
+}  // namespace
+
+template <class Scalar>
+HairGrid<Scalar>::HairGrid(const GridPasses<Scalar>& passes, const Workers& workers, const StrandModel& model,
+                           int cells, const Box& box)
+    : passes_(passes), workers_(workers), shape_{cells}, origin_(shape_.at(0, 0, 0)) {
+  cell_ = std::max(box.sizes().maxCoeff(), 1e-3f) / static_cast<float>(cells - 1 - 2 * kMargin);
+  corner_ = Vec3(box.center()) - Vec3::Constant(0.5f * cell_ * static_cast<float>(cells - 1));
+  samples_ = strandSamples(model, cell_);
+  for (const StrandSample& sample : samples_.samples) mass_ += sample.mass;
+  const size_t bytes = 5 * sizeof(int32_t) * shape_.size();
+  chunks_ = std::clamp<size_t>(kMostSumBytes / bytes, 1, std::min(workers.threads(), kMostChunks));
+  sums_.resize(chunks_);
+  number_sums_.resize(chunks_);
+  for (auto& sum : sums_) sum.resize(4 * shape_.size());
+  for (auto& sum : number_sums_) sum.resize(shape_.size());
+  fastest_.resize(chunks_);
+  places_.assign(kPlaceNumbers * samples_.samples.size(), Scalar(0));
+  for (GridArray<Scalar>* array : {&nodes_, &spread_, &scratch4_, &changes_})
+    array->assign(4 * shape_.size(), Scalar(0));
+  for (GridArray<Scalar>* array : {&density_, &crowding_, &crowded_, &scratch_})
+    array->assign(shape_.size(), Scalar(0));
+  sampled_.assign(4 * samples_.samples.size(), Scalar(0));
+  numbers_.assign(samples_.samples.size(), Scalar(0));
+  rest_density_.assign(samples_.samples.size(), 0.0f);
+  measureRest(model);
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::measureRest(const StrandModel& model) {
+  std::vector<Vec3> positions(model.vertices()), velocities(model.vertices(), Vec3::Zero());
+  for (size_t s = 0; s < model.strands(); ++s)
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+      positions[v] = model.restPosition(s, v);
+  splat(positions, velocities, Pose{});
+  blurDensity();
+  sampleDensity();
+  for (size_t n = 0; n < rest_density_.size(); ++n) rest_density_[n] = static_cast<float>(sampled_[4 * n]);
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::sampleDensity() {
+  workers_.forEach(shape_.cells, [&](int k) {
+    for (int j = 0; j < shape_.cells; ++j) {
+      const size_t row = shape_.at(0, j, k);
+      for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) changes_[4 * i] = density_[i];
+    }
+  });
+  workers_.forEach(static_cast<int>(chunks_), [&](int c) {
+    const size_t begin = firstOf(c), end = firstOf(c + 1);
+    passes_.sample(shape_, changes_.data() + 4 * origin_, place(begin), kPlaceNumbers, end - begin,
+                   sampled_.data() + 4 * begin);
+  });
+}
+
+// Of samples first, so that it is exactly 0 where hair is as at rest, then of nodes: the mean of their
+// samples'.
+template <class Scalar>
+void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness) {
+  sampleDensity();
+  const int chunks = static_cast<int>(chunks_);
+  workers_.forEach(chunks, [&](int c) {
+    Scalar most = 0;
+    for (size_t n = firstOf(c); n < firstOf(c + 1); ++n) {
+      const auto density = static_cast<float>(sampled_[4 * n]);
+      numbers_[n] = static_cast<Scalar>(
+          samples_.samples[n].mass *
+          kernels::f32::crowding(density, rest_density_[n] / p.volume_target, static_cast<float>(stiffness)));
+      most = std::max(most, numbers_[n]);
+    }
+    fastest_[c] = most;
+  });
+  // All of it in one node would still be a whole number that exists.
+  const double most = static_cast<double>(*std::max_element(fastest_.begin(), fastest_.end()));
+  const double scale = most > 0 ? kWhole / (most * static_cast<double>(samples_.samples.size())) : 0.0;
+  workers_.forEach(chunks, [&](int c) {
+    for (size_t n = firstOf(c); n < firstOf(c + 1); ++n) numbers_[n] *= static_cast<Scalar>(scale);
+    std::fill(number_sums_[c].begin(), number_sums_[c].end(), 0);
+    passes_.splatNumbers(view_, firstOf(c), firstOf(c + 1), numbers_.data(),
+                         number_sums_[c].data() + origin_);
+  });
+  const double volume = std::pow(static_cast<double>(cell_), 3);
+  const Scalar back = static_cast<Scalar>(scale > 0 ? 1 / (scale * volume) : 0.0);
+  workers_.forEach(shape_.cells, [&](int k) {
+    for (int j = 0; j < shape_.cells; ++j) {
+      const size_t row = shape_.at(0, j, k);
+      int32_t* sum = number_sums_[0].data();
+      for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) {
+        for (size_t c = 1; c < chunks_; ++c) sum[i] += number_sums_[c][i];
+        crowded_[i] = back * static_cast<Scalar>(sum[i]);
+        crowding_[i] = nodes_[4 * i] > 0 ? crowded_[i] / nodes_[4 * i] : Scalar(0);
+      }
+    }
+  });
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::splat(std::span<const Vec3> positions, std::span<const Vec3> velocities,
+                             const Pose& head) {
+  head_ = head;
+  const Eigen::Matrix3f turn = Eigen::Quaternionf(head.rotation).toRotationMatrix().transpose();
+  const Eigen::Vector3f offset =
+      (-(turn * Eigen::Vector3f(head.position)) - Eigen::Vector3f(corner_)) / cell_;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) frame_[3 * r + c] = static_cast<Scalar>(turn(r, c) / cell_);
+    frame_[9 + r] = static_cast<Scalar>(offset[r]);
+  }
+  SplatView<Scalar>& view = view_;
+  view.shape = shape_;
+  std::copy(frame_, frame_ + 12, view.frame);
+  view.positions = positions.data()->data();
+  view.velocities = velocities.data()->data();
+  view.samples = samples_.samples.data();
+  view.shares = samples_.shares.data();
+  view.places = places_.data();
+  const int chunks = static_cast<int>(chunks_);
+  workers_.forEach(chunks, [&](int c) { fastest_[c] = passes_.place(view, firstOf(c), firstOf(c + 1)); });
+  const double fastest =
+      std::max(1e-6, static_cast<double>(*std::max_element(fastest_.begin(), fastest_.end())));
+  view.mass_scale = static_cast<Scalar>(kWhole / mass_);
+  view.momentum_scale = static_cast<Scalar>(kWhole / (mass_ * fastest));
+  workers_.forEach(chunks, [&](int c) {
+    std::fill(sums_[c].begin(), sums_[c].end(), 0);
+    passes_.splat(view, firstOf(c), firstOf(c + 1), sums_[c].data() + 4 * origin_);
+  });
+  const Scalar volume = static_cast<Scalar>(cell_) * static_cast<Scalar>(cell_) * static_cast<Scalar>(cell_);
+  const Scalar density = 1 / (view.mass_scale * volume), flow = 1 / (view.momentum_scale * volume);
+  workers_.forEach(shape_.cells, [&](int k) {
+    for (int j = 0; j < shape_.cells; ++j) {
+      const size_t row = shape_.at(0, j, k);
+      int32_t* sum = sums_[0].data();
+      for (size_t c = 1; c < chunks_; ++c)
+        for (size_t i = 4 * row; i < 4 * (row + static_cast<size_t>(shape_.cells)); ++i)
+          sum[i] += sums_[c][i];
+      for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) {
+        nodes_[4 * i] = density * static_cast<Scalar>(sum[4 * i]);
+        for (size_t c = 1; c < 4; ++c) nodes_[4 * i + c] = flow * static_cast<Scalar>(sum[4 * i + c]);
+      }
+    }
+  });
+}
+
+template <class Scalar>
+uint64_t HairGrid<Scalar>::splatHash() const {
+  ContentHash hash;
+  for (const auto* sum : {&sums_[0], &number_sums_[0]}) hash.add(sum->data(), sum->size() * sizeof(int32_t));
+  return hash.value();
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::blur(int numbers, GridArray<Scalar>& field) {
+  const size_t start = origin_ * static_cast<size_t>(numbers);
+  GridArray<Scalar>& scratch = numbers == 4 ? scratch4_ : scratch_;
+  Scalar *a = field.data() + start, *b = scratch.data() + start;
+  workers_.forEach(shape_.cells, [&](int k) { passes_.blur(shape_, numbers, 0, a, b, k); });
+  workers_.forEach(shape_.cells, [&](int k) { passes_.blur(shape_, numbers, 1, b, a, k); });
+  workers_.forEach(shape_.cells, [&](int k) { passes_.blur(shape_, numbers, 2, a, b, k); });
+  std::swap(field, scratch);
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::blurDensity() {
+  workers_.forEach(shape_.cells, [&](int k) {
+    for (int j = 0; j < shape_.cells; ++j) {
+      const size_t row = shape_.at(0, j, k);
+      for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) density_[i] = nodes_[4 * i];
+    }
+  });
+  blur(1, density_);
+}
+
+template <class Scalar>
+double HairGrid<Scalar>::largestStiffness(double seconds) const {
+  const double speed = kFastestWave * static_cast<double>(cell_) / seconds;
+  return speed * speed;
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::findForces(const Parameters& p, double seconds) {
+  const int n = shape_.cells;
+  blurDensity();
+  const bool crowds = p.volume_stiffness > 0, rubs = p.hair_friction > 0;
+  const double stiffness = std::min(static_cast<double>(p.volume_stiffness), largestStiffness(seconds));
+  auto eachNode = [&](const auto& body) {
+    workers_.forEach(n, [&](int k) {
+      for (int j = 0; j < n; ++j) {
+        const size_t row = shape_.at(0, j, k);
+        for (size_t i = row; i < row + static_cast<size_t>(n); ++i) body(i);
+      }
+    });
+  };
+  eachNode([&](size_t i) {
+    const Scalar mass = nodes_[4 * i];
+    const Scalar thin = mass > 0 ? 1 / std::sqrt(density_[i]) : Scalar(0);
+    if (rubs)
+      for (size_t c = 0; c < 4; ++c) spread_[4 * i + c] = nodes_[4 * i + c] * thin;
+  });
+  if (crowds) findCrowding(p, stiffness);
+  if (rubs) blur(4, spread_);
+  if (crowds) blur(1, crowded_);
+  const Scalar part = static_cast<Scalar>(1 - std::exp(-static_cast<double>(p.hair_friction) * seconds));
+  const Eigen::Matrix3f turn = Eigen::Quaternionf(head_.rotation).toRotationMatrix();
+  const Scalar slope = static_cast<Scalar>(-seconds / (2 * static_cast<double>(cell_)));
+  eachNode([&](size_t i) {
+    Scalar* out = changes_.data() + 4 * i;
+    std::fill_n(out, 4, Scalar(0));
+    if (!(nodes_[4 * i] > 0)) return;
+    if (crowds) {
+      Scalar push[3];
+      for (int axis = 0; axis < 3; ++axis) {
+        const size_t next = shape_.next(axis);
+        push[axis] = slope * (crowding_[i] * (density_[i + next] - density_[i - next]) + crowded_[i + next] -
+                              crowded_[i - next]);
+      }
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) out[r] += static_cast<Scalar>(turn(r, c)) * push[c];
+    }
+    if (!rubs) return;
+    const Scalar thin = 1 / std::sqrt(density_[i]);
+    for (int c = 0; c < 3; ++c) out[c] += part * thin * spread_[4 * i + 1 + c];
+    out[3] = part * thin * spread_[4 * i];
+  });
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::changes(size_t begin, size_t end, Scalar* out) const {
+  passes_.sample(shape_, changes_.data() + 4 * origin_, place(begin), kPlaceNumbers, end - begin, out);
+  for (size_t n = begin; n < end; ++n)
+    for (int c = 0; c < 3; ++c) out[4 * (n - begin) + c] -= out[4 * (n - begin) + 3] * place(n)[3 + c];
+}
+
+template class HairGrid<float>;
+template class HairGrid<double>;
+
+}  // namespace strandcast

@@ -1,0 +1,84 @@
+#pragma once
+#include <span>
+
+#include "air/grid_passes.h"
+#include "air/strand_samples.h"
+#include "air/workers.h"
+#include "core/backend.h"
+
+namespace strandcast {
+
+/// Forces between hairs, on a grid that is carried rigidly by the head, so that hair at rest falls on the
+/// same places wherever the head is (Petrovic, Henne, Anderson 2005, "Volumetric Methods for Simulation and
+/// Rendering of Hair"). Density and momentum of strands are splatted in whole numbers: any number of threads
+/// gives the same bits. Forces come in opposite pairs, so that the momentum of all hair is kept:
+///
+/// with B the blur, d = B m the density, f = stiffness max(0, d - rest) / d^2 and G the central difference,
+/// hair is accelerated by -(f G d + G B (m f)) as smoothed particles are (Monaghan 1992);
+/// with D = d^(-1/2), friction draws it at hair_friction to D B D p, in the measure of D B D m: without the
+/// square root on both sides the sum of all impulses would not be 0.
+template <class Scalar>
+class HairGrid {
+ public:
+  /// Measures the rest density from the groom at rest. `box`: of the groom at rest, in its frame.
+  HairGrid(const GridPasses<Scalar>& passes, const Workers& workers, const StrandModel& model, int cells,
+           const Box& box);
+
+  float cell() const { return cell_; }  ///< m
+  const StrandSamples& samples() const { return samples_; }
+
+  /// Where hair is and how fast: samples and their sums on the grid as `head` carries it. Natural order.
+  void splat(std::span<const Vec3> positions, std::span<const Vec3> velocities, const Pose& head);
+  /// From what was splatted: how samples change their velocities over a step of `seconds`.
+  void findForces(const Parameters& parameters, double seconds);
+  /// Change of velocity of samples begin .. end - 1, m/s, 4 numbers each.
+  void changes(size_t begin, size_t end, Scalar* out) const;
+
+  /// Of sample n, kPlaceNumbers numbers, as SplatView::places.
+  const Scalar* place(size_t n) const { return places_.data() + kPlaceNumbers * n; }
+  const GridShape& shape() const { return shape_; }
+  /// Density (kg/m^3, of the strands themselves) and momentum per volume, from place (0, 0, 0).
+  const Scalar* nodes() const { return nodes_.data() + 4 * origin_; }
+  const Scalar* frame() const { return frame_; }
+  /// Density at a node, blurred, kg/m^3.
+  double densityAt(int i, int j, int k) const { return static_cast<double>(density_[shape_.at(i, j, k)]); }
+  /// Rest density that sample n carries, kg/m^3.
+  float restDensity(size_t n) const { return rest_density_[n]; }
+  /// The largest stiffness that is heeded with steps of `seconds`, m^2/s^2: waves of pressure must not go
+  /// much farther than a cell in a step.
+  double largestStiffness(double seconds) const;
+  /// Of the sums of the last splat: equal bits, equal hashes.
+  uint64_t splatHash() const;
+
+ private:
+  void blur(int numbers, GridArray<Scalar>& field);
+  void blurDensity();
+  void measureRest(const StrandModel& model);
+  /// Density at every sample into sampled_, 4 numbers each.
+  void sampleDensity();
+  void findCrowding(const Parameters& parameters, double stiffness);
+  size_t firstOf(size_t chunk) const { return samples_.samples.size() * chunk / chunks_; }
+
+  const GridPasses<Scalar>& passes_;
+  const Workers& workers_;
+  GridShape shape_;
+  size_t origin_;
+  float cell_;
+  Vec3 corner_;  ///< m, of node (0, 0, 0) in the groom's frame
+  Scalar frame_[12] = {};
+  Pose head_;
+  StrandSamples samples_;
+  double mass_ = 0;  ///< kg, of all samples
+  std::vector<float> rest_density_;
+  size_t chunks_;  ///< of samples, each with sums of its own
+  std::vector<std::vector<int32_t, CacheLineAllocator<int32_t>>> sums_, number_sums_;
+  SplatView<Scalar> view_{};     ///< of the last splat
+  std::vector<Scalar> fastest_;  ///< per chunk
+  GridArray<Scalar> places_, nodes_, density_, spread_, crowding_, crowded_, scratch_, scratch4_, changes_,
+      sampled_, numbers_;
+};
+
+extern template class HairGrid<float>;
+extern template class HairGrid<double>;
+
+}  // namespace strandcast

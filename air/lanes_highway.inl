@@ -1,0 +1,50 @@
+// The same as air/lanes_scalar.inl over Highway's vectors. Included inside a target's namespace after
+// simd/lanes_highway.inl.
+HWY_INLINE real loadAt(const Scalar* p) { return {hn::LoadU(Tag(), p)}; }
+HWY_INLINE void storeAt(real value, Scalar* p) { hn::StoreU(value.v, Tag(), p); }
+HWY_INLINE real laneNumbers() { return {hn::Iota(Tag(), 0.0f)}; }
+HWY_INLINE real gather(const Scalar* base, real index) {
+  return {hn::GatherIndex(Tag(), base, hn::ConvertTo(hn::RebindToSigned<Tag>(), index.v))};
+}
+HWY_INLINE Scalar largest(real a) { return hn::GetLane(hn::MaxOfLanes(Tag(), a.v)); }
+HWY_INLINE Scalar sumOf(real a) { return hn::GetLane(hn::SumOfLanes(Tag(), a.v)); }
+
+#if HWY_TARGET == HWY_SCALAR
+#include "air/quads_scalar.inl"
+#else
+namespace quads {
+using Tag = hn::FixedTag<float, 4>;
+using IntTag = hn::FixedTag<int32_t, 4>;
+struct real {
+  hn::Vec<Tag> v;
+};
+struct mask {
+  hn::Mask<Tag> m;
+};
+HWY_INLINE real lit(double value) { return {hn::Set(Tag(), static_cast<float>(value))}; }
+HWY_INLINE real fill(Scalar value) { return {hn::Set(Tag(), value)}; }
+HWY_INLINE real load(const Scalar* p) { return {hn::LoadU(Tag(), p)}; }
+HWY_INLINE real operator+(real a, real b) { return {hn::Add(a.v, b.v)}; }
+HWY_INLINE real operator-(real a, real b) { return {hn::Sub(a.v, b.v)}; }
+HWY_INLINE real operator*(real a, real b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE real madd(real a, real b, real c) { return {hn::MulAdd(a.v, b.v, c.v)}; }
+HWY_INLINE real min(real a, real b) { return {hn::Min(a.v, b.v)}; }
+HWY_INLINE real max(real a, real b) { return {hn::Max(a.v, b.v)}; }
+HWY_INLINE real floor(real a) { return {hn::Floor(a.v)}; }
+HWY_INLINE real sqrt(real a) { return {hn::Sqrt(a.v)}; }
+HWY_INLINE real inverse(real a) { return {hn::Div(hn::Set(Tag(), 1.0f), a.v)}; }
+HWY_INLINE real select(mask m, real a, real b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
+HWY_INLINE void store(real a, Scalar* p) { hn::StoreU(a.v, Tag(), p); }
+#include "kernels/lanes_vector.inl"
+#include "kernels/grid.h"
+#include "kernels/end_lanes.inl"
+}  // namespace quads
+
+HWY_INLINE void addFixed(quads::real value, int32_t* node) {
+  const quads::IntTag whole;
+  hn::StoreU(hn::Add(hn::LoadU(whole, node), hn::ConvertTo(whole, value.v)), whole, node);
+}
+HWY_INLINE quads::real wholes(const int32_t* node) {
+  return {hn::ConvertTo(quads::Tag(), hn::LoadU(quads::IntTag(), node))};
+}
+#endif

@@ -1,0 +1,180 @@
+#include "air/pressure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace strandcast {
+namespace {
+
+// Roots of Chebyshev's polynomial over the upper half of the spectrum of Jacobi's iteration, 0.5 to 2.
+constexpr double kFirstWeight = 1 / (1.25 + 0.75 * 0.70710678),
+                 kSecondWeight = 1 / (1.25 - 0.75 * 0.70710678);
+constexpr int kCoarsest = 4;         // cells per axis
+constexpr int kCoarsestSweeps = 16;  // pairs
+
+}  // namespace
+
+template <class Scalar>
+PressureSolver<Scalar>::PressureSolver(const GridPasses<Scalar>& passes, const Workers& workers, int cells)
+    : passes_(passes), workers_(workers) {
+  for (int n = cells;; n /= 2) {
+    Level& level = levels_.emplace_back();
+    level.view.shape.cells = n;
+    if (n <= kCoarsest || n % 2 != 0) break;
+  }
+  for (Level& level : levels_) {
+    const GridShape& s = level.view.shape;
+    level.origin = s.at(0, 0, 0);
+    for (GridArray<Scalar>* array :
+         {&level.open[0], &level.open[1], &level.open[2], &level.diagonal, &level.inverse_diagonal, &level.x,
+          &level.smoothed, &level.right, &level.left})
+      array->assign(s.size(), Scalar(0));
+    for (int axis = 0; axis < 3; ++axis) level.view.open[axis] = level.open[axis].data() + level.origin;
+    level.view.diagonal = level.diagonal.data() + level.origin;
+    level.view.inverse_diagonal = level.inverse_diagonal.data() + level.origin;
+  }
+  for (GridArray<Scalar>* array : {&step_, &image_, &residual_})
+    array->assign(levels_[0].view.shape.size(), Scalar(0));
+  sums_.resize(cells);
+  largest_.resize(cells);
+}
+
+template <class Scalar>
+template <class Work>
+void PressureSolver<Scalar>::eachLayer(const Level& level, const Work& work) const {
+  const int n = level.view.shape.cells;
+  if (n <= 8) {  // not worth the threads
+    for (int k = 0; k < n; ++k) work(k);
+  } else {
+    workers_.forEach(n, work);
+  }
+}
+
+template <class Scalar>
+void PressureSolver<Scalar>::findDiagonal(Level& level) {
+  const GridShape& s = level.view.shape;
+  eachLayer(level, [&](int k) {
+    for (int j = 0; j < s.cells; ++j)
+      for (int i = 0; i < s.cells; ++i) {
+        const size_t c = s.at(i, j, k);
+        Scalar sum = 0;
+        for (int axis = 0; axis < 3; ++axis) sum += level.open[axis][c] + level.open[axis][c + s.next(axis)];
+        level.diagonal[c] = sum;
+        level.inverse_diagonal[c] = sum > 0 ? 1 / sum : 0;
+      }
+  });
+}
+
+// A coarse face lets through what its four faces do, over twice the way.
+template <class Scalar>
+void PressureSolver<Scalar>::coarsen(const Level& fine, Level& coarse) {
+  const GridShape &f = fine.view.shape, &c = coarse.view.shape;
+  for (int axis = 0; axis < 3; ++axis) {
+    const size_t across[2] = {f.next((axis + 1) % 3), f.next((axis + 2) % 3)};
+    for (int k = 0; k < c.cells + (axis == 2); ++k)
+      for (int j = 0; j < c.cells + (axis == 1); ++j)
+        for (int i = 0; i < c.cells + (axis == 0); ++i) {
+          const Scalar* open = fine.open[axis].data() + f.at(2 * i, 2 * j, 2 * k);
+          coarse.open[axis][c.at(i, j, k)] =
+              Scalar(0.5) * (open[0] + open[across[0]] + open[across[1]] + open[across[0] + across[1]]);
+        }
+  }
+}
+
+template <class Scalar>
+void PressureSolver<Scalar>::build() {
+  findDiagonal(levels_[0]);
+  for (size_t l = 1; l < levels_.size(); ++l) {
+    coarsen(levels_[l - 1], levels_[l]);
+    findDiagonal(levels_[l]);
+  }
+}
+
+template <class Scalar>
+void PressureSolver<Scalar>::cycle(size_t at, const Scalar* right) {
+  Level& level = levels_[at];
+  const GridShape& s = level.view.shape;
+  Scalar *x = level.x.data() + level.origin, *y = level.smoothed.data() + level.origin;
+  const Scalar first = static_cast<Scalar>(kFirstWeight), second = static_cast<Scalar>(kSecondWeight);
+  auto smooth = [&](const Scalar* from, Scalar* to, Scalar weight) {
+    eachLayer(level, [&](int k) { passes_.smooth(level.view, from, right, weight, to, k); });
+  };
+  std::fill(level.smoothed.begin(), level.smoothed.end(), Scalar(0));
+  if (at + 1 == levels_.size()) {
+    for (int i = 0; i < kCoarsestSweeps; ++i) {
+      smooth(y, x, i % 2 == 0 ? first : second);
+      smooth(x, y, i % 2 == 0 ? second : first);
+    }
+    return;
+  }
+  smooth(y, x, first);
+  smooth(x, y, second);
+  Scalar* left = level.left.data() + level.origin;
+  eachLayer(level, [&](int k) { passes_.residual(level.view, y, right, left, k); });
+  Level& coarse = levels_[at + 1];
+  const GridShape& c = coarse.view.shape;
+  Scalar *coarse_right = coarse.right.data(), *coarse_x = coarse.smoothed.data();
+  const size_t ny = s.row(), nz = s.layer();
+  eachLayer(coarse, [&](int k) {
+    for (int j = 0; j < c.cells; ++j)
+      for (int i = 0; i < c.cells; ++i) {
+        const Scalar* f = level.left.data() + s.at(2 * i, 2 * j, 2 * k);
+        coarse_right[c.at(i, j, k)] =
+            f[0] + f[1] + f[ny] + f[ny + 1] + f[nz] + f[nz + 1] + f[nz + ny] + f[nz + ny + 1];
+      }
+  });
+  cycle(at + 1, coarse_right + coarse.origin);
+  eachLayer(coarse, [&](int k) {
+    for (int j = 0; j < c.cells; ++j)
+      for (int i = 0; i < c.cells; ++i) {
+        Scalar* f = level.smoothed.data() + s.at(2 * i, 2 * j, 2 * k);
+        const Scalar* solid = level.inverse_diagonal.data() + s.at(2 * i, 2 * j, 2 * k);
+        const Scalar add = coarse_x[c.at(i, j, k)];
+        for (const size_t to : {size_t{0}, size_t{1}, ny, ny + 1, nz, nz + 1, nz + ny, nz + ny + 1})
+          if (solid[to] > 0) f[to] += add;
+      }
+  });
+  smooth(y, x, second);
+  smooth(x, y, first);
+}
+
+template <class Scalar>
+PressureReport PressureSolver<Scalar>::solve(const Scalar* right, Scalar* pressure, Scalar tolerance,
+                                             int most_iterations) {
+  Level& top = levels_[0];
+  const GridShape& s = top.view.shape;
+  Scalar *step = step_.data() + top.origin, *image = image_.data() + top.origin,
+         *r = residual_.data() + top.origin;
+  const Scalar* z = top.smoothed.data() + top.origin;
+  auto total = [&] { return std::accumulate(sums_.begin(), sums_.end(), 0.0); };
+  auto most = [&] { return *std::max_element(largest_.begin(), largest_.end()); };
+  eachLayer(top, [&](int k) {
+    passes_.residual(top.view, pressure, right, r, k);
+    largest_[k] = passes_.advance(s, 0, step, image, pressure, r, k);
+  });
+  PressureReport report;
+  report.residual = static_cast<double>(most());
+  double before = 0;
+  while (report.residual > static_cast<double>(tolerance) && report.iterations < most_iterations) {
+    cycle(0, r);
+    eachLayer(top, [&](int k) { sums_[k] = passes_.dot(s, r, z, k); });
+    const double now = total();
+    const Scalar turn = report.iterations > 0 ? static_cast<Scalar>(now / before) : Scalar(0);
+    eachLayer(top, [&](int k) { passes_.turn(s, turn, z, step, k); });
+    before = now;
+    eachLayer(top, [&](int k) { sums_[k] = passes_.apply(top.view, step, image, k); });
+    const double curvature = total();
+    if (!(curvature > 0)) break;
+    const Scalar length = static_cast<Scalar>(now / curvature);
+    eachLayer(top, [&](int k) { largest_[k] = passes_.advance(s, length, step, image, pressure, r, k); });
+    report.residual = static_cast<double>(most());
+    ++report.iterations;
+  }
+  return report;
+}
+
+template class PressureSolver<float>;
+template class PressureSolver<double>;
+
+}  // namespace strandcast

@@ -1,0 +1,337 @@
+#include "air/wind_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace strandcast {
+namespace {
+
+constexpr double kResidual = 1e-4;  // of the fastest component: half of what is promised of the divergence
+constexpr int kMostIterations = 100;
+constexpr double kStill = 1e-6;        // m/s, below which the residual need not go
+constexpr double kLargestPart = 0.15;  // of viscosity x time / cell^2 in one explicit step; stable below 1/6
+
+}  // namespace
+
+template <class Scalar>
+WindGrid<Scalar>::WindGrid(const GridPasses<Scalar>& passes, const Workers& workers, int cells, float cell,
+                           Border border)
+    : passes_(passes),
+      workers_(workers),
+      shape_{cells},
+      cell_(cell),
+      border_(border),
+      solver_(passes, workers, cells) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (GridArray<Scalar>* array : {&velocity_[axis], &next_[axis], &displacement_[axis], &onward_[axis]})
+      array->assign(shape_.size(), Scalar(0));
+  for (GridArray<Scalar>& array : exchange_) array.assign(shape_.size(), Scalar(0));
+  for (GridArray<Scalar>* array : {&pressure_, &right_}) array->assign(shape_.size(), Scalar(0));
+  centre_.assign(4 * shape_.size(), Scalar(0));
+  const size_t row = static_cast<size_t>(cells);
+  places_.assign(3 * row * row, Scalar(0));  // a row per layer
+  sampled_.assign(4 * row * row, Scalar(0));
+  solid_.assign(shape_.size(), 0);
+  solid_velocity_.assign(shape_.size(), Vec3::Zero());
+}
+
+template <class Scalar>
+Vec3 WindGrid<Scalar>::origin() const {
+  return corner_.cast<float>() * cell_;
+}
+
+template <class Scalar>
+Vec3 WindGrid<Scalar>::placeOf(int axis, int i, int j, int k) const {
+  Vec3 place(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
+  for (int a = 0; a < 3; ++a)
+    if (a != axis) place[a] += 0.5f;
+  return origin() + place * cell_;
+}
+
+template <class Scalar>
+WindView<Scalar> WindGrid<Scalar>::view() {
+  const size_t start = shape_.at(0, 0, 0);
+  WindView<Scalar> view{};
+  view.shape = shape_;
+  for (int axis = 0; axis < 3; ++axis) {
+    view.velocity[axis] = velocity_[axis].data() + start;
+    view.next[axis] = next_[axis].data() + start;
+    view.displacement[axis] = displacement_[axis].data() + start;
+    view.onward[axis] = onward_[axis].data() + start;
+  }
+  for (int c = 0; c < 4; ++c) view.exchange[c] = exchange_[c].data() + start;
+  view.centre = centre_.data() + 4 * start;
+  if (border_ == Border::kOpen) {
+    view.ambient = this;
+    view.ambient_velocity = &ambientVelocity;
+  }
+  return view;
+}
+
+template <class Scalar>
+Scalar WindGrid<Scalar>::ambientVelocity(const void* self, int axis, const Scalar* place) {
+  const WindGrid& grid = *static_cast<const WindGrid*>(self);
+  Vec3 at;
+  for (int a = 0; a < 3; ++a) at[a] = static_cast<float>(place[a]) + (a == axis ? 0.0f : 0.5f);
+  return static_cast<Scalar>(grid.ambient_.at(grid.origin() + at * grid.cell_)[axis]);
+}
+
+template <class Scalar>
+void WindGrid<Scalar>::reset() {
+  std::fill(pressure_.begin(), pressure_.end(), Scalar(0));
+  if (border_ == Border::kOpen) setVelocity([&](const Vec3& point) { return ambient_.at(point); });
+}
+
+template <class Scalar>
+void WindGrid<Scalar>::centreAt(const Vec3& middle) {
+  const Vec3 wanted = middle / cell_ - Vec3::Constant(0.5f * static_cast<float>(shape_.cells));
+  const Vec3 off = wanted - corner_.cast<float>();
+  if (off.cwiseAbs().maxCoeff() <= 1) return;
+  const Eigen::Vector3i shift = off.array().round().matrix().template cast<int>();
+  corner_ += shift;
+  solids_changed_ = true;
+  auto carry = [&](GridArray<Scalar>& field, GridArray<Scalar>& to, int axis) {
+    const int end[3] = {shape_.cells + (axis == 0), shape_.cells + (axis == 1), shape_.cells + (axis == 2)};
+    workers_.forEach(end[2], [&](int k) {
+      for (int j = 0; j < end[1]; ++j)
+        for (int i = 0; i < end[0]; ++i) {
+          const int from[3] = {i + shift.x(), j + shift.y(), k + shift.z()};
+          bool known = true;
+          for (int a = 0; a < 3; ++a) known = known && from[a] >= 0 && from[a] < end[a];
+          Scalar& out = to[shape_.at(i, j, k)];
+          if (known)
+            out = field[shape_.at(from[0], from[1], from[2])];
+          else
+            out = axis < 3 && border_ == Border::kOpen
+                      ? static_cast<Scalar>(ambient_.at(placeOf(axis, i, j, k))[axis])
+                      : Scalar(0);
+        }
+    });
+    std::swap(field, to);
+  };
+  for (int axis = 0; axis < 3; ++axis) carry(velocity_[axis], next_[axis], axis);
+  carry(pressure_, right_, 3);
+  findCentres();
+}
+
+template <class Scalar>
+void WindGrid<Scalar>::clearSolids() {
+  solids_changed_ = solids_changed_ || has_solids_;
+  if (has_solids_) std::fill(solid_.begin(), solid_.end(), uint8_t{0});
+  has_solids_ = false;
+}
+
+template <class Scalar>
+void WindGrid<Scalar>::addSolids(std::span<const MovingPrimitive> bodies, double seconds) {
+  const Eigen::Vector3f low = origin(),
+                        size = Eigen::Vector3f::Constant(cell_ * static_cast<float>(shape_.cells));
+  for (const MovingPrimitive& body : bodies) {
+    const Vec3 a(body.a_end), a_before(body.a_begin), spin(body.angular_velocity);
+    Box box(low, low + size);
+    if (body.kind != static_cast<uint32_t>(PrimitiveKind::kPlane)) {
+      Box own{Eigen::Vector3f(a)};
+      if (body.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule))
+        own.extend(Eigen::Vector3f(Vec3(body.b_end)));
+      own.min().array() -= body.radius;
+      own.max().array() += body.radius;
+      box = box.intersection(own);
+    }
+    const Vec3 motion = (a - a_before) / static_cast<float>(seconds);
+    addSolid(
+        box, [&](const Vec3& point) { return signedDistance(body, point); },
+        [&](const Vec3& point) { return Vec3(motion + spin.cross(point - a)); });
+  }
+}
+
+// Faces of solids move as these do; nothing else is open or closed than what cells are solid.
+template <class Scalar>
+void WindGrid<Scalar>::closeFaces() {
+  const int n = shape_.cells;
+  const bool open_border = border_ == Border::kOpen;
+  if (has_solids_ || solids_changed_) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Scalar* open = solver_.open(axis) - shape_.at(0, 0, 0);
+      workers_.forEach(layersOf(axis), [&, axis, open](int k) {
+        for (int j = 0; j < n + (axis == 1); ++j)
+          for (int i = 0; i < n + (axis == 0); ++i) {
+            const int at[3] = {i, j, k};
+            const size_t c = shape_.at(i, j, k), before = c - shape_.next(axis);
+            const bool first = at[axis] == 0, last = at[axis] == n;
+            const bool solid_before = !first && solid_[before] != 0, solid_after = !last && solid_[c] != 0;
+            const bool wall = (first || last) && !open_border;
+            open[c] = wall || solid_before || solid_after ? Scalar(0) : Scalar(1);
+            if (solid_before || solid_after)
+              velocity_[axis][c] = static_cast<Scalar>(solid_velocity_[solid_after ? c : before][axis]);
+            else if (wall)
+              velocity_[axis][c] = 0;
+          }
+      });
+    }
+    solver_.build();
+  } else if (!open_border) {
+    for (int axis = 0; axis < 3; ++axis)
+      for (int a = 0; a < n; ++a)
+        for (int b = 0; b < n; ++b)
+          for (const int side : {0, n}) {
+            int at[3] = {a, a, a};
+            at[axis] = side;
+            at[(axis + 2) % 3] = b;
+            velocity_[axis][shape_.at(at[0], at[1], at[2])] = 0;
+          }
+  }
+  solids_changed_ = false;
+}
+
+template <class Scalar>
+void WindGrid<Scalar>::findCentres() {
+  const WindView<Scalar> w = view();
+  workers_.forEach(shape_.cells, [&](int k) { passes_.centre(w, k); });
+}
+
+template <class Scalar>
+void WindGrid<Scalar>::advect(double seconds, bool mac_cormack) {
+  const WindView<Scalar> w = view();
+  const Scalar courant = static_cast<Scalar>(seconds / static_cast<double>(cell_));
+  workers_.forEach(shape_.cells, [&](int k) {
+    passes_.displace(w, courant, w.displacement, k);
+    if (mac_cormack) passes_.displace(w, -courant, w.onward, k);
+  });
+  for (int axis = 0; axis < 3; ++axis) {
+    workers_.forEach(layersOf(axis), [&](int k) { passes_.advect(w, axis, k); });
+    if (mac_cormack) {
+      Scalar* corrected = right_.data() + shape_.at(0, 0, 0);
+      workers_.forEach(layersOf(axis), [&](int k) { passes_.correct(w, axis, corrected, k); });
+      std::swap(next_[axis], right_);
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) std::swap(velocity_[axis], next_[axis]);
+  if (mac_cormack) std::fill(right_.begin(), right_.end(), Scalar(0));
+}
+
+template <class Scalar>
+void WindGrid<Scalar>::diffuse(double seconds, double viscosity) {
+  const double whole = viscosity * seconds / (static_cast<double>(cell_) * static_cast<double>(cell_));
+  const int steps = static_cast<int>(std::ceil(whole / kLargestPart));
+  for (int step = 0; step < steps; ++step)
+    for (int axis = 0; axis < 3; ++axis) {
+      const WindView<Scalar> w = view();
+      // First the padding of every row, which its neighbours do not read, then the values.
+      workers_.forEach(layersOf(axis),
+                       [&](int k) { passes_.diffuse(w, axis, static_cast<Scalar>(whole / steps), k); });
+      std::swap(velocity_[axis], next_[axis]);
+    }
+}
+
+template <class Scalar>
+void WindGrid<Scalar>::exchange(double seconds, const HairDrag<Scalar>& hair,
+                                std::span<const WindSource> sources) {
+  const int n = shape_.cells;
+  if (hair.nodes == nullptr && sources.empty()) return;
+  const size_t row = static_cast<size_t>(n);
+  workers_.forEach(n, [&](int k) {
+    Scalar *places = places_.data() + 3 * row * static_cast<size_t>(k),
+           *sampled = sampled_.data() + 4 * row * static_cast<size_t>(k);
+    for (int j = 0; j < n; ++j) {
+      const size_t first = shape_.at(0, j, k);
+      for (GridArray<Scalar>& array : exchange_)
+        std::fill_n(array.begin() + static_cast<ptrdiff_t>(first), n, Scalar(0));
+      bool any = false;
+      for (int i = 0; hair.nodes != nullptr && i < n; ++i) {
+        const Vec3 x = placeOf(3, i, j, k);
+        bool near = true;
+        for (int c = 0; c < 3; ++c) {
+          const Scalar* f = hair.frame + 3 * c;
+          const Scalar at = f[0] * static_cast<Scalar>(x.x()) + f[1] * static_cast<Scalar>(x.y()) +
+                            f[2] * static_cast<Scalar>(x.z()) + hair.frame[9 + c];
+          places[3 * i + c] = at;
+          near = near && at > 0 && at < static_cast<Scalar>(hair.shape->cells - 1);
+        }
+        any = any || near;
+      }
+      if (any) {
+        // Nodes at the border are empty, so places beyond them get nothing.
+        passes_.sample(*hair.shape, hair.nodes, places, 3, row, sampled);
+        for (int i = 0; i < n; ++i)
+          for (int c = 0; c < 4; ++c)
+            exchange_[c][first + static_cast<size_t>(i)] =
+                static_cast<Scalar>(seconds) * hair.rate * sampled[4 * i + c];
+      }
+      for (const WindSource& source : sources) {
+        const Box reach = source.reach();
+        const Vec3 begin = placeOf(3, 0, j, k);
+        if (begin.y() < reach.min().y() || begin.y() > reach.max().y() || begin.z() < reach.min().z() ||
+            begin.z() > reach.max().z())
+          continue;
+        for (int i = 0; i < n; ++i) {
+          Vec3 velocity;
+          if (!source.velocityAt(placeOf(3, i, j, k), velocity)) continue;
+          const float rate = source.rate * static_cast<float>(seconds);
+          exchange_[0][first + static_cast<size_t>(i)] += static_cast<Scalar>(rate);
+          for (int c = 0; c < 3; ++c)
+            exchange_[1 + c][first + static_cast<size_t>(i)] += static_cast<Scalar>(rate * velocity[c]);
+        }
+      }
+    }
+  });
+  const WindView<Scalar> w = view();
+  for (int axis = 0; axis < 3; ++axis)
+    workers_.forEach(layersOf(axis), [&](int k) { passes_.exchange(w, axis, k); });
+}
+
+template <class Scalar>
+double WindGrid<Scalar>::fastest() const {
+  double most = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int k = 0; k < layersOf(axis); ++k)
+      for (int j = 0; j < shape_.cells + (axis == 1); ++j)
+        for (int i = 0; i < shape_.cells + (axis == 0); ++i)
+          most = std::max(most, std::fabs(static_cast<double>(velocity_[axis][shape_.at(i, j, k)])));
+  return most;
+}
+
+template <class Scalar>
+PressureReport WindGrid<Scalar>::project() {
+  closeFaces();
+  const WindView<Scalar> w = view();
+  const PressureView<Scalar>& p = solver_.finest();
+  const size_t start = shape_.at(0, 0, 0);
+  Scalar *right = right_.data() + start, *pressure = pressure_.data() + start;
+  workers_.forEach(shape_.cells, [&](int k) { passes_.outflow(w, p, right, k); });
+  const double tolerance = std::max(kResidual * fastest(), kStill);
+  const PressureReport report =
+      solver_.solve(right, pressure, static_cast<Scalar>(tolerance), kMostIterations);
+  for (int axis = 0; axis < 3; ++axis)
+    workers_.forEach(layersOf(axis), [&](int k) { passes_.subtractGradient(w, p, pressure, axis, k); });
+  findCentres();
+  return report;
+}
+
+template <class Scalar>
+double WindGrid<Scalar>::largestOutflow() {
+  const size_t start = shape_.at(0, 0, 0);
+  const WindView<Scalar> w = view();
+  double most = 0;
+  for (int k = 0; k < shape_.cells; ++k) {
+    passes_.outflow(w, solver_.finest(), right_.data() + start, k);
+    for (int j = 0; j < shape_.cells; ++j)
+      for (int i = 0; i < shape_.cells; ++i)
+        most = std::max(most, std::fabs(static_cast<double>(right_[shape_.at(i, j, k)])));
+  }
+  return most;
+}
+
+template <class Scalar>
+Vec3 WindGrid<Scalar>::velocityAt(const Vec3& point) const {
+  const Vec3 at = (point - origin()) / cell_ - Vec3::Constant(0.5f);
+  const Scalar place[3] = {static_cast<Scalar>(at.x()), static_cast<Scalar>(at.y()),
+                           static_cast<Scalar>(at.z())};
+  Scalar out[4];
+  passes_.sample(shape_, centres(), place, 3, 1, out);
+  return {static_cast<float>(out[0]), static_cast<float>(out[1]), static_cast<float>(out[2])};
+}
+
+template class WindGrid<float>;
+template class WindGrid<double>;
+
+}  // namespace strandcast

@@ -1,0 +1,143 @@
+#pragma once
+#include <span>
+
+#include "air/ambient.h"
+#include "air/grid_passes.h"
+#include "air/pressure.h"
+#include "air/wind_source.h"
+#include "air/workers.h"
+#include "core/contact_primitive.h"
+
+namespace strandcast {
+
+/// Where hair holds the air back, as it is spread on the grid.
+template <class Scalar>
+struct HairDrag {
+  const GridShape* shape = nullptr;  ///< of the hair grid
+  const Scalar* nodes =
+      nullptr;  ///< from place (0, 0, 0): density (kg/m^3) and momentum per volume (kg/(m^2 s))
+  const Scalar* frame = nullptr;  ///< world to its cells, as SplatView::frame
+  Scalar rate = 0;  ///< m^3/(kg s): rate at which air takes on the hair's velocity, per density of the hair
+};
+
+/// Air in a box of cubic cells, staggered, incompressible: one step is advection, viscosity, exchange of
+/// momentum (hair, sources), projection (Stam 1999; Bridson 2015, "Fluid Simulation for Computer Graphics").
+/// Open: the pressure at the border is 0 and what flows in is that of `ambient`. Closed: walls without
+/// friction. World axes; the box is moved by whole cells.
+template <class Scalar>
+class WindGrid {
+ public:
+  enum class Border { kOpen, kClosed };
+
+  WindGrid(const GridPasses<Scalar>& passes, const Workers& workers, int cells, float cell, Border border);
+
+  int cells() const { return shape_.cells; }
+  float cell() const { return cell_; }  ///< m
+  /// Low corner, m: a whole number of cells from the world's origin.
+  Vec3 origin() const;
+  Ambient& ambient() { return ambient_; }
+
+  /// Moves the box so that `middle` lies within a cell of its middle. What is known of the air stays where it
+  /// is in the world; new cells have what blows beyond.
+  void centreAt(const Vec3& middle);
+  /// Everywhere what blows beyond.
+  void reset();
+  /// Component `axis` of place i j k by value(place in m, axis, i, j, k), m/s.
+  template <class Value>
+  void setComponents(const Value& value);
+  /// The same by the velocity at a place.
+  template <class Velocity>
+  void setVelocity(const Velocity& velocity) {
+    setComponents([&](const Vec3& x, int axis, int, int, int) { return velocity(x)[axis]; });
+  }
+
+  /// Solids, for the next step: none, then any number.
+  void clearSolids();
+  void addSolids(std::span<const MovingPrimitive> bodies, double seconds);
+  /// Cells in `box` whose middle has a distance below 0 are solid and move with velocity(point).
+  template <class Distance, class Velocity>
+  void addSolid(const Box& box, const Distance& distance, const Velocity& velocity);
+
+  /// The parts of a step. `seconds`: its length.
+  void advect(double seconds, bool mac_cormack);
+  void diffuse(double seconds, double viscosity);
+  void exchange(double seconds, const HairDrag<Scalar>& hair, std::span<const WindSource> sources);
+  PressureReport project();
+
+  /// m/s, interpolated between the middles of cells, as the last project() left it.
+  Vec3 velocityAt(const Vec3& point) const;
+  /// The largest |divergence| of a cell that is not solid, times the cell: m/s.
+  double largestOutflow();
+  /// The largest component of velocity at a face, m/s.
+  double fastest() const;
+  double pressureAt(int i, int j, int k) const { return static_cast<double>(pressure_[shape_.at(i, j, k)]); }
+  double component(int axis, int i, int j, int k) const {
+    return static_cast<double>(velocity_[axis][shape_.at(i, j, k)]);
+  }
+  bool isSolid(int i, int j, int k) const { return solid_[shape_.at(i, j, k)] != 0; }
+  /// Where component `axis` of place i j k is known; of 3: the middle of the cell. m.
+  Vec3 placeOf(int axis, int i, int j, int k) const;
+
+  const GridShape& shape() const { return shape_; }
+  /// Velocity of cells, 4 numbers each, from place (0, 0, 0).
+  const Scalar* centres() const { return centre_.data() + 4 * shape_.at(0, 0, 0); }
+
+ private:
+  WindView<Scalar> view();
+  int layersOf(int axis) const { return axis == 2 ? shape_.cells + 1 : shape_.cells; }
+  void closeFaces();
+  void findCentres();
+  static Scalar ambientVelocity(const void* grid, int axis, const Scalar* place);
+
+  const GridPasses<Scalar>& passes_;
+  const Workers& workers_;
+  GridShape shape_;
+  float cell_;
+  Border border_;
+  Ambient ambient_;
+  Eigen::Vector3i corner_ = Eigen::Vector3i::Zero();  ///< origin in cells
+  GridArray<Scalar> velocity_[3], next_[3], displacement_[3], onward_[3], centre_, exchange_[4], pressure_,
+      right_, places_, sampled_;
+  std::vector<uint8_t> solid_;        ///< of the shape
+  std::vector<Vec3> solid_velocity_;  ///< of the shape
+  bool has_solids_ = false, solids_changed_ = true;
+  PressureSolver<Scalar> solver_;
+};
+
+template <class Scalar>
+template <class Value>
+void WindGrid<Scalar>::setComponents(const Value& value) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (int k = 0; k < layersOf(axis); ++k)
+      for (int j = 0; j < shape_.cells + (axis == 1); ++j)
+        for (int i = 0; i < shape_.cells + (axis == 0); ++i)
+          velocity_[axis][shape_.at(i, j, k)] =
+              static_cast<Scalar>(value(placeOf(axis, i, j, k), axis, i, j, k));
+  findCentres();
+}
+
+template <class Scalar>
+template <class Distance, class Velocity>
+void WindGrid<Scalar>::addSolid(const Box& box, const Distance& distance, const Velocity& velocity) {
+  int low[3], high[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = std::max(0, static_cast<int>(std::floor((box.min()[axis] - origin()[axis]) / cell_)) - 1);
+    high[axis] =
+        std::min(shape_.cells, static_cast<int>(std::ceil((box.max()[axis] - origin()[axis]) / cell_)) + 1);
+  }
+  for (int k = low[2]; k < high[2]; ++k)
+    for (int j = low[1]; j < high[1]; ++j)
+      for (int i = low[0]; i < high[0]; ++i) {
+        const Vec3 point = placeOf(3, i, j, k);
+        if (!(distance(point) < 0)) continue;
+        const size_t c = shape_.at(i, j, k);
+        solid_[c] = 1;
+        solid_velocity_[c] = velocity(point);
+        has_solids_ = true;
+      }
+}
+
+extern template class WindGrid<float>;
+extern template class WindGrid<double>;
+
+}  // namespace strandcast

@@ -1,0 +1,59 @@
+#include "air/wind_source.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+
+namespace strandcast {
+
+bool WindSource::velocityAt(const Vec3& point, Vec3& velocity) const {
+  const Vec3 away = point - position, axis = direction.normalized();
+  const float far = away.norm(), along = away.dot(axis);
+  const Vec3 out = far > 0 ? Vec3(away / far) : axis;
+  switch (kind) {
+    case Kind::kCone:
+      if (far > length || along < far * std::cos(angle)) return false;
+      velocity = out * (speed * (1 - far / length));
+      return true;
+    case Kind::kSphere:
+      if (far > radius) return false;
+      velocity = out * speed;
+      return true;
+    case Kind::kTurbine:
+      break;
+  }
+  const Vec3 across = away - along * axis;
+  if (std::fabs(along) > length / 2 || across.norm() > radius) return false;
+  velocity = speed * axis + axis.cross(across) * (swirl / radius);
+  return true;
+}
+
+Box WindSource::reach() const {
+  const float far = kind == Kind::kSphere ? radius : kind == Kind::kCone ? length : radius + length;
+  const Eigen::Vector3f middle = position, half = Eigen::Vector3f::Constant(far);
+  return {middle - half, middle + half};
+}
+
+WindSource::Kind windSourceKind(const std::string& name, const std::string& where) {
+  if (name == "cone") return WindSource::Kind::kCone;
+  if (name == "sphere") return WindSource::Kind::kSphere;
+  if (name == "turbine") return WindSource::Kind::kTurbine;
+  throw Error("unknown source of wind '" + name + "'", where, "choose one of cone, sphere, turbine");
+}
+
+void checkWindSource(const WindSource& s, const std::string& where) {
+  auto within = [](float value, float low, float high) { return value >= low && value <= high; };
+  const float least = std::nextafter(0.0f, 1.0f);
+  if (!s.position.allFinite() || !s.direction.allFinite() || !(s.direction.norm() > 0))
+    throw Error("a source of wind has no place or direction", where, "give finite numbers and a direction");
+  if (!within(s.radius, least, 100) || !within(s.length, least, 100))
+    throw Error("a source of wind has no size", where, "give radius and length above 0 to 100 m");
+  if (!within(s.angle, least, static_cast<float>(std::numbers::pi / 2) * 1.0001f))
+    throw Error("a source's angle is out of range", where, "give above 0 to 90 degrees");
+  if (!within(s.speed, -100, 100) || !within(s.swirl, -100, 100) || !within(s.rate, 0, 1000))
+    throw Error("a source's speed, swirl or rate is out of range", where,
+                "give speeds within +-100 m/s and a rate of 0 to 1000 1/s");
+}
+
+}  // namespace strandcast

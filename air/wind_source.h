@@ -1,0 +1,38 @@
+#pragma once
+#include <string>
+
+#include "core/geometry.h"
+
+namespace strandcast {
+
+/// Something that drives the air of a wind grid, in the world. Air in its reach takes on its velocity at the
+/// rate `rate`.
+struct WindSource {
+  enum class Kind {
+    kCone,    ///< a fan: from `position` along `direction` within `angle`, weaker towards `length`
+    kSphere,  ///< out of `position` in all directions (inwards where speed is negative), within `radius`
+    kTurbine  ///< a disc across `direction` of `radius` and thickness `length` that blows and turns the air
+  };
+  Kind kind = Kind::kCone;
+  Vec3 position = Vec3::Zero();  ///< m
+  Vec3 direction = Vec3::UnitZ();
+  float radius = 0.2f;  ///< m, sphere and turbine
+  float length = 0.5f;  ///< m, cone and turbine
+  float angle = 0.35f;  ///< rad, half the cone's opening
+  float speed = 3;      ///< m/s
+  float swirl = 0;      ///< m/s, of a turbine's rim, right-handed about `direction`
+  float rate = 20;      ///< 1/s
+
+  /// Velocity that air at `point` is drawn to; false where the source does not reach.
+  bool velocityAt(const Vec3& point, Vec3& velocity) const;
+  /// All that it reaches lies within.
+  Box reach() const;
+};
+
+/// "cone", "sphere" or "turbine"; Error, naming `where`, otherwise.
+WindSource::Kind windSourceKind(const std::string& name, const std::string& where);
+/// Throws Error, naming `where`, where a number is not finite or out of range: lengths above 0 to 100 m,
+/// angle above 0 to pi/2, speeds within +-100 m/s, rate 0 to 1000, direction not zero.
+void checkWindSource(const WindSource& source, const std::string& where);
+
+}  // namespace strandcast

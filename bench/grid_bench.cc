@@ -1,0 +1,201 @@
+#include "bench/grid_bench.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "air/hair_grid.h"
+#include "air/surroundings.h"
+#include "air/wind_grid.h"
+#include "apps/backends.h"
+#include "core/backend_registry.h"
+#include "core/simulation.h"
+#include "scenes/scene.h"
+
+namespace strandcast {
+namespace {
+
+struct Options {
+  std::string backend = "simd";
+  int strands = 10000, vertices = 32, threads = 0, steps = 30;
+  bool mac_cormack = false, json = false;
+};
+
+using Clock = std::chrono::steady_clock;
+
+/// Times by the name of a pass, in the order of first use.
+class PassTimes {
+ public:
+  template <class Pass>
+  void time(const std::string& name, const Pass& pass) {
+    const Clock::time_point start = Clock::now();
+    pass();
+    if (!ms_.contains(name)) names_.push_back(name);
+    ms_[name].push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  }
+  const std::vector<std::string>& names() const { return names_; }
+  double median(const std::string& name) const {
+    std::vector<double> sorted = ms_.at(name);
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[sorted.size() / 2];
+  }
+
+ private:
+  std::vector<std::string> names_;
+  std::map<std::string, std::vector<double>> ms_;
+};
+
+struct Result {
+  int cells;
+  PassTimes times;
+  double iterations = 0;  ///< of the pressure, mean
+  double divergence = 0;  ///< largest x cell over the fastest, at last
+};
+
+Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model, int cells) {
+  const Workers workers(o.backend == "simd" ? o.threads : 1);
+  const GridPasses<float>& passes = passesOf(o.backend);
+  Box box;
+  const StrandState rest = restState(model, model.rest_roots);
+  for (const Vec3& p : rest.positions) box.extend(Eigen::Vector3f(p));
+  HairGrid<float> hair(passes, workers, model, cells, box);
+  WindGrid<float> wind(passes, workers, cells, 2 * box.sizes().maxCoeff() / static_cast<float>(cells),
+                       WindGrid<float>::Border::kOpen);
+  Parameters parameters = scene.parameters;
+  parameters.wind = Vec3(3, 0, 1);
+  parameters.volume_stiffness = 1;
+  parameters.hair_friction = 5;
+  wind.ambient().configure(parameters);
+  wind.centreAt(Vec3(box.center()));
+  wind.reset();
+  std::vector<MovingPrimitive> bodies;
+  for (const RigidBody& body : scene.bodies)
+    for (const ContactPrimitive& primitive : body.primitives)
+      bodies.push_back(moved(primitive, Pose{}, Pose{}, parameters.time_step));
+  std::vector<Vec3> velocities(rest.positions.size());
+  for (size_t v = 0; v < velocities.size(); ++v)
+    velocities[v] = Vec3(std::sin(static_cast<float>(v)), 0.5f, std::cos(static_cast<float>(v)));
+  const size_t count = hair.samples().samples.size();
+  std::vector<float> changes(4 * count);
+  Result out{cells, {}};
+  const double dt = parameters.time_step;
+  for (int step = 0; step < o.steps; ++step) {
+    PassTimes& t = out.times;
+    t.time("splat", [&] { hair.splat(rest.positions, velocities, Pose{}); });
+    t.time("blur, gradient, friction", [&] { hair.findForces(parameters, dt); });
+    t.time("forces to strands", [&] {
+      const int chunks = 64;
+      workers.forEach(chunks, [&](int c) {
+        const size_t begin = count * static_cast<size_t>(c) / chunks,
+                     end = count * static_cast<size_t>(c + 1) / chunks;
+        hair.changes(begin, end, changes.data() + 4 * begin);
+      });
+    });
+    t.time("solids", [&] {
+      wind.clearSolids();
+      wind.addSolids(bodies, dt);
+    });
+    t.time("advect", [&] { wind.advect(dt, o.mac_cormack); });
+    t.time("diffuse", [&] { wind.diffuse(dt, static_cast<double>(parameters.air_viscosity)); });
+    t.time("drag", [&] { wind.exchange(dt, {&hair.shape(), hair.nodes(), hair.frame(), 30.0f}, {}); });
+    t.time("project", [&] { out.iterations += wind.project().iterations / static_cast<double>(o.steps); });
+  }
+  out.divergence = wind.largestOutflow() / wind.fastest();
+  return out;
+}
+
+/// Median time of a step of the strands alone, and of one with wind and forces between hairs.
+std::pair<double, double> timeSteps(const Options& o, const Scene& scene, const StrandModel& model) {
+  double median[2] = {};
+  for (const bool surrounded : {false, true}) {
+    Parameters parameters = scene.parameters;
+    parameters.solver = SolverKind::kRod;
+    if (surrounded) {
+      parameters.wind = Vec3(3, 0, 1);
+      parameters.wind_grid = 1;
+      parameters.volume_stiffness = 1;
+      parameters.hair_friction = 5;
+      parameters.mac_cormack = o.mac_cormack ? 1 : 0;
+    }
+    Simulation simulation(model, {}, parameters,
+                          createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
+                          makeSurroundings(o.backend, o.threads));
+    PassTimes times;
+    for (int step = 0; step < o.steps; ++step) times.time("step", [&] { simulation.step(); });
+    median[surrounded ? 1 : 0] = times.median("step");
+  }
+  return {median[0], median[1]};
+}
+
+int run(const Options& o) {
+  SceneOptions make;
+  make.strands = o.strands;
+  make.vertices = o.vertices;
+  const Scene scene = makeScene(make);
+  const StrandModel model = sceneModel(scene);
+  const auto [alone, surrounded] = timeSteps(o, scene, model);
+  nlohmann::json results = nlohmann::json::array();
+  if (!o.json)
+    fmt::print("{} strands of {} vertices on {} ({}): a step {:.2f} ms, with grids of 32^3 {:.2f} ms\n",
+               o.strands, o.vertices, o.backend, passesOf(o.backend).name, alone, surrounded);
+  for (const int cells : {32, 64, 128}) {
+    const Result r = timeGrids(o, scene, model, cells);
+    double sum = 0;
+    nlohmann::json passes;
+    if (!o.json) fmt::print("{}^3\n", cells);
+    for (const std::string& name : r.times.names()) {
+      const double ms = r.times.median(name);
+      sum += ms;
+      passes[name] = ms;
+      if (!o.json) fmt::print("  {:<26} {:>9.3f} ms\n", name, ms);
+    }
+    if (!o.json)
+      fmt::print("  {:<26} {:>9.3f} ms, {:.0f} % of a step; {:.1f} iterations, divergence {:.1e}\n", "all",
+                 sum, 100 * sum / alone, r.iterations, r.divergence);
+    results.push_back({{"case", fmt::format("{}^3", cells)},
+                       {"ms_passes", passes},
+                       {"ms_all", sum},
+                       {"of_strand_step", sum / alone},
+                       {"pressure_iterations", r.iterations},
+                       {"divergence", r.divergence}});
+  }
+  if (o.json)
+    fmt::print(
+        "{}\n",
+        nlohmann::json(
+            {{"name", "grid"},
+             {"backend", o.backend},
+             {"device", passesOf(o.backend).name},
+             {"threads", o.threads},
+             {"params", {{"strands", o.strands}, {"vertices", o.vertices}, {"mac_cormack", o.mac_cormack}}},
+             {"ms_step", alone},
+             {"ms_step_with_grids_32", surrounded},
+             {"results", results}})
+            .dump());
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> addGridBench(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.add_option("--backend", o->backend, "simd or reference")
+      ->check(CLI::IsMember({"simd", "reference"}))
+      ->capture_default_str();
+  app.add_option("--strands", o->strands)->check(CLI::Range(1, 1000000))->capture_default_str();
+  app.add_option("--vertices", o->vertices, "per strand")->check(CLI::Range(2, 128))->capture_default_str();
+  app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
+  app.add_option("--steps", o->steps, "steps timed; medians are given")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_flag("--mac-cormack", o->mac_cormack, "advect with MacCormack's correction");
+  app.add_flag("--json", o->json, "print one JSON object");
+  return [o] { return run(*o); };
+}
+
+}  // namespace strandcast

@@ -1,0 +1,75 @@
+// Kernel text: see kernels/README.md. Air and hair on regular grids. Places are in cells: node i of an axis is at i. The wind
+// is staggered (Harlow and Welch 1965): component a is known in the middle of the faces across axis a, and face i lies before
+// cell i, so that places of every array are its own indices.
+
+// Where a point lies among nodes 0 .. last of each axis; beyond them it is that of the nearest point.
+struct GridPlace {
+  real3 low;   // node before it, whole numbers
+  real3 part;  // way to the next node, 0 to 1
+};
+FN GridPlace gridPlace(IN(real3) at, IN(real3) last) {
+  real3 in_grid = makeReal3(clamp(at.x, lit(0), last.x), clamp(at.y, lit(0), last.y), clamp(at.z, lit(0), last.z));
+  GridPlace place;
+  place.low = makeReal3(min(floor(in_grid.x), last.x - lit(1)), min(floor(in_grid.y), last.y - lit(1)),
+                        min(floor(in_grid.z), last.z - lit(1)));
+  place.part = in_grid - place.low;
+  return place;
+}
+
+// Trilinear interpolation between eight corners (vXYZ). The weights of `splatWeight` are the same.
+FN real interpolated(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110, IN(real) v001, IN(real) v101,
+                     IN(real) v011, IN(real) v111, IN(real3) part) {
+  real v00 = madd(v100 - v000, part.x, v000);
+  real v10 = madd(v110 - v010, part.x, v010);
+  real v01 = madd(v101 - v001, part.x, v001);
+  real v11 = madd(v111 - v011, part.x, v011);
+  real v0 = madd(v10 - v00, part.y, v00);
+  real v1 = madd(v11 - v01, part.y, v01);
+  return madd(v1 - v0, part.z, v0);
+}
+// Share of the corner (cx, cy, cz), each 0 or 1, in what lies at `part`.
+FN real splatWeight(IN(real3) part, IN(real) cx, IN(real) cy, IN(real) cz) {
+  real x = madd(cx, part.x + part.x - lit(1), lit(1) - part.x);
+  real y = madd(cy, part.y + part.y - lit(1), lit(1) - part.y);
+  real z = madd(cz, part.z + part.z - lit(1), lit(1) - part.z);
+  return x * y * z;
+}
+// To whole numbers, so that sums do not depend on their order.
+FN real fixedPoint(IN(real) value) { return floor(value + lit(0.5)); }
+
+// Semi-Lagrangian advection (Stam 1999, "Stable Fluids", section 3.2): where what is at `at` now was. `courant`: time step
+// over cell, s/m.
+FN real3 tracedBack(IN(real3) at, IN(real3) velocity, IN(real) courant) { return madd(velocity, lit(0) - courant, at); }
+// MacCormack's correction (Selle, Fedkiw, Kim, Liu, Rossignac 2008, "An Unconditionally Stable MacCormack Method"): `ahead`
+// advected once, `was` before it, `back` advected forth and back; limited to the values it was taken from.
+FN real macCormack(IN(real) ahead, IN(real) was, IN(real) back, IN(real) low, IN(real) high) {
+  return clamp(madd(was - back, lit(0.5), ahead), low, high);
+}
+
+// What flows out of a cell through its six faces, times the cell, m/s.
+FN real outflow(IN(real) x0, IN(real) x1, IN(real) y0, IN(real) y1, IN(real) z0, IN(real) z1) {
+  return (x1 - x0) + (y1 - y0) + (z1 - z0);
+}
+// A face's velocity less the gradient of the pressure, which is in m/s (pressure x time step / (density x cell)). open: 1,
+// or 0 at solids.
+FN real lessGradient(IN(real) velocity, IN(real) open, IN(real) before, IN(real) after) {
+  return madd(open, before - after, velocity);
+}
+
+// Velocity of air that exchanges momentum with what moves at `other`, implicitly: `exchange` = rate x time step.
+FN real draggedTo(IN(real) velocity, IN(real) other, IN(real) exchange) {
+  return madd(exchange, other, velocity) * inverse(lit(1) + exchange);
+}
+
+// Slender bodies feel less drag along themselves than across (Taylor 1952: about half). What is to be taken from a drag of
+// rate x relative: its part along the strand, `less` = 1 - (along / across).
+FN real3 dragNotFelt(IN(real3) relative, IN(real3) tangent, IN(real) rate, IN(real) less) {
+  return tangent * (dot(relative, tangent) * rate * less);
+}
+
+// Pressure over density squared of hair that is denser than `rest`, as smoothed particles use it (Monaghan 1992): pressure =
+// stiffness (density - rest). stiffness in m^2/s^2 is the speed squared of the wave that it makes.
+FN real crowding(IN(real) density, IN(real) rest, IN(real) stiffness) {
+  real least = max(density, lit(1e-12));
+  return stiffness * max(density - rest, lit(0)) * inverse(least * least);
+}

@@ -1,0 +1,120 @@
+#include "air/surroundings.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/simulation.h"
+#include "simd/simd_backend.h"
+#include "validation/specimen.h"
+#include "validation/suite.h"
+#include "validation/wind_elastica.h"
+
+namespace strandcast {
+namespace {
+
+StrandModel tuft() {
+  std::vector<StrandPoints> strands;
+  for (int s = 0; s < 64; ++s) {
+    StrandPoints points = straightStrand(0.2, 16, -Vec3::UnitY());
+    for (Vec3& p : points)
+      p += Vec3(0.005f * static_cast<float>(s % 8), 0, 0.005f * static_cast<float>(s / 8));
+    strands.push_back(points);
+  }
+  return modelOf(strands);
+}
+
+Parameters everything() {
+  Parameters parameters;
+  parameters.solver = SolverKind::kRod;
+  parameters.wind = Vec3(3, 0, 0);
+  parameters.wind_grid = 1;
+  parameters.volume_stiffness = 1;
+  parameters.hair_friction = 5;
+  parameters.air_drag_along = 0.5f;
+  return parameters;
+}
+
+uint64_t hashAfter(const Parameters& parameters, std::unique_ptr<Backend> backend,
+                   std::unique_ptr<Surroundings> surroundings, int steps = 20) {
+  Simulation simulation(tuft(), {}, parameters, std::move(backend), std::move(surroundings));
+  for (int i = 0; i < steps; ++i) simulation.step();
+  EXPECT_EQ(simulation.measure().non_finite, 0u);
+  return stateHash(simulation.state());
+}
+
+TEST(Surroundings, ChangeNoBitWhereNothingAsksForThem) {
+  Parameters parameters;
+  parameters.wind = Vec3(3, 0, 0);
+  EXPECT_EQ(hashAfter(parameters, makeReferenceBackend(), makeSurroundings("reference")),
+            hashAfter(parameters, makeReferenceBackend(), nullptr));
+}
+
+TEST(Surroundings, AnyNumberOfThreadsGivesTheSameMotion) {
+  const uint64_t one = hashAfter(everything(), makeSimdBackend(1), makeSurroundings("simd", 1));
+  for (const int threads : {2, 3, 8})
+    EXPECT_EQ(hashAfter(everything(), makeSimdBackend(threads), makeSurroundings("simd", threads)), one)
+        << threads;
+}
+
+TEST(Surroundings, HairShieldsTheHairBehindIt) {
+  auto lean = [](float hairs) {
+    Parameters parameters = everything();
+    parameters.volume_stiffness = parameters.hair_friction = 0;
+    parameters.hairs_per_strand = hairs;
+    parameters.air_drag = 5;
+    Simulation simulation(tuft(), {}, parameters, makeSimdBackend(1), makeSurroundings("simd", 1));
+    for (int i = 0; i < 120; ++i) simulation.step();
+    double sum = 0;
+    for (size_t s = 0; s < 64; ++s) sum += double{simulation.guides()[s * 17 + 16].x()} / 64;
+    return sum;
+  };
+  EXPECT_LT(lean(1000), 0.9 * lean(0));
+}
+
+TEST(Surroundings, SettingsMayChangeWhileItRuns) {
+  Parameters parameters = everything();
+  Simulation simulation(tuft(), {}, Parameters(), makeReferenceBackend(), makeSurroundings("reference"));
+  simulation.step();
+  for (const int cells : {16, 32, 16}) {
+    parameters.grid_cells = cells;
+    simulation.setParameters(parameters);
+    for (int i = 0; i < 3; ++i) simulation.step();
+    simulation.teleport({Vec3(static_cast<float>(cells), 0, 0), Quat::Identity()});
+    simulation.step();
+    simulation.reset();
+  }
+  EXPECT_EQ(simulation.measure().non_finite, 0u);
+  EXPECT_THROW(setParameter(parameters, "grid_cells", {40}, "test"), Error);
+  EXPECT_THROW(setParameter(parameters, "grid_cells", {256}, "test"), Error);
+}
+
+TEST(Surroundings, AreRefusedWhereThereAreNone) {
+  EXPECT_THROW(Simulation(tuft(), {}, everything(), makeReferenceBackend()), Error);
+  Simulation simulation(tuft(), {}, Parameters(), makeReferenceBackend());
+  EXPECT_THROW(simulation.setParameters(everything()), Error);
+  EXPECT_EQ(simulation.parameters().wind_grid, 0);
+  EXPECT_THROW(makeSurroundings("gpu"), Error);
+}
+
+TEST(WindElastica, AWeakWindBendsAStrandAsABeam) {
+  // Uniformly loaded cantilever: w L^4 / (8 B).
+  EXPECT_NEAR(windElastica(1e-3, 0.5).downwind / 1e-3, 1.0 / 8, 1e-5);
+  EXPECT_NEAR(windElastica(1e-3, 0.5).across, 1, 1e-5);
+  EXPECT_GT(windElastica(1e4, 0.5).downwind, 0.98) << "a strong wind lays it along itself";
+}
+
+TEST(Surroundings, AStrandInTheWindLeansAsTheExactOne) {
+  const Laboratory laboratory([] { return makeSimdBackend(1); }, SolverKind::kRod);
+  for (const Case& c : runSuite(validationSuite("air"), laboratory, "load="))
+    EXPECT_TRUE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
+}
+
+TEST(Surroundings, WispsComeApartAndRest) {
+  const Laboratory laboratory([] { return makeSimdBackend(1); }, SolverKind::kRod);
+  for (const char* name : {"wisps", "momentum"})
+    for (const Case& c : runSuite(validationSuite("volume"), laboratory, name))
+      EXPECT_TRUE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
+}
+
+}  // namespace
+}  // namespace strandcast

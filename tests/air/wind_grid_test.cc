@@ -1,0 +1,261 @@
+#include "air/wind_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+using Grid = WindGrid<float>;
+
+constexpr double kStep = 1.0 / 60;
+
+Parameters windOf(const Vec3& wind) {
+  Parameters parameters;
+  parameters.wind = wind;
+  return parameters;
+}
+
+MovingPrimitive ball(const Vec3& middle, float radius, const Vec3& motion = Vec3::Zero()) {
+  ContactPrimitive primitive;
+  primitive.a = middle;
+  primitive.radius = radius;
+  return moved(primitive, Pose{}, Pose{motion, Quat::Identity()}, static_cast<float>(kStep));
+}
+
+void blowPast(Grid& grid, const MovingPrimitive& body, int steps, bool mac_cormack = false) {
+  for (int step = 0; step < steps; ++step) {
+    grid.clearSolids();
+    grid.addSolids({&body, 1}, kStep);
+    grid.advect(kStep, mac_cormack);
+    grid.diffuse(kStep, 1e-3);
+    grid.project();
+  }
+}
+
+TEST(WindGrid, UniformWindStaysAsItIs) {
+  const Workers workers(1);
+  Grid grid(simdPasses(), workers, 32, 0.025f, Grid::Border::kOpen);
+  const Vec3 wind(3, -1, 0.5f);
+  grid.ambient().configure(windOf(wind));
+  grid.centreAt(Vec3(0.1f, 1.6f, 0));
+  grid.reset();
+  for (int step = 0; step < 20; ++step) {
+    grid.advect(kStep, step % 2 == 0);
+    grid.diffuse(kStep, 1e-3);
+    grid.project();
+  }
+  for (const Vec3& at : {Vec3(0.1f, 1.6f, 0), Vec3(-0.25f, 1.9f, 0.3f), Vec3(5, 5, 5)})
+    EXPECT_LT((grid.velocityAt(at) - wind).norm(), 1e-4f);
+}
+
+// Two-dimensional, in a box of pi: it decays as exp(-2 viscosity t).
+TEST(WindGrid, ATaylorGreenVortexConverges) {
+  const Workers workers(1);
+  for (const bool mac_cormack : {false, true}) {
+    double errors[2] = {};
+    for (const int doubled : {0, 1}) {
+      const int cells = 16 << doubled;
+      Grid grid(simdPasses(), workers, cells, static_cast<float>(M_PI) / static_cast<float>(cells),
+                Grid::Border::kClosed);
+      auto exact = [](const Vec3& x) {
+        return Vec3(std::sin(x.x()) * std::cos(x.y()), -std::cos(x.x()) * std::sin(x.y()), 0);
+      };
+      grid.setVelocity(exact);
+      for (int step = 0; step < cells; ++step) {
+        grid.advect(1.0 / cells, mac_cormack);
+        grid.diffuse(1.0 / cells, 0.05);
+        grid.project();
+      }
+      for (int j = 0; j < cells; ++j)
+        for (int i = 0; i < cells; ++i)
+          errors[doubled] = std::max(errors[doubled],
+                                     std::fabs(grid.component(0, i, j, 3) -
+                                               std::exp(-0.1) * double{exact(grid.placeOf(0, i, j, 3)).x()}));
+    }
+    EXPECT_LT(errors[1], 0.05);
+    EXPECT_GT(std::log2(errors[0] / errors[1]), 0.8);
+  }
+}
+
+TEST(WindGrid, ProjectionLeavesNoDivergenceAtAnySize) {
+  const Workers workers(1);
+  for (const int cells : {16, 48, 64}) {
+    Grid grid(simdPasses(), workers, cells, 0.8f / static_cast<float>(cells), Grid::Border::kOpen);
+    grid.ambient().configure(windOf(Vec3(3, 0, 0)));
+    grid.centreAt(Vec3::Zero());
+    grid.reset();
+    blowPast(grid, ball(Vec3::Zero(), 0.1f), 10);
+    EXPECT_LT(grid.largestOutflow(), 1e-3 * grid.fastest()) << cells;
+    const Vec3 lee = grid.velocityAt(Vec3(0.15f, 0, 0)), beside = grid.velocityAt(Vec3(0, 0.25f, 0));
+    EXPECT_LT(lee.x(), 1.5f) << cells;
+    EXPECT_GT(beside.x(), 2.8f) << cells;
+  }
+}
+
+// Lanes and scalars differ by the rounding of sums only; threads by nothing.
+TEST(WindGrid, ThreadsAndLanesGiveTheSameWind) {
+  auto run = [](const GridPasses<float>& passes, int threads) {
+    const Workers workers(threads);
+    Grid grid(passes, workers, 32, 0.025f, Grid::Border::kOpen);
+    Parameters parameters = windOf(Vec3(2, 0, 1));
+    parameters.turbulence = 0.3f;
+    grid.ambient().configure(parameters);
+    grid.centreAt(Vec3::Zero());
+    grid.reset();
+    blowPast(grid, ball(Vec3(0.01f, 0, 0), 0.09f), 4, true);
+    std::vector<double> out;
+    for (int i = 0; i < 32; ++i)
+      for (int axis = 0; axis < 3; ++axis)
+        out.push_back(grid.component(axis, i, (7 * i) % 32, (11 * i) % 32));
+    return out;
+  };
+  const std::vector<double> one = run(simdPasses(), 1);
+  for (const int threads : {2, 3, 7}) EXPECT_EQ(run(simdPasses(), threads), one) << threads;
+  const std::vector<double> scalar = run(scalarPasses<float>(), 1);
+  for (size_t i = 0; i < one.size(); ++i) EXPECT_NEAR(scalar[i], one[i], 5e-3);
+}
+
+TEST(WindGrid, DoubleAgreesWithFloat) {
+  const Workers workers(1);
+  WindGrid<double> exact(scalarPasses<double>(), workers, 16, 0.05f, WindGrid<double>::Border::kOpen);
+  Grid grid(simdPasses(), workers, 16, 0.05f, Grid::Border::kOpen);
+  const MovingPrimitive body = ball(Vec3::Zero(), 0.12f);
+  auto run = [&](auto& any) {
+    any.ambient().configure(windOf(Vec3(1, 0, 0)));
+    any.centreAt(Vec3::Zero());
+    any.reset();
+    for (int step = 0; step < 5; ++step) {
+      any.clearSolids();
+      any.addSolids({&body, 1}, kStep);
+      any.advect(kStep, false);
+      any.project();
+    }
+    return any.velocityAt(Vec3(0.2f, 0.05f, 0));
+  };
+  EXPECT_LT((run(exact) - run(grid)).norm(), 2e-3f);
+}
+
+TEST(WindGrid, AMovedGridKeepsTheAirWhereItIs) {
+  const Workers workers(1);
+  Grid grid(simdPasses(), workers, 32, 0.025f, Grid::Border::kOpen);
+  grid.ambient().configure(windOf(Vec3(1, 0, 0)));
+  grid.centreAt(Vec3::Zero());
+  grid.reset();
+  blowPast(grid, ball(Vec3::Zero(), 0.08f), 10);
+  const Vec3 at(0.1f, 0.03f, -0.02f), before = grid.velocityAt(at);
+  ASSERT_GT((before - Vec3(1, 0, 0)).norm(), 0.1f);
+  grid.centreAt(Vec3(0.11f, 0.06f, -0.08f));
+  EXPECT_LT((grid.velocityAt(at) - before).norm(), 1e-5f);
+  EXPECT_LT((grid.velocityAt(Vec3(0.5f, 0.45f, -0.4f)) - Vec3(1, 0, 0)).norm(), 1e-5f) << "what came in";
+  grid.centreAt(Vec3::Zero());
+  EXPECT_LT((grid.velocityAt(at) - before).norm(), 1e-5f);
+}
+
+TEST(WindGrid, AMovingBodyDragsTheAirAlong) {
+  const Workers workers(1);
+  Grid grid(simdPasses(), workers, 32, 0.025f, Grid::Border::kOpen);
+  grid.centreAt(Vec3::Zero());
+  grid.reset();
+  blowPast(grid, ball(Vec3(-0.02f, 0, 0), 0.1f, Vec3(0.02f, 0, 0)), 3);
+  EXPECT_NEAR(grid.velocityAt(Vec3::Zero()).x(), 0.02 / kStep, 0.1) << "within";
+  EXPECT_GT(grid.velocityAt(Vec3(0.15f, 0, 0)).x(), 0.2f) << "before it";
+}
+
+TEST(WindGrid, SignedDistancesOfAnyKindAreSolid) {
+  const Workers workers(1);
+  Grid grid(simdPasses(), workers, 16, 0.05f, Grid::Border::kOpen);
+  grid.centreAt(Vec3::Zero());
+  grid.clearSolids();
+  grid.addSolid(
+      Box(Eigen::Vector3f(-0.2f, -0.2f, -0.2f), Eigen::Vector3f(0.2f, 0.2f, 0.2f)),
+      [](const Vec3& x) { return x.cwiseAbs().maxCoeff() - 0.2f; },
+      [](const Vec3&) { return Vec3(Vec3::Zero()); });
+  EXPECT_TRUE(grid.isSolid(8, 8, 8));
+  EXPECT_TRUE(grid.isSolid(4, 4, 4));
+  EXPECT_FALSE(grid.isSolid(3, 8, 8));
+}
+
+TEST(WindGrid, SourcesDriveTheAir) {
+  const Workers workers(1);
+  WindSource fan;
+  fan.speed = 5;
+  fan.length = 0.6f;
+  fan.position = Vec3(0, 0, -0.3f);
+  WindSource turbine;
+  turbine.kind = WindSource::Kind::kTurbine;
+  turbine.swirl = 4;
+  turbine.speed = 0;
+  for (const WindSource& source : {fan, turbine}) {
+    Grid grid(simdPasses(), workers, 32, 0.025f, Grid::Border::kOpen);
+    grid.centreAt(Vec3::Zero());
+    grid.reset();
+    for (int step = 0; step < 60; ++step) {
+      grid.advect(kStep, false);
+      grid.exchange(kStep, {}, {&source, 1});
+      grid.project();
+    }
+    if (source.kind == WindSource::Kind::kCone)
+      EXPECT_GT(grid.velocityAt(Vec3(0, 0, -0.05f)).z(), 1.0f);
+    else  // right-handed about z
+      EXPECT_GT(grid.velocityAt(Vec3(0.1f, 0, 0)).y() - grid.velocityAt(Vec3(-0.1f, 0, 0)).y(), 1.0f);
+  }
+}
+
+TEST(WindSource, IsCheckedAtTheDoor) {
+  WindSource source;
+  checkWindSource(source, "test");
+  source.radius = 0;
+  EXPECT_THROW(checkWindSource(source, "test"), Error);
+  source = {};
+  source.direction.setZero();
+  EXPECT_THROW(checkWindSource(source, "test"), Error);
+  source = {};
+  source.speed = std::nanf("");
+  EXPECT_THROW(checkWindSource(source, "test"), Error);
+  EXPECT_THROW(windSourceKind("storm", "test"), Error);
+}
+
+TEST(Ambient, TurbulenceHasItsStrengthAndItsSeed) {
+  Parameters parameters = windOf(Vec3(4, 0, 0));
+  parameters.turbulence = 0.25f;
+  Ambient ambient, other;
+  ambient.configure(parameters);
+  EXPECT_NEAR(ambient.boxMeanSquare(), 1, 1e-3);
+  double squares = 0;
+  int count = 0;
+  for (float x = 0; x < 0.3f; x += 0.3f / 32)
+    for (float y = 0; y < 0.3f; y += 0.3f / 32)
+      for (float z = 0; z < 0.3f; z += 0.3f / 32, ++count)
+        squares += (ambient.at(Vec3(x, y, z)) - ambient.mean()).squaredNorm() / 3;
+  EXPECT_NEAR(std::sqrt(squares / count), 1, 0.05) << "a quarter of the wind";
+  other.configure(parameters);
+  EXPECT_EQ(other.at(Vec3(0.1f, 0.2f, 0.3f)), ambient.at(Vec3(0.1f, 0.2f, 0.3f)));
+  parameters.wind_seed = 7;
+  other.configure(parameters);
+  EXPECT_NE(other.at(Vec3(0.1f, 0.2f, 0.3f)), ambient.at(Vec3(0.1f, 0.2f, 0.3f)));
+}
+
+TEST(Ambient, GustsHaveTheirStrength) {
+  Parameters parameters = windOf(Vec3(2, 0, 0));
+  parameters.gust = 0.5f;
+  parameters.gust_period = 4;
+  Ambient ambient;
+  ambient.configure(parameters);
+  double sum = 0, squares = 0;
+  constexpr int kTimes = 400;
+  for (int i = 0; i < kTimes; ++i) {
+    ambient.setTime(4.0 * i / kTimes);
+    const double speed = static_cast<double>(ambient.mean().x());
+    sum += speed / kTimes;
+    squares += (speed - 2) * (speed - 2) / kTimes;
+  }
+  EXPECT_NEAR(sum, 2, 1e-3);
+  EXPECT_NEAR(std::sqrt(squares), 1, 1e-3);
+}
+
+}  // namespace
+}  // namespace strandcast

@@ -1,0 +1,267 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <unordered_map>
+
+#include "air/hair_grid.h"
+#include "validation/experiments.h"
+#include "validation/specimen.h"
+
+namespace strandcast {
+namespace {
+
+constexpr double kRate = 60;
+constexpr float kStiffness = 40, kFriction = 10;  // m^2/s^2, 1/s
+constexpr float kHead = 0.1f;                     // m, radius
+
+Parameters parametersOf(const Laboratory& laboratory, float stiffness, float friction, float air_drag) {
+  Parameters parameters = laboratory.parameters(kRate, air_drag);
+  parameters.substeps = 4;
+  parameters.damping_time = 5e-4f;
+  parameters.volume_stiffness = stiffness;
+  parameters.hair_friction = friction;
+  return parameters;
+}
+
+// Volume of hair: that of every strand's vertices over the density around them, by cubes of 1 cm that stand
+// still in the world. Independent of the grid under test.
+double volumeOf(std::span<const Vec3> positions) {
+  constexpr double kCube = 0.01;
+  auto key = [](int x, int y, int z) { return (static_cast<int64_t>(x) * 4096 + y) * 4096 + z; };
+  std::unordered_map<int64_t, double> cubes;
+  auto eachCorner = [&](const Vec3& p, const auto& body) {
+    const Eigen::Vector3d at = p.cast<double>() / kCube;
+    const Eigen::Vector3d low = at.array().floor(), part = at - low;
+    for (int c = 0; c < 8; ++c) {
+      double weight = 1;
+      for (int axis = 0; axis < 3; ++axis) weight *= (c >> axis & 1) != 0 ? part[axis] : 1 - part[axis];
+      body(key(static_cast<int>(low.x()) + (c & 1), static_cast<int>(low.y()) + (c >> 1 & 1),
+               static_cast<int>(low.z()) + (c >> 2)),
+           weight);
+    }
+  };
+  for (const Vec3& p : positions) eachCorner(p, [&](int64_t cube, double weight) { cubes[cube] += weight; });
+  double volume = 0;
+  for (const Vec3& p : positions) {
+    double density = 0;
+    eachCorner(p, [&](int64_t cube, double weight) { density += weight * cubes[cube]; });
+    volume += std::pow(kCube, 3) / density;
+  }
+  return volume;
+}
+
+// Hair that stands out of the upper half of a head and a little below, evenly (Fibonacci's spiral); `bend`:
+// how much it turns downwards.
+StrandModel headOfHair(int strands, double length, int edges, double bend) {
+  std::vector<StrandPoints> hair;
+  for (int s = 0; s < strands; ++s) {
+    const double y = 1 - 1.3 * (s + 0.5) / strands, r = std::sqrt(1 - y * y);
+    const double angle = s * std::numbers::pi * (3 - std::sqrt(5.0));
+    const Eigen::Vector3d out(r * std::cos(angle), y, r * std::sin(angle));
+    StrandPoints points;
+    Eigen::Vector3d at = out * static_cast<double>(kHead), way = out;
+    for (int i = 0; i <= edges; ++i) {
+      points.push_back(at.cast<float>());
+      at += way * (length / edges);
+      way = (way - bend / edges * Eigen::Vector3d::UnitY()).normalized();
+    }
+    hair.push_back(points);
+  }
+  return modelOf(hair);
+}
+
+RigidBody headBody() {
+  ContactPrimitive ball;
+  ball.radius = kHead - 0.002f;
+  return {{ball}, true};
+}
+
+constexpr double kHeadRates[] = {60, 240};  // steps per second: short ones allow more stiffness
+
+std::vector<std::string> namesOfFullHead() { return caseNames("full head rate={:g}", kHeadRates); }
+
+std::vector<Case> fullHead(const Laboratory& laboratory) {
+  std::vector<Case> cases;
+  for (const double rate : kHeadRates) {
+    double kept[2] = {};
+    for (const bool on : {false, true}) {
+      Parameters parameters = parametersOf(laboratory, on ? kStiffness : 0, kFriction, 2);
+      parameters.time_step = static_cast<float>(1 / rate);
+      parameters.substeps = static_cast<int>(240 / rate);
+      Simulation simulation = laboratory.simulation(headOfHair(1000, 0.2, 23, 2), parameters, {headBody()});
+      const double rest = volumeOf(simulation.guides());
+      laboratory.advance(simulation, 5);
+      kept[on ? 1 : 0] = 100 * volumeOf(simulation.guides()) / rest;
+    }
+    cases.push_back(atLeastCase({namesOfFullHead()[cases.size()], "volume after 5 s, % of that at rest", "%"},
+                                kept[1], 100, 5));
+    cases.back().note = fmt::format("with volume_stiffness off {:.1f} %", kept[0]);
+  }
+  return cases;
+}
+
+Box boxOf(const StrandModel& model) {
+  Box box;
+  for (size_t s = 0; s < model.strands(); ++s)
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+      box.extend(Eigen::Vector3f(model.restPosition(s, v)));
+  return box;
+}
+
+// The hair at rest feels nothing; that it moves all the same is the rounding of its own elasticity.
+std::vector<Case> atRest(const Laboratory& laboratory) {
+  const StrandModel model = headOfHair(600, 0.2, 23, 2);
+  double ways[2] = {}, felt = 0;
+  for (const bool on : {false, true}) {
+    Parameters parameters = parametersOf(laboratory, on ? kStiffness : 0, 0, 1);
+    parameters.gravity.setZero();
+    Simulation simulation = laboratory.simulation(model, parameters);
+    const StrandState before = simulation.state();
+    if (on) {
+      const Workers workers(1);
+      HairGrid<float> grid(passesOf(laboratory.backendName()), workers, model, parameters.grid_cells,
+                           boxOf(model));
+      grid.splat(before.positions, before.velocities, Pose{});
+      grid.findForces(parameters, parameters.time_step);
+      std::vector<float> changes(4 * grid.samples().samples.size());
+      grid.changes(0, grid.samples().samples.size(), changes.data());
+      for (const float change : changes) felt = worse(felt, std::fabs(double{change}) * kRate);
+    }
+    laboratory.advance(simulation, 1);
+    const std::span<const Vec3> now = simulation.guides();
+    double squares = 0;
+    for (size_t v = 0; v < now.size(); ++v)
+      squares += (now[v] - before.positions[v]).cast<double>().squaredNorm();
+    ways[on ? 1 : 0] = std::sqrt(squares / static_cast<double>(now.size()));
+  }
+  Case way = absoluteCase({"groom at rest: way", "rms of a vertex after 1 s", "m"}, ways[1], 0, 1e-6);
+  way.note = fmt::format("without forces between hairs {:.2g} m", ways[0]);
+  return {way, absoluteCase({"groom at rest: push", "largest acceleration of a strand's piece", "m/s^2"},
+                            felt, 0, 1e-6)};
+}
+
+// A squeezed head of hair in which every strand has a velocity of its own: all impulses of a step, added up.
+std::vector<Case> momentum(const Laboratory& laboratory) {
+  const StrandModel model = headOfHair(1000, 0.2, 23, 2);
+  const Box box = boxOf(model);
+  const Workers workers(1);
+  std::vector<Case> cases;
+  for (const bool pushes : {true, false}) {
+    HairGrid<float> grid(passesOf(laboratory.backendName()), workers, model, 32, box);
+    std::vector<Vec3> positions, velocities;
+    for (size_t s = 0; s < model.strands(); ++s)
+      for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
+        positions.emplace_back(model.restPosition(s, v) * 0.8f);
+        const auto n = static_cast<float>(s);
+        velocities.emplace_back(std::sin(1.7f * n), 0.5f + std::sin(2.3f * n + 1), std::cos(3.1f * n));
+      }
+    grid.splat(positions, velocities, Pose{});
+    grid.findForces(parametersOf(laboratory, pushes ? kStiffness : 0, pushes ? 0 : kFriction, 1), 1 / kRate);
+    const size_t count = grid.samples().samples.size();
+    std::vector<float> changes(4 * count);
+    grid.changes(0, count, changes.data());
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double all = 0;
+    for (size_t n = 0; n < count; ++n) {
+      const Eigen::Vector3d impulse =
+          static_cast<double>(grid.samples().samples[n].mass) *
+          Eigen::Vector3f(changes[4 * n], changes[4 * n + 1], changes[4 * n + 2]).cast<double>();
+      sum += impulse;
+      all += impulse.norm();
+    }
+    cases.push_back(absoluteCase({pushes ? "momentum of pushes" : "momentum of friction",
+                                  "sum of impulses over the sum of their sizes", ""},
+                                 all > 0 ? sum.norm() / all : std::nan(""), 0, 1e-4));
+  }
+  return cases;
+}
+
+// Two wisps that rest apart; then the roots of one are carried into the other's.
+StrandModel wisps(double apart) {
+  constexpr int kSide = 10, kEdges = 24;
+  constexpr double kLength = 0.2, kBetween = 0.004;
+  Material limp;
+  limp.youngs_modulus = 1e7f;
+  std::vector<StrandPoints> strands;
+  for (int wisp = 0; wisp < 2; ++wisp)
+    for (int x = 0; x < kSide; ++x)
+      for (int z = 0; z < kSide; ++z) {
+        StrandPoints points = straightStrand(kLength, kEdges, -Vec3::UnitY());
+        const Vec3 root(static_cast<float>(wisp * apart + x * kBetween), 0, static_cast<float>(z * kBetween));
+        for (Vec3& p : points) p += root;
+        strands.push_back(points);
+      }
+  StrandModel model = modelOf(strands, limp);
+  for (size_t s = kSide * kSide; s < 2 * kSide * kSide; ++s) pinToBone(model, s, 0, 0, "other");
+  return model;
+}
+
+struct WispState {
+  double density = 0;  ///< of outer halves over that at rest: roots are held where they are
+  double speed = 0;    ///< mm/s, rms, the largest of the last half second
+};
+WispState carriedTogether(const Laboratory& laboratory, float stiffness) {
+  constexpr double kApart = 0.082, kCarried = 0.08, kCarrying = 0.5, kSeconds = 6, kWatched = 0.5;
+  const Parameters parameters = parametersOf(laboratory, stiffness, kFriction, 5);
+  const StrandModel model = wisps(kApart);
+  Simulation simulation = laboratory.simulation(model, parameters);
+  const Workers workers(1);
+  HairGrid<float> grid(passesOf(laboratory.backendName()), workers, model, parameters.grid_cells,
+                       boxOf(model));
+  auto density = [&] {
+    const StrandState now = simulation.state();
+    grid.splat(now.positions, now.velocities, Pose{});
+    grid.findForces(parameters, parameters.time_step);
+    double sum = 0, count = 0;
+    for (size_t s = 0; s < model.strands(); ++s) {
+      const uint32_t first = grid.samples().offsets[s], end = grid.samples().offsets[s + 1];
+      for (uint32_t n = (first + end) / 2; n < end; ++n, ++count) {
+        auto node = [&](int axis) { return static_cast<int>(std::lround(grid.place(n)[axis])); };
+        sum += grid.densityAt(node(0), node(1), node(2)) / static_cast<double>(grid.restDensity(n));
+      }
+    }
+    return sum / count;
+  };
+  const double at_rest = density();
+  WispState out;
+  laboratory.advance(simulation, kSeconds, [&] {
+    const double carried = std::min(1.0, simulation.time() / kCarrying);
+    simulation.setBonePose("other", {Vec3(static_cast<float>(-kCarried * carried), 0, 0), Quat::Identity()});
+    if (simulation.time() < kSeconds - kWatched) return;
+    const StrandState now = simulation.state();
+    double squares = 0;
+    for (const Vec3& v : now.velocities) squares += v.cast<double>().squaredNorm();
+    out.speed = worse(out.speed, 1e3 * std::sqrt(squares / static_cast<double>(now.velocities.size())));
+  });
+  out.density = density() / at_rest;
+  return out;
+}
+
+std::vector<Case> twoWisps(const Laboratory& laboratory) {
+  const WispState on = carriedTogether(laboratory, kStiffness);
+  Case density = absoluteCase({"two wisps: density", "of their outer halves, over that at rest", ""},
+                              on.density, 1, 0.1);
+  density.note = fmt::format("with volume_stiffness off {:.2f}", carriedTogether(laboratory, 0).density);
+  return {density, absoluteCase({"two wisps: stop", "rms speed, the largest of the last half second", "mm/s"},
+                                on.speed, 0, 1)};
+}
+
+}  // namespace
+
+void addVolumeExperiments(std::vector<Experiment>& experiments) {
+  experiments.push_back(
+      {"two wisps of 100 limp strands, 4 cm wide, the roots of one carried by 8 cm into those of the other",
+       {"two wisps: density", "two wisps: stop"},
+       twoWisps});
+  experiments.push_back({"a head of 1000 strands of 20 cm that are not sag-free, under gravity for 5 s",
+                         namesOfFullHead(), fullHead});
+  experiments.push_back({"impulses of one step in a squeezed head of hair",
+                         {"momentum of pushes", "momentum of friction"},
+                         momentum});
+  experiments.push_back(
+      {"a head of hair at rest without gravity", {"groom at rest: way", "groom at rest: push"}, atRest});
+}
+
+}  // namespace strandcast
