@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "apps/backends.h"
 #include "apps/console.h"
@@ -11,6 +12,7 @@
 #include "apps/verbs.h"
 #include "apps/wire_suite.h"
 #include "core/backend_registry.h"
+#include "core/error.h"
 #include "validation/suite.h"
 
 namespace strandcast {
@@ -20,6 +22,8 @@ struct Options {
   std::string suite, backend = "auto", solver = "rod", only;
   int threads = 0;
   bool json = false, list = false;
+  CantileverNumbers cantilever;
+  bool own_cantilever = false;
 };
 
 void printList(const Suite& suite) {
@@ -30,9 +34,9 @@ void printList(const Suite& suite) {
 }
 
 nlohmann::json toJson(const Case& c) {
-  return {{"name", c.name},     {"quantity", c.quantity}, {"unit", c.unit},   {"measured", c.measured},
-          {"truth", c.truth},   {"error", c.error},       {"limit", c.limit}, {"error_unit", c.error_unit},
-          {"passed", c.passed}, {"note", c.note}};
+  return {{"case", c.name},   {"quantity", c.quantity}, {"unit", c.unit},   {"value", c.measured},
+          {"truth", c.truth}, {"error", c.error},       {"limit", c.limit}, {"error_unit", c.error_unit},
+          {"pass", c.passed}, {"note", c.note}};
 }
 
 void printTable(const std::vector<Case>& cases) {
@@ -48,8 +52,26 @@ void printTable(const std::vector<Case>& cases) {
   }
 }
 
+/// Every suite of the simulation as one.
+Suite allSuites() {
+  Suite all{"all", "every suite of the simulation", {}};
+  for (const Suite& suite : validationSuites())
+    all.experiments.insert(all.experiments.end(), suite.experiments.begin(), suite.experiments.end());
+  return all;
+}
+
+Suite suiteOf(const Options& o) {
+  if (o.own_cantilever) {
+    if (o.suite != "cantilever")
+      throw Error("this suite takes no numbers", o.suite, "give --gamma and so on to `cantilever` only");
+    return cantileverSuite(o.cantilever);
+  }
+  if (o.suite == "all") return allSuites();
+  return o.suite == wireSuite().name ? wireSuite() : validationSuite(o.suite);
+}
+
 int validate(const Options& o) {
-  const Suite& suite = o.suite == wireSuite().name ? wireSuite() : validationSuite(o.suite);
+  const Suite suite = suiteOf(o);
   if (o.list) {
     printList(suite);
     return 0;
@@ -73,11 +95,12 @@ int validate(const Options& o) {
   if (o.json) {
     nlohmann::json list = nlohmann::json::array();
     for (const Case& c : cases) list.push_back(toJson(c));
-    fmt::print("{}\n", nlohmann::json({{"suite", suite.name},
+    fmt::print("{}\n", nlohmann::json({{"name", suite.name},
                                        {"backend", name},
                                        {"device", device},
                                        {"solver", solverName(solver)},
-                                       {"cases", list},
+                                       {"pass", failed == 0},
+                                       {"results", list},
                                        {"passed", passed},
                                        {"failed", failed}})
                            .dump());
@@ -98,10 +121,12 @@ Verb addValidate(CLI::App& app) {
   for (const Suite& suite : validationSuites())
     suites += fmt::format("\n  {:<12}{}", suite.name, suite.about);
   suites += fmt::format("\n  {:<12}{}", wireSuite().name, wireSuite().about);
+  suites += fmt::format("\n  {:<12}{}", "all", "these but wire");
   app.description(app.get_description() + ".\nSuites:" + suites +
                   "\n\nExit code 0: every case within its limit; 1: a case failed; 2: it could not run.\n"
                   "Examples:\n"
                   "  strandcast validate cantilever --backend simd\n"
+                  "  strandcast validate cantilever --gamma 3.7 --vertices 40 --dt 0.002 --damping 1\n"
                   "  strandcast validate physics --only helix --json\n"
                   "  strandcast validate wire --only \"delta16 5000x32 60 Hz\"\n"
                   "  strandcast validate cantilever --solver gauss_seidel   what the other solver misses");
@@ -110,6 +135,20 @@ Verb addValidate(CLI::App& app) {
   app.add_option("--solver", o->solver, "rod or gauss_seidel")->capture_default_str();
   app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
   app.add_option("--only", o->only, "run the cases that have this in their name");
+  auto number = [&](const char* name, auto& value, const char* help) {
+    app.add_option_function<std::remove_reference_t<decltype(value)>>(
+           name,
+           [o, &value](const auto& given) {
+             value = given;
+             o->own_cantilever = true;
+           },
+           help)
+        ->group("One cantilever in place of the standard ones");
+  };
+  number("--gamma", o->cantilever.gamma, "gravito-bending number 4 rho g L^3 / (E R^2), 0.001 to 10000 (1)");
+  number("--vertices", o->cantilever.vertices, "beside the clamped one, 2 to 127 (32)");
+  number("--dt", o->cantilever.time_step, "time step, s (1/360)");
+  number("--damping", o->cantilever.damping, "air drag, 1/s, 0.05 to 100 (5)");
   app.add_flag("--list", o->list, "name the cases and what is done, without running them");
   app.add_flag("--json", o->json, "print one JSON object");
   return [o] { return validate(*o); };

@@ -4,6 +4,7 @@
 #include <map>
 #include <span>
 
+#include "core/error.h"
 #include "validation/elastica.h"
 #include "validation/experiments.h"
 #include "validation/specimen.h"
@@ -22,12 +23,12 @@ struct Cantilever {
 
 /// Drop over reach of the tips of horizontal strands of human hair, at rest.
 std::vector<double> restingSlopes(const Laboratory& laboratory, const std::vector<Cantilever>& cantilevers,
-                                  double rate) {
+                                  double rate, float drag = kDrag, double settling = kSettling) {
   std::vector<StrandPoints> strands;
   for (const Cantilever& c : cantilevers)
     strands.push_back(straightStrand(lengthOfGamma(c.gamma, Material{}), c.edges, Vec3::UnitX()));
-  Simulation simulation = laboratory.simulation(modelOf(strands), laboratory.parameters(rate, kDrag));
-  laboratory.advance(simulation, kSettling);
+  Simulation simulation = laboratory.simulation(modelOf(strands), laboratory.parameters(rate, drag));
+  laboratory.advance(simulation, settling);
   std::vector<double> slopes;
   for (size_t s = 0; s < strands.size(); ++s) {
     const Vec3 tip = tipOf(simulation, s);
@@ -121,7 +122,39 @@ std::vector<Case> convergence(const Laboratory& laboratory) {
   return cases;
 }
 
+double limitOf(const Cantilever& c) {
+  const double limit = c.gamma <= 10 ? 0.2 : c.gamma <= 100 ? 0.6 : 1.5;
+  const double edges = c.gamma <= 100 ? 32 : 64;
+  return limit * std::max(1.0, std::pow(edges / c.edges, 2));
+}
+
+void checkNumber(const char* name, double value, double low, double high) {
+  if (!(value >= low && value <= high))
+    throw Error("a number is out of range", fmt::format("{} {:g}", name, value),
+                fmt::format("give {:g} to {:g}", low, high));
+}
+
 }  // namespace
+
+Suite cantileverSuite(const CantileverNumbers& numbers) {
+  checkNumber("gamma", numbers.gamma, 1e-3, 1e4);
+  checkNumber("vertices", numbers.vertices, 2, 127);
+  checkNumber("dt", numbers.time_step, 1e-5, 1 / 30.);
+  checkNumber("damping", numbers.damping, 0.05, 100);
+  const Cantilever cantilever{numbers.gamma, numbers.vertices};
+  const std::string name = nameOf(cantilever);
+  auto run = [=](const Laboratory& laboratory) {
+    constexpr double kDecay = 40;  // drag x time, after which nothing sways
+    const double settling = std::max(kSettling, kDecay / numbers.damping);
+    const double slope = restingSlopes(laboratory, {cantilever}, 1 / numbers.time_step,
+                                       static_cast<float>(numbers.damping), settling)[0];
+    return std::vector<Case>{relativeCase({name, "tip H/W", ""}, slope,
+                                          restingElastica(numbers.gamma, 0).slope(), limitOf(cantilever))};
+  };
+  return {"cantilever",
+          "a heavy clamped elastica at rest",
+          {{"a horizontal strand sags under its own weight", {name}, run}}};
+}
 
 void addCantileverExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back(

@@ -145,10 +145,20 @@ TEST_F(Programs, ValidateExitsWithOneWhenACaseFails) {
   EXPECT_EQ(good.exit_code, 0) << good.err;
   const nlohmann::json rod = nlohmann::json::parse(good.out);
   EXPECT_EQ(rod["solver"], "rod");
-  EXPECT_EQ(rod["passed"], rod["cases"].size());
+  EXPECT_EQ(rod["name"], "cantilever");
+  EXPECT_EQ(rod["pass"], true);
+  EXPECT_EQ(rod["passed"], rod["results"].size());
+  for (const char* key : {"case", "value", "truth", "error", "limit", "unit", "pass"})
+    EXPECT_TRUE(rod["results"][0].contains(key)) << key;
   const Outcome bad = run(command + " --solver gauss_seidel");
   EXPECT_EQ(bad.exit_code, 1) << bad.err;
   EXPECT_GT(nlohmann::json::parse(bad.out)["failed"], 0);
+  const Outcome own =
+      run(program_ + " validate cantilever --backend reference --gamma 3.7 --vertices 40 --dt 0.002 --json");
+  EXPECT_EQ(own.exit_code, 0) << own.err;
+  EXPECT_EQ(nlohmann::json::parse(own.out)["results"][0]["case"], "gamma=3.7 vertices=40");
+  EXPECT_EQ(run(program_ + " validate cantilever --gamma -1").exit_code, 2);
+  EXPECT_EQ(run(program_ + " validate physics --gamma 1").exit_code, 2);
   const Outcome list = run(program_ + " validate physics --list");
   EXPECT_EQ(list.exit_code, 0);
   EXPECT_NE(list.out.find("hung helix"), std::string::npos);
