@@ -24,10 +24,7 @@ class StrandSurroundings final : public Surroundings {
   void load(const StrandModel& model, const Parameters& parameters) override {
     model_ = model;
     accelerations_.assign(model.vertices(), Vec3::Zero());
-    box_ = Box();
-    for (size_t s = 0; s < model.strands(); ++s)
-      for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
-        box_.extend(Eigen::Vector3f(model.restPosition(s, v)));
+    box_ = restBox(model);
     hair_.reset();
     wind_.reset();
     configure(parameters);
@@ -50,8 +47,9 @@ class StrandSurroundings final : public Surroundings {
       wind_->ambient().setTime(time_);
       wind_->centreAt(Vec3(box_.center()));
       wind_->reset();
+    } else if (wind_) {
+      wind_->ambient().configure(p);
     }
-    if (wind_) wind_->ambient().configure(p);
     const double h = static_cast<double>(p.time_step) / p.substeps;
     auto rate = [&](double scale) {
       return static_cast<float>((1 - std::exp(-static_cast<double>(p.air_drag) * scale * h)) / h);

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <numbers>
 #include <set>
 #include <sstream>
 
@@ -19,8 +20,6 @@
 
 namespace strandcast {
 namespace {
-
-constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
 
 /// One table of a configuration file: hands out its values, checks their types, and in the end complains of
 /// whatever nobody asked for.
@@ -241,7 +240,7 @@ WindSource readWindSource(Section& section) {
   vector("direction", out.direction);
   number("radius", 1e-3, 100, out.radius);
   number("length", 1e-3, 100, out.length);
-  section.number("angle", 0.1, 90, [&](double v) { out.angle = static_cast<float>(v * kRadiansPerDegree); });
+  section.number("angle", 0.1, 90, [&](double v) { out.angle = static_cast<float>(v * std::numbers::pi / 180); });
   number("speed", -100, 100, out.speed);
   number("swirl", -100, 100, out.swirl);
   number("rate", 0, 1000, out.rate);

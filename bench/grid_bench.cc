@@ -60,9 +60,8 @@ struct Result {
 Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model, int cells) {
   const Workers workers(o.backend == "simd" ? o.threads : 1);
   const GridPasses<float>& passes = passesOf(o.backend);
-  Box box;
+  const Box box = restBox(model);
   const StrandState rest = restState(model, model.rest_roots);
-  for (const Vec3& p : rest.positions) box.extend(Eigen::Vector3f(p));
   HairGrid<float> hair(passes, workers, model, cells, box);
   WindGrid<float> wind(passes, workers, cells, 2 * box.sizes().maxCoeff() / static_cast<float>(cells),
                        WindGrid<float>::Border::kOpen);

@@ -114,6 +114,7 @@ class RodStep {
   void moveAndEliminateLengths(Move move);
   real substituteLengths();
   void pullThroughBending(const mask& violent);
+  class BentMoves;
   class Pulls;
   void finish();
   real3 collide(int i, real3 x);
@@ -364,18 +365,31 @@ void RodStep::moveAndEliminateLengths(Move move) {
   eliminate(ne - 1, weightAlong(t_in, normal_in, w_in, lit(0), lit(1)));
 }
 
-// Bending substituted from root to tip.
+// The bending system substituted from root to tip: what it moves one vertex after another.
+class RodStep::BentMoves {
+ public:
+  explicit BentMoves(const RodStep& step) : s_(step) {}
+  // The outer vertex of edge e.
+  real3 next(int e) {
+    const real3 d = s_.get3(kStrain, e) - d1_ * l1_in_ - d2_ * l2_in2_;
+    l1_in_ = s_.get(kFactor1, e);
+    l2_in2_ = l2_in_;
+    l2_in_ = s_.get(kFactor2, e);
+    d2_ = d1_;
+    d1_ = d;
+    return d;
+  }
+
+ private:
+  const RodStep& s_;
+  real3 d1_ = makeReal3(lit(0), lit(0), lit(0)), d2_ = d1_;
+  real l1_in_ = lit(0), l2_in_ = lit(0), l2_in2_ = lit(0);
+};
+
 inline void RodStep::moveByForces() {
-  real3 d1 = makeReal3(lit(0), lit(0), lit(0)), d2 = d1;
-  real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0);
+  BentMoves moves(*this);
   moveAndEliminateLengths([&](int e) {
-    const real3 d = get3(kStrain, e) - d1 * l1_in - d2 * l2_in2;
-    l1_in = get(kFactor1, e);
-    l2_in2 = l2_in;
-    l2_in = get(kFactor2, e);
-    d2 = d1;
-    d1 = d;
-    const real3 x = get3(kNewPosition, e + 1);
+    const real3 d = moves.next(e), x = get3(kNewPosition, e + 1);
     return b.pinned ? select(weight(e + 1) > lit(0), x + d, x) : x + d;
   });
 }
@@ -429,16 +443,11 @@ inline void RodStep::pullThroughBending(const mask& violent) {
       t_out = t;
     }
     // Root to tip: what they move, and by how much that shortens the edges.
-    real3 d1 = zero, d2 = zero, moved_in = zero;
-    real l1_in = lit(0), l2_in = lit(0), l2_in2 = lit(0), curvature = lit(0);
+    BentMoves moves(*this);
+    real3 moved_in = zero;
+    real curvature = lit(0);
     for (int e = 0; e < ne; ++e) {
-      const real3 d = get3(kStrain, e) - d1 * l1_in - d2 * l2_in2;
-      l1_in = get(kFactor1, e);
-      l2_in2 = l2_in;
-      l2_in = get(kFactor2, e);
-      d2 = d1;
-      d1 = d;
-      const real3 moved = select(weight(e + 1) > lit(0), alongSurface(d, normalAt(e + 1)), zero);
+      const real3 moved = select(weight(e + 1) > lit(0), alongSurface(moves.next(e), normalAt(e + 1)), zero);
       set3(kStrain, e, moved);
       curvature = madd(get(kConjugate, e), dot(get3(kTangent, e), moved_in - moved), curvature);
       moved_in = moved;

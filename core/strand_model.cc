@@ -206,6 +206,14 @@ void pinToBone(StrandModel& model, size_t strand, float from, float to, const st
   if (pinned.front() == first) model.root_bones[strand] = static_cast<uint16_t>(index);
 }
 
+Box restBox(const StrandModel& model) {
+  Box box;
+  for (size_t s = 0; s < model.strands(); ++s)
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+      box.extend(Eigen::Vector3f(model.restPosition(s, v)));
+  return box;
+}
+
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots) {
   StrandState state;
   state.positions.resize(model.vertices());

@@ -84,6 +84,9 @@ void pinToBone(StrandModel& model, size_t strand, float from, float to, const st
 /// The rest shape carried rigidly by its roots, at rest.
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots);
 
+/// All vertices at rest, m, in the groom's frame.
+Box restBox(const StrandModel& model);
+
 /// 64-bit FNV-1a over the bytes of positions and velocities: equal motion, equal hashes.
 uint64_t stateHash(const StrandState& state);
 

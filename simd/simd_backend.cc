@@ -60,36 +60,31 @@ class SimdBackend final : public Backend {
   void download(StrandState& state) override { store_.download(state); }
 
   void step(const StepInput& input) override {
-    if (threads_ == 1) {
-      stepBlocks(0, store_.blocks(), input, scratch_.data());
-      return;
-    }
-    arena_.execute([&] {
-      oneapi::tbb::parallel_for(
-          oneapi::tbb::blocked_range<size_t>(0, store_.blocks()), [&](const auto& range) {
-            const int thread = oneapi::tbb::this_task_arena::current_thread_index();
-            stepBlocks(range.begin(), range.end(), input, scratch_.data() + thread * scratch_stride_);
-          });
+    forBlocks([&](size_t begin, size_t end, int thread) {
+      stepBlocks(begin, end, input, scratch_.data() + thread * scratch_stride_);
     });
   }
   std::span<const Vec3> guides() override { return guides_; }
   bool takesAccelerations() const override { return true; }
   std::span<const Vec3> velocities() override {
-    auto read = [&](size_t begin, size_t end) {
+    forBlocks([&](size_t begin, size_t end, int) {
       for (size_t b = begin; b < end; ++b) store_.readVelocities(b, velocities_);
-    };
-    if (threads_ == 1) {
-      read(0, store_.blocks());
-    } else {
-      arena_.execute([&] {
-        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<size_t>(0, store_.blocks()),
-                                  [&](const auto& range) { read(range.begin(), range.end()); });
-      });
-    }
+    });
     return velocities_;
   }
 
  private:
+  /// Calls work(begin, end, thread) for ranges of blocks, on all threads.
+  template <class Work>
+  void forBlocks(const Work& work) {
+    if (threads_ == 1) return work(0, store_.blocks(), 0);
+    arena_.execute([&] {
+      oneapi::tbb::parallel_for(
+          oneapi::tbb::blocked_range<size_t>(0, store_.blocks()), [&](const auto& range) {
+            work(range.begin(), range.end(), oneapi::tbb::this_task_arena::current_thread_index());
+          });
+    });
+  }
   void stepBlocks(size_t begin, size_t end, const StepInput& input, float* scratch) {
     for (size_t b = begin; b < end; ++b) {
       store_.setInput(b, input);

@@ -154,7 +154,7 @@ std::vector<GroomChunk> splitGroom(const GroomDescription& groom) {
                    (guides.radii.empty() ? 0u : GroomChunk::kRadii) |
                    (guides.uvs.empty() ? 0u : GroomChunk::kUvs) |
                    (guides.parts.empty() ? 0u : GroomChunk::kParts);
-    chunk.name = groom.name.substr(0, kMaxTextBytes);
+    chunk.name = shortened(groom.name);
     chunk.vertex_counts.resize(run.strand_count);
     for (uint32_t s = 0; s < run.strand_count; ++s) {
       chunk.vertex_counts[s] = static_cast<uint32_t>(guides.verticesOf(run.first_strand + s));
@@ -193,7 +193,7 @@ std::vector<BodyChunk> splitBody(const BodyDescription& body) {
     chunk.first_triangle = static_cast<uint32_t>(first_triangle);
     chunk.arrays = (mesh.normals.empty() ? 0u : BodyChunk::kNormals) |
                    (body.head_weights.empty() ? 0u : BodyChunk::kHeadWeights);
-    chunk.name = mesh.name.substr(0, kMaxTextBytes);
+    chunk.name = shortened(mesh.name);
     chunk.positions = floats(mesh.positions, first_position, positions);
     if (!mesh.normals.empty()) chunk.normals = floats(mesh.normals, first_position, positions);
     chunk.head_weights = slice(body.head_weights, first_position, positions);

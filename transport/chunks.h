@@ -18,6 +18,9 @@ inline constexpr uint32_t kMaxChunks = 4096;           ///< of one message
 inline constexpr size_t kMaxVerticesPerStrand = 3500;  ///< a strand is not divided between chunks
 inline constexpr size_t kMaxTextBytes = 255;           ///< of every name on the wire
 
+/// Cut to what the wire takes.
+inline std::string shortened(const std::string& text) { return text.substr(0, kMaxTextBytes); }
+
 /// How GuideChunk::payload holds positions: docs/wire.md.
 enum class Encoding : uint32_t { kFloat32 = 0, kDelta16 = 1, kOctahedral12 = 2, kOctahedral16 = 3 };
 

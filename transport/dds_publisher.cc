@@ -1,6 +1,6 @@
 #include "core/error.h"
+#include "transport/announced_groom.h"
 #include "transport/chunks.h"
-#include "transport/codec/guide_encoder.h"
 #include "transport/command_queue.h"
 #include "transport/dds.h"
 #include "transport/dds_participant.h"
@@ -18,7 +18,7 @@ class DdsPublisher final : public Publisher {
  public:
   explicit DdsPublisher(const DdsOptions& options)
       : options_(options),
-        encoder_(options.codec),
+        announced_(options.groom_id, options.session, options.codec),
         command_listener_([this](v2::Command& wire, const auto&) { receive(wire); }),
         status_listener_([this](v2::Status& wire, const auto& writer) { hear(wire, writer); },
                          [this](const auto& writer) { others_.remove(writer); }),
@@ -35,34 +35,18 @@ class DdsPublisher final : public Publisher {
   ~DdsPublisher() override { status_writer_->wait_for_acknowledgments(kFarewell); }
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override {
-    checkAnnouncement(groom, body, "groom " + groom.name);
-    GroomDescription own_groom = groom;
-    own_groom.groom_id = options_.groom_id;
-    own_groom.session = options_.session;
-    checkSuccession(revision_ ? &last_ : nullptr, own_groom);
-    BodyDescription own_body = body;
-    own_body.groom_id = options_.groom_id;
-    own_body.session = options_.session;
-    own_body.revision = groom.revision;
-    groom_chunks_ = replace<v2::GroomChunk>(*groom_writer_, splitGroom(own_groom), groom_chunks_);
-    body_chunks_ = replace<v2::BodyChunk>(*body_writer_, splitBody(own_body), body_chunks_);
-    encoder_.setGroom(groom.guides);
-    vertices_ = groom.guides.vertices();
-    revision_ = groom.revision;
-    last_.session = options_.session;
-    last_.revision = groom.revision;
+    AnnouncedGroom::Chunks chunks = announced_.chunksOf(groom, body);
+    groom_chunks_ = replace<v2::GroomChunk>(*groom_writer_, std::move(chunks.groom), groom_chunks_);
+    body_chunks_ = replace<v2::BodyChunk>(*body_writer_, std::move(chunks.body), body_chunks_);
+    announced_.accept(groom);
   }
 
   void publish(const GuideFrame& frame) override {
-    if (!revision_ || frame.revision != *revision_ || frame.positions.size() != vertices_) return;
-    for (uint32_t i = 0; i < encoder_.runs().size(); ++i) {
-      encoder_.encode(frame, i, chunk_);
-      chunk_.groom_id = options_.groom_id;
-      chunk_.session = options_.session;
-      toWire(chunk_, guide_sample_);
+    announced_.divide(frame, [this](GuideChunk& chunk) {
+      toWire(chunk, guide_sample_);
       guide_writer_->write(&guide_sample_);
-      std::swap(guide_sample_.payload(), chunk_.payload);  // back: its memory serves the next chunk
-    }
+      std::swap(guide_sample_.payload(), chunk.payload);  // back: its memory serves the next chunk
+    });
   }
 
   void publishStatus(const Status& status) override {
@@ -76,7 +60,7 @@ class DdsPublisher final : public Publisher {
   std::optional<Command> takeCommand() override { return commands_.take(); }
 
   uint32_t matchedReaders() const override { return readers_.matched(); }
-  EncodingReport encoding() const override { return encoder_.report(); }
+  EncodingReport encoding() const override { return announced_.encoding(); }
   std::optional<uint64_t> rivalSession() const override {
     return others_.rivalOf(options_.groom_id, options_.session);
   }
@@ -120,12 +104,8 @@ class DdsPublisher final : public Publisher {
   const DdsOptions options_;
   CommandQueue commands_;
   StatusBoard others_;  // of this groom
-  GuideEncoder encoder_;
-  size_t vertices_ = 0;
-  std::optional<uint32_t> revision_;
-  GroomDescription last_;  // only its session and revision
+  AnnouncedGroom announced_;
   uint32_t groom_chunks_ = 0, body_chunks_ = 0;
-  GuideChunk chunk_;
   v2::GuideChunk guide_sample_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter readers_;

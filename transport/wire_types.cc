@@ -3,10 +3,6 @@
 #include <utility>
 
 namespace strandcast {
-namespace {
-std::string shortened(const std::string& text) { return text.substr(0, kMaxTextBytes); }
-}  // namespace
-
 void toWire(GroomChunk& chunk, v2::GroomChunk& wire) {
   wire.session(chunk.session);
   wire.groom_id(chunk.groom_id);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "validation/runge_kutta.h"
+#include "validation/shooting.h"
 
 namespace strandcast {
 namespace {
@@ -28,12 +29,9 @@ State atClamp(double gamma, double alpha, double tip_angle) {
 
 ElasticaTip restingElastica(double gamma, double alpha) {
   constexpr double kHorizontal = std::numbers::pi / 2;
-  double low = std::log(1e-200), high = std::log(kHorizontal);  // of the tip's angle
-  for (int i = 0; i < 80; ++i) {
-    const double middle = (low + high) / 2;
-    (atClamp(gamma, alpha, std::exp(middle))[0] > kHorizontal ? high : low) = middle;
-  }
-  const State clamp = atClamp(gamma, alpha, std::exp(low));
+  const double tip_angle =
+      shootFromTip(kHorizontal, [&](double angle) { return atClamp(gamma, alpha, angle)[0]; });
+  const State clamp = atClamp(gamma, alpha, tip_angle);
   return {clamp[2], clamp[3]};
 }
 

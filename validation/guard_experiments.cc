@@ -185,15 +185,9 @@ std::vector<Case> thrown(const Laboratory& laboratory) {
       },
       {});
   const StrandState state = simulation.state();
-  const StrandModel& model = simulation.model();
   double moving = 0;
-  for (size_t s = 0; s < kStrands; ++s) {
-    double square = 0;
-    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
-      square += state.velocities[v].cast<double>().squaredNorm();
-    const double speed = std::sqrt(square / static_cast<double>(model.verticesOf(s)));
-    if (!(speed < kMoving)) ++moving;
-  }
+  for (size_t s = 0; s < kStrands; ++s)
+    if (!(rmsSpeedOf(simulation.model(), state, s) < kMoving)) ++moving;
   return {absoluteCase({kThrown, "strands of 100 faster than 10 mm/s", ""}, moving, 0, 1)};
 }
 

@@ -51,4 +51,11 @@ std::span<const Vec3> strandOf(Simulation& simulation, size_t s) {
 
 Vec3 tipOf(Simulation& simulation, size_t s) { return strandOf(simulation, s).back(); }
 
+double rmsSpeedOf(const StrandModel& model, const StrandState& state, size_t s) {
+  double squares = 0;
+  for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+    squares += state.velocities[v].cast<double>().squaredNorm();
+  return std::sqrt(squares / static_cast<double>(model.verticesOf(s)));
+}
+
 }  // namespace strandcast

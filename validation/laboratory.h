@@ -46,5 +46,7 @@ class Laboratory {
 std::span<const Vec3> strandOf(Simulation& simulation, size_t s);
 /// The last of them.
 Vec3 tipOf(Simulation& simulation, size_t s);
+/// Speed of strand s, m/s, root mean square over its vertices.
+double rmsSpeedOf(const StrandModel& model, const StrandState& state, size_t s);
 
 }  // namespace strandcast

@@ -141,13 +141,8 @@ std::vector<Case> helices(const Laboratory& laboratory) {
   laboratory.advance(simulation, kFall);
   state = simulation.state();
   double fastest = 0;
-  for (size_t s = 0; s < strands.size(); ++s) {
-    double sum = 0;
-    const StrandModel& model = simulation.model();
-    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
-      sum += state.velocities[v].squaredNorm();
-    fastest = worse(fastest, 1e3 * std::sqrt(sum / static_cast<double>(model.verticesOf(s))));
-  }
+  for (size_t s = 0; s < strands.size(); ++s)
+    fastest = worse(fastest, 1e3 * rmsSpeedOf(simulation.model(), state, s));
   return {absoluteCase({"helices come to rest", "largest rms speed of a strand", "mm/s"}, fastest, 0, 1)};
 }
 

@@ -102,14 +102,6 @@ std::vector<Case> fullHead(const Laboratory& laboratory) {
   return cases;
 }
 
-Box boxOf(const StrandModel& model) {
-  Box box;
-  for (size_t s = 0; s < model.strands(); ++s)
-    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
-      box.extend(Eigen::Vector3f(model.restPosition(s, v)));
-  return box;
-}
-
 // The hair at rest feels nothing; that it moves all the same is the rounding of its own elasticity.
 std::vector<Case> atRest(const Laboratory& laboratory) {
   const StrandModel model = headOfHair(600, 0.2, 23, 2);
@@ -122,7 +114,7 @@ std::vector<Case> atRest(const Laboratory& laboratory) {
     if (on) {
       const Workers workers(1);
       HairGrid<float> grid(passesOf(laboratory.backendName()), workers, model, parameters.grid_cells,
-                           boxOf(model));
+                           restBox(model));
       grid.splat(before.positions, before.velocities, Pose{});
       grid.findForces(parameters, parameters.time_step);
       std::vector<float> changes(4 * grid.samples().samples.size());
@@ -145,7 +137,7 @@ std::vector<Case> atRest(const Laboratory& laboratory) {
 // A squeezed head of hair in which every strand has a velocity of its own: all impulses of a step, added up.
 std::vector<Case> momentum(const Laboratory& laboratory) {
   const StrandModel model = headOfHair(1000, 0.2, 23, 2);
-  const Box box = boxOf(model);
+  const Box box = restBox(model);
   const Workers workers(1);
   std::vector<Case> cases;
   for (const bool pushes : {true, false}) {
@@ -209,7 +201,7 @@ WispState carriedTogether(const Laboratory& laboratory, float stiffness) {
   Simulation simulation = laboratory.simulation(model, parameters);
   const Workers workers(1);
   HairGrid<float> grid(passesOf(laboratory.backendName()), workers, model, parameters.grid_cells,
-                       boxOf(model));
+                       restBox(model));
   auto density = [&] {
     const StrandState now = simulation.state();
     grid.splat(now.positions, now.velocities, Pose{});

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "validation/runge_kutta.h"
+#include "validation/shooting.h"
 
 namespace strandcast {
 namespace {
@@ -34,12 +35,9 @@ State atClamp(double load, double ratio, double tip_angle) {
 }  // namespace
 
 WindElasticaTip windElastica(double load, double along_over_across) {
-  double low = std::log(1e-200), high = std::log(kAcross);  // of the tip's angle
-  for (int i = 0; i < 80; ++i) {
-    const double middle = (low + high) / 2;
-    (atClamp(load, along_over_across, std::exp(middle))[0] > kAcross ? high : low) = middle;
-  }
-  const State clamp = atClamp(load, along_over_across, std::exp(low));
+  const double tip_angle =
+      shootFromTip(kAcross, [&](double angle) { return atClamp(load, along_over_across, angle)[0]; });
+  const State clamp = atClamp(load, along_over_across, tip_angle);
   return {clamp[5], clamp[4]};
 }
 

@@ -22,14 +22,6 @@ StrandModel tuft() {
   return modelOf(strands);
 }
 
-Box boxOf(const StrandModel& model) {
-  Box box;
-  for (size_t s = 0; s < model.strands(); ++s)
-    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
-      box.extend(Eigen::Vector3f(model.restPosition(s, v)));
-  return box;
-}
-
 struct Hair {
   StrandModel model = tuft();
   StrandState state = restState(model, model.rest_roots);
@@ -77,7 +69,7 @@ TEST(HairGrid, AnyNumberOfThreadsGivesTheSameBits) {
   std::vector<float> first;
   for (const int threads : {1, 2, 3, 5, 8, 16}) {
     const Workers workers(threads);
-    HairGrid<float> grid(simdPasses(), workers, hair.model, 32, boxOf(hair.model));
+    HairGrid<float> grid(simdPasses(), workers, hair.model, 32, restBox(hair.model));
     grid.splat(hair.state.positions, hair.state.velocities, Pose{});
     grid.findForces(hair.parameters(), 1.0 / 60);
     std::vector<float> changes(4 * grid.samples().samples.size());
@@ -102,7 +94,7 @@ TEST(HairGrid, LanesAndDoublesAgree) {
     grid.changes(0, grid.samples().samples.size(), changes.data());
     return std::vector<double>(changes.begin(), changes.end());
   };
-  const Box box = boxOf(hair.model);
+  const Box box = restBox(hair.model);
   const std::vector<double> exact =
       run(HairGrid<double>(scalarPasses<double>(), workers, hair.model, 32, box));
   const std::vector<double> scalar =
@@ -120,7 +112,7 @@ TEST(HairGrid, LanesAndDoublesAgree) {
 TEST(HairGrid, HairAtRestFeelsNothingWhereverTheHeadIs) {
   const Hair hair;
   const Workers workers(1);
-  HairGrid<float> grid(simdPasses(), workers, hair.model, 32, boxOf(hair.model));
+  HairGrid<float> grid(simdPasses(), workers, hair.model, 32, restBox(hair.model));
   Parameters parameters = hair.parameters();
   parameters.hair_friction = 0;
   const std::vector<Vec3> still(hair.model.vertices(), Vec3::Zero());
@@ -140,7 +132,7 @@ TEST(HairGrid, HairAtRestFeelsNothingWhereverTheHeadIs) {
 TEST(HairGrid, SqueezedHairIsPushedApartAndNoMomentumIsMade) {
   const Hair hair;
   const Workers workers(2);
-  HairGrid<float> grid(simdPasses(), workers, hair.model, 32, boxOf(hair.model));
+  HairGrid<float> grid(simdPasses(), workers, hair.model, 32, restBox(hair.model));
   std::vector<Vec3> squeezed = hair.state.positions;
   const float middle = 0.024f;
   for (Vec3& p : squeezed) p.x() = middle + 0.5f * (p.x() - middle);
@@ -172,7 +164,7 @@ TEST(HairGrid, SqueezedHairIsPushedApartAndNoMomentumIsMade) {
 TEST(HairGrid, StrandsThatWentWrongAreLeftOut) {
   const Hair hair;
   const Workers workers(1);
-  HairGrid<float> grid(simdPasses(), workers, hair.model, 32, boxOf(hair.model));
+  HairGrid<float> grid(simdPasses(), workers, hair.model, 32, restBox(hair.model));
   std::vector<Vec3> positions = hair.state.positions;
   positions[3] = Vec3::Constant(std::nanf(""));
   positions[40] = Vec3(1e6f, 0, 0);

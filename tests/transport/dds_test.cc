@@ -13,19 +13,15 @@
 #include "sample_messages.h"
 #include "tests/error_of.h"
 #include "transport/dds.h"
+#include "true_within.h"
 
 namespace strandcast {
 namespace {
 
 using std::chrono::milliseconds;
 
-bool becomesTrue(const std::function<bool()>& condition, milliseconds timeout = milliseconds(5000)) {
-  const auto end = std::chrono::steady_clock::now() + timeout;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(milliseconds(10));
-  }
-  return true;
+bool becomesTrue(const std::function<bool()>& condition, milliseconds patience = milliseconds(5000)) {
+  return trueWithin(patience, condition);
 }
 
 class Dds : public testing::Test {

@@ -13,6 +13,7 @@
 #include "moving_hair.h"
 #include "tests/error_of.h"
 #include "transport/lcm/lcm_ends.h"
+#include "true_within.h"
 
 namespace strandcast {
 namespace {
@@ -20,14 +21,7 @@ namespace {
 using std::chrono::milliseconds;
 constexpr milliseconds kPatience{30000};  // on a loaded machine; nothing waits this long where all is well
 
-bool becomesTrue(const std::function<bool()>& condition) {
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(milliseconds(2));
-  }
-  return true;
-}
+bool becomesTrue(const std::function<bool()>& condition) { return trueWithin(kPatience, condition); }
 
 LcmOptions options(uint64_t session, Codec codec = Codec::kDelta16) { return {"", 1, session, {codec}}; }
 

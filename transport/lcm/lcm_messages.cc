@@ -138,7 +138,10 @@ bool read(std::span<const uint8_t> bytes, Message& message) {
   return reader.atEnd();
 }
 
-std::string shortened(const std::string& text) { return text.substr(0, kMaxTextBytes); }
+void shortenTexts(Status& s) {
+  for (std::string* text : {&s.groom_name, &s.backend, &s.device, &s.encoding.codec, &s.last_command_error})
+    *text = shortened(*text);
+}
 
 }  // namespace
 
@@ -163,9 +166,7 @@ void toBytes(const ReaderSign& sign, std::vector<uint8_t>& bytes) {
 }
 void toBytes(const Status& status, std::vector<uint8_t>& bytes) {
   Status own = status;
-  for (std::string* text :
-       {&own.groom_name, &own.backend, &own.device, &own.encoding.codec, &own.last_command_error})
-    *text = shortened(*text);
+  shortenTexts(own);
   write<strandcast_v2::status_t>(own, bytes);
 }
 
@@ -194,9 +195,7 @@ bool fromBytes(std::span<const uint8_t> bytes, ReaderSign& sign) {
 }
 bool fromBytes(std::span<const uint8_t> bytes, Status& status) {
   if (!read<strandcast_v2::status_t>(bytes, status)) return false;
-  for (std::string* text : {&status.groom_name, &status.backend, &status.device, &status.encoding.codec,
-                            &status.last_command_error})
-    *text = shortened(*text);
+  shortenTexts(status);
   return true;
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "transport/codec/guide_encoder.h"
+#include "transport/announced_groom.h"
 #include "transport/command_queue.h"
 #include "transport/lcm/lcm_channels.h"
 #include "transport/lcm/lcm_ends.h"
@@ -30,7 +30,10 @@ constexpr int kFarewells = 3;
 class LcmPublisher final : public Publisher {
  public:
   LcmPublisher(std::shared_ptr<MessageLink> link, const LcmOptions& options)
-      : options_(options), channels_(options.groom_id), encoder_(options.codec), link_(std::move(link)) {
+      : options_(options),
+        channels_(options.groom_id),
+        announced_(options.groom_id, options.session, options.codec),
+        link_(std::move(link)) {
     ears_.push_back(link_->listen(channels_.command, [this](auto message) { receiveCommand(message); }));
     ears_.push_back(link_->listen(channels_.reader, [this](auto message) { receiveSign(message); }));
     ears_.push_back(link_->listen(channels_.status, [this](auto message) { receiveStatus(message); }));
@@ -50,29 +53,17 @@ class LcmPublisher final : public Publisher {
   }
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override {
-    checkAnnouncement(groom, body, "groom " + groom.name);
-    GroomDescription own_groom = groom;
-    own_groom.groom_id = options_.groom_id;
-    own_groom.session = options_.session;
-    checkSuccession(revision_ ? &last_ : nullptr, own_groom);
-    BodyDescription own_body = body;
-    own_body.groom_id = options_.groom_id;
-    own_body.session = options_.session;
-    own_body.revision = groom.revision;
+    const AnnouncedGroom::Chunks chunks = announced_.chunksOf(groom, body);
     std::vector<Message> carousel;
-    for (const GroomChunk& chunk : splitGroom(own_groom)) {
+    for (const GroomChunk& chunk : chunks.groom) {
       carousel.push_back({channels_.groom, {}});
       toBytes(chunk, carousel.back().bytes);
     }
-    for (const BodyChunk& chunk : splitBody(own_body)) {
+    for (const BodyChunk& chunk : chunks.body) {
       carousel.push_back({channels_.bodies, {}});
       toBytes(chunk, carousel.back().bytes);
     }
-    encoder_.setGroom(groom.guides);
-    vertices_ = groom.guides.vertices();
-    revision_ = groom.revision;
-    last_.session = options_.session;
-    last_.revision = groom.revision;
+    announced_.accept(groom);
     std::unique_lock lock(mutex_);
     carousel_ = std::make_shared<const std::vector<Message>>(std::move(carousel));
     sendDescription(lock);
@@ -80,14 +71,10 @@ class LcmPublisher final : public Publisher {
   }
 
   void publish(const GuideFrame& frame) override {
-    if (!revision_ || frame.revision != *revision_ || frame.positions.size() != vertices_) return;
-    for (uint32_t i = 0; i < encoder_.runs().size(); ++i) {
-      encoder_.encode(frame, i, chunk_);
-      chunk_.groom_id = options_.groom_id;
-      chunk_.session = options_.session;
-      toBytes(chunk_, guide_message_);
+    announced_.divide(frame, [this](const GuideChunk& chunk) {
+      toBytes(chunk, guide_message_);
       link_->send(channels_.guides, guide_message_);
-    }
+    });
   }
 
   void publishStatus(const Status& status) override {
@@ -116,7 +103,7 @@ class LcmPublisher final : public Publisher {
     return static_cast<uint32_t>(readers_.size());
   }
 
-  EncodingReport encoding() const override { return encoder_.report(); }
+  EncodingReport encoding() const override { return announced_.encoding(); }
 
   std::optional<uint64_t> rivalSession() const override {
     const std::lock_guard lock(mutex_);
@@ -197,11 +184,7 @@ class LcmPublisher final : public Publisher {
   const LcmOptions options_;
   const LcmChannels channels_;
   CommandQueue commands_;
-  GuideEncoder encoder_;
-  size_t vertices_ = 0;
-  std::optional<uint32_t> revision_;
-  GroomDescription last_;  // only its session and revision
-  GuideChunk chunk_;
+  AnnouncedGroom announced_;
   std::vector<uint8_t> guide_message_;
 
   mutable std::mutex mutex_;  // of all that follows

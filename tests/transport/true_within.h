@@ -1,0 +1,18 @@
+#pragma once
+#include <chrono>
+#include <functional>
+#include <thread>
+
+namespace strandcast {
+
+/// Looks again and again; false when it is not so by then.
+inline bool trueWithin(std::chrono::milliseconds patience, const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + patience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
+}
+
+}  // namespace strandcast
