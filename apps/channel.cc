@@ -64,6 +64,7 @@ Scene makeSceneAloud(const SceneOptions& options) {
 EmbeddedDaemon::EmbeddedDaemon(const Settings& settings) {
   std::tie(publisher_, subscriber_) = makeInProcessChannel(settings.groom_id);
   daemon_ = std::make_unique<Daemon>(settings, makeSceneAloud(settings.scene), *publisher_, newSession());
+  daemon_->announce();
   thread_ = std::thread([this] { daemon_->run(stop_); });
 }
 

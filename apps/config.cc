@@ -322,7 +322,7 @@ void readConfigText(const std::string& text, const std::string& name, Settings& 
   }
 }
 
-void readConfig(const std::filesystem::path& file, Settings& settings) {
+std::string configText(const std::filesystem::path& file) {
   constexpr uintmax_t kMaxBytes = 1 << 20;
   std::error_code failed;
   const uintmax_t bytes = std::filesystem::file_size(file, failed);
@@ -333,7 +333,11 @@ void readConfig(const std::filesystem::path& file, Settings& settings) {
     throw Error("the configuration file is larger than 1 MiB", file.string(), "is it the right file?");
   std::stringstream text;
   text << stream.rdbuf();
-  readConfigText(text.str(), file.string(), settings);
+  return text.str();
+}
+
+void readConfig(const std::filesystem::path& file, Settings& settings) {
+  readConfigText(configText(file), file.string(), settings);
 }
 
 }  // namespace strandcast

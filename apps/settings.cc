@@ -187,8 +187,18 @@ bool SettingsOptions::namesScene() const {
 }
 
 Settings SettingsOptions::resolve() const {
-  Settings out;
-  if (!config_.empty()) readConfig(config_, out);
+  Settings config;
+  if (!config_.empty()) readConfig(config_, config);
+  return over(std::move(config));
+}
+
+Settings SettingsOptions::resolve(const std::string& config_text) const {
+  Settings config;
+  if (!config_.empty()) readConfigText(config_text, config_.string(), config);
+  return over(std::move(config));
+}
+
+Settings SettingsOptions::over(Settings out) const {
   auto lay = [&](const char* option, auto& to, const auto& from) {
     const CLI::Option* known = app_.get_option_no_throw(option);
     if (known != nullptr && known->count() > 0) to = from;

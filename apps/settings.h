@@ -48,10 +48,16 @@ class SettingsOptions {
   /// After parsing: reads the --config file, then lays the options given over it. Throws Error (file, line,
   /// key).
   Settings resolve() const;
+  /// The same with this text in place of what the --config file holds now.
+  Settings resolve(const std::string& config_text) const;
+  /// The --config file; empty where none is given.
+  const std::filesystem::path& config() const { return config_; }
   /// Whether a scene was asked for (--scene, --groom or --config): then a viewer needs no daemon.
   bool namesScene() const;
 
  private:
+  Settings over(Settings config) const;
+
   CLI::App& app_;
   std::filesystem::path config_;
   Settings given_;
@@ -67,6 +73,8 @@ UpAxis upAxisOf(const std::string& name, const std::string& where = "--up");
 /// Adds --transport, --lcm-url, --domain and --groom-id, which every program that joins a network has.
 void addNetworkOptions(CLI::App& app, Settings& settings);
 
+/// The text of a configuration file of at most 1 MiB. Throws Error.
+std::string configText(const std::filesystem::path& file);
 /// Reads a configuration file over `settings`. Every unknown key is an Error that names its line and the
 /// nearest known key.
 void readConfig(const std::filesystem::path& file, Settings& settings);

@@ -88,8 +88,9 @@ class Programs : public ::testing::Test {
 };
 
 TEST_F(Programs, HelpTeachesAndExitsWithZero) {
-  for (const char* words : {" --help", " info --help", " convert --help", " bake --help", " render --help",
-                            " compare --help", " ctl --help", " validate --help"}) {
+  for (const char* words :
+       {" --help", " info --help", " convert --help", " bake --help", " render --help", " compare --help",
+        " ctl --help", " record --help", " replay --help", " validate --help"}) {
     const Outcome r = run(program_ + words);
     EXPECT_EQ(r.exit_code, 0) << words << r.err;
     EXPECT_GT(r.out.size(), 200u) << words;
@@ -120,6 +121,8 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
         program_ + " bake " + (folder_ / "cube.obj").string() + " --no-cache --unit-meters 1 --cell 1e-5",
         program_ + " bake " + (folder_ / "cube.obj").string() + " --no-cache --unit-meters 1 --memory 1",
         program_ + " validate chemistry",
+        program_ + " replay " + (folder_ / "absent.rec").string(),
+        program_ + " replay " + (folder_ / "cube.obj").string() + " --check",
         program_ + " validate physics --only 'no such case'",
         program_ + " validate cantilever --solver magic --backend reference",
         program_ + " convert " + (folder_ / "empty.tfx").string() + " " + (folder_ / "x.hair").string(),
@@ -322,6 +325,46 @@ TEST_F(Programs, DaemonCastsToARendererAndObeys) {
   const nlohmann::json summary = nlohmann::json::parse(contents(folder_ / "daemon.json"));
   EXPECT_GT(summary["frames_published"], 10);
   EXPECT_EQ(summary["non_finite"], 0);
+}
+
+TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::string run_file = (folder_ / "run.rec").string(), network = " --domain " + domain_;
+  const pid_t daemon = start({daemon_, "--scene", "wavy", "--strands", "60", "--motion", "shake", "--backend",
+                              "simd", "--domain", domain_, "--quiet", "--record", run_file},
+                             "daemon.txt");
+  ASSERT_EQ(run(program_ + " ctl wind 3 0 0 --timeout 60" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl set time_step 0.01" + network).exit_code, 0);
+  const std::string live = (folder_ / "live.rec").string();
+  const Outcome recorded =
+      run(program_ + " record " + live + " --seconds 0.5 --codec float32 --json" + network);
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  EXPECT_EQ(nlohmann::json::parse(recorded.out)["frames_skipped"], 0);
+  kill(daemon, SIGKILL);
+  wait(daemon);
+
+  const Outcome again = run(program_ + " replay " + run_file + " --resimulate --json");
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  const nlohmann::json report = nlohmann::json::parse(again.out);
+  EXPECT_GT(report["frames"], 30);
+  EXPECT_EQ(report["frames_different"], 0);
+  EXPECT_EQ(report["inputs"], 2);
+  EXPECT_NE(again.err.find("not closed"), std::string::npos) << "the daemon was killed: " << again.err;
+  const Outcome no_source = run(program_ + " replay " + live + " --resimulate");
+  EXPECT_EQ(no_source.exit_code, 2) << no_source.out;
+
+  const Outcome check = run(program_ + " replay " + live + " --check --json");
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_EQ(nlohmann::json::parse(check.out)["frames_different"], 0);
+  EXPECT_EQ(nlohmann::json::parse(check.out)["cut"], 0);
+
+  start({program_, "replay", live, "--loop", "--domain", domain_}, "replay.txt");
+  const std::string second = (folder_ / "second.rec").string();
+  const Outcome copied = run(program_ + " record " + second + " --seconds 0.8 --json" + network);
+  EXPECT_EQ(copied.exit_code, 0) << copied.err;
+  EXPECT_GT(nlohmann::json::parse(copied.out)["frames"], 40);
+  EXPECT_EQ(run(program_ + " ctl set speed 0.5" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
 }
 
 TEST_F(Programs, DaemonCastsOverLcm) {
