@@ -15,7 +15,7 @@ namespace strandcast {
 namespace {
 
 DdsOptions ddsOptions(const Settings& settings, uint64_t session) {
-  return {settings.domain, settings.groom_id, session, settings.codec};
+  return {settings.domain, settings.groom_id, session, settings.codec, settings.claim};
 }
 
 LcmOptions lcmOptions(const Settings& settings, uint64_t session) {
@@ -38,6 +38,8 @@ std::unique_ptr<Subscriber> subscribe(const Settings& settings) {
 }
 
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session) {
+  if (settings.claim && usesLcm(settings))
+    throw Error("daemons cannot share a groom over LCM", "--claim", "use --transport dds");
   std::unique_ptr<Publisher> publisher = usesLcm(settings) ? makeLcmPublisher(lcmOptions(settings, session))
                                                            : makeDdsPublisher(ddsOptions(settings, session));
   const auto deadline = std::chrono::steady_clock::now() + kRivalListenTime;

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,9 +33,10 @@ struct Settings {
   std::string lcm_url;            ///< empty: lcmUrl(domain)
   int domain = 0;                 ///< 0 to 232; of DDS, or the port of LCM
   uint32_t groom_id = 1;
-  CodecOptions codec;   ///< of the frames that are cast
-  double rate = 60;     ///< frames published per second
-  double duration = 0;  ///< s; 0 = until interrupted
+  std::optional<uint32_t> claim;  ///< strength among daemons that share the groom (DDS)
+  CodecOptions codec;             ///< of the frames that are cast
+  double rate = 60;               ///< frames published per second
+  double duration = 0;            ///< s; 0 = until interrupted
 };
 
 /// What a program does with the settings: simulate at a steady rate and cast frames, or run the scene with

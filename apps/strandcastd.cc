@@ -62,6 +62,11 @@ int main(int argc, char** argv) {
       "also write groom, frames and commands to this file: `strandcast replay FILE` casts it again, "
       "`strandcast replay FILE --resimulate` simulates it again and compares every frame. Frames are written "
       "with --codec");
+  uint32_t claim = 0;
+  const CLI::Option* claims = app.add_option(
+      "--claim", claim,
+      "share the groom with other daemons that claim it (DDS): the one with the largest number casts, the "
+      "others simulate in silence, and within half a second of its end the next takes over");
   app.add_flag("--json", json, "print the closing summary as one JSON object");
   app.add_flag("--quiet", quiet, "log warnings only");
   try {
@@ -74,7 +79,8 @@ int main(int argc, char** argv) {
 
   return runProgram([&] {
     catchInterrupts();
-    const Settings settings = options.resolve();
+    Settings settings = options.resolve();
+    if (claims->count() > 0) settings.claim = claim;
     Scene scene = makeSceneAloud(settings.scene);
     const uint64_t session = newSession();
     std::unique_ptr<Publisher> publisher = claimGroom(settings, session);

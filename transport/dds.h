@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct DdsOptions {
   uint32_t groom_id = 1;
   uint64_t session = 0;  ///< publisher only: of this start, not 0
   CodecOptions codec;    ///< publisher only
+  /// Publisher only: one of several that share the groom. The strongest of those alive casts; the others take
+  /// commands, simulate and stay silent, until within half a second of its end it is their turn.
+  std::optional<uint32_t> claim = {};
 };
 
 /// Whether this build has DDS, and why not.

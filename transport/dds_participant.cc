@@ -28,12 +28,15 @@ const TopicProfile kBodiesTopic{"strandcast/bodies", true, 1, kMaxChunks, true};
 const TopicProfile kGuidesTopic{"strandcast/guides", false, 4, kMaxChunks, true};
 const TopicProfile kCommandTopic{"strandcast/command", false, 64, 4, true};
 const TopicProfile kStatusTopic{"strandcast/status", true, 1, 1024, false};
+const TopicProfile kClaimTopic{"strandcast/claim", false, 1, 4, true, true};
 
 namespace {
 
 constexpr int kMaxDomain = 232;              // the last one whose ports fit 16 bits
 constexpr uint32_t kSocketBuffer = 4 << 20;  // with the default, bursts of a frame are lost
 constexpr int kLeaseSeconds = 3;
+/// An exclusive topic's writer that is silent for longer is not the owner any more.
+const eprosima::fastrtps::Duration_t kOwnerDeadline{0, 250000000};
 /// Programs per machine that find each other through 127.0.0.1 when multicast does not work.
 constexpr uint32_t kLocalPeers = 16;
 
@@ -140,6 +143,11 @@ void setCommon(Qos& qos, const TopicProfile& profile) {
   qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;  // never all: one slow reader would stall the writer
   qos.history().depth = profile.depth;
   setLimits(qos.resource_limits(), profile);
+  if (profile.is_exclusive) {
+    qos.ownership().kind = dds::EXCLUSIVE_OWNERSHIP_QOS;
+    // Not by liveliness: Fast DDS 2.9.1 tells of its loss only when the whole participant's lease is over.
+    qos.deadline().period = kOwnerDeadline;
+  }
   qos.data_sharing().off();
   qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
 }
@@ -201,9 +209,10 @@ dds::Topic* DdsParticipant::topic(const TopicProfile& profile, dds::TopicDataTyp
 }
 
 dds::DataWriter* DdsParticipant::createWriter(const TopicProfile& profile, dds::TopicDataType* type,
-                                              dds::DataWriterListener* listener) {
+                                              dds::DataWriterListener* listener, uint32_t strength) {
   dds::DataWriterQos qos;
   setCommon(qos, profile);
+  if (profile.is_exclusive) qos.ownership_strength().value = strength;
   // Also for topics whose readers are volatile, which are sent no history all the same. A volatile writer
   // deletes samples when a reader leaves, and in Fast DDS 2.9.1 that deadlocks with its thread that repairs
   // another reader (StatefulWriter::matched_reader_remove against FlowControllerImpl::run): the daemon would

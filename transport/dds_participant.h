@@ -21,11 +21,12 @@ namespace strandcast {
 struct TopicProfile {
   const char* name;
   bool is_transient_local;
-  int depth;          // kept per instance
-  int max_instances;  // of a writer or a reader
-  bool is_per_groom;  // in the groom's partition
+  int depth;                  // kept per instance
+  int max_instances;          // of a writer or a reader
+  bool is_per_groom;          // in the groom's partition
+  bool is_exclusive = false;  // readers are given what the strongest live writer wrote
 };
-extern const TopicProfile kGroomTopic, kBodiesTopic, kGuidesTopic, kCommandTopic, kStatusTopic;
+extern const TopicProfile kGroomTopic, kBodiesTopic, kGuidesTopic, kCommandTopic, kStatusTopic, kClaimTopic;
 
 /// A participant of the domain with what hangs on it; taken down as a whole.
 class DdsParticipant {
@@ -36,10 +37,12 @@ class DdsParticipant {
   DdsParticipant(const DdsParticipant&) = delete;
   DdsParticipant& operator=(const DdsParticipant&) = delete;
 
-  /// The listener outlives the participant. `type` names the topic's type. Throw Error.
+  /// The listener outlives the participant. `type` names the topic's type. `strength` counts where the topic
+  /// is exclusive. Throw Error.
   eprosima::fastdds::dds::DataWriter* createWriter(const TopicProfile& profile,
                                                    eprosima::fastdds::dds::TopicDataType* type,
-                                                   eprosima::fastdds::dds::DataWriterListener* listener);
+                                                   eprosima::fastdds::dds::DataWriterListener* listener,
+                                                   uint32_t strength = 0);
   eprosima::fastdds::dds::DataReader* createReader(const TopicProfile& profile,
                                                    eprosima::fastdds::dds::TopicDataType* type,
                                                    eprosima::fastdds::dds::DataReaderListener* listener);
