@@ -15,7 +15,9 @@ namespace strandcast {
 namespace {
 
 DdsOptions ddsOptions(const Settings& settings, uint64_t session) {
-  return {settings.domain, settings.groom_id, session, settings.codec, settings.claim};
+  return {settings.domain, settings.groom_id,        session,
+          settings.codec,  settings.claim,           ddsProfileNamed(settings.profile, "--profile"),
+          settings.peers,  settings.discovery_server};
 }
 
 LcmOptions lcmOptions(const Settings& settings, uint64_t session) {

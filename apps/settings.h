@@ -33,10 +33,13 @@ struct Settings {
   std::string lcm_url;            ///< empty: lcmUrl(domain)
   int domain = 0;                 ///< 0 to 232; of DDS, or the port of LCM
   uint32_t groom_id = 1;
-  std::optional<uint32_t> claim;  ///< strength among daemons that share the groom (DDS)
-  CodecOptions codec;             ///< of the frames that are cast
-  double rate = 60;               ///< frames published per second
-  double duration = 0;            ///< s; 0 = until interrupted
+  std::string profile = "reliable-lan";  ///< of ddsProfileList()
+  std::vector<std::string> peers;        ///< IPv4 addresses; DDS
+  std::string discovery_server;          ///< "ADDRESS:PORT"; DDS
+  std::optional<uint32_t> claim;         ///< strength among daemons that share the groom (DDS)
+  CodecOptions codec;                    ///< of the frames that are cast
+  double rate = 60;                      ///< frames published per second
+  double duration = 0;                   ///< s; 0 = until interrupted
 };
 
 /// What a program does with the settings: simulate at a steady rate and cast frames, or run the scene with
@@ -72,7 +75,8 @@ class SettingsOptions {
 /// "auto", "x", "y" or "z"; Error otherwise, naming `where`.
 UpAxis upAxisOf(const std::string& name, const std::string& where = "--up");
 
-/// Adds --transport, --lcm-url, --domain and --groom-id, which every program that joins a network has.
+/// Adds --transport, --profile, --peers, --discovery-server, --lcm-url, --domain and --groom-id, which every
+/// program that joins a network has.
 void addNetworkOptions(CLI::App& app, Settings& settings);
 
 /// The text of a configuration file of at most 1 MiB. Throws Error.

@@ -8,6 +8,7 @@
 //   transport_peer cast_lcm DOMAIN SECONDS    the same over LCM, without a claim
 //   transport_peer read DOMAIN SECONDS MS     reader that takes MS milliseconds over each frame
 //   transport_peer read_lcm DOMAIN SECONDS MS
+//   transport_peer cast_local, read_local     as cast and read, through shared memory
 //   transport_peer send DOMAIN ID             sends one command and ends
 //   transport_peer alone DOMAIN SECONDS       publish and read where there is no network but 127.0.0.1
 //   transport_peer offline DOMAIN             a reader where no interface is up
@@ -198,6 +199,14 @@ int run(int count, char** arguments) {
         *makeDdsPublisher({domain, 1, session, codec, static_cast<uint32_t>(std::atoi(arguments[3]))}), 60);
   if (verb == "cast_lcm" && count == 4)
     return cast(*makeLcmPublisher({lcmUrl(domain), 1, session, codec}), std::atof(arguments[3]));
+  DdsOptions local;
+  local.domain = domain;
+  local.codec = codec;
+  local.profile = DdsProfile::kLocal;
+  if (verb == "read_local" && count == 5)
+    return read(makeDdsSubscriber(local), std::atof(arguments[3]), std::atoi(arguments[4]));
+  local.session = session;
+  if (verb == "cast_local" && count == 4) return cast(*makeDdsPublisher(local), std::atof(arguments[3]));
   if (verb == "read" && count == 5)
     return read(makeDdsSubscriber({domain, 1, 0, {}}), std::atof(arguments[3]), std::atoi(arguments[4]));
   if (verb == "read_lcm" && count == 5)
