@@ -16,7 +16,6 @@
 #include <cstring>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/log/Log.hpp>
-#include <random>
 
 #include "core/error.h"
 #include "transport/chunks.h"
@@ -131,6 +130,13 @@ rtps::Locator_t serverLocator(const std::string& text) {
   return locatorOf(text.substr(0, colon), port);
 }
 
+/// Where a participant of the same number was killed, its ports in shared memory take nothing for seconds.
+/// Programs that follow each other have different numbers, but for one in kFreshIds.
+int32_t freshId() {
+  static std::atomic<uint32_t> made{0};
+  return static_cast<int32_t>(kFirstFreshId + (static_cast<uint32_t>(getpid()) + made++) % kFreshIds);
+}
+
 dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
   const int domain = network.domain;
   dds::DomainParticipantQos qos;
@@ -145,11 +151,8 @@ dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
     auto memory = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
     memory->segment_size(kSharedSegment);
     qos.transport().user_transports.push_back(memory);
-    // A new number each time: where one of this number was killed, its port in shared memory takes nothing
-    // for seconds.
     udp->maxInitialPeersRange = kFirstFreshId + kFreshIds;
-    qos.wire_protocol().participant_id =
-        static_cast<int32_t>(kFirstFreshId + std::random_device()() % kFreshIds);
+    qos.wire_protocol().participant_id = freshId();
   }
 
   auto& builtin = qos.wire_protocol().builtin;
