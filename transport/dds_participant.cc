@@ -158,7 +158,7 @@ dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
   auto& builtin = qos.wire_protocol().builtin;
   auto& discovery = builtin.discovery_config;
   discovery.leaseDuration = {kLeaseSeconds, 0};
-  discovery.leaseDuration_announcementperiod = {1, 0};
+  discovery.leaseDuration_announcementperiod = {0, 250000000};  // whose first signs are lost is found soon
   discovery.initial_announcements.count = 10;
   discovery.initial_announcements.period = {0, 100000000};
   if (!network.discovery_server.empty()) {
