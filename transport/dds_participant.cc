@@ -10,6 +10,7 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
@@ -34,11 +35,10 @@ const TopicProfile kClaimTopic{"strandcast/claim", false, 1, 4, true, true};
 
 namespace {
 
-constexpr int kMaxDomain = 232;              // the last one whose ports fit 16 bits
-constexpr uint32_t kSocketBuffer = 4 << 20;  // with the default, bursts of a frame are lost
-constexpr uint32_t kFirstFreshId = 20,
-                   kFreshIds = 95;  // of participants; the last one's ports fit its domain
-constexpr int kFreshTries = 8;      // another program may have the number
+constexpr int kMaxDomain = 232;                        // the last one whose ports fit 16 bits
+constexpr uint32_t kSocketBuffer = 4 << 20;            // with the default, bursts of a frame are lost
+constexpr int kFirstFreshId = 20, kLastFreshId = 114;  // of participants; their ports are within the domain's
+constexpr int kFreshTries = 8;                         // another program may have the number
 /// Six of the largest frames that a network of MTU 1500 takes well, and more for one machine. With the
 /// default of half a megabyte most frames are lost.
 constexpr uint32_t kSharedSegment = 64 << 20;
@@ -130,11 +130,14 @@ rtps::Locator_t serverLocator(const std::string& text) {
   return locatorOf(text.substr(0, colon), port);
 }
 
+/// The last whose ports exist; Fast DDS ends the process over those that do not.
+int lastFreshId(int domain) { return std::min(kLastFreshId, (65535 - 11 - discoveryPort(domain)) / 2); }
+
 /// Where a participant of the same number was killed, its ports in shared memory take nothing for seconds.
-/// Programs that follow each other have different numbers, but for one in kFreshIds.
-int32_t freshId() {
-  static std::atomic<uint32_t> made{0};
-  return static_cast<int32_t>(kFirstFreshId + (static_cast<uint32_t>(getpid()) + made++) % kFreshIds);
+/// Programs that follow each other have different numbers.
+int32_t freshId(int domain) {
+  static std::atomic<int> made{0};
+  return kFirstFreshId + (getpid() + made++) % (lastFreshId(domain) - kFirstFreshId + 1);
 }
 
 dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
@@ -151,8 +154,8 @@ dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
     auto memory = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
     memory->segment_size(kSharedSegment);
     qos.transport().user_transports.push_back(memory);
-    udp->maxInitialPeersRange = kFirstFreshId + kFreshIds;
-    qos.wire_protocol().participant_id = freshId();
+    udp->maxInitialPeersRange = static_cast<uint32_t>(lastFreshId(domain) + 1);
+    qos.wire_protocol().participant_id = freshId(domain);
   }
 
   auto& builtin = qos.wire_protocol().builtin;

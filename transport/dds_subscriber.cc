@@ -78,7 +78,8 @@ class DdsSubscriber final : public Subscriber {
     v2::Command sample;
     toWire(command, sample);
     sample.groom_id(options_.groom_id);
-    if (!command_writer_->write(&sample)) throw Error("the command cannot be written", where, remedy);
+    if (!command_writer_ || !command_writer_->write(&sample))
+      throw Error("the command cannot be written", where, remedy);
     // So that a program may end right after it.
     const eprosima::fastrtps::Duration_t patience{static_cast<int32_t>(kAnswerTime.count() / 1000), 0};
     if (command_writer_->wait_for_acknowledgments(patience) !=
@@ -130,12 +131,16 @@ class DdsSubscriber final : public Subscriber {
     int starved = 0;
     while (!wake_.wait_for(lock, kWatchPeriod, [&] { return stop_; })) {
       starved = isStarved() ? starved + 1 : 0;
-      if (starved < kPatience) continue;
+      if (participant_ && starved < kPatience) continue;
       const std::lock_guard sending(send_mutex_);
+      command_writer_ = nullptr;
       participant_.reset();
       statuses_.clear();
-      join(false);
-      return;
+      try {
+        join(false);
+        return;
+      } catch (const Error&) {  // the network is gone, perhaps not for good
+      }
     }
   }
 

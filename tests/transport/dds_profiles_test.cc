@@ -59,6 +59,7 @@ TEST(DdsProfiles, AnyTwoUnderstandEachOther) {
   using enum DdsProfile;
   EXPECT_EQ(framesThrough(optionsOf(domain, 1, kReliableLan), optionsOf(domain, 0, kBestEffort)), 20u);
   EXPECT_EQ(framesThrough(optionsOf(domain, 2, kLocal), optionsOf(domain, 0, kLocal)), 20u);
+  EXPECT_EQ(framesThrough(optionsOf(232, 5, kLocal), optionsOf(232, 0, kLocal)), 20u) << "the last domain";
   EXPECT_EQ(framesThrough(optionsOf(domain, 3, kLocal), optionsOf(domain, 0, kReliableLan)), 20u);
 }
 
