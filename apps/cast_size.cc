@@ -6,7 +6,7 @@ namespace strandcast {
 
 std::optional<uint64_t> bytesPerFrame(const StrandSet& guides) {
   for (size_t s = 0; s < guides.strands(); ++s)
-    if (guides.verticesOf(s) > kMaxVerticesPerStrand) return std::nullopt;
+    if (guides.verticesOf(s) > kMaxWireVertices) return std::nullopt;
   GuideEncoder encoder{CodecOptions()};
   encoder.setGroom(guides);
   GuideFrame frame;

@@ -15,7 +15,9 @@ namespace strandcast {
 namespace {
 
 DdsOptions ddsOptions(const Settings& settings, uint64_t session) {
-  return {settings.domain, settings.groom_id, session, settings.codec};
+  return {settings.domain, settings.groom_id,        session,
+          settings.codec,  settings.claim,           ddsProfileNamed(settings.profile, "--profile"),
+          settings.peers,  settings.discovery_server};
 }
 
 LcmOptions lcmOptions(const Settings& settings, uint64_t session) {
@@ -38,6 +40,8 @@ std::unique_ptr<Subscriber> subscribe(const Settings& settings) {
 }
 
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session) {
+  if (settings.claim && usesLcm(settings))
+    throw Error("daemons cannot share a groom over LCM", "--claim", "use --transport dds");
   std::unique_ptr<Publisher> publisher = usesLcm(settings) ? makeLcmPublisher(lcmOptions(settings, session))
                                                            : makeDdsPublisher(ddsOptions(settings, session));
   const auto deadline = std::chrono::steady_clock::now() + kRivalListenTime;
@@ -64,6 +68,7 @@ Scene makeSceneAloud(const SceneOptions& options) {
 EmbeddedDaemon::EmbeddedDaemon(const Settings& settings) {
   std::tie(publisher_, subscriber_) = makeInProcessChannel(settings.groom_id);
   daemon_ = std::make_unique<Daemon>(settings, makeSceneAloud(settings.scene), *publisher_, newSession());
+  daemon_->announce();
   thread_ = std::thread([this] { daemon_->run(stop_); });
 }
 

@@ -17,6 +17,7 @@
 
 #include "apps/settings.h"
 #include "core/error.h"
+#include "transport/dds.h"
 
 namespace strandcast {
 namespace {
@@ -286,6 +287,12 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
         throw Error("unknown transport '" + v + "'", transport.place("kind"), "choose dds or lcm");
       s.transport = v;
     });
+    transport.text("profile", [&](const std::string& v) {
+      ddsProfileNamed(v, transport.place("profile"));
+      s.profile = v;
+    });
+    transport.texts("peers", [&](const std::string& v) { s.peers.push_back(v); });
+    transport.text("discovery_server", [&](const std::string& v) { s.discovery_server = v; });
     transport.text("lcm_url", [&](const std::string& v) { s.lcm_url = v; });
     transport.number("domain", 0, 232, [&](double v) { s.domain = static_cast<int>(v); });
     transport.number("groom_id", 1, 4294967295.0, [&](double v) { s.groom_id = static_cast<uint32_t>(v); });
@@ -322,7 +329,7 @@ void readConfigText(const std::string& text, const std::string& name, Settings& 
   }
 }
 
-void readConfig(const std::filesystem::path& file, Settings& settings) {
+std::string configText(const std::filesystem::path& file) {
   constexpr uintmax_t kMaxBytes = 1 << 20;
   std::error_code failed;
   const uintmax_t bytes = std::filesystem::file_size(file, failed);
@@ -333,7 +340,11 @@ void readConfig(const std::filesystem::path& file, Settings& settings) {
     throw Error("the configuration file is larger than 1 MiB", file.string(), "is it the right file?");
   std::stringstream text;
   text << stream.rdbuf();
-  readConfigText(text.str(), file.string(), settings);
+  return text.str();
+}
+
+void readConfig(const std::filesystem::path& file, Settings& settings) {
+  readConfigText(configText(file), file.string(), settings);
 }
 
 }  // namespace strandcast

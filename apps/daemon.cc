@@ -66,19 +66,22 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
   status_.strands = simulation_.model().strands();
   status_.vertices = simulation_.model().vertices();
 
-  GroomDescription groom;
-  groom.groom_id = settings.groom_id;
-  groom.session = session;
-  groom.revision = frame_.revision;
-  groom.name = scene.name;
-  groom.hair_radius = simulation_.parameters().hair_radius;
-  groom.guides = std::move(scene.groom.strands);
-  BodyDescription body;
-  body.groom_id = settings.groom_id;
-  body.session = session;
-  body.mesh = std::move(scene.body);
-  body.head_weights = std::move(scene.head_weights);
-  publisher_.announce(groom, body);
+  groom_.groom_id = settings.groom_id;
+  groom_.session = session;
+  groom_.revision = frame_.revision;
+  groom_.name = scene.name;
+  groom_.hair_radius = simulation_.parameters().hair_radius;
+  groom_.guides = std::move(scene.groom.strands);
+  body_.groom_id = settings.groom_id;
+  body_.session = session;
+  body_.mesh = std::move(scene.body);
+  body_.head_weights = std::move(scene.head_weights);
+}
+
+void Daemon::announce() {
+  publisher_.announce(groom_, body_);
+  groom_ = {};
+  body_ = {};
 }
 
 void Daemon::apply(const Command& command) {
@@ -171,18 +174,25 @@ void Daemon::publishStatus() {
   publisher_.publishStatus(status_);
 }
 
+bool Daemon::castFrame(const std::atomic<bool>& stop) {
+  while (const std::optional<Command> command = publisher_.takeCommand()) obey(*command);
+  const double step = simulation_.parameters().time_step;
+  for (owed_ += 1 / settings_.rate; owed_ > step * (1 - 1e-6); owed_ -= step) {
+    if (stop) return false;
+    advance();
+  }
+  publishFrame();
+  return true;
+}
+
 DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
   DaemonSummary summary;
   const Clock::time_point start = Clock::now();
   const auto interval =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / settings_.rate));
   Clock::time_point due = start, status_due = start;
-  double owed = 0;  // s of simulation time
   while (!stop && !shutdown_) {
-    while (const std::optional<Command> command = publisher_.takeCommand()) obey(*command);
-    const double step = simulation_.parameters().time_step;
-    for (owed += 1 / settings_.rate; owed > step * (1 - 1e-6) && !stop; owed -= step) advance();
-    publishFrame();
+    if (!castFrame(stop)) break;
     const Clock::time_point now = Clock::now();
     if (now >= status_due) {
       publishStatus();

@@ -20,11 +20,17 @@ struct DaemonSummary {
 /// steps.
 class Daemon {
  public:
-  /// Announces the groom and body on `publisher`. Throws Error.
+  /// Throws Error.
   Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint64_t session);
+  /// Announces the groom and body: once, before the first frame. Throws Error.
+  void announce();
+  const Status& status() const { return status_; }
 
   /// Until `stop`, a shutdown command, or settings.duration.
   DaemonSummary run(const std::atomic<bool>& stop);
+  /// What run() does for each frame: obeys commands, steps to its time, publishes it. False when `stop` came
+  /// first.
+  bool castFrame(const std::atomic<bool>& stop);
 
  private:
   void obey(const Command& command);
@@ -35,6 +41,8 @@ class Daemon {
 
   Settings settings_;
   Publisher& publisher_;
+  GroomDescription groom_;  ///< until announce()
+  BodyDescription body_;
   HeadMotion motion_;
   Vec3 head_pivot_;          ///< m, the joint that procedural motions turn about
   double motion_start_ = 0;  ///< s of simulation time
@@ -43,6 +51,7 @@ class Daemon {
   Status status_;
   std::vector<double> step_ms_;  ///< of the newest steps, a ring
   size_t step_count_ = 0;
+  double owed_ = 0;  ///< s of simulation time
   bool shutdown_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/error.h"
+#include "transport/dds.h"
 
 namespace strandcast {
 namespace {
@@ -112,6 +113,20 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
          "repair or security, readers conceal what is lost")
       ->check(CLI::IsMember({"dds", "lcm"}))
       ->capture_default_str();
+  std::string profiles = "how DDS carries what this program sends and receives:";
+  std::vector<std::string> names;
+  for (const DdsProfileInfo& info : ddsProfileList()) {
+    profiles += fmt::format("\n  {}: {}", info.name, info.help);
+    names.emplace_back(info.name);
+  }
+  app.add_option("--profile", settings.profile, profiles)->check(CLI::IsMember(names))->capture_default_str();
+  app.add_option(
+         "--peers", settings.peers,
+         "addresses of machines to look on, separated by commas, where multicast does not reach (DDS)")
+      ->delimiter(',');
+  app.add_option("--discovery-server", settings.discovery_server,
+                 "ADDRESS:PORT of a discovery server in place of multicast (DDS); "
+                 "`fastdds discovery -i 0 -l ADDRESS -p PORT` runs one");
   app.add_option("--lcm-url", settings.lcm_url,
                  "with --transport lcm: udpm://ADDRESS:PORT?ttl=N or file:///PATH?mode=w (r to replay it). "
                  "Without: this machine alone, port 7667 + domain; ttl=1 reaches the local network");
@@ -187,8 +202,18 @@ bool SettingsOptions::namesScene() const {
 }
 
 Settings SettingsOptions::resolve() const {
-  Settings out;
-  if (!config_.empty()) readConfig(config_, out);
+  Settings config;
+  if (!config_.empty()) readConfig(config_, config);
+  return over(std::move(config));
+}
+
+Settings SettingsOptions::resolve(const std::string& config_text) const {
+  Settings config;
+  if (!config_.empty()) readConfigText(config_text, config_.string(), config);
+  return over(std::move(config));
+}
+
+Settings SettingsOptions::over(Settings out) const {
   auto lay = [&](const char* option, auto& to, const auto& from) {
     const CLI::Option* known = app_.get_option_no_throw(option);
     if (known != nullptr && known->count() > 0) to = from;
@@ -211,6 +236,9 @@ Settings SettingsOptions::resolve() const {
   lay("--rate", out.rate, given_.rate);
   lay("--duration", out.duration, given_.duration);
   lay("--transport", out.transport, given_.transport);
+  lay("--profile", out.profile, given_.profile);
+  lay("--peers", out.peers, given_.peers);
+  lay("--discovery-server", out.discovery_server, given_.discovery_server);
   lay("--lcm-url", out.lcm_url, given_.lcm_url);
   lay("--domain", out.domain, given_.domain);
   lay("--groom-id", out.groom_id, given_.groom_id);

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,9 +33,13 @@ struct Settings {
   std::string lcm_url;            ///< empty: lcmUrl(domain)
   int domain = 0;                 ///< 0 to 232; of DDS, or the port of LCM
   uint32_t groom_id = 1;
-  CodecOptions codec;   ///< of the frames that are cast
-  double rate = 60;     ///< frames published per second
-  double duration = 0;  ///< s; 0 = until interrupted
+  std::string profile = "reliable-lan";  ///< of ddsProfileList()
+  std::vector<std::string> peers;        ///< IPv4 addresses; DDS
+  std::string discovery_server;          ///< "ADDRESS:PORT"; DDS
+  std::optional<uint32_t> claim;         ///< strength among daemons that share the groom (DDS)
+  CodecOptions codec;                    ///< of the frames that are cast
+  double rate = 60;                      ///< frames published per second
+  double duration = 0;                   ///< s; 0 = until interrupted
 };
 
 /// What a program does with the settings: simulate at a steady rate and cast frames, or run the scene with
@@ -48,10 +53,16 @@ class SettingsOptions {
   /// After parsing: reads the --config file, then lays the options given over it. Throws Error (file, line,
   /// key).
   Settings resolve() const;
+  /// The same with this text in place of what the --config file holds now.
+  Settings resolve(const std::string& config_text) const;
+  /// The --config file; empty where none is given.
+  const std::filesystem::path& config() const { return config_; }
   /// Whether a scene was asked for (--scene, --groom or --config): then a viewer needs no daemon.
   bool namesScene() const;
 
  private:
+  Settings over(Settings config) const;
+
   CLI::App& app_;
   std::filesystem::path config_;
   Settings given_;
@@ -64,9 +75,12 @@ class SettingsOptions {
 /// "auto", "x", "y" or "z"; Error otherwise, naming `where`.
 UpAxis upAxisOf(const std::string& name, const std::string& where = "--up");
 
-/// Adds --transport, --lcm-url, --domain and --groom-id, which every program that joins a network has.
+/// Adds --transport, --profile, --peers, --discovery-server, --lcm-url, --domain and --groom-id, which every
+/// program that joins a network has.
 void addNetworkOptions(CLI::App& app, Settings& settings);
 
+/// The text of a configuration file of at most 1 MiB. Throws Error.
+std::string configText(const std::filesystem::path& file);
 /// Reads a configuration file over `settings`. Every unknown key is an Error that names its line and the
 /// nearest known key.
 void readConfig(const std::filesystem::path& file, Settings& settings);

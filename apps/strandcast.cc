@@ -12,7 +12,7 @@
 int main(int argc, char** argv) {
   using namespace strandcast;
   CLI::App app(
-      "strandcast draws, inspects, converts and steers simulated hair.\n\n"
+      "strandcast draws, inspects, converts, records and steers simulated hair.\n\n"
       "Examples:\n"
       "  strandcast view --scene curly              simulation and window in one process, no daemon\n"
       "  strandcast render --frames 60 --out out    draw what a daemon casts, as PNG files\n"
@@ -38,6 +38,8 @@ int main(int argc, char** argv) {
   add("view", "Draw in a window, with or without a daemon", addView);
 #endif
   add("validate", "Score the physics of strands against exact solutions", addValidate);
+  add("record", "Write what a daemon casts into a file", addRecord);
+  add("replay", "Cast a recording again, check it, or repeat its simulation", addReplay);
   add("ctl", "Steer a running daemon", addCtl);
   try {
     app.parse(argc, argv);

@@ -8,7 +8,9 @@
 #include "apps/console.h"
 #include "apps/daemon.h"
 #include "apps/interrupt.h"
+#include "apps/resimulation.h"
 #include "apps/settings.h"
+#include "transport/recording/recording_publisher.h"
 
 using namespace strandcast;
 
@@ -54,6 +56,17 @@ int main(int argc, char** argv) {
   app.get_formatter()->column_width(34);
   SettingsOptions options(app);
   bool json = false, quiet = false;
+  std::filesystem::path file;
+  app.add_option(
+      "--record", file,
+      "also write groom, frames and commands to this file: `strandcast replay FILE` casts it again, "
+      "`strandcast replay FILE --resimulate` simulates it again and compares every frame. Frames are written "
+      "with --codec");
+  uint32_t claim = 0;
+  const CLI::Option* claims = app.add_option(
+      "--claim", claim,
+      "share the groom with other daemons that claim it (DDS): the one with the largest number casts, the "
+      "others simulate in silence, and within half a second of its end the next takes over");
   app.add_flag("--json", json, "print the closing summary as one JSON object");
   app.add_flag("--quiet", quiet, "log warnings only");
   try {
@@ -66,14 +79,32 @@ int main(int argc, char** argv) {
 
   return runProgram([&] {
     catchInterrupts();
-    const Settings settings = options.resolve();
+    Settings settings = options.resolve();
+    if (claims->count() > 0) settings.claim = claim;
     Scene scene = makeSceneAloud(settings.scene);
     const uint64_t session = newSession();
-    const std::unique_ptr<Publisher> publisher = claimGroom(settings, session);
+    std::unique_ptr<Publisher> publisher = claimGroom(settings, session);
+    RecordingPublisher* recording = nullptr;
+    if (!file.empty()) {
+      auto recorded = std::make_unique<RecordingPublisher>(std::move(publisher));
+      recording = recorded.get();
+      publisher = std::move(recorded);
+    }
     Daemon daemon(settings, std::move(scene), *publisher, session);
+    if (recording != nullptr) {
+      const std::vector<std::string> words(argv + 1, argv + argc);
+      recording->open(file,
+                      {settings.groom_id, settings.codec,
+                       simulationSource(words, options, daemon.status().backend, daemon.status().device)});
+    }
+    daemon.announce();
     spdlog::info("casting groom {} on {} at {:g} frames/s; Ctrl-C ends it", settings.groom_id,
                  networkName(settings), settings.rate);
-    report(daemon.run(g_interrupted), json);
-    return g_interrupted ? kExitInterrupted : 0;
+    const DaemonSummary summary = daemon.run(g_interrupted);
+    const std::string failure = recording != nullptr ? recording->close() : "";
+    report(summary, json);
+    if (!failure.empty()) spdlog::error("{}", failure);
+    if (g_interrupted) return kExitInterrupted;
+    return failure.empty() ? 0 : kExitCheckFailed;
   });
 }

@@ -95,17 +95,17 @@ int validate(const Options& o) {
   if (o.json) {
     nlohmann::json list = nlohmann::json::array();
     for (const Case& c : cases) list.push_back(toJson(c));
-    fmt::print("{}\n", nlohmann::json({{"name", suite.name},
-                                       {"backend", name},
-                                       {"device", device},
-                                       {"solver", solverName(solver)},
-                                       {"pass", failed == 0},
-                                       {"results", list},
-                                       {"passed", passed},
-                                       {"failed", failed}})
-                           .dump());
+    nlohmann::json out{{"name", suite.name},
+                       {"pass", failed == 0},
+                       {"results", list},
+                       {"passed", passed},
+                       {"failed", failed}};
+    if (!name.empty()) out.update({{"backend", name}, {"device", device}, {"solver", solverName(solver)}});
+    fmt::print("{}\n", out.dump());
   } else {
-    fmt::print("{}: {}, on {} ({}), solver {}\n", suite.name, suite.about, name, device, solverName(solver));
+    // A suite that scores no backend makes none.
+    fmt::print("{}: {}{}\n", suite.name, suite.about,
+               name.empty() ? "" : fmt::format(", on {} ({}), solver {}", name, device, solverName(solver)));
     printTable(cases);
     fmt::print("{} passed, {} failed\n", passed, failed);
   }

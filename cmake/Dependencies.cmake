@@ -22,6 +22,8 @@ find_package(glfw3 QUIET)
 find_package(fastrtps QUIET)
 find_package(fastcdr QUIET)
 find_program(FASTDDSGEN fastddsgen)
+find_package(CycloneDDS QUIET)  # for the tests alone
+find_program(CYCLONE_IDLC idlc)
 pkg_check_modules(LCM IMPORTED_TARGET lcm)
 find_program(LCM_GEN lcm-gen)
 find_program(GLSLANG_VALIDATOR glslangValidator)

@@ -53,7 +53,7 @@ bool isSoundAlone(const GroomChunk& chunk) {
   const uint64_t strands = chunk.vertex_counts.size();
   uint64_t vertices = 0;
   for (const uint32_t count : chunk.vertex_counts) {
-    if (count < 1 || count > kMaxVerticesPerStrand) return false;
+    if (count < 1 || count > kMaxWireVertices) return false;
     vertices += count;
   }
   const auto has = [&](uint32_t bit) { return (chunk.arrays & bit) != 0; };

@@ -52,9 +52,9 @@ void checkGroom(const GroomDescription& groom, const std::string& where) {
           "the groom's offsets do not fit its positions", where, "");
   for (size_t s = 0; s < guides.strands(); ++s) {
     require(guides.offsets[s] < guides.offsets[s + 1], "the groom's offsets do not increase", where, "");
-    if (guides.verticesOf(s) > kMaxVerticesPerStrand) {
+    if (guides.verticesOf(s) > kMaxWireVertices) {
       throw Error("strand " + std::to_string(s) + " has " + std::to_string(guides.verticesOf(s)) +
-                      " vertices, more than the " + std::to_string(kMaxVerticesPerStrand) +
+                      " vertices, more than the " + std::to_string(kMaxWireVertices) +
                       " of one network chunk",
                   where, "resample it to fewer vertices");
     }

@@ -15,7 +15,7 @@ namespace strandcast {
 
 inline constexpr size_t kMaxChunkBytes = 60000;        ///< of arrays in one chunk
 inline constexpr uint32_t kMaxChunks = 4096;           ///< of one message
-inline constexpr size_t kMaxVerticesPerStrand = 3500;  ///< a strand is not divided between chunks
+inline constexpr size_t kMaxWireVertices = 3500;       ///< of a strand, which is not divided between chunks
 inline constexpr size_t kMaxTextBytes = 255;           ///< of every name on the wire
 
 /// Cut to what the wire takes.
@@ -78,7 +78,7 @@ void checkAnnouncement(const GroomDescription& groom, const BodyDescription& bod
 void checkSuccession(const GroomDescription* last, const GroomDescription& next);
 
 /// Consecutive runs of strands that each take no more than kMaxChunkBytes, at so many bytes per strand and
-/// per vertex. `offsets` as in StrandSet, no strand longer than kMaxVerticesPerStrand.
+/// per vertex. `offsets` as in StrandSet, no strand longer than kMaxWireVertices.
 std::vector<StrandRun> divideStrands(std::span<const uint32_t> offsets, size_t bytes_per_strand,
                                      size_t bytes_per_vertex);
 

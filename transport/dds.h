@@ -1,5 +1,7 @@
 #pragma once
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,11 +11,36 @@
 
 namespace strandcast {
 
+/// How a reader or a daemon is carried. Any two find and understand each other.
+enum class DdsProfile {
+  kReliableLan,  ///< UDP; what is lost is repaired
+  kBestEffort,   ///< UDP; of a reader: frames are not repaired, their lost strands are concealed
+  kLocal  ///< shared memory within a machine, UDP to others. A reader that gets nothing through it goes
+          ///< back to UDP
+};
+struct DdsProfileInfo {
+  DdsProfile profile;
+  const char* name;
+  const char* help;
+};
+std::span<const DdsProfileInfo> ddsProfileList();
+/// Throws Error, naming `where`, on an unknown name.
+DdsProfile ddsProfileNamed(const std::string& name, const std::string& where);
+
 struct DdsOptions {
   int domain = 0;  ///< 0 to 232
   uint32_t groom_id = 1;
   uint64_t session = 0;  ///< publisher only: of this start, not 0
   CodecOptions codec;    ///< publisher only
+  /// Publisher only: one of several that share the groom. The strongest of those alive casts; the others take
+  /// commands, simulate and stay silent, until within half a second of its end it is their turn.
+  std::optional<uint32_t> claim = {};
+  DdsProfile profile = DdsProfile::kReliableLan;
+  /// IPv4 addresses of machines to look on where multicast does not reach them, beside multicast.
+  std::vector<std::string> peers = {};
+  /// "ADDRESS:PORT" of a discovery server (`fastdds discovery -i 0 -l ADDRESS -p PORT`), in place of
+  /// multicast; empty = none.
+  std::string discovery_server = {};
 };
 
 /// Whether this build has DDS, and why not.

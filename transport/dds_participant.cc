@@ -8,8 +8,11 @@
 #include <unistd.h>
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -28,12 +31,20 @@ const TopicProfile kBodiesTopic{"strandcast/bodies", true, 1, kMaxChunks, true};
 const TopicProfile kGuidesTopic{"strandcast/guides", false, 4, kMaxChunks, true};
 const TopicProfile kCommandTopic{"strandcast/command", false, 64, 4, true};
 const TopicProfile kStatusTopic{"strandcast/status", true, 1, 1024, false};
+const TopicProfile kClaimTopic{"strandcast/claim", false, 1, 4, true, true};
 
 namespace {
 
-constexpr int kMaxDomain = 232;              // the last one whose ports fit 16 bits
-constexpr uint32_t kSocketBuffer = 4 << 20;  // with the default, bursts of a frame are lost
+constexpr int kMaxDomain = 232;                        // the last one whose ports fit 16 bits
+constexpr uint32_t kSocketBuffer = 4 << 20;            // with the default, bursts of a frame are lost
+constexpr int kFirstFreshId = 20, kLastFreshId = 114;  // of participants; their ports are within the domain's
+constexpr int kFreshTries = 8;                         // another program may have the number
+/// Six of the largest frames that a network of MTU 1500 takes well, and more for one machine. With the
+/// default of half a megabyte most frames are lost.
+constexpr uint32_t kSharedSegment = 64 << 20;
 constexpr int kLeaseSeconds = 3;
+/// An exclusive topic's writer that is silent for longer is not the owner any more.
+const eprosima::fastrtps::Duration_t kOwnerDeadline{0, 250000000};
 /// Programs per machine that find each other through 127.0.0.1 when multicast does not work.
 constexpr uint32_t kLocalPeers = 16;
 
@@ -99,7 +110,38 @@ void checkDiscoveryPort(int domain) {
               "choose another --domain");
 }
 
-dds::DomainParticipantQos participantQos(int domain) {
+rtps::Locator_t locatorOf(const std::string& address, uint32_t port) {
+  rtps::Locator_t locator;
+  if (!rtps::IPLocator::setIPv4(locator, address))
+    throw Error("not an IPv4 address", address, "give it as 192.168.1.20");
+  rtps::IPLocator::setPhysicalPort(locator, static_cast<uint16_t>(port));
+  return locator;
+}
+
+rtps::Locator_t serverLocator(const std::string& text) {
+  const size_t colon = text.find(':');
+  uint32_t port = 0;
+  if (colon != std::string::npos) {
+    const char* const end = text.data() + text.size();
+    const auto [rest, failure] = std::from_chars(text.data() + colon + 1, end, port);
+    if (rest != end || failure != std::errc() || port > 65535) port = 0;
+  }
+  if (port == 0) throw Error("not a discovery server", text, "give it as 192.168.1.20:11811");
+  return locatorOf(text.substr(0, colon), port);
+}
+
+/// The last whose ports exist; Fast DDS ends the process over those that do not.
+int lastFreshId(int domain) { return std::min(kLastFreshId, (65535 - 11 - discoveryPort(domain)) / 2); }
+
+/// Where a participant of the same number was killed, its ports in shared memory take nothing for seconds.
+/// Programs that follow each other have different numbers.
+int32_t freshId(int domain) {
+  static std::atomic<int> made{0};
+  return kFirstFreshId + (getpid() + made++) % (lastFreshId(domain) - kFirstFreshId + 1);
+}
+
+dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
+  const int domain = network.domain;
   dds::DomainParticipantQos qos;
   qos.name("strandcast");
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
@@ -108,13 +150,28 @@ dds::DomainParticipantQos participantQos(int domain) {
   udp->maxInitialPeersRange = kLocalPeers;
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(udp);
+  if (network.uses_shared_memory) {
+    auto memory = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
+    memory->segment_size(kSharedSegment);
+    qos.transport().user_transports.push_back(memory);
+    udp->maxInitialPeersRange = static_cast<uint32_t>(lastFreshId(domain) + 1);
+    qos.wire_protocol().participant_id = freshId(domain);
+  }
 
   auto& builtin = qos.wire_protocol().builtin;
   auto& discovery = builtin.discovery_config;
   discovery.leaseDuration = {kLeaseSeconds, 0};
-  discovery.leaseDuration_announcementperiod = {1, 0};
+  discovery.leaseDuration_announcementperiod = {0, 250000000};  // whose first signs are lost is found soon
   discovery.initial_announcements.count = 10;
   discovery.initial_announcements.period = {0, 100000000};
+  if (!network.discovery_server.empty()) {
+    discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
+    rtps::RemoteServerAttributes server;
+    server.ReadguidPrefix("44.53.00.5f.45.50.52.4f.53.49.4d.41");  // of server 0 of the fastdds tool
+    server.metatrafficUnicastLocatorList.push_back(serverLocator(network.discovery_server));
+    discovery.m_DiscoveryServers.push_back(server);
+    return qos;
+  }
   // Multicast as usual, and this machine by address: programs of one machine find each other on any network.
   rtps::Locator_t multicast, local;
   rtps::IPLocator::setIPv4(multicast, "239.255.0.1");
@@ -122,6 +179,7 @@ dds::DomainParticipantQos participantQos(int domain) {
   rtps::IPLocator::setIPv4(local, "127.0.0.1");
   builtin.initialPeersList.push_back(multicast);
   builtin.initialPeersList.push_back(local);
+  for (const std::string& peer : network.peers) builtin.initialPeersList.push_back(locatorOf(peer, 0));
   return qos;
 }
 
@@ -140,21 +198,29 @@ void setCommon(Qos& qos, const TopicProfile& profile) {
   qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;  // never all: one slow reader would stall the writer
   qos.history().depth = profile.depth;
   setLimits(qos.resource_limits(), profile);
+  if (profile.is_exclusive) {
+    qos.ownership().kind = dds::EXCLUSIVE_OWNERSHIP_QOS;
+    // Not by liveliness: Fast DDS 2.9.1 tells of its loss only when the whole participant's lease is over.
+    qos.deadline().period = kOwnerDeadline;
+  }
   qos.data_sharing().off();
   qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
 }
 
 }  // namespace
 
-DdsParticipant::DdsParticipant(int domain, uint32_t groom_id) : domain_(domain) {
+DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id) : domain_(network.domain) {
+  const int domain = network.domain;
   if (domain < 0 || domain > kMaxDomain) {
     throw Error("the DDS domain is out of range", std::to_string(domain), "choose 0 to 232");
   }
   limitLogging();
   checkInterfaces(domain);
   checkDiscoveryPort(domain);
-  participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<dds::DomainId_t>(domain), participantQos(domain));
+  for (int tries = network.uses_shared_memory ? kFreshTries : 1; !participant_ && tries > 0; --tries) {
+    participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
+        static_cast<dds::DomainId_t>(domain), participantQos(network));
+  }
   if (!participant_) fail("no DDS participant can be made");
   const std::string partition = "groom" + std::to_string(groom_id);
   dds::PublisherQos publisher_qos;
@@ -201,9 +267,10 @@ dds::Topic* DdsParticipant::topic(const TopicProfile& profile, dds::TopicDataTyp
 }
 
 dds::DataWriter* DdsParticipant::createWriter(const TopicProfile& profile, dds::TopicDataType* type,
-                                              dds::DataWriterListener* listener) {
+                                              dds::DataWriterListener* listener, uint32_t strength) {
   dds::DataWriterQos qos;
   setCommon(qos, profile);
+  if (profile.is_exclusive) qos.ownership_strength().value = strength;
   // Also for topics whose readers are volatile, which are sent no history all the same. A volatile writer
   // deletes samples when a reader leaves, and in Fast DDS 2.9.1 that deadlocks with its thread that repairs
   // another reader (StatefulWriter::matched_reader_remove against FlowControllerImpl::run): the daemon would
@@ -223,9 +290,10 @@ dds::DataWriter* DdsParticipant::createWriter(const TopicProfile& profile, dds::
 }
 
 dds::DataReader* DdsParticipant::createReader(const TopicProfile& profile, dds::TopicDataType* type,
-                                              dds::DataReaderListener* listener) {
+                                              dds::DataReaderListener* listener, bool is_reliable) {
   dds::DataReaderQos qos;
   setCommon(qos, profile);
+  if (!is_reliable) qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
   qos.reliable_reader_qos().times.heartbeatResponseDelay = {0, 0};
   dds::Subscriber* subscriber = profile.is_per_groom ? groom_subscriber_ : common_subscriber_;
   dds::DataReader* reader = subscriber->create_datareader(topic(profile, type), qos, listener,

@@ -12,6 +12,8 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <functional>
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include "transport/status_board.h"
 
@@ -21,28 +23,40 @@ namespace strandcast {
 struct TopicProfile {
   const char* name;
   bool is_transient_local;
-  int depth;          // kept per instance
-  int max_instances;  // of a writer or a reader
-  bool is_per_groom;  // in the groom's partition
+  int depth;                  // kept per instance
+  int max_instances;          // of a writer or a reader
+  bool is_per_groom;          // in the groom's partition
+  bool is_exclusive = false;  // readers are given what the strongest live writer wrote
 };
-extern const TopicProfile kGroomTopic, kBodiesTopic, kGuidesTopic, kCommandTopic, kStatusTopic;
+extern const TopicProfile kGroomTopic, kBodiesTopic, kGuidesTopic, kCommandTopic, kStatusTopic, kClaimTopic;
+
+/// How a participant is carried and finds others.
+struct DdsNetwork {
+  int domain = 0;
+  bool uses_shared_memory = false;
+  std::vector<std::string> peers = {};  // IPv4 addresses
+  std::string discovery_server = {};    // "ADDRESS:PORT" or empty
+};
 
 /// A participant of the domain with what hangs on it; taken down as a whole.
 class DdsParticipant {
  public:
   /// Throws Error as makeDdsPublisher does.
-  DdsParticipant(int domain, uint32_t groom_id);
+  DdsParticipant(const DdsNetwork& network, uint32_t groom_id);
   ~DdsParticipant();
   DdsParticipant(const DdsParticipant&) = delete;
   DdsParticipant& operator=(const DdsParticipant&) = delete;
 
-  /// The listener outlives the participant. `type` names the topic's type. Throw Error.
+  /// The listener outlives the participant. `type` names the topic's type. `strength` counts where the topic
+  /// is exclusive. Throw Error.
   eprosima::fastdds::dds::DataWriter* createWriter(const TopicProfile& profile,
                                                    eprosima::fastdds::dds::TopicDataType* type,
-                                                   eprosima::fastdds::dds::DataWriterListener* listener);
+                                                   eprosima::fastdds::dds::DataWriterListener* listener,
+                                                   uint32_t strength = 0);
   eprosima::fastdds::dds::DataReader* createReader(const TopicProfile& profile,
                                                    eprosima::fastdds::dds::TopicDataType* type,
-                                                   eprosima::fastdds::dds::DataReaderListener* listener);
+                                                   eprosima::fastdds::dds::DataReaderListener* listener,
+                                                   bool is_reliable = true);
 
  private:
   eprosima::fastdds::dds::Topic* topic(const TopicProfile& profile,
@@ -80,9 +94,12 @@ class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
   }
   void on_subscription_matched(eprosima::fastdds::dds::DataReader*,
                                const eprosima::fastdds::dds::SubscriptionMatchedStatus& status) override {
+    matched_ = status.current_count;
     if (status.current_count_change < 0 && on_writer_gone_)
       on_writer_gone_(writerId(status.last_publication_handle));
   }
+  /// Writers that the reader is matched with.
+  uint32_t matched() const { return static_cast<uint32_t>(matched_.load()); }
 
  private:
   static StatusBoard::WriterId writerId(const eprosima::fastrtps::rtps::InstanceHandle_t& handle) {
@@ -92,6 +109,7 @@ class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
   }
   Handler handler_;
   LossHandler on_writer_gone_;
+  std::atomic<int> matched_{0};
 };
 
 /// Counts the readers that a writer is matched with.

@@ -3,6 +3,7 @@
 #include "transport/chunks.h"
 #include "transport/command_queue.h"
 #include "transport/dds.h"
+#include "transport/dds_claim.h"
 #include "transport/dds_participant.h"
 #include "transport/wire_type_support.h"
 #include "transport/wire_types.h"
@@ -22,26 +23,33 @@ class DdsPublisher final : public Publisher {
         command_listener_([this](v2::Command& wire, const auto&) { receive(wire); }),
         status_listener_([this](v2::Status& wire, const auto& writer) { hear(wire, writer); },
                          [this](const auto& writer) { others_.remove(writer); }),
-        participant_(options.domain, options.groom_id) {
+        participant_(
+            {options.domain, options.profile == DdsProfile::kLocal, options.peers, options.discovery_server},
+            options.groom_id) {
     participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
     participant_.createReader(kCommandTopic, new CommandType, &command_listener_);
     status_writer_ = participant_.createWriter(kStatusTopic, new StatusType, nullptr);
     groom_writer_ = participant_.createWriter(kGroomTopic, new GroomChunkType, nullptr);
     body_writer_ = participant_.createWriter(kBodiesTopic, new BodyChunkType, nullptr);
     guide_writer_ = participant_.createWriter(kGuidesTopic, new GuideChunkType, &readers_);
+    if (options.claim) claim_.emplace(options.groom_id, options.session, *options.claim).start(participant_);
     publishStatus({});  // so that rivals hear of this session at once
   }
 
-  ~DdsPublisher() override { status_writer_->wait_for_acknowledgments(kFarewell); }
+  ~DdsPublisher() override {
+    if (claim_) claim_->stop();
+    status_writer_->wait_for_acknowledgments(kFarewell);
+  }
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override {
     AnnouncedGroom::Chunks chunks = announced_.chunksOf(groom, body);
-    groom_chunks_ = replace<v2::GroomChunk>(*groom_writer_, std::move(chunks.groom), groom_chunks_);
-    body_chunks_ = replace<v2::BodyChunk>(*body_writer_, std::move(chunks.body), body_chunks_);
+    if (claim_) shared_ = chunks;
+    if (!claim_ || announced_turn_ != 0) write(std::move(chunks));
     announced_.accept(groom);
   }
 
   void publish(const GuideFrame& frame) override {
+    if (claim_ && !takeTurn()) return;
     announced_.divide(frame, [this](GuideChunk& chunk) {
       toWire(chunk, guide_sample_);
       guide_writer_->write(&guide_sample_);
@@ -50,6 +58,7 @@ class DdsPublisher final : public Publisher {
   }
 
   void publishStatus(const Status& status) override {
+    if (claim_ && claim_->turn() == 0) return;
     v2::Status sample;
     toWire(status, sample);
     sample.groom_id(options_.groom_id);
@@ -62,10 +71,27 @@ class DdsPublisher final : public Publisher {
   uint32_t matchedReaders() const override { return readers_.matched(); }
   EncodingReport encoding() const override { return announced_.encoding(); }
   std::optional<uint64_t> rivalSession() const override {
-    return others_.rivalOf(options_.groom_id, options_.session);
+    const std::optional<uint64_t> rival = others_.rivalOf(options_.groom_id, options_.session);
+    return claim_ && rival == claim_->holder() ? std::nullopt : rival;
   }
 
  private:
+  void write(AnnouncedGroom::Chunks chunks) {
+    groom_chunks_ = replace<v2::GroomChunk>(*groom_writer_, std::move(chunks.groom), groom_chunks_);
+    body_chunks_ = replace<v2::BodyChunk>(*body_writer_, std::move(chunks.body), body_chunks_);
+  }
+
+  /// Of daemons that share a groom: whether it is this one's turn. Late readers are to find the groom of that
+  /// one alone.
+  bool takeTurn() {
+    const uint64_t turn = claim_->turn();
+    if (turn != announced_turn_) {
+      write(turn != 0 ? shared_ : AnnouncedGroom::Chunks());
+      announced_turn_ = turn;
+    }
+    return turn != 0;
+  }
+
   /// Writes all chunks and disposes of those that the last announcement had beyond them, so that late readers
   /// are not given chunks of two revisions. Returns their number.
   template <class Wire, class Chunk>
@@ -80,6 +106,7 @@ class DdsPublisher final : public Publisher {
     }
     const auto count = static_cast<uint32_t>(chunks.size());
     for (uint32_t index = count; index < count_before; ++index) {
+      sample.groom_id(options_.groom_id);
       sample.chunk_index(index);
       writer.dispose(&sample, eprosima::fastrtps::rtps::InstanceHandle_t());
     }
@@ -106,11 +133,14 @@ class DdsPublisher final : public Publisher {
   StatusBoard others_;  // of this groom
   AnnouncedGroom announced_;
   uint32_t groom_chunks_ = 0, body_chunks_ = 0;
+  AnnouncedGroom::Chunks shared_;  // for when it is this one's turn
+  uint64_t announced_turn_ = 0;    // of DdsClaim::turn()
   v2::GuideChunk guide_sample_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter readers_;
   TakingListener<v2::Command> command_listener_;
   TakingListener<v2::Status> status_listener_;
+  std::optional<DdsClaim> claim_;
   DdsParticipant participant_;
   dds::DataWriter* status_writer_ = nullptr;
   dds::DataWriter* groom_writer_ = nullptr;

@@ -1,4 +1,8 @@
+#include <atomic>
+#include <condition_variable>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "core/error.h"
 #include "transport/answers.h"
@@ -15,7 +19,8 @@ namespace {
 
 namespace dds = eprosima::fastdds::dds;
 
-constexpr std::chrono::milliseconds kAnswerTime{2000};
+constexpr std::chrono::milliseconds kAnswerTime{2000}, kWatchPeriod{400};
+constexpr int kPatience = 2;  // looks without a chunk; a daemon's status comes twice a second
 
 class DdsSubscriber final : public Subscriber {
  public:
@@ -23,17 +28,24 @@ class DdsSubscriber final : public Subscriber {
       : options_(options),
         grooms_(options.groom_id),
         bodies_(options.groom_id),
+        frames_(options.profile == DdsProfile::kBestEffort),
         groom_listener_([this](v2::GroomChunk& wire, const auto&) { receive(wire); }),
         body_listener_([this](v2::BodyChunk& wire, const auto&) { receive(wire); }),
         guide_listener_([this](v2::GuideChunk& wire, const auto&) { receive(wire); }),
         status_listener_([this](v2::Status& wire, const auto& writer) { receive(wire, writer); },
-                         [this](const auto& writer) { statuses_.remove(writer); }),
-        participant_(options.domain, options.groom_id) {
-    participant_.createReader(kGroomTopic, new GroomChunkType, &groom_listener_);
-    participant_.createReader(kBodiesTopic, new BodyChunkType, &body_listener_);
-    participant_.createReader(kGuidesTopic, new GuideChunkType, &guide_listener_);
-    participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
-    command_writer_ = participant_.createWriter(kCommandTopic, new CommandType, &daemons_);
+                         [this](const auto& writer) { statuses_.remove(writer); }) {
+    join(options.profile == DdsProfile::kLocal);
+    if (options.profile == DdsProfile::kLocal) watchdog_ = std::thread([this] { watch(); });
+  }
+
+  ~DdsSubscriber() override {
+    {
+      const std::lock_guard lock(watch_mutex_);
+      stop_ = true;
+    }
+    wake_.notify_all();
+    if (watchdog_.joinable()) watchdog_.join();
+    participant_.reset();  // and with it the threads that call the listeners
   }
 
   std::shared_ptr<const GroomDescription> groom() const override { return queue_.groom(); }
@@ -66,7 +78,8 @@ class DdsSubscriber final : public Subscriber {
     v2::Command sample;
     toWire(command, sample);
     sample.groom_id(options_.groom_id);
-    if (!command_writer_->write(&sample)) throw Error("the command cannot be written", where, remedy);
+    if (!command_writer_ || !command_writer_->write(&sample))
+      throw Error("the command cannot be written", where, remedy);
     // So that a program may end right after it.
     const eprosima::fastrtps::Duration_t patience{static_cast<int32_t>(kAnswerTime.count() / 1000), 0};
     if (command_writer_->wait_for_acknowledgments(patience) !=
@@ -91,6 +104,46 @@ class DdsSubscriber final : public Subscriber {
   }
 
  private:
+  void join(bool uses_shared_memory) {
+    participant_.emplace(
+        DdsNetwork{options_.domain, uses_shared_memory, options_.peers, options_.discovery_server},
+        options_.groom_id);
+    participant_->createReader(kGroomTopic, new GroomChunkType, &groom_listener_);
+    participant_->createReader(kBodiesTopic, new BodyChunkType, &body_listener_);
+    participant_->createReader(kGuidesTopic, new GuideChunkType, &guide_listener_,
+                               options_.profile != DdsProfile::kBestEffort);
+    participant_->createReader(kStatusTopic, new StatusType, &status_listener_);
+    command_writer_ = participant_->createWriter(kCommandTopic, new CommandType, &daemons_);
+  }
+
+  /// Whether there is a daemon that casts, as far as its status gets here, and none of its chunks has come
+  /// since the last look.
+  bool isStarved() {
+    const std::optional<Status> now = status();
+    const bool may_cast = guide_listener_.matched() > 0 && (!now || now->frames > 0);
+    const uint64_t chunks = chunks_;
+    return may_cast && chunks == std::exchange(watched_chunks_, chunks);
+  }
+
+  /// Fast DDS 2.9.1 now and then gives a reader nothing through shared memory whose predecessor was killed.
+  void watch() {
+    std::unique_lock lock(watch_mutex_);
+    int starved = 0;
+    while (!wake_.wait_for(lock, kWatchPeriod, [&] { return stop_; })) {
+      starved = isStarved() ? starved + 1 : 0;
+      if (participant_ && starved < kPatience) continue;
+      const std::lock_guard sending(send_mutex_);
+      command_writer_ = nullptr;
+      participant_.reset();
+      statuses_.clear();
+      try {
+        join(false);
+        return;
+      } catch (const Error&) {  // the network is gone, perhaps not for good
+      }
+    }
+  }
+
   void receive(v2::GroomChunk& wire) {
     GroomChunk chunk;
     fromWire(wire, chunk);
@@ -108,11 +161,16 @@ class DdsSubscriber final : public Subscriber {
 
   void receive(v2::GuideChunk& wire) {
     const std::lock_guard lock(assembly_mutex_);
+    ++chunks_;
     fromWire(wire, guide_chunk_);
-    if (auto frame = frames_.add(guide_chunk_)) {
-      const uint64_t publish_time = frame->publish_time;
-      queue_.push(std::move(frame), latencyMs(publish_time));
-    }
+    push(frames_.add(guide_chunk_));
+    if (options_.profile == DdsProfile::kBestEffort) push(frames_.concealOverdue());
+  }
+
+  void push(std::shared_ptr<const GuideFrame> frame) {
+    if (!frame) return;
+    const uint64_t publish_time = frame->publish_time;
+    queue_.push(std::move(frame), latencyMs(publish_time));
   }
 
   void receive(const v2::Status& wire, const StatusBoard::WriterId& writer) {
@@ -131,6 +189,7 @@ class DdsSubscriber final : public Subscriber {
   BodyAssembler bodies_;
   GuideAssembler frames_;
   GuideChunk guide_chunk_;
+  std::atomic<uint64_t> chunks_{0};  // of guides, received
   std::mutex send_mutex_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter daemons_;
@@ -138,8 +197,14 @@ class DdsSubscriber final : public Subscriber {
   TakingListener<v2::BodyChunk> body_listener_;
   TakingListener<v2::GuideChunk> guide_listener_;
   TakingListener<v2::Status> status_listener_;
-  DdsParticipant participant_;
+  std::optional<DdsParticipant> participant_;
   dds::DataWriter* command_writer_ = nullptr;
+
+  uint64_t watched_chunks_ = 0;  // at the watchdog's last look
+  std::mutex watch_mutex_;
+  std::condition_variable wake_;
+  bool stop_ = false;
+  std::thread watchdog_;  // kLocal only
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ class Publisher {
   /// Describes the groom and its body to everyone, now and later. Call before publish(); again, with a higher
   /// revision, when the topology changes. `groom_id`, the body's revision and, over DDS, `session` are filled
   /// in by the channel. Throws Error on what a receiver would refuse: no strands, counts that do not fit,
-  /// non-finite numbers, a strand of more than kMaxVerticesPerStrand vertices.
+  /// non-finite numbers, a strand of more than kMaxWireVertices vertices.
   virtual void announce(const GroomDescription& groom, const BodyDescription& body) = 0;
   /// Neither blocks on slow readers nor throws. `frame` fits the groom last announced (another vertex count
   /// or revision is the program's own fault: nothing is sent then); its `groom_id` and, over DDS, `session`

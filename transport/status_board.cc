@@ -19,6 +19,11 @@ void StatusBoard::remove(const WriterId& writer) {
   entries_.erase(writer);
 }
 
+void StatusBoard::clear() {
+  const std::lock_guard lock(mutex_);
+  entries_.clear();
+}
+
 std::vector<Status> StatusBoard::all() const {
   const std::lock_guard lock(mutex_);
   std::vector<const Entry*> sorted;

@@ -17,6 +17,7 @@ class StatusBoard {
 
   void post(const WriterId& writer, Status status);
   void remove(const WriterId& writer);
+  void clear();
 
   std::vector<Status> all() const;  ///< by groom id, the newest last within one
   /// Of `session` when it is there, else the newest of this groom.

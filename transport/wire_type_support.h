@@ -24,6 +24,7 @@ using GroomChunkType = GuardedType<v2::GroomChunkPubSubType>;
 using BodyChunkType = GuardedType<v2::BodyChunkPubSubType>;
 using GuideChunkType = GuardedType<v2::GuideChunkPubSubType>;
 using CommandType = GuardedType<v2::CommandPubSubType>;
+using ClaimType = GuardedType<v2::ClaimPubSubType>;
 using StatusType = GuardedType<v2::StatusPubSubType>;
 
 }  // namespace strandcast

@@ -59,6 +59,9 @@ rate = 120
 duration = 10
 [transport]
 kind = "dds"
+profile = "local"
+peers = ["192.0.2.1", "192.0.2.2"]
+discovery_server = "192.0.2.3:11811"
 domain = 3
 groom_id = 9
 codec = "temporal"
@@ -74,6 +77,9 @@ TEST(Config, ReadsEveryKey) {
   readConfigText(kFull, "some/hair.toml", s);
   EXPECT_EQ(s.scene.name, "curly");
   EXPECT_EQ(s.scene.motion, "nod+turn");
+  EXPECT_EQ(s.profile, "local");
+  EXPECT_EQ(s.peers, (std::vector<std::string>{"192.0.2.1", "192.0.2.2"}));
+  EXPECT_EQ(s.discovery_server, "192.0.2.3:11811");
   EXPECT_EQ(s.scene.seed, 7u);
   ASSERT_EQ(s.scene.groom.size(), 2u);
   EXPECT_EQ(s.scene.groom[1], "some/b.tfx") << "paths are relative to the file that names them";
@@ -146,6 +152,7 @@ TEST(Config, WrongTypesAndRangesAreRefused) {
                            "[daemon]\nrate = -1",
                            "[daemon]\nrate = nan",
                            "[transport]\ndomain = 233",
+                           "[transport]\nprofile = \"fastest\"",
                            "[parameters]\nwind = 3",
                            "[parameters]\nsubsteps = 2.5",
                            "[parameters]\nsubsteps = 0",

@@ -88,8 +88,9 @@ class Programs : public ::testing::Test {
 };
 
 TEST_F(Programs, HelpTeachesAndExitsWithZero) {
-  for (const char* words : {" --help", " info --help", " convert --help", " bake --help", " render --help",
-                            " compare --help", " ctl --help", " validate --help"}) {
+  for (const char* words :
+       {" --help", " info --help", " convert --help", " bake --help", " render --help", " compare --help",
+        " ctl --help", " record --help", " replay --help", " validate --help"}) {
     const Outcome r = run(program_ + words);
     EXPECT_EQ(r.exit_code, 0) << words << r.err;
     EXPECT_GT(r.out.size(), 200u) << words;
@@ -120,6 +121,8 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
         program_ + " bake " + (folder_ / "cube.obj").string() + " --no-cache --unit-meters 1 --cell 1e-5",
         program_ + " bake " + (folder_ / "cube.obj").string() + " --no-cache --unit-meters 1 --memory 1",
         program_ + " validate chemistry",
+        program_ + " replay " + (folder_ / "absent.rec").string(),
+        program_ + " replay " + (folder_ / "cube.obj").string() + " --check",
         program_ + " validate physics --only 'no such case'",
         program_ + " validate cantilever --solver magic --backend reference",
         program_ + " convert " + (folder_ / "empty.tfx").string() + " " + (folder_ / "x.hair").string(),
@@ -324,6 +327,46 @@ TEST_F(Programs, DaemonCastsToARendererAndObeys) {
   EXPECT_EQ(summary["non_finite"], 0);
 }
 
+TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::string run_file = (folder_ / "run.rec").string(), network = " --domain " + domain_;
+  const pid_t daemon = start({daemon_, "--scene", "wavy", "--strands", "60", "--motion", "shake", "--backend",
+                              "simd", "--domain", domain_, "--quiet", "--record", run_file},
+                             "daemon.txt");
+  ASSERT_EQ(run(program_ + " ctl wind 3 0 0 --timeout 60" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl set time_step 0.01" + network).exit_code, 0);
+  const std::string live = (folder_ / "live.rec").string();
+  const Outcome recorded =
+      run(program_ + " record " + live + " --seconds 0.5 --codec float32 --json" + network);
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  EXPECT_EQ(nlohmann::json::parse(recorded.out)["frames_skipped"], 0);
+  kill(daemon, SIGKILL);
+  wait(daemon);
+
+  const Outcome again = run(program_ + " replay " + run_file + " --resimulate --json");
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  const nlohmann::json report = nlohmann::json::parse(again.out);
+  EXPECT_GT(report["frames"], 30);
+  EXPECT_EQ(report["frames_different"], 0);
+  EXPECT_EQ(report["inputs"], 2);
+  EXPECT_NE(again.err.find("not closed"), std::string::npos) << "the daemon was killed: " << again.err;
+  const Outcome no_source = run(program_ + " replay " + live + " --resimulate");
+  EXPECT_EQ(no_source.exit_code, 2) << no_source.out;
+
+  const Outcome check = run(program_ + " replay " + live + " --check --json");
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_EQ(nlohmann::json::parse(check.out)["frames_different"], 0);
+  EXPECT_EQ(nlohmann::json::parse(check.out)["cut"], 0);
+
+  start({program_, "replay", live, "--loop", "--domain", domain_}, "replay.txt");
+  const std::string second = (folder_ / "second.rec").string();
+  const Outcome copied = run(program_ + " record " + second + " --seconds 0.8 --json" + network);
+  EXPECT_EQ(copied.exit_code, 0) << copied.err;
+  EXPECT_GT(nlohmann::json::parse(copied.out)["frames"], 40);
+  EXPECT_EQ(run(program_ + " ctl set speed 0.5" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
+}
+
 TEST_F(Programs, DaemonCastsOverLcm) {
   const std::string network = " --transport lcm --domain " + domain_;
   const pid_t daemon = start({daemon_, "--scene", "straight", "--strands", "200", "--transport", "lcm",
@@ -352,6 +395,42 @@ TEST_F(Programs, DaemonCastsOverLcm) {
   const Outcome refused = run(daemon_ + " --scene straight --strands 20 --quiet --codec temporal" + network);
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("loses nothing"), std::string::npos) << refused.err;
+}
+
+TEST_F(Programs, ALogOfLcmsToolsIsDrawn) {
+  if (std::system("command -v lcm-logger lcm-logplayer >/dev/null") != 0) GTEST_SKIP() << "no lcm-logger";
+  const std::string log = (folder_ / "session.lcm").string(),
+                    url = "udpm://239.255.76.67:" + std::to_string(7667 + std::stoi(domain_)) + "?ttl=0";
+  const pid_t logger = start({"/usr/bin/env", "lcm-logger", "-q", "--lcm-url=" + url, log}, "logger.txt");
+  // A small body: LCM's tools have small receive buffers, and what they miss comes but once a second.
+  StrandSet strands;
+  for (int i = 0; i < 40; ++i) {
+    const float x = 0.0025f * static_cast<float>(i);
+    strands.append(std::array<Vec3, 3>{Vec3(x, 0.1f, 0.05f), Vec3(x, 0.13f, 0.05f), Vec3(x, 0.16f, 0.05f)});
+  }
+  writeGroom(folder_ / "groom.tfx", strands);
+  const Outcome cast = run(daemon_ + " --groom " + (folder_ / "groom.tfx").string() + " --body " +
+                           write("cube.obj", kCube).string() +
+                           " --unit-meters 1 --transport lcm --quiet --duration 2 --domain " + domain_);
+  kill(logger, SIGINT);
+  wait(logger);
+  if (cast.err.find("LCM cannot") != std::string::npos || cast.err.find("LCM is not") != std::string::npos)
+    GTEST_SKIP() << cast.err;
+  ASSERT_EQ(cast.exit_code, 0) << cast.err;
+  ASSERT_GT(std::filesystem::file_size(log), 30000u);
+
+  const pid_t player = start({"/usr/bin/env", "lcm-logplayer", "--lcm-url=" + url, log}, "player.txt");
+  const std::string network = " --transport lcm --domain " + domain_ + " --timeout 8";
+  const Outcome drawn =
+      run(program_ + " render --json --frames 3 --fps 10 --width 96 --height 64 --hairs 300 --out " +
+          (folder_ / "pictures").string() + network);
+  if (!STRANDCAST_GL || drawn.err.find("OpenGL") != std::string::npos) {
+    kill(player, SIGKILL);
+    GTEST_SKIP() << drawn.err;
+  }
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_EQ(nlohmann::json::parse(drawn.out)["strands"], 40);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "pictures" / "frame_0002.png"));
 }
 
 TEST_F(Programs, InterruptEndsTheDaemonCleanly) {

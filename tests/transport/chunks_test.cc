@@ -87,7 +87,7 @@ TEST(Chunks, GroomOfOneStrandComesBack) { expectGroomRoundTrip(uniformGroom(1, 2
 TEST(Chunks, GroomOfOneVertexComesBack) { expectGroomRoundTrip(uniformGroom(1, 1), 1); }
 TEST(Chunks, GroomOf20000StrandsComesBack) { expectGroomRoundTrip(uniformGroom(20000, 16), 90); }
 TEST(Chunks, StrandsOfTheLargestVertexCountComeBack) {
-  expectGroomRoundTrip(uniformGroom(3, kMaxVerticesPerStrand), 3);
+  expectGroomRoundTrip(uniformGroom(3, kMaxWireVertices), 3);
 }
 
 TEST(Chunks, BodiesComeBack) {
@@ -138,7 +138,7 @@ TEST(Chunks, AnnouncementRefusesWhatReceiversWould) {
                  [](auto& g, auto&) { std::swap(g.guides.offsets[1], g.guides.offsets[2]); });
   expect_refusal("NaN", [](auto& g, auto&) { g.guides.positions[1].x() = kNan; });
   expect_refusal("short radii", [](auto& g, auto&) { g.guides.radii.pop_back(); });
-  expect_refusal("long strand", [](auto& g, auto&) { g = uniformGroom(1, kMaxVerticesPerStrand + 1); });
+  expect_refusal("long strand", [](auto& g, auto&) { g = uniformGroom(1, kMaxWireVertices + 1); });
   expect_refusal("triangle out of range", [](auto&, auto& b) { b.mesh.triangles[0][2] = 9; });
   expect_refusal("weight out of range", [](auto&, auto& b) { b.head_weights[0] = 1.5f; });
   expect_refusal("NaN in the body", [](auto&, auto& b) { b.mesh.positions[0].z() = kNan; });

@@ -1,12 +1,20 @@
 // The other process of the tests over the network. Prints "key value" lines; an Error goes to standard error
 // and ends it with exit code 2.
 //
-//   transport_peer publish DOMAIN SECONDS     daemon of groom 1 at 60 Hz, kPeerGuides x 16, 0.5 s after
-//   creation transport_peer read DOMAIN SECONDS MS     reader that takes MS milliseconds over each frame
+//   transport_peer publish DOMAIN SECONDS     daemon of groom 1 at 60 Hz, kPeerGuides x 16, after it
+//                                             has listened for rivals
+//   transport_peer cast DOMAIN SECONDS        the same at once; ends earlier when it is told to shut down
+//   transport_peer claim DOMAIN STRENGTH      the same for a minute, sharing the groom with others
+//   transport_peer cast_lcm DOMAIN SECONDS    the same over LCM, without a claim
+//   transport_peer read DOMAIN SECONDS MS     reader that takes MS milliseconds over each frame
+//   transport_peer read_lcm DOMAIN SECONDS MS
+//   transport_peer cast_local, read_local     as cast and read, through shared memory
 //   transport_peer send DOMAIN ID             sends one command and ends
-//   transport_peer alone DOMAIN SECONDS       both of the first two where there is no network but 127.0.0.1
+//   transport_peer alone DOMAIN SECONDS       publish and read where there is no network but 127.0.0.1
 //   transport_peer offline DOMAIN             a reader where no interface is up
 //   transport_peer lcm_alone DOMAIN           a reader over LCM where 127.0.0.1 has no route for multicast
+//
+// With STRANDCAST_PEER_LOSS=0.01 one of a hundred datagrams that it sends is lost.
 #include <net/if.h>
 #include <sched.h>
 #include <signal.h>
@@ -41,9 +49,54 @@ void print(const char* key, double value) {
   std::fflush(stdout);
 }
 
+/// MB that this process occupies.
+double residentMb() {
+  long pages = 0, resident = 0;
+  FILE* const file = std::fopen("/proc/self/statm", "r");
+  if (file == nullptr || std::fscanf(file, "%ld %ld", &pages, &resident) != 2) resident = 0;
+  if (file != nullptr) std::fclose(file);
+  return static_cast<double>(resident * sysconf(_SC_PAGESIZE)) * 1e-6;
+}
+
+/// Casts frames on time until `seconds` are over or it is told to shut down.
+int cast(Publisher& publisher, double seconds) {
+  GroomDescription groom = uniformGroom(kPeerGuides, 16);
+  groom.session = static_cast<uint64_t>(getpid());
+  publisher.announce(groom, sampleBody(60));
+  Status status;
+  GuideFrame frame;
+  double slowest_ms = 0, most_late_ms = 0, warm_mb = 0;
+  const auto frames = static_cast<uint64_t>(seconds * 60);
+  const auto first = Clock::now();
+  uint64_t number = 0;
+  for (bool is_over = false; number < frames && !is_over;) {
+    const auto due = first + std::chrono::microseconds(++number * 1000000 / 60);
+    std::this_thread::sleep_until(due);
+    fillSampleFrame(groom, number, frame);
+    const auto before = Clock::now();
+    publisher.publish(frame);
+    const auto after = Clock::now();
+    slowest_ms = std::max(slowest_ms, std::chrono::duration<double, std::milli>(after - before).count());
+    most_late_ms = std::max(most_late_ms, std::chrono::duration<double, std::milli>(after - due).count());
+    while (const auto command = publisher.takeCommand()) {
+      status.last_command = command->id;
+      publisher.publishStatus(status);
+      print("command", static_cast<double>(command->id));
+      is_over = command->kind == CommandKind::kShutdown;
+    }
+    if (number % 30 == 0) publisher.publishStatus(status);
+    if (number == frames / 3 || number == 60) warm_mb = residentMb();
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // repairs of the last frames
+  print("published", static_cast<double>(number));
+  print("slowest_publish_ms", slowest_ms);
+  print("most_late_ms", most_late_ms);
+  print("grown_mb", residentMb() - warm_mb);
+  return 0;
+}
+
 int publish(int domain, double seconds) {
-  const auto session = static_cast<uint64_t>(getpid());
-  const auto publisher = makeDdsPublisher({domain, 1, session, {Codec::kFloat32}});
+  const auto publisher = makeDdsPublisher({domain, 1, static_cast<uint64_t>(getpid()), {Codec::kFloat32}});
   const auto start = Clock::now();
   while (Clock::now() - start < kRivalListenTime && !publisher->rivalSession()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -52,35 +105,10 @@ int publish(int domain, double seconds) {
     print("rival", static_cast<double>(*rival));
     return 0;
   }
-  GroomDescription groom = uniformGroom(kPeerGuides, 16);
-  groom.session = session;
-  publisher->announce(groom, sampleBody(60));
-  Status status;
-  GuideFrame frame;
-  double slowest_ms = 0;
-  const auto frames = static_cast<uint64_t>(seconds * 60);
-  const auto first = Clock::now();
-  for (uint64_t number = 1; number <= frames; ++number) {
-    std::this_thread::sleep_until(first + std::chrono::microseconds(number * 1000000 / 60));
-    fillSampleFrame(groom, number, frame);
-    const auto before = Clock::now();
-    publisher->publish(frame);
-    slowest_ms =
-        std::max(slowest_ms, std::chrono::duration<double, std::milli>(Clock::now() - before).count());
-    while (const auto command = publisher->takeCommand()) {
-      status.last_command = command->id;
-      publisher->publishStatus(status);
-      print("command", static_cast<double>(command->id));
-    }
-  }
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // repairs of the last frames
-  print("published", static_cast<double>(frames));
-  print("slowest_publish_ms", slowest_ms);
-  return 0;
+  return cast(*publisher, seconds);
 }
 
-int read(int domain, double seconds, int work_ms) {
-  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
+int read(std::unique_ptr<Subscriber> subscriber, double seconds, int work_ms) {
   const auto start = Clock::now();
   if (!subscriber->waitForGroom(std::chrono::milliseconds(8000))) {
     print("groom", 0);
@@ -89,15 +117,20 @@ int read(int domain, double seconds, int work_ms) {
   print("groom", static_cast<double>(subscriber->groom()->guides.strands()));
   print("groom_after_ms", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   uint64_t after = 0, seen = 0, wrong = 0, skipped = 0;
+  double warm_mb = 0;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   while (Clock::now() < end) {
     const auto frame = subscriber->waitForFrame(after, std::chrono::milliseconds(200));
     if (!frame) continue;
-    if (seen == 0) print("first_frame", static_cast<double>(frame->frame));
+    if (seen == 0) {
+      print("first_frame_after_ms", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+      print("first_frame", static_cast<double>(frame->frame));
+    }
+    if (seen == 60 || seen == static_cast<uint64_t>(seconds * 20)) warm_mb = residentMb();
     if (after != 0) skipped += frame->frame - after - 1;
     after = frame->frame;
     ++seen;
-    wrong += isSampleFrame(*frame) ? 0 : 1;
+    wrong += frame->strands_concealed > 0 || isSampleFrame(*frame) ? 0 : 1;
     std::this_thread::sleep_for(std::chrono::milliseconds(work_ms));
   }
   const ReceiveStatistics statistics = subscriber->statistics();
@@ -106,6 +139,9 @@ int read(int domain, double seconds, int work_ms) {
   print("skipped", static_cast<double>(skipped));
   print("received", static_cast<double>(statistics.frames_received));
   print("lost", static_cast<double>(statistics.frames_lost));
+  print("concealed", static_cast<double>(statistics.frames_concealed));
+  print("strands_concealed", static_cast<double>(statistics.strands_concealed));
+  print("grown_mb", residentMb() - warm_mb);
   print("rejected", static_cast<double>(statistics.chunks_rejected));
   print("latency_ms_p50", statistics.latency_ms_p50);
   print("latency_ms_p99", statistics.latency_ms_p99);
@@ -138,7 +174,7 @@ int alone(const char* program, const char* domain, const char* seconds) {
   const char* arguments[] = {program, "publish", domain, "60", nullptr};
   pid_t daemon = 0;
   if (posix_spawn(&daemon, program, nullptr, nullptr, const_cast<char**>(arguments), environ) != 0) return 1;
-  const int result = read(std::atoi(domain), std::atof(seconds), 0);
+  const int result = read(makeDdsSubscriber({std::atoi(domain), 1, 0, {}}), std::atof(seconds), 0);
   kill(daemon, SIGKILL);
   waitpid(daemon, nullptr, 0);
   return result;
@@ -154,10 +190,32 @@ int run(int count, char** arguments) {
   const std::string verb = count > 2 ? arguments[1] : "";
   const int domain = count > 2 ? std::atoi(arguments[2]) : 0;
   if (verb == "publish" && count == 4) return publish(domain, std::atof(arguments[3]));
-  if (verb == "read" && count == 5) return read(domain, std::atof(arguments[3]), std::atoi(arguments[4]));
+  const auto session = static_cast<uint64_t>(getpid());
+  const CodecOptions codec{Codec::kFloat32};
+  if (verb == "cast" && count == 4)
+    return cast(*makeDdsPublisher({domain, 1, session, codec}), std::atof(arguments[3]));
+  if (verb == "claim" && count == 4)
+    return cast(
+        *makeDdsPublisher({domain, 1, session, codec, static_cast<uint32_t>(std::atoi(arguments[3]))}), 60);
+  if (verb == "cast_lcm" && count == 4)
+    return cast(*makeLcmPublisher({lcmUrl(domain), 1, session, codec}), std::atof(arguments[3]));
+  DdsOptions local;
+  local.domain = domain;
+  local.codec = codec;
+  local.profile = DdsProfile::kLocal;
+  if (verb == "read_local" && count == 5)
+    return read(makeDdsSubscriber(local), std::atof(arguments[3]), std::atoi(arguments[4]));
+  local.session = session;
+  if (verb == "cast_local" && count == 4) return cast(*makeDdsPublisher(local), std::atof(arguments[3]));
+  if (verb == "read" && count == 5)
+    return read(makeDdsSubscriber({domain, 1, 0, {}}), std::atof(arguments[3]), std::atoi(arguments[4]));
+  if (verb == "read_lcm" && count == 5)
+    return read(makeLcmSubscriber({lcmUrl(domain), 1, 0, {}}), std::atof(arguments[3]),
+                std::atoi(arguments[4]));
   if (verb == "send" && count == 4) return send(domain, std::strtoull(arguments[3], nullptr, 10));
   if (verb == "alone" && count == 4) return alone(arguments[0], arguments[2], arguments[3]);
-  if (verb == "offline" && count == 3) return enterEmptyNetwork() ? read(domain, 1, 0) : kNoNamespace;
+  if (verb == "offline" && count == 3)
+    return enterEmptyNetwork() ? read(makeDdsSubscriber({domain, 1, 0, {}}), 1, 0) : kNoNamespace;
   if (verb == "lcm_alone" && count == 3) return lcmAlone(domain);
   std::fprintf(stderr, "see the head of transport_peer.cc\n");
   return 2;

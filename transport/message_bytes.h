@@ -10,7 +10,7 @@
 namespace strandcast {
 
 /// LCM's encoding of numbers, texts and arrays: big-endian, texts with their length including a final zero
-/// byte. Writer and reader have the same members, so that a message is described once (lcm_messages.cc).
+/// byte. Writer and reader have the same members, so that a message is described once (message_fields.h).
 template <size_t kBytes>
 using UnsignedOf = std::conditional_t<
     kBytes == 8, uint64_t,

@@ -1,0 +1,174 @@
+#include "apps/replay.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "core/error.h"
+#include "transport/frame_queue.h"
+
+namespace strandcast {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr Clock::duration kLook = std::chrono::milliseconds(4);  // between looks at commands
+constexpr double kStatusInterval = 0.5;                          // s
+constexpr double kStillInterval = 0.25;      // s: a frame that stands still is shown again to who comes late
+constexpr double kMovedInterval = 1.0 / 60;  // s, between frames that do not follow each other
+
+constexpr double kMostLate = 0.1;  // s
+
+Clock::duration durationOf(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double numberOf(const Command& command, double low, double high) {
+  if (command.values.size() != 1 || !(command.values[0] >= low && command.values[0] <= high))
+    throw Error("out of range", command.name, fmt::format("give one number, {:g} to {:g}", low, high));
+  return command.values[0];
+}
+
+}  // namespace
+
+Replay::Replay(Recording& recording, Publisher& publisher, uint32_t groom_id, uint64_t session,
+               const ReplayOptions& options)
+    : recording_(recording), publisher_(publisher), options_(options) {
+  frame_.groom_id = status_.groom_id = groom_id;
+  frame_.session = status_.session = session;
+  status_.backend = "replay";
+}
+
+void Replay::apply(const Command& command) {
+  switch (command.kind) {
+    case CommandKind::kSetParameter:
+      if (command.name == "speed") {
+        options_.speed = numberOf(command, 0, kMaxReplaySpeed);
+      } else if (command.name == "position") {
+        target_ = numberOf(command, 0, std::max(end(), options_.from));
+      } else if (command.name == "loop") {
+        options_.loops = numberOf(command, 0, 1) > 0;
+      } else {
+        break;
+      }
+      return;
+    case CommandKind::kReset:
+      target_ = options_.from;
+      return;
+    case CommandKind::kShutdown:
+      shutdown_ = true;
+      return;
+    case CommandKind::kHeadPose:
+    case CommandKind::kHeadMotion:
+      break;
+  }
+  throw Error("a recording does not obey this", fmt::format("command {}", command.id),
+              "it takes set speed, set position, set loop, reset and stop");
+}
+
+void Replay::obey(const Command& command) {
+  status_.last_command = command.id;
+  status_.last_command_error.clear();
+  try {
+    apply(command);
+  } catch (const Error& error) {
+    status_.last_command_error = error.what();
+  }
+  publisher_.publishStatus(status_);
+}
+
+void Replay::show(uint64_t number, double elapsed) {
+  number_ = number;
+  try {
+    recording_.read(number, read_);
+    publish(elapsed);
+  } catch (const Error& error) {
+    if (summary_.damaged++ == 0) spdlog::warn("{}", error.what());
+  }
+}
+
+void Replay::publish(double elapsed) {
+  if (read_.groom != announced_) {
+    GroomDescription groom = *read_.groom;
+    BodyDescription body = *read_.body;
+    groom.groom_id = body.groom_id = frame_.groom_id;
+    groom.session = body.session = frame_.session;
+    groom.revision = ++revision_;
+    publisher_.announce(groom, body);
+    announced_ = read_.groom;
+    frame_.revision = revision_;
+    status_.groom_name = groom.name;
+    status_.strands = groom.guides.strands();
+    status_.vertices = groom.guides.vertices();
+  }
+  ++frame_.frame;
+  // Time as it passes for who looks: at twice the speed frames come twice as soon.
+  frame_.simulation_time += elapsed;
+  frame_.publish_time = systemTime();
+  frame_.head = read_.frame->head;
+  frame_.positions = read_.frame->positions;
+  publisher_.publish(frame_);
+  status_.frames = ++summary_.frames;
+}
+
+void Replay::publishStatus() {
+  status_.simulation_time = read_.record.time;
+  status_.readers = publisher_.matchedReaders();
+  status_.encoding = publisher_.encoding();
+  publisher_.publishStatus(status_);
+}
+
+ReplaySummary Replay::run(const std::atomic<bool>& stop) {
+  if (recording_.frames() == 0 || options_.from > recording_.seconds())
+    throw Error(
+        "there is nothing to replay", fmt::format("{:g} to {:g} s", options_.from, end()),
+        fmt::format("the recording has {} frames, {:.3f} s", recording_.frames(), recording_.seconds()));
+  const Clock::time_point start = Clock::now();
+  Clock::time_point shown = start, status_due = start;
+  target_ = options_.from;
+  while (!stop && !shutdown_) {
+    while (const std::optional<Command> command = publisher_.takeCommand()) obey(*command);
+    const double waited = secondsSince(shown), speed = options_.speed;
+    const uint64_t next = number_ + 1;
+    double due = kStillInterval;  // s after the frame that is shown
+    if (target_) {
+      show(recording_.frameAt(*target_), std::max(waited, kMovedInterval));
+      target_.reset();
+      shown = Clock::now();
+      continue;
+    }
+    if (speed == 0) {
+      if (waited >= due) {
+        show(number_, waited);
+        shown = Clock::now();
+      }
+    } else if (next >= recording_.frames() || recording_.timeOf(next) > end()) {
+      due = kMovedInterval;
+      if (waited >= due && !options_.loops) break;
+      if (waited >= due) target_ = options_.from;
+    } else {
+      due = (recording_.timeOf(next) - recording_.timeOf(number_)) / speed;
+      if (waited >= due) {
+        show(next, due);
+        // A machine that is too slow falls behind rather than hurrying afterwards.
+        shown = waited > due + kMostLate ? Clock::now() : shown + durationOf(due);
+      }
+    }
+    if (Clock::now() >= status_due) {
+      publishStatus();
+      status_due = Clock::now() + durationOf(kStatusInterval);
+    }
+    std::this_thread::sleep_for(std::clamp(durationOf(due - secondsSince(shown)), Clock::duration(0), kLook));
+  }
+  publishStatus();
+  summary_.seconds = secondsSince(start);
+  return summary_;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,126 @@
+#include "apps/resimulation.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <deque>
+#include <nlohmann/json.hpp>
+
+#include "apps/channel.h"
+#include "apps/daemon.h"
+#include "core/error.h"
+#include "transport/recording/recorder.h"
+
+namespace strandcast {
+namespace {
+
+struct Source {
+  Settings settings;
+  std::string device;
+};
+
+Source sourceOf(const std::string& text, const std::string& name) {
+  if (text.empty())
+    throw Error("the recording does not say what made it", name,
+                "only what `strandcastd --record` wrote can be simulated again");
+  try {
+    const nlohmann::json source = nlohmann::json::parse(text);
+    CLI::App app;
+    SettingsOptions options(app);
+    app.allow_extras();  // --record, --quiet and the like
+    std::vector<std::string> words = source.at("arguments");
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    const std::filesystem::path folder = source.at("folder").get<std::string>();
+    std::error_code gone;
+    std::filesystem::current_path(folder, gone);  // what needs it will say what it misses
+    app.parse(words);
+    Source out{options.resolve(source.at("config").get<std::string>()), source.at("device")};
+    out.settings.backend = source.at("backend");
+    out.settings.duration = 0;
+    return out;
+  } catch (const CLI::ParseError& error) {
+    throw Error(std::string("the recorded settings are not understood: ") + error.what(), name,
+                "use the version that recorded it");
+  } catch (const nlohmann::json::exception& error) {
+    throw Error("the recorded settings are damaged", name, error.what());
+  }
+}
+
+/// In place of a network: gives the recorded commands, and compares frames.
+class RecordedInputs final : public Publisher {
+ public:
+  RecordedInputs(Recording& recording, const std::string& name, ResimulationReport& report)
+      : recording_(recording), name_(name), report_(report) {
+    recording_.read(0, next_);
+    inputs_.assign(next_.inputs.begin(), next_.inputs.end());
+  }
+  void announce(const GroomDescription& groom, const BodyDescription&) override {
+    if (groom.guides.offsets != next_.groom->guides.offsets ||
+        groom.guides.positions != next_.groom->guides.positions)
+      throw Error("the groom is not the one that was recorded", name_,
+                  "have its files changed, or is it another version of the program?");
+  }
+  std::optional<Command> takeCommand() override {
+    if (inputs_.empty()) return std::nullopt;
+    Command command = std::move(inputs_.front());
+    inputs_.pop_front();
+    ++report_.inputs;
+    return command;
+  }
+  void publish(const GuideFrame& frame) override {
+    if (frame.frame < next_.frame->frame) return;  // it was not recorded
+    ++report_.frames;
+    if (positionsHash(frame.positions) != next_.record.state_hash && report_.different++ == 0)
+      report_.first_different = next_.record.number;
+    const uint64_t number = next_.record.number + 1;
+    is_over_ = number == recording_.frames();
+    if (is_over_) return;
+    recording_.read(number, next_);
+    is_over_ = next_.frame->session != frame.session;
+    inputs_.assign(next_.inputs.begin(), next_.inputs.end());
+  }
+  void publishStatus(const Status&) override {}
+  uint32_t matchedReaders() const override { return 0; }
+  EncodingReport encoding() const override { return {}; }
+  std::optional<uint64_t> rivalSession() const override { return std::nullopt; }
+
+  uint64_t session() const { return next_.frame->session; }
+  bool isOver() const { return is_over_; }
+
+ private:
+  Recording& recording_;
+  const std::string& name_;
+  ResimulationReport& report_;
+  RecordedFrame next_;
+  std::deque<Command> inputs_;
+  bool is_over_ = false;
+};
+
+}  // namespace
+
+std::string simulationSource(const std::vector<std::string>& words, const SettingsOptions& options,
+                             const std::string& backend, const std::string& device) {
+  const std::string config = options.config().empty() ? "" : configText(options.config());
+  return nlohmann::json{{"arguments", words},
+                        {"folder", std::filesystem::current_path().string()},
+                        {"config", config},
+                        {"backend", backend},
+                        {"device", device}}
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+ResimulationReport resimulate(Recording& recording, const std::string& name, const std::atomic<bool>& stop,
+                              const std::function<void(uint64_t frame)>& progress) {
+  const Source source = sourceOf(recording.head().source, name);
+  if (recording.frames() == 0) throw Error("the recording has no frames", name, "");
+  ResimulationReport report;
+  RecordedInputs inputs(recording, name, report);
+  Daemon daemon(source.settings, makeSceneAloud(source.settings.scene), inputs, inputs.session());
+  daemon.announce();
+  report.backend = daemon.status().backend;
+  report.device = daemon.status().device;
+  report.recorded_device = source.device;
+  while (!inputs.isOver() && !stop && daemon.castFrame(stop)) progress(report.frames);
+  return report;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "apps/channel.h"
+#include "apps/console.h"
+#include "apps/interrupt.h"
+#include "apps/replay.h"
+#include "apps/resimulation.h"
+#include "apps/verbs.h"
+#include "core/error.h"
+#include "transport/recording/recorder.h"
+
+namespace strandcast {
+namespace {
+
+struct Options {
+  Settings settings;
+  std::filesystem::path file;
+  std::string codec = nameOf(CodecOptions().codec);
+  ReplayOptions replay;
+  bool checks = false, resimulates = false, json = false;
+};
+
+void addFile(Report& out, const Recording& recording) {
+  out.addCount("frames", "frames", recording.frames());
+  out.add("seconds", "simulated", recording.seconds(), "s", 3);
+  out.addCount("cut", "was cut or not closed", recording.isCut() ? 1 : 0);
+  out.add("codec", "codec", recording.head().codec);
+  out.add("codec_error_mm", "error of the codec, at most",
+          1e3 * static_cast<double>(recording.head().max_error), "mm", 4);
+  out.add("megabytes", "size", 1e-6 * static_cast<double>(recording.bytes()), "MB", 3);
+}
+
+int check(Recording& recording, const Options& o) {
+  const bool is_exact = recording.head().max_error == 0;
+  uint64_t damaged = 0, different = 0, inputs = 0, grooms = 0;
+  const GroomDescription* groom = nullptr;
+  RecordedFrame read;
+  {
+    ProgressBar bar;
+    for (uint64_t number = 0; number < recording.frames() && !g_interrupted; ++number) {
+      try {
+        recording.read(number, read);
+        if (is_exact && positionsHash(read.frame->positions) != read.record.state_hash) ++different;
+        inputs += read.inputs.size();
+        if (read.groom.get() != groom) ++grooms;
+        groom = read.groom.get();
+      } catch (const Error& error) {
+        if (damaged++ == 0) spdlog::warn("{}", error.what());
+      }
+      bar.show(fmt::format("frame {} of {}", number + 1, recording.frames()),
+               static_cast<double>(number + 1) / static_cast<double>(recording.frames()));
+    }
+  }
+  Report out;
+  addFile(out, recording);
+  out.addCount("grooms", "grooms", grooms);
+  out.addCount("inputs", "commands", inputs);
+  out.addCount("can_resimulate", "can be simulated again", recording.head().source.empty() ? 0 : 1);
+  out.addCount("frames_damaged", "frames damaged", damaged);
+  if (is_exact) out.addCount("frames_different", "frames of another hash", different);
+  out.print(o.json);
+  if (g_interrupted) return kExitInterrupted;
+  return damaged + different == 0 ? 0 : kExitCheckFailed;
+}
+
+int simulateAgain(Recording& recording, const Options& o) {
+  ResimulationReport report;
+  {
+    ProgressBar bar;
+    report = resimulate(recording, o.file.string(), g_interrupted, [&](uint64_t frame) {
+      bar.show(fmt::format("frame {} of {}", frame, recording.frames()),
+               static_cast<double>(frame) / static_cast<double>(recording.frames()));
+    });
+  }
+  Report out;
+  out.add("backend", "backend", report.backend);
+  out.add("device", "device", report.device);
+  out.add("recorded_device", "recorded on", report.recorded_device);
+  out.addCount("frames", "frames compared", report.frames);
+  out.addCount("inputs", "commands given again", report.inputs);
+  out.addCount("frames_different", "frames that differ", report.different);
+  if (report.different > 0) out.addCount("first_different", "the first of them", report.first_different);
+  out.print(o.json);
+  if (g_interrupted) return kExitInterrupted;
+  return report.different == 0 ? 0 : kExitCheckFailed;
+}
+
+int cast(Recording& recording, const Options& o) {
+  Settings settings = o.settings;
+  settings.codec.codec = codecNamed(o.codec, "--codec");
+  const uint64_t session = newSession();
+  const std::unique_ptr<Publisher> publisher = claimGroom(settings, session);
+  Replay replay(recording, *publisher, settings.groom_id, session, o.replay);
+  spdlog::info("replaying {:.1f} s as groom {} on {}; Ctrl-C ends it", recording.seconds(), settings.groom_id,
+               networkName(settings));
+  const ReplaySummary summary = replay.run(g_interrupted);
+  Report out;
+  addFile(out, recording);
+  out.addCount("frames_published", "frames published", summary.frames);
+  out.addCount("frames_damaged", "frames damaged", summary.damaged);
+  out.add("wall_seconds", "ran for", summary.seconds, "s", 1);
+  out.print(o.json);
+  if (g_interrupted) return kExitInterrupted;
+  return summary.damaged == 0 ? 0 : kExitCheckFailed;
+}
+
+int replay(const Options& o) {
+  Recording recording(o.file);
+  if (recording.isCut())
+    spdlog::warn("{} was cut or not closed: {} frames, {:.1f} s can be read", o.file.string(),
+                 recording.frames(), recording.seconds());
+  if (o.resimulates) return simulateAgain(recording, o);
+  return o.checks ? check(recording, o) : cast(recording, o);
+}
+
+}  // namespace
+
+Verb addReplay(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.footer(
+      "Casts a recording as a daemon casts its simulation; renderers see no difference. While it runs, "
+      "`strandcast ctl set speed 0` stands still, `ctl set position 3.5` goes to 3.5 s, `ctl set loop 1`, "
+      "`ctl reset` "
+      "goes back to --from, `ctl stop` ends it.\n"
+      "Examples:\n"
+      "  strandcast replay take1.rec --speed 0.25 --loop --from 2 --to 4\n"
+      "  strandcast replay take1.rec --check            is every frame sound?\n"
+      "  strandcastd --scene curly --duration 5 --record run.rec\n"
+      "  strandcast replay run.rec --resimulate         does the simulation repeat itself bit for bit?");
+  app.add_option("FILE", o->file, "recording, of `strandcast record` or `strandcastd --record`")->required();
+  app.add_option("--speed", o->replay.speed, "times as fast as it was simulated; 0 stands still")
+      ->check(CLI::Range(0.0, kMaxReplaySpeed))
+      ->capture_default_str();
+  app.add_flag("--loop", o->replay.loops, "begin again at the end");
+  app.add_option("--from", o->replay.from, "seconds of the recording to begin at")
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--to", o->replay.to, "seconds of the recording to end at; 0 = its end")
+      ->check(CLI::Range(0.0, 1e6));
+  auto* check =
+      app.add_flag("--check", o->checks, "cast nothing: read every frame and say what the file holds");
+  app.add_flag("--resimulate", o->resimulates,
+               "cast nothing: simulate it again from the recorded settings and commands, on the same "
+               "backend, and compare "
+               "the hash of every frame")
+      ->excludes(check);
+  app.add_option("--codec", o->codec, "how frames are written for the network: see strandcastd --help")
+      ->check(CLI::IsMember({"float32", "delta16", "oct12", "oct16", "temporal"}))
+      ->capture_default_str();
+  app.add_flag("--json", o->json, "print the closing summary as one JSON object");
+  addNetworkOptions(app, o->settings);
+  return [o] { return replay(*o); };
+}
+
+}  // namespace strandcast

@@ -1,0 +1,138 @@
+// A recording cast again, over the channel within one process.
+#include "apps/replay.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <thread>
+
+#include "apps/resimulation.h"
+#include "core/error.h"
+#include "tests/error_of.h"
+#include "tests/groom/scratch_folder.h"
+#include "tests/transport/moving_hair.h"
+#include "transport/in_process.h"
+#include "transport/recording/recorder.h"
+
+namespace strandcast {
+namespace {
+
+using std::chrono::milliseconds;
+
+class ReplayTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const GroomDescription groom = hairGroom(20, [](size_t) { return 6; });
+    GroomDescription next = hairGroom(10, [](size_t) { return 5; });
+    next.session = 12;
+    Recorder recorder(file_, {1, {Codec::kFloat32}, ""});
+    recorder.setGroom(groom, sampleBody(3));
+    for (uint64_t i = 1; i <= 31; ++i) recorder.addFrame(hairFrame(groom, i));
+    recorder.setGroom(next, sampleBody(3));
+    for (uint64_t i = 1; i <= 31; ++i) recorder.addFrame(hairFrame(next, i));
+  }
+  void start(const ReplayOptions& options) {
+    std::tie(publisher_, subscriber_) = makeInProcessChannel(1);
+    recording_ = std::make_unique<Recording>(file_);
+    thread_ = std::thread([this, options] {
+      Replay replay(*recording_, *publisher_, 1, 77, options);
+      summary_ = replay.run(stop_);
+    });
+  }
+  void finish() {
+    if (thread_.joinable()) thread_.join();
+  }
+  void TearDown() override {
+    stop_ = true;
+    finish();
+  }
+  std::string order(CommandKind kind, const std::string& name = "", std::vector<double> values = {}) {
+    Command command;
+    command.id = ++id_;
+    command.kind = kind;
+    command.name = name;
+    command.values = std::move(values);
+    subscriber_->send(command);
+    return subscriber_->waitForAnswer(command.id, milliseconds(5000)).value_or("no answer");
+  }
+
+  const ScratchFolder folder_;
+  const std::filesystem::path file_ = folder_ / "a.rec";
+  std::unique_ptr<Publisher> publisher_;
+  std::unique_ptr<Subscriber> subscriber_;
+  std::unique_ptr<Recording> recording_;
+  std::thread thread_;
+  std::atomic<bool> stop_{false};
+  ReplaySummary summary_;
+  uint64_t id_ = 0;
+};
+
+TEST_F(ReplayTest, CastsEveryFrameAtItsTime) {
+  start({});
+  ASSERT_TRUE(subscriber_->waitForGroom(milliseconds(5000)));
+  uint64_t newest = 0;
+  double time = -1;
+  std::set<size_t> sizes;
+  while (const auto frame = subscriber_->waitForFrame(newest, milliseconds(500))) {
+    EXPECT_EQ(frame->frame, newest + 1);
+    EXPECT_GT(frame->simulation_time, time);
+    EXPECT_EQ(frame->session, 77u);
+    newest = frame->frame;
+    time = frame->simulation_time;
+    sizes.insert(frame->positions.size());
+  }
+  finish();
+  EXPECT_EQ(newest, 62u);
+  EXPECT_EQ(summary_.frames, 62u);
+  EXPECT_EQ(summary_.damaged, 0u);
+  EXPECT_GE(summary_.seconds, 1.0) << "a second of simulation takes a second";
+  EXPECT_EQ(sizes, (std::set<size_t>{50, 120})) << "the second groom is announced when its frames come";
+}
+
+TEST_F(ReplayTest, SpeedAndPlaceAreChosen) {
+  start({10, false, 0.25, 0.4});
+  finish();
+  EXPECT_EQ(summary_.frames, 10u) << "0.25 to 0.4 s at 60 Hz";
+  EXPECT_LT(summary_.seconds, 0.5);
+}
+
+TEST_F(ReplayTest, LoopsAndIsMovedByCommands) {
+  start({20, true});
+  uint64_t newest = 0;
+  for (int i = 0; i < 400 && newest < 150; ++i)
+    if (const auto frame = subscriber_->waitForFrame(newest, milliseconds(100))) newest = frame->frame;
+  EXPECT_GE(newest, 150u) << "more than twice round";
+
+  EXPECT_EQ(order(CommandKind::kSetParameter, "speed", {0}), "");
+  EXPECT_EQ(order(CommandKind::kSetParameter, "position", {0.2}), "");
+  const uint64_t still = subscriber_->frame()->frame;
+  RecordedFrame expected;
+  Recording(file_).read(12, expected);
+  std::shared_ptr<const GuideFrame> frame;
+  for (int i = 0; i < 100 && (!frame || frame->positions != expected.frame->positions); ++i)
+    frame = subscriber_->waitForFrame(still, milliseconds(50));
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->positions, expected.frame->positions) << "stands still at 0.2 s";
+  const auto again = subscriber_->waitForFrame(frame->frame, milliseconds(2000));
+  ASSERT_TRUE(again) << "is shown again to who comes late";
+  EXPECT_EQ(again->positions, frame->positions);
+
+  EXPECT_NE(order(CommandKind::kSetParameter, "wind", {1, 2, 3}).find("does not obey"), std::string::npos);
+  EXPECT_NE(order(CommandKind::kSetParameter, "position", {1e5}).find("out of range"), std::string::npos);
+  EXPECT_NE(order(CommandKind::kHeadMotion, "nod").find("does not obey"), std::string::npos);
+  EXPECT_EQ(order(CommandKind::kReset), "");
+  EXPECT_EQ(order(CommandKind::kShutdown), "");
+  finish();
+}
+
+TEST_F(ReplayTest, NothingToReplayIsSaid) {
+  auto [publisher, subscriber] = makeInProcessChannel(1);
+  Recording recording(file_);
+  Replay replay(recording, *publisher, 1, 77, {1, false, 5});
+  EXPECT_NE(errorOf([&] { replay.run(stop_); }).find("nothing to replay"), std::string::npos);
+  EXPECT_NE(errorOf([&] { resimulate(recording, "a.rec", stop_, {}); }).find("strandcastd --record"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace strandcast

@@ -1,0 +1,99 @@
+#pragma once
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace strandcast {
+
+using Results = std::map<std::string, double>;
+
+/// A transport_peer; killed when it is still there at the end.
+class Peer {
+ public:
+  explicit Peer(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), STRANDCAST_TRANSPORT_PEER);
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe");
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+    if (posix_spawn(&pid_, STRANDCAST_TRANSPORT_PEER, &actions, nullptr, pointers.data(), environ) != 0) {
+      throw std::runtime_error("transport_peer cannot be started");
+    }
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[1]);
+    output_ = fdopen(ends[0], "r");
+  }
+  ~Peer() {
+    kill();
+    std::fclose(output_);
+  }
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+
+  void kill() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+    pid_ = 0;
+  }
+  /// Reads on until this key was printed; false when the peer ended first.
+  bool waitFor(const std::string& key) {
+    while (!results_.contains(key) && readLine()) {
+    }
+    return results_.contains(key);
+  }
+  /// All that it printed, at its end.
+  const Results& finish() {
+    while (readLine()) {
+    }
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = 0;
+    exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return results_;
+  }
+  /// Ends it and says how it was doing, for the message of a failed test.
+  std::string autopsy() {
+    int status = 0;
+    const bool had_ended = waitpid(pid_, &status, WNOHANG) == pid_;
+    if (had_ended) pid_ = 0;
+    kill();
+    while (readLine()) {
+    }
+    return (had_ended ? "had ended with wait status " + std::to_string(status) : std::string("was alive")) +
+           ", said:\n" + text_;
+  }
+  const Results& results() const { return results_; }
+  int exitCode() const { return exit_code_; }
+  const std::string& text() const { return text_; }
+
+ private:
+  bool readLine() {
+    char line[512], key[64];
+    double value = 0;
+    if (!std::fgets(line, sizeof line, output_)) return false;
+    text_ += line;
+    if (std::sscanf(line, "%63s %lf", key, &value) == 2) results_[key] = value;
+    return true;
+  }
+  pid_t pid_ = 0;
+  FILE* output_ = nullptr;
+  Results results_;
+  std::string text_;
+  int exit_code_ = -1;
+};
+
+}  // namespace strandcast

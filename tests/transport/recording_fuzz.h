@@ -1,0 +1,29 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "transport/recording/record_file.h"
+
+namespace strandcast {
+
+/// A recording in memory.
+class RecordingInMemory final : public RecordingBytes {
+ public:
+  explicit RecordingInMemory(std::vector<uint8_t> bytes) : bytes_(std::move(bytes)) {}
+  uint64_t size() const override { return bytes_.size(); }
+  bool read(uint64_t offset, std::span<uint8_t> to) override;
+
+ private:
+  const std::vector<uint8_t> bytes_;
+};
+
+/// Gives every record the hash of what it holds now, so that damage gets as far as the reader's other checks.
+void repairHashes(std::vector<uint8_t>& recording);
+
+/// Reads everything in what may be a recording, forwards, backwards and by time. The first byte says whether
+/// hashes are repaired before. Aborts where a frame does not fit its groom. Gives the frames that were read.
+size_t fuzzRecording(const uint8_t* data, size_t size);
+
+}  // namespace strandcast

@@ -1,0 +1,297 @@
+#include "transport/recording/recording.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <fstream>
+#include <random>
+
+#include "core/error.h"
+#include "moving_hair.h"
+#include "recording_fuzz.h"
+#include "tests/groom/scratch_folder.h"
+#include "transport/in_process.h"
+#include "transport/recording/recorder.h"
+#include "transport/recording/recording_publisher.h"
+
+namespace strandcast {
+namespace {
+
+constexpr size_t kStrands = 60;
+
+GroomDescription smallGroom(uint64_t session = 11) {
+  GroomDescription groom = hairGroom(kStrands, [](size_t s) { return 2 + s % 5; });
+  groom.session = session;
+  return groom;
+}
+
+Command inputOf(uint64_t id) {
+  Command command;
+  command.groom_id = 1;
+  command.id = id;
+  command.kind = CommandKind::kSetParameter;
+  command.name = "wind";
+  command.values = {1, 2, 3};
+  return command;
+}
+
+/// Frames 1 to `frames` at 60 Hz; a command before frame 3.
+void record(const std::filesystem::path& file, uint64_t frames, Codec codec = Codec::kFloat32,
+            bool is_closed = true) {
+  const GroomDescription groom = smallGroom();
+  RecordingOptions options;
+  options.codec.codec = codec;
+  options.source = "how it was made";
+  auto recorder = std::make_unique<Recorder>(file, options);
+  recorder->setGroom(groom, sampleBody(4));
+  for (uint64_t number = 1; number <= frames; ++number) {
+    if (number == 3) recorder->addInput(inputOf(33));
+    EXPECT_TRUE(recorder->addFrame(hairFrame(groom, number)));
+  }
+  const uint64_t open_bytes = recorder->bytes();
+  recorder.reset();
+  if (!is_closed) std::filesystem::resize_file(file, open_bytes);
+}
+
+std::vector<uint8_t> bytesOf(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST(RecordingTest, GivesBackWhatWasRecordedInAnyOrder) {
+  const ScratchFolder folder;
+  constexpr uint64_t kFrames = 2 * kIndexFrames + 100;
+  record(folder / "a.rec", kFrames);
+  Recording recording(folder / "a.rec");
+  EXPECT_FALSE(recording.isCut());
+  EXPECT_EQ(recording.frames(), kFrames);
+  EXPECT_NEAR(recording.seconds(), static_cast<double>(kFrames - 1) / 60, 1e-9);
+  EXPECT_EQ(recording.head().source, "how it was made");
+  EXPECT_NE(recording.head().layout.find("big-endian"), std::string::npos) << "it says how to read it";
+  const GroomDescription groom = smallGroom();
+  RecordedFrame read;
+  for (const uint64_t number : {uint64_t{0}, kFrames - 1, uint64_t{1}, uint64_t{2}, kIndexFrames,
+                                kIndexFrames - 1, 2 * kIndexFrames, uint64_t{77}}) {
+    recording.read(number, read);
+    const GuideFrame expected = hairFrame(groom, number + 1);
+    EXPECT_EQ(read.frame->frame, number + 1);
+    EXPECT_EQ(read.frame->positions, expected.positions) << number;
+    EXPECT_EQ(read.frame->head.rotation.coeffs(), expected.head.rotation.coeffs());
+    EXPECT_EQ(read.record.state_hash, positionsHash(expected.positions));
+    EXPECT_EQ(read.inputs.size(), number == 2 ? 1u : 0u) << number;
+    EXPECT_EQ(recording.frameAt(read.record.time), number);
+    EXPECT_EQ(recording.frameAt(read.record.time + 0.5 / 60), number);
+  }
+  recording.read(2, read);
+  EXPECT_EQ(read.inputs.at(0).id, 33u);
+  EXPECT_EQ(read.inputs.at(0).values, (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(read.groom->guides.offsets, groom.guides.offsets);
+  EXPECT_EQ(read.body->mesh.positions.size(), 16u);
+  EXPECT_EQ(recording.frameAt(-1), 0u);
+  EXPECT_EQ(recording.frameAt(1e9), kFrames - 1);
+  EXPECT_THROW(recording.read(kFrames, read), Error);
+}
+
+TEST(RecordingTest, CodecsKeepToTheirError) {
+  const ScratchFolder folder;
+  const GroomDescription groom = smallGroom();
+  for (const Codec codec : {Codec::kDelta16, Codec::kOctahedral12, Codec::kTemporal}) {
+    record(folder / "a.rec", 20, codec);
+    Recording recording(folder / "a.rec");
+    RecordedFrame read;
+    for (const uint64_t number : {19, 3, 4}) {  // any frame stands alone
+      recording.read(number, read);
+      const GuideFrame expected = hairFrame(groom, number + 1);
+      float worst = 0;
+      for (size_t v = 0; v < expected.positions.size(); ++v)
+        worst = std::max(worst, (read.frame->positions[v] - expected.positions[v]).norm());
+      EXPECT_LE(worst, recording.head().max_error) << recording.head().codec;
+      EXPECT_GT(worst, 0);
+      EXPECT_EQ(read.record.state_hash, positionsHash(expected.positions)) << "of the exact positions";
+    }
+  }
+}
+
+TEST(RecordingTest, IsReadUpToWhereverItWasCut) {
+  const ScratchFolder folder;
+  constexpr uint64_t kFrames = kIndexFrames + 20;
+  record(folder / "whole.rec", kFrames);
+  const std::vector<uint8_t> bytes = bytesOf(folder / "whole.rec");
+  const auto framesOf = [&](size_t size) {
+    Recording cut(std::make_unique<RecordingInMemory>(
+                      std::vector<uint8_t>(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(size))),
+                  "cut");
+    EXPECT_TRUE(cut.isCut());
+    RecordedFrame read;
+    if (cut.frames() > 0) cut.read(cut.frames() - 1, read);
+    if (cut.frames() > 3) cut.read(2, read);
+    return cut.frames();
+  };
+  EXPECT_EQ(framesOf(bytes.size() - 1), kFrames) << "only the end is missing";
+  EXPECT_EQ(framesOf(bytes.size() - 1000), kFrames - 1) << "the cut is in the last frame or its index";
+  uint64_t before = kFrames;
+  std::mt19937 random(4);
+  std::vector<size_t> sizes;
+  for (int i = 0; i < 60; ++i) sizes.push_back(4096 + random() % (bytes.size() - 4097));
+  std::sort(sizes.rbegin(), sizes.rend());
+  for (const size_t size : sizes) {
+    const uint64_t frames = framesOf(size);
+    EXPECT_LE(frames, before);
+    EXPECT_NEAR(static_cast<double>(frames),
+                static_cast<double>(size) * static_cast<double>(kFrames) / static_cast<double>(bytes.size()),
+                40);
+    before = frames;
+  }
+}
+
+TEST(RecordingTest, AFileThatWasNotClosedIsWhole) {
+  const ScratchFolder folder;
+  record(folder / "open.rec", 30, Codec::kDelta16, false);
+  Recording recording(folder / "open.rec");
+  EXPECT_TRUE(recording.isCut());
+  EXPECT_EQ(recording.frames(), 30u);
+  RecordedFrame read;
+  recording.read(29, read);
+  EXPECT_EQ(read.frame->frame, 30u);
+}
+
+TEST(RecordingTest, AnotherSessionBringsItsOwnGroom) {
+  const ScratchFolder folder;
+  const GroomDescription first = smallGroom();
+  GroomDescription second = hairGroom(7, [](size_t) { return 9; });
+  second.session = 99;
+  {
+    Recorder recorder(folder / "a.rec", {});
+    EXPECT_FALSE(recorder.addFrame(hairFrame(first, 1))) << "there is no groom yet";
+    recorder.setGroom(first, sampleBody(3));
+    for (uint64_t i = 1; i <= 5; ++i) EXPECT_TRUE(recorder.addFrame(hairFrame(first, i)));
+    EXPECT_FALSE(recorder.addFrame(hairFrame(first, 5))) << "the same one again";
+    recorder.setGroom(second, sampleBody(5));
+    EXPECT_FALSE(recorder.addFrame(hairFrame(first, 6))) << "of the groom before";
+    for (uint64_t i = 1; i <= 4; ++i) EXPECT_TRUE(recorder.addFrame(hairFrame(second, i)));
+    GuideFrame broken = hairFrame(second, 5);
+    broken.positions[3].x() = NAN;
+    EXPECT_FALSE(recorder.addFrame(broken));
+  }
+  Recording recording(folder / "a.rec");
+  ASSERT_EQ(recording.frames(), 9u);
+  RecordedFrame read;
+  for (const uint64_t number : {8, 4, 5, 0}) {
+    recording.read(number, read);
+    EXPECT_EQ(read.groom->session, number < 5 ? 11u : 99u);
+    EXPECT_EQ(read.frame->positions.size(), read.groom->guides.vertices());
+    EXPECT_EQ(read.body->mesh.positions.size(), number < 5 ? 9u : 25u);
+  }
+}
+
+TEST(RecordingTest, WhatIsNoRecordingIsRefused) {
+  const ScratchFolder folder;
+  EXPECT_THROW(Recording(folder / "absent.rec"), Error);
+  EXPECT_THROW(Recording(folder.path()), Error);
+  EXPECT_THROW(Recorder(folder / "no" / "folder.rec", {}), Error);
+  std::ofstream(folder / "text.rec") << "this is something else";
+  EXPECT_THROW(Recording(folder / "text.rec"), Error);
+  record(folder / "a.rec", 3);
+  std::vector<uint8_t> bytes = bytesOf(folder / "a.rec");
+  bytes[sizeof kRecordingMagic + kRecordHeadBytes + 3] = 2;  // version
+  repairHashes(bytes);
+  try {
+    Recording(std::make_unique<RecordingInMemory>(bytes), "later.rec");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("version 2"), std::string::npos) << error.what();
+  }
+}
+
+TEST(RecordingTest, AFullDiskIsSaidAndCastingGoesOn) {
+  EXPECT_THROW(Recorder("/dev/full", {}), Error);
+  const ScratchFolder folder;
+  auto [publisher, subscriber] = makeInProcessChannel(1);
+  RecordingPublisher recording(std::move(publisher));
+  recording.open(folder / "a.rec", {});
+  const GroomDescription groom = smallGroom();
+  recording.announce(groom, sampleBody(3));
+  for (uint64_t i = 1; i <= 3; ++i) recording.publish(hairFrame(groom, i));
+  // A file that may not grow any more stands for a full disk.
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit small = before;
+  small.rlim_cur = recording.recorder().bytes() + 1000;
+  setrlimit(RLIMIT_FSIZE, &small);
+  for (uint64_t i = 4; i <= 9; ++i) recording.publish(hairFrame(groom, i));
+  const std::string failure = recording.close();
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(subscriber->frame()->frame, 9u);
+  EXPECT_NE(failure.find("is the disk full?"), std::string::npos) << failure;
+  Recording recorded(folder / "a.rec");
+  EXPECT_TRUE(recorded.isCut());
+  EXPECT_GE(recorded.frames(), 3u);
+  EXPECT_LT(recorded.frames(), 9u);
+}
+
+TEST(RecordingTest, APublisherRecordsFramesAndCommandsInTheirOrder) {
+  const ScratchFolder folder;
+  auto [publisher, subscriber] = makeInProcessChannel(1);
+  const GroomDescription groom = smallGroom();
+  {
+    RecordingPublisher recording(std::move(publisher));
+    recording.open(folder / "a.rec", {});
+    recording.announce(groom, sampleBody(3));
+    for (uint64_t i = 1; i <= 6; ++i) {
+      if (i % 2 == 0) subscriber->send(inputOf(100 + i));
+      while (recording.takeCommand()) {
+      }
+      recording.publish(hairFrame(groom, i));
+    }
+    EXPECT_EQ(recording.close(), "");
+    EXPECT_EQ(recording.recorder().frames(), 6u);
+  }
+  Recording recording(folder / "a.rec");
+  RecordedFrame read;
+  for (uint64_t number = 0; number < 6; ++number) {
+    recording.read(number, read);
+    ASSERT_EQ(read.inputs.size(), number % 2) << number;
+    for (const Command& input : read.inputs) EXPECT_EQ(input.id, 101 + number);
+  }
+}
+
+TEST(RecordingTest, DamagedFilesAreRefusedOrReadSoundly) {
+  const ScratchFolder folder;
+  std::vector<std::vector<uint8_t>> files;
+  for (const Codec codec : {Codec::kFloat32, Codec::kOctahedral12}) {
+    record(folder / "a.rec", 5, codec);
+    files.push_back(bytesOf(folder / "a.rec"));
+  }
+  std::mt19937 random(20240229);
+  size_t read = 0;
+  for (int i = 0; i < 4000; ++i) {
+    std::vector<uint8_t> bytes = files[random() % files.size()];
+    // The head's long text is not where damage matters.
+    constexpr size_t kBehindHead = 1300;
+    for (size_t times = 1 + random() % 3; times > 0; --times) {
+      const size_t at = kBehindHead + random() % (bytes.size() - kBehindHead);
+      switch (random() % 4) {
+        case 0:
+          bytes[at] = static_cast<uint8_t>(random());
+          break;
+        case 1:
+          bytes[at] ^= static_cast<uint8_t>(1u << random() % 8);
+          break;
+        case 2:
+          for (size_t k = at; k < std::min(at + 4, bytes.size()); ++k) bytes[k] = random() % 2 ? 0xff : 0;
+          break;
+        default:
+          bytes.resize(std::max(at, kBehindHead + 1));
+      }
+    }
+    bytes.insert(bytes.begin(), static_cast<uint8_t>(i));
+    read += fuzzRecording(bytes.data(), bytes.size());
+  }
+  EXPECT_GT(read, 10000u) << "most frames are not where the damage is";
+}
+
+}  // namespace
+}  // namespace strandcast

@@ -1,0 +1,51 @@
+#include "transport/dds_claim.h"
+
+namespace strandcast {
+namespace {
+constexpr std::chrono::milliseconds kClaimPeriod{40};
+/// A new daemon hears of no other for so long: see kRivalListenTime.
+constexpr std::chrono::milliseconds kSettles{1500};
+}  // namespace
+
+DdsClaim::DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength)
+    : groom_id_(groom_id),
+      session_(session),
+      strength_(strength),
+      listener_([this](v2::Claim& claim, const auto&) {
+        if (claim.groom_id() != groom_id_ || holder_.exchange(claim.session()) == claim.session()) return;
+        if (claim.session() == session_) ++turns_;
+      }) {}
+
+uint64_t DdsClaim::turn() const {
+  return holder_ == session_ && std::chrono::steady_clock::now() >= settled_ ? turns_.load() : 0;
+}
+
+void DdsClaim::start(DdsParticipant& participant) {
+  settled_ = std::chrono::steady_clock::now() + kSettles;
+  participant.createReader(kClaimTopic, new ClaimType, &listener_);
+  thread_ = std::thread([this, writer = participant.createWriter(kClaimTopic, new ClaimType, nullptr,
+                                                                 strength_)] { claim(writer); });
+}
+
+void DdsClaim::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void DdsClaim::claim(eprosima::fastdds::dds::DataWriter* writer) {
+  v2::Claim sample;
+  sample.groom_id(groom_id_);
+  sample.session(session_);
+  std::unique_lock lock(mutex_);
+  do {
+    lock.unlock();
+    writer->write(&sample);
+    lock.lock();
+  } while (!wake_.wait_for(lock, kClaimPeriod, [&] { return stop_; }));
+}
+
+}  // namespace strandcast

@@ -1,0 +1,45 @@
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "transport/dds_participant.h"
+#include "transport/wire_type_support.h"
+
+namespace strandcast {
+
+/// Which of several daemons casts a groom, by DDS's exclusive ownership: each writes its session to the topic
+/// strandcast/claim, and a reader is given only what the strongest live writer wrote (of equals, the one of
+/// the lower GUID).
+class DdsClaim {
+ public:
+  DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength);
+  ~DdsClaim() { stop(); }
+  /// Claims from now on, in a thread of its own. `participant` is taken down between stop() and the end of
+  /// this.
+  void start(DdsParticipant& participant);
+  void stop();
+
+  /// How often it has become this daemon's turn, where it is; else 0.
+  uint64_t turn() const;
+  /// Session of the daemon whose turn it is; 0 while that is not known.
+  uint64_t holder() const { return holder_; }
+
+ private:
+  void claim(eprosima::fastdds::dds::DataWriter* writer);
+
+  const uint32_t groom_id_;
+  const uint64_t session_;
+  const uint32_t strength_;
+  std::atomic<uint64_t> holder_{0}, turns_{0};
+  std::chrono::steady_clock::time_point settled_;
+  TakingListener<v2::Claim> listener_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace strandcast

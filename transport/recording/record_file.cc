@@ -1,0 +1,125 @@
+#include "transport/recording/record_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "core/content_hash.h"
+#include "core/error.h"
+#include "transport/message_bytes.h"
+
+namespace strandcast {
+namespace {
+
+uint64_t recordHash(RecordKind kind, std::span<const uint8_t> bytes) {
+  ContentHash hash;
+  uint8_t kind_bytes[4];
+  storeBigEndian(kind, kind_bytes);
+  hash.add(kind_bytes, sizeof kind_bytes);
+  hash.add(bytes.data(), bytes.size());
+  return hash.value();
+}
+
+class FileBytes final : public RecordingBytes {
+ public:
+  explicit FileBytes(const std::filesystem::path& file) : file_(open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
+    struct stat about {};
+    if (file_ < 0 || fstat(file_, &about) != 0 || !S_ISREG(about.st_mode)) {
+      const std::string cause = file_ < 0 ? std::strerror(errno) : "not a file";
+      if (file_ >= 0) close(file_);
+      throw Error("the recording cannot be read (" + cause + ")", file.string(), "check its path");
+    }
+    size_ = static_cast<uint64_t>(about.st_size);
+  }
+  ~FileBytes() override { close(file_); }
+  FileBytes(const FileBytes&) = delete;
+  FileBytes& operator=(const FileBytes&) = delete;
+
+  uint64_t size() const override { return size_; }
+  bool read(uint64_t offset, std::span<uint8_t> to) override {
+    while (!to.empty()) {
+      const ssize_t got = pread(file_, to.data(), to.size(), static_cast<off_t>(offset));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return false;
+      offset += static_cast<uint64_t>(got);
+      to = to.subspan(static_cast<size_t>(got));
+    }
+    return true;
+  }
+
+ private:
+  const int file_;
+  uint64_t size_ = 0;
+};
+
+}  // namespace
+
+RecordWriter::RecordWriter(const std::filesystem::path& file)
+    : name_(file.string()), file_(std::fopen(file.c_str(), "wb")) {
+  if (!file_)
+    throw Error(std::string("the recording cannot be made (") + std::strerror(errno) + ")", name_,
+                "check its folder");
+  std::setvbuf(file_.get(), nullptr, _IOFBF, 1 << 18);
+  put(kRecordingMagic, sizeof kRecordingMagic);
+}
+
+void RecordWriter::fail() const {
+  throw Error(std::string("the recording cannot be written (") + std::strerror(errno) + ")", name_,
+              "is the disk full? What was written up to here can be replayed");
+}
+
+void RecordWriter::put(const void* data, size_t bytes) {
+  if (bytes > 0 && std::fwrite(data, 1, bytes, file_.get()) != bytes) fail();
+  size_ += bytes;
+}
+
+uint64_t RecordWriter::write(RecordKind kind, std::span<const uint8_t> bytes) {
+  if (bytes.size() > kMaxRecordBytes)
+    throw Error("a record would be larger than 4 MiB", name_, "is the configuration that large?");
+  const uint64_t offset = size_;
+  uint8_t head[kRecordHeadBytes];
+  storeBigEndian(kind, head);
+  storeBigEndian(static_cast<uint32_t>(bytes.size()), head + 4);
+  storeBigEndian(recordHash(kind, bytes), head + 8);
+  put(head, sizeof head);
+  put(bytes.data(), bytes.size());
+  return offset;
+}
+
+void RecordWriter::flush() {
+  if (std::fflush(file_.get()) != 0) fail();
+}
+
+std::unique_ptr<RecordingBytes> openRecordingFile(const std::filesystem::path& file) {
+  return std::make_unique<FileBytes>(file);
+}
+
+bool RecordReader::startsWithMagic() {
+  uint8_t magic[sizeof kRecordingMagic];
+  return size() >= sizeof magic && bytes_->read(0, magic) &&
+         std::memcmp(magic, kRecordingMagic, sizeof magic) == 0;
+}
+
+bool RecordReader::skim(uint64_t offset, Record& record) {
+  uint8_t head[kRecordHeadBytes];
+  if (offset > size() || size() - offset < sizeof head || !bytes_->read(offset, head)) return false;
+  record.kind = loadBigEndian<RecordKind>(head);
+  length_ = loadBigEndian<uint32_t>(head + 4);
+  hash_ = loadBigEndian<uint64_t>(head + 8);
+  record.bytes = {};
+  record.next = offset + sizeof head + length_;
+  return length_ <= kMaxRecordBytes && record.next <= size();
+}
+
+bool RecordReader::read(uint64_t offset, Record& record) {
+  if (!skim(offset, record)) return false;
+  buffer_.resize(length_);
+  if (!bytes_->read(offset + kRecordHeadBytes, buffer_)) return false;
+  record.bytes = buffer_;
+  return recordHash(record.kind, record.bytes) == hash_;
+}
+
+}  // namespace strandcast

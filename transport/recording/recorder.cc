@@ -1,0 +1,178 @@
+#include "transport/recording/recorder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/content_hash.h"
+#include "core/error.h"
+#include "transport/message_bytes.h"
+#include "transport/message_fields.h"
+
+namespace strandcast {
+namespace {
+
+/// Kept in the file itself, for who finds one without this program.
+constexpr const char* kLayout =
+    "A recording of Strandcast, version 1. After the 8 bytes STRNDREC: records of uint32 kind, uint32 "
+    "length, "
+    "uint64 hash (FNV-1a of the 4 bytes of kind and of what follows), length bytes. Numbers are big-endian, "
+    "texts "
+    "have a uint32 length that counts a final zero byte, arrays a uint32 length. Kinds: 1 head (version, "
+    "groom id, "
+    "float worst error in m, texts codec, layout, source); 2 groom, 3 body, 6 guides: the fields of "
+    "groom_chunk_t, "
+    "body_chunk_t and guide_chunk_t of strandcast.lcm version 2 without their fingerprint; 4 input: "
+    "command_t, "
+    "obeyed before the next frame; 5 frame (uint64 number from 0, double seconds, uint64 FNV-1a of all "
+    "positions as "
+    "float32 little-endian, uint32 chunks of guides that follow); 7 index (uint64 place of the index before "
+    "it or "
+    "0, place of the groom, number of its first frame, arrays of places and seconds); 8 end (uint64 place of "
+    "the "
+    "last index or 0, frames). Payloads of guides: docs/wire.md of Strandcast.";
+
+CodecOptions alone(CodecOptions codec) {
+  if (codec.codec == Codec::kTemporal) codec.codec = Codec::kOctahedral12;
+  return codec;
+}
+
+/// What a reader would take.
+bool isSound(const GuideFrame& frame) {
+  return frame.head.position.allFinite() && std::abs(frame.head.rotation.squaredNorm() - 1) < 1e-3f &&
+         std::isfinite(frame.simulation_time) &&
+         std::all_of(frame.positions.begin(), frame.positions.end(),
+                     [](const Vec3& position) { return position.allFinite(); });
+}
+
+}  // namespace
+
+uint64_t positionsHash(std::span<const Vec3> positions) {
+  ContentHash hash;
+  hash.add(positions.data(), positions.size_bytes());
+  return hash.value();
+}
+
+template <class Record>
+uint64_t Recorder::writeRecord(RecordKind kind, const Record& record) {
+  MessageWriter writer(bytes_);
+  recordFields(writer, record, std::type_identity<Record>());
+  return file_.write(kind, bytes_);
+}
+
+template <class Message>
+uint64_t Recorder::writeMessage(RecordKind kind, const Message& message) {
+  MessageWriter writer(bytes_);
+  messageFields(writer, message, std::type_identity<Message>());
+  return file_.write(kind, bytes_);
+}
+
+template <class Work>
+void Recorder::guarded(const Work& work) {
+  try {
+    work();
+  } catch (const Error&) {
+    is_open_ = false;  // an index behind half a record would be no help
+    throw;
+  }
+}
+
+Recorder::Recorder(const std::filesystem::path& file, const RecordingOptions& options)
+    : file_(file), groom_id_(options.groom_id), encoder_(alone(options.codec)) {
+  checkCodecOptions(options.codec, file.string());
+  RecordingHead head;
+  head.groom_id = options.groom_id;
+  head.codec = nameOf(alone(options.codec).codec);
+  head.max_error = options.codec.codec == Codec::kFloat32 ? 0 : options.codec.max_error;
+  head.layout = kLayout;
+  head.source = options.source;
+  writeRecord(RecordKind::kHead, head);
+  file_.flush();
+}
+
+Recorder::~Recorder() {
+  try {
+    close();
+  } catch (const Error&) {
+  }
+}
+
+void Recorder::setGroom(const GroomDescription& groom, const BodyDescription& body) {
+  checkAnnouncement(groom, body, "groom " + groom.name);
+  if (!is_open_) return;
+  guarded([&] {
+    writeIndex();
+    GroomDescription own_groom = groom;
+    BodyDescription own_body = body;
+    own_groom.groom_id = own_body.groom_id = groom_id_;
+    own_body.session = groom.session;
+    own_body.revision = groom.revision;
+    index_.groom = file_.size();
+    for (const GroomChunk& chunk : splitGroom(own_groom)) writeMessage(RecordKind::kGroom, chunk);
+    for (const BodyChunk& chunk : splitBody(own_body)) writeMessage(RecordKind::kBody, chunk);
+    file_.flush();
+  });
+  encoder_.setGroom(groom.guides);
+  session_ = groom.session;
+  revision_ = groom.revision;
+  vertices_ = groom.guides.vertices();
+  inputs_at_ = 0;
+  newest_ = 0;
+}
+
+void Recorder::addInput(const Command& command) {
+  if (!is_open_ || vertices_ == 0) return;
+  guarded([&] {
+    const uint64_t at = writeMessage(RecordKind::kInput, command);
+    if (inputs_at_ == 0) inputs_at_ = at;
+  });
+}
+
+bool Recorder::addFrame(const GuideFrame& frame) {
+  if (!is_open_ || vertices_ == 0 || frame.session != session_ || frame.revision != revision_ ||
+      frame.frame <= newest_ || frame.positions.size() != vertices_ || !isSound(frame))
+    return false;
+  guarded([&] {
+    if (newest_ != 0) interval_ = std::max(0.0, frame.simulation_time - simulation_time_);
+    if (number_ > 0) time_ += interval_;  // from groom to groom as between the frames before
+    simulation_time_ = frame.simulation_time;
+    newest_ = frame.frame;
+    FrameRecord record;
+    record.number = number_;
+    record.time = time_;
+    record.state_hash = positionsHash(frame.positions);
+    record.chunks = static_cast<uint32_t>(encoder_.runs().size());
+    const uint64_t at = writeRecord(RecordKind::kFrame, record);
+    for (uint32_t i = 0; i < record.chunks; ++i) {
+      encoder_.encode(frame, i, chunk_);
+      chunk_.groom_id = groom_id_;
+      writeMessage(RecordKind::kGuides, chunk_);
+    }
+    index_.offsets.push_back(inputs_at_ != 0 ? inputs_at_ : at);
+    index_.times.push_back(time_);
+    inputs_at_ = 0;
+    ++number_;
+    if (index_.offsets.size() == kIndexFrames) writeIndex();
+    file_.flush();  // who is killed leaves all frames but the one under way
+  });
+  return true;
+}
+
+void Recorder::writeIndex() {
+  if (index_.offsets.empty()) return;
+  index_.previous = writeRecord(RecordKind::kIndex, index_);
+  index_.first_number = number_;
+  index_.offsets.clear();
+  index_.times.clear();
+}
+
+void Recorder::close() {
+  if (!is_open_) return;
+  guarded([&] {
+    writeIndex();
+    writeRecord(RecordKind::kEnd, EndRecord{index_.previous, number_});
+    file_.flush();
+  });
+  is_open_ = false;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,76 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "transport/chunks.h"
+#include "transport/codec/codec.h"
+#include "transport/codec/guide_encoder.h"
+#include "transport/recording/record_file.h"
+#include "transport/recording/recording_fields.h"
+
+namespace strandcast {
+
+struct RecordingOptions {
+  uint32_t groom_id = 1;
+  CodecOptions codec;  ///< kTemporal is written as kOctahedral12: every frame of a recording stands alone
+  std::string source;  ///< kept for who resimulates it: RecordingHead::source
+};
+
+/// Writes a stream into a file that can be replayed up to wherever it ends, also when the program that writes
+/// it dies. Memory is that of a frame's largest chunk and of kIndexFrames places.
+class Recorder {
+ public:
+  /// Throws Error when the file cannot be made.
+  Recorder(const std::filesystem::path& file, const RecordingOptions& options);
+  /// Closes it; what goes wrong then goes unsaid.
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  // All throw Error when the file cannot be written: it is closed then.
+
+  /// Before the first frame, and whenever session or revision change. Throws Error as Publisher::announce.
+  void setGroom(const GroomDescription& groom, const BodyDescription& body);
+  /// A command that is obeyed before the next frame.
+  void addInput(const Command& command);
+  /// Of the groom that was set. One of another groom, not newer than the last, or not finite is left out:
+  /// false.
+  bool addFrame(const GuideFrame& frame);
+  /// Writes the index. Nothing can be added afterwards.
+  void close();
+
+  uint64_t frames() const { return number_; }
+  double seconds() const { return time_; }         ///< of simulation
+  uint64_t bytes() const { return file_.size(); }  ///< written
+  bool isOpen() const { return is_open_; }
+
+ private:
+  template <class Record>
+  uint64_t writeRecord(RecordKind kind, const Record& record);
+  template <class Message>
+  uint64_t writeMessage(RecordKind kind, const Message& message);
+  void writeIndex();
+  template <class Work>
+  void guarded(const Work& work);
+
+  RecordWriter file_;
+  const uint32_t groom_id_;
+  GuideEncoder encoder_;
+  bool is_open_ = true;
+  uint64_t session_ = 0;  // of the groom in force
+  uint32_t revision_ = 0;
+  size_t vertices_ = 0;
+  IndexRecord index_;
+  uint64_t inputs_at_ = 0;  // of the next frame; 0 = none yet
+  uint64_t number_ = 0;
+  double time_ = 0, interval_ = 0, simulation_time_ = 0;
+  uint64_t newest_ = 0;  // frame of the groom in force; 0 = none
+  GuideChunk chunk_;
+  std::vector<uint8_t> bytes_;
+};
+
+/// Of the bits of all positions, in natural order.
+uint64_t positionsHash(std::span<const Vec3> positions);
+
+}  // namespace strandcast

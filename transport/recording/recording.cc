@@ -1,0 +1,263 @@
+#include "transport/recording/recording.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "transport/command_queue.h"
+#include "transport/message_bytes.h"
+#include "transport/message_fields.h"
+
+namespace strandcast {
+namespace {
+
+template <class T>
+bool parseRecord(std::span<const uint8_t> bytes, T& record) {
+  MessageReader reader(bytes);
+  recordFields(reader, record, std::type_identity<T>());
+  return reader.atEnd();
+}
+
+template <class T>
+bool parseMessage(std::span<const uint8_t> bytes, T& message) {
+  MessageReader reader(bytes);
+  messageFields(reader, message, std::type_identity<T>());
+  return reader.atEnd();
+}
+
+bool isSound(const IndexRecord& index) {
+  if (index.offsets.empty() || index.offsets.size() > kIndexFrames ||
+      index.offsets.size() != index.times.size() || !(index.times.front() >= 0) ||
+      !std::isfinite(index.times.back()))
+    return false;
+  // Negated, so that NaN is out of order.
+  for (size_t i = 1; i < index.times.size(); ++i)
+    if (!(index.times[i] >= index.times[i - 1]) || index.offsets[i] <= index.offsets[i - 1]) return false;
+  return true;
+}
+
+}  // namespace
+
+Recording::Recording(const std::filesystem::path& file) : Recording(openRecordingFile(file), file.string()) {}
+
+Recording::Recording(std::unique_ptr<RecordingBytes> bytes, const std::string& name)
+    : name_(name), reader_(std::move(bytes)) {
+  readHead();
+  if (!readEnd()) scan();
+}
+
+void Recording::readHead() {
+  if (!reader_.startsWithMagic())
+    throw Error("this is not a recording of Strandcast (it does not start with STRNDREC)", name_,
+                "make one with `strandcast record`");
+  RecordReader::Record record;
+  uint32_t version = 0;
+  const bool is_whole = reader_.read(sizeof kRecordingMagic, record) && record.kind == RecordKind::kHead;
+  if (is_whole) MessageReader(record.bytes).number(version);
+  if (is_whole && version != kRecordingVersion)
+    throw Error("this is version " + std::to_string(version) + " of the format, version " +
+                    std::to_string(kRecordingVersion) + " can be read",
+                name_, "use the program that recorded it");
+  if (!is_whole || !parseRecord(record.bytes, head_))
+    throw Error("the head of the recording is damaged", name_, "nothing of it can be read");
+  first_record_ = record.next;
+}
+
+bool Recording::readIndex(uint64_t offset, IndexRecord& index) {
+  RecordReader::Record record;
+  return offset >= first_record_ && reader_.read(offset, record) && record.kind == RecordKind::kIndex &&
+         parseRecord(record.bytes, index) && isSound(index) && index.groom >= first_record_ &&
+         index.groom < index.offsets.front() && index.offsets.back() < offset && index.previous < offset;
+}
+
+void Recording::add(const IndexRecord& index, uint64_t offset) {
+  blocks_.push_back({offset, index.groom, index.first_number, index.offsets.size(), index.times.front()});
+  frames_ += index.offsets.size();
+  seconds_ = index.times.back();
+}
+
+bool Recording::readEnd() {
+  constexpr uint64_t kEndBytes = kRecordHeadBytes + 16;
+  RecordReader::Record record;
+  EndRecord end;
+  if (reader_.size() < first_record_ + kEndBytes || !reader_.read(reader_.size() - kEndBytes, record) ||
+      record.kind != RecordKind::kEnd || !parseRecord(record.bytes, end))
+    return false;
+  IndexRecord index;
+  std::vector<Block> backwards;
+  double next_time = HUGE_VAL;
+  uint64_t next_number = end.frames;
+  // Each index lies before the one that names it: this ends.
+  for (uint64_t at = end.index; at != 0; at = index.previous) {
+    if (!readIndex(at, index) || index.first_number + index.offsets.size() != next_number ||
+        !(index.times.back() <= next_time))
+      return false;
+    if (backwards.empty()) seconds_ = index.times.back();
+    backwards.push_back({at, index.groom, index.first_number, index.offsets.size(), index.times.front()});
+    next_number = index.first_number;
+    next_time = index.times.front();
+  }
+  if (next_number != 0) return false;
+  blocks_.assign(backwards.rbegin(), backwards.rend());
+  frames_ = end.frames;
+  return true;
+}
+
+void Recording::scan() {
+  is_cut_ = true;
+  blocks_.clear();
+  frames_ = 0;
+  seconds_ = 0;
+  tail_ = {};
+  RecordReader::Record record, before;
+  before.kind = RecordKind::kHead;
+  uint64_t inputs_at = 0;
+  for (uint64_t at = first_record_; reader_.skim(at, record); before = record, at = record.next) {
+    if (record.kind == RecordKind::kGroom && before.kind != RecordKind::kGroom) {
+      if (!tail_.offsets.empty()) break;  // an index is missing
+      tail_.groom = at;
+      inputs_at = 0;
+    } else if (record.kind == RecordKind::kInput) {
+      if (inputs_at == 0) inputs_at = at;
+    } else if (record.kind == RecordKind::kFrame) {
+      FrameRecord frame;
+      if (!reader_.read(at, record) || !parseRecord(record.bytes, frame) || tail_.groom == 0 ||
+          tail_.offsets.size() == kIndexFrames || frame.number != frames_ + tail_.offsets.size() ||
+          !(frame.time >= (tail_.times.empty() ? seconds_ : tail_.times.back())) ||
+          !std::isfinite(frame.time))
+        break;
+      if (tail_.offsets.empty()) tail_.first_number = frames_;
+      tail_.offsets.push_back(inputs_at != 0 ? inputs_at : at);
+      tail_.times.push_back(frame.time);
+      inputs_at = 0;
+    } else if (record.kind == RecordKind::kIndex) {
+      IndexRecord index;
+      if (!readIndex(at, index) || index.offsets != tail_.offsets || index.times != tail_.times ||
+          index.groom != tail_.groom || index.first_number != frames_)
+        break;
+      add(index, at);
+      tail_.offsets.clear();
+      tail_.times.clear();
+    }
+  }
+  if (!tail_.offsets.empty()) add(tail_, 0);
+  // The end of what was written, or what was damaged, may be within a frame.
+  RecordedFrame last;
+  while (frames_ > 0 && !blocks_.empty() && blocks_.back().index == 0 && !readFrame(frames_ - 1, last))
+    dropLast();
+}
+
+void Recording::dropLast() {
+  --frames_;
+  if (--blocks_.back().count == 0) {
+    blocks_.pop_back();
+    seconds_ = 0;
+    if (const IndexRecord* index = nullptr; !blocks_.empty() && indexOf(blocks_.back(), index))
+      seconds_ = index->times.back();
+    return;
+  }
+  tail_.offsets.pop_back();
+  tail_.times.pop_back();
+  seconds_ = tail_.times.back();
+}
+
+bool Recording::indexOf(const Block& block, const IndexRecord*& index) {
+  index = block.index == 0 ? &tail_ : &loaded_;
+  if (block.index == 0 || block.index == loaded_at_) return true;
+  loaded_at_ = 0;
+  if (!readIndex(block.index, loaded_) || loaded_.offsets.size() != block.count) return false;
+  loaded_at_ = block.index;
+  return true;
+}
+
+uint64_t Recording::frameAt(double seconds) {
+  const auto later = std::upper_bound(blocks_.begin(), blocks_.end(), seconds,
+                                      [](double s, const Block& block) { return s < block.first_time; });
+  if (later == blocks_.begin()) return 0;
+  const Block& block = *(later - 1);
+  const IndexRecord* index = nullptr;
+  if (!indexOf(block, index)) return block.first_number;
+  const auto next = std::upper_bound(index->times.begin(), index->times.end(), seconds);
+  return block.first_number + static_cast<uint64_t>(std::max<ptrdiff_t>(0, next - index->times.begin() - 1));
+}
+
+bool Recording::readGroom(uint64_t offset) {
+  if (offset == groom_at_) return true;
+  groom_at_ = 0;
+  shown_ = {};
+  GroomAssembler grooms(head_.groom_id);
+  BodyAssembler bodies(head_.groom_id);
+  RecordReader::Record record;
+  for (uint64_t at = offset; (!shown_.groom || !shown_.body) && reader_.read(at, record); at = record.next) {
+    if (record.kind == RecordKind::kGroom && !shown_.groom) {
+      GroomChunk chunk;
+      if (!parseMessage(record.bytes, chunk)) return false;
+      shown_.groom = grooms.add(std::move(chunk));
+    } else if (record.kind == RecordKind::kBody) {
+      BodyChunk chunk;
+      if (!parseMessage(record.bytes, chunk)) return false;
+      shown_.body = bodies.add(std::move(chunk));
+    } else {
+      return false;
+    }
+  }
+  if (!shown_.groom || !shown_.body || shown_.groom->session != shown_.body->session ||
+      shown_.groom->revision != shown_.body->revision)
+    return false;
+  assembler_.setGroom(shown_.groom);
+  assembled_ = 0;
+  groom_at_ = offset;
+  return true;
+}
+
+const Recording::Block& Recording::blockOf(uint64_t number) const {
+  return *(std::upper_bound(blocks_.begin(), blocks_.end(), number,
+                            [](uint64_t n, const Block& block) { return n < block.first_number; }) -
+           1);
+}
+
+double Recording::timeOf(uint64_t number) {
+  const Block& block = blockOf(number);
+  const IndexRecord* index = nullptr;
+  return indexOf(block, index) ? index->times[number - block.first_number] : block.first_time;
+}
+
+bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
+  const Block& block = blockOf(number);
+  const IndexRecord* index = nullptr;
+  if (!indexOf(block, index) || !readGroom(block.groom)) return false;
+  out.groom = shown_.groom;
+  out.body = shown_.body;
+  out.inputs.clear();
+  RecordReader::Record record;
+  uint64_t at = index->offsets[number - block.first_number];
+  for (; reader_.read(at, record) && record.kind == RecordKind::kInput; at = record.next) {
+    Command command;
+    if (out.inputs.size() == kMaxQueuedCommands || !parseMessage(record.bytes, command) || !isSound(command))
+      return false;
+    out.inputs.push_back(std::move(command));
+  }
+  if (record.kind != RecordKind::kFrame || !parseRecord(record.bytes, out.record) ||
+      out.record.number != number)
+    return false;
+
+  if (number < assembled_) assembler_.setGroom(out.groom);  // it takes newer frames only
+  assembled_ = number + 1;
+  out.frame.reset();
+  for (uint32_t i = 0; i < out.record.chunks && !out.frame; ++i) {
+    at = record.next;
+    if (!reader_.read(at, record) || record.kind != RecordKind::kGuides ||
+        !parseMessage(record.bytes, chunk_))
+      return false;
+    out.frame = assembler_.add(chunk_);
+  }
+  return out.frame != nullptr;
+}
+
+void Recording::read(uint64_t number, RecordedFrame& out) {
+  if (number >= frames_ || !readFrame(number, out))
+    throw Error("frame " + std::to_string(number) + " of the recording cannot be read", name_,
+                number >= frames_ ? "it has " + std::to_string(frames_) : "the file is damaged there");
+}
+
+}  // namespace strandcast

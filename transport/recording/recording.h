@@ -1,0 +1,92 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "transport/assembler.h"
+#include "transport/messages.h"
+#include "transport/recording/record_file.h"
+#include "transport/recording/recording_fields.h"
+
+namespace strandcast {
+
+/// One frame of a recording.
+struct RecordedFrame {
+  FrameRecord record;
+  std::shared_ptr<const GuideFrame> frame;
+  std::vector<Command> inputs;  ///< obeyed since the frame before
+  std::shared_ptr<const GroomDescription> groom;
+  std::shared_ptr<const BodyDescription> body;
+};
+
+/// Reads a recording, in any order. Nothing in the file is believed: memory is that of one frame, of one
+/// groom and of a few numbers per kIndexFrames frames, and never more than the file could hold. A file that
+/// was cut, or not closed, is read up to there.
+class Recording {
+ public:
+  /// Both throw Error when it is no recording, of another version, or its head is damaged.
+  explicit Recording(const std::filesystem::path& file);
+  /// `name` appears in errors.
+  Recording(std::unique_ptr<RecordingBytes> bytes, const std::string& name);
+
+  const RecordingHead& head() const { return head_; }
+  uint64_t frames() const { return frames_; }
+  double seconds() const { return seconds_; }  ///< of simulation, from the first frame to the last
+  bool isCut() const { return is_cut_; }       ///< it was not closed, or its end is missing or damaged
+  uint64_t bytes() const { return reader_.size(); }
+
+  /// The last frame that is not later than this; 0 before the first.
+  uint64_t frameAt(double seconds);
+  /// s, of frame `number`, below frames().
+  double timeOf(uint64_t number);
+  /// Frame `number`, below frames(). Throws Error where the file is damaged.
+  void read(uint64_t number, RecordedFrame& out);
+
+ private:
+  /// A run of frames of one groom.
+  struct Block {
+    uint64_t index = 0;  // where its kIndex is; 0 = none: its places are in tail_
+    uint64_t groom = 0;
+    uint64_t first_number = 0, count = 0;
+    double first_time = 0;
+  };
+  struct Shown {
+    std::shared_ptr<const GroomDescription> groom;
+    std::shared_ptr<const BodyDescription> body;
+  };
+
+  void readHead();
+  bool readEnd();
+  void scan();
+  bool readIndex(uint64_t offset, IndexRecord& index);
+  /// The block of a frame below frames_.
+  const Block& blockOf(uint64_t number) const;
+  /// The index of a block; false where it is damaged.
+  bool indexOf(const Block& block, const IndexRecord*& index);
+  bool readGroom(uint64_t offset);
+  bool readFrame(uint64_t number, RecordedFrame& out);
+  void add(const IndexRecord& index, uint64_t offset);
+  void dropLast();
+
+  const std::string name_;
+  RecordReader reader_;
+  RecordingHead head_;
+  uint64_t first_record_ = 0;  // behind the head
+  std::vector<Block> blocks_;
+  IndexRecord tail_;    // of frames that no index in the file holds
+  IndexRecord loaded_;  // of the block that was used last
+  uint64_t loaded_at_ = 0;
+  uint64_t frames_ = 0;
+  double seconds_ = 0;
+  bool is_cut_ = false;
+
+  uint64_t groom_at_ = 0;  // of the groom in force
+  Shown shown_;
+  GuideAssembler assembler_;
+  uint64_t assembled_ = 0;  // number of its newest frame + 1; 0 = none of this groom
+  GuideChunk chunk_;
+};
+
+}  // namespace strandcast

@@ -1,0 +1,44 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "transport/publisher.h"
+#include "transport/recording/recorder.h"
+
+namespace strandcast {
+
+/// A publisher that also records what goes through it: groom, frames as they were before any network's codec,
+/// and the commands that were taken, each before the frame that it had an effect on. When the file cannot be
+/// written any more, casting goes on without it.
+class RecordingPublisher final : public Publisher {
+ public:
+  explicit RecordingPublisher(std::unique_ptr<Publisher> publisher) : publisher_(std::move(publisher)) {}
+  /// Records from now on; before announce(). Throws Error when the file cannot be made.
+  void open(const std::filesystem::path& file, const RecordingOptions& options) {
+    recorder_.emplace(file, options);
+  }
+
+  void announce(const GroomDescription& groom, const BodyDescription& body) override;
+  void publish(const GuideFrame& frame) override;
+  void publishStatus(const Status& status) override { publisher_->publishStatus(status); }
+  std::optional<Command> takeCommand() override;
+  uint32_t matchedReaders() const override { return publisher_->matchedReaders(); }
+  EncodingReport encoding() const override { return publisher_->encoding(); }
+  std::optional<uint64_t> rivalSession() const override { return publisher_->rivalSession(); }
+
+  /// Of an open() one.
+  const Recorder& recorder() const { return *recorder_; }
+  /// Closes the file. What went wrong with it, now or before; empty where nothing did.
+  std::string close();
+
+ private:
+  template <class Work>
+  void record(const Work& work);
+
+  const std::unique_ptr<Publisher> publisher_;
+  std::optional<Recorder> recorder_;
+  std::string failure_;
+};
+
+}  // namespace strandcast
