@@ -50,7 +50,8 @@ void HairGrid<Scalar>::measureRest(const StrandModel& model) {
   for (size_t s = 0; s < model.strands(); ++s)
     for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
       positions[v] = model.restPosition(s, v);
-  splat(positions, velocities, Pose{});
+  locate(positions, velocities, Pose{});
+  splat();
   blurDensity();
   sampleDensity();
   for (size_t n = 0; n < rest_density_.size(); ++n) rest_density_[n] = static_cast<float>(sampled_[4 * n]);
@@ -113,8 +114,8 @@ void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness) {
 }
 
 template <class Scalar>
-void HairGrid<Scalar>::splat(std::span<const Vec3> positions, std::span<const Vec3> velocities,
-                             const Pose& head) {
+void HairGrid<Scalar>::locate(std::span<const Vec3> positions, std::span<const Vec3> velocities,
+                              const Pose& head) {
   head_ = head;
   const Eigen::Matrix3f turn = Eigen::Quaternionf(head.rotation).toRotationMatrix().transpose();
   const Eigen::Vector3f offset =
@@ -131,8 +132,14 @@ void HairGrid<Scalar>::splat(std::span<const Vec3> positions, std::span<const Ve
   view.samples = samples_.samples.data();
   view.shares = samples_.shares.data();
   view.places = places_.data();
+  workers_.forEach(static_cast<int>(chunks_),
+                   [&](int c) { fastest_[c] = passes_.place(view, firstOf(c), firstOf(c + 1)); });
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::splat() {
+  SplatView<Scalar>& view = view_;
   const int chunks = static_cast<int>(chunks_);
-  workers_.forEach(chunks, [&](int c) { fastest_[c] = passes_.place(view, firstOf(c), firstOf(c + 1)); });
   const double fastest =
       std::max(1e-6, static_cast<double>(*std::max_element(fastest_.begin(), fastest_.end())));
   view.mass_scale = static_cast<Scalar>(kWhole / mass_);

@@ -27,8 +27,10 @@ class HairGrid {
   float cell() const { return cell_; }  ///< m
   const StrandSamples& samples() const { return samples_; }
 
-  /// Where hair is and how fast: samples and their sums on the grid as `head` carries it. Natural order.
-  void splat(std::span<const Vec3> positions, std::span<const Vec3> velocities, const Pose& head);
+  /// Where hair is and how fast: samples, on the grid as `head` carries it. Natural order.
+  void locate(std::span<const Vec3> positions, std::span<const Vec3> velocities, const Pose& head);
+  /// Their sums on the grid.
+  void splat();
   /// From what was splatted: how samples change their velocities over a step of `seconds`.
   void findForces(const Parameters& parameters, double seconds);
   /// Change of velocity of samples begin .. end - 1, m/s, 4 numbers each.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "air/hair_grid.h"
 #include "air/wind_grid.h"
@@ -21,19 +22,16 @@ class StrandSurroundings final : public Surroundings {
   StrandSurroundings(const GridPasses<Scalar>& passes, int threads, std::vector<WindSource> sources)
       : passes_(passes), workers_(threads), sources_(std::move(sources)) {}
 
-  void load(const StrandModel& model, const Parameters& parameters) override {
-    model_ = model;
-    accelerations_.assign(model.vertices(), Vec3::Zero());
-    box_ = restBox(model);
-    hair_.reset();
-    wind_.reset();
-    configure(parameters);
-  }
+  bool isNeeded(const Parameters& p) const override { return needsSurroundings(p) || !sources_.empty(); }
 
-  void configure(const Parameters& p) override {
-    if (!needsSurroundings(p)) return;
+  void configure(const StrandModel& model, const Parameters& p, Backend&) override {
+    if (offsets_.empty()) {
+      offsets_ = model.offsets;
+      box_ = restBox(model);
+      accelerations_.assign(model.vertices(), Vec3::Zero());
+    }
     if (!hair_ || hair_->shape().cells != p.grid_cells) {
-      hair_ = std::make_unique<HairGrid<Scalar>>(passes_, workers_, model_, p.grid_cells, box_);
+      hair_ = std::make_unique<HairGrid<Scalar>>(passes_, workers_, model, p.grid_cells, box_);
       const size_t samples = hair_->samples().samples.size();
       changes_.assign(4 * samples, Scalar(0));
       winds_.assign(4 * samples, Scalar(0));
@@ -50,29 +48,37 @@ class StrandSurroundings final : public Surroundings {
     } else if (wind_) {
       wind_->ambient().configure(p);
     }
+    if (p.wind_grid == 0) {
+      if (!free_wind_) free_wind_.emplace();
+      free_wind_->configure(p);
+    }
     const double h = static_cast<double>(p.time_step) / p.substeps;
     auto rate = [&](double scale) {
       return static_cast<float>((1 - std::exp(-static_cast<double>(p.air_drag) * scale * h)) / h);
     };
     rate_ = rate(1);
     rates_.clear();
-    for (const float scale : model_.air_drag_scale) rates_.push_back(rate(static_cast<double>(scale)));
+    for (const float scale : model.air_drag_scale) rates_.push_back(rate(static_cast<double>(scale)));
   }
 
   void reset() override {
     if (wind_) wind_->reset();
   }
 
-  std::span<const Vec3> step(const StepInput& input, std::span<const Vec3> positions,
-                             std::span<const Vec3> velocities) override {
+  void step(StepInput& input, Backend& backend) override {
     const Parameters& p = *input.parameters;
+    const std::span<const Vec3> positions = backend.guides();
     const double dt = p.time_step;
     time_ += dt;
     const Pose head = input.bones_begin.empty() ? Pose{} : input.bones_begin[0];
-    hair_->splat(positions, velocities, head);
+    hair_->locate(positions, backend.velocities(), head);
     forces_ = p.volume_stiffness > 0 || p.hair_friction > 0;
+    const bool drags = p.wind_grid > 0 && p.air_drag > 0 && p.hairs_per_strand > 0;
+    if (forces_ || drags) hair_->splat();
     if (forces_) hair_->findForces(p, dt);
-    if (p.wind_grid > 0) {
+    if (p.wind_grid == 0) {
+      free_wind_->setTime(time_);
+    } else {
       wind_->ambient().setTime(time_);
       wind_->centreAt(head.apply(Vec3(box_.center())));
       wind_->clearSolids();
@@ -80,19 +86,19 @@ class StrandSurroundings final : public Surroundings {
       wind_->advect(dt, p.mac_cormack > 0);
       wind_->diffuse(dt, static_cast<double>(p.air_viscosity));
       HairDrag<Scalar> drag;
-      if (p.air_drag > 0 && p.hairs_per_strand > 0)
+      if (drags)
         drag = {&hair_->shape(), hair_->nodes(), hair_->frame(),
                 static_cast<Scalar>(static_cast<double>(p.air_drag) *
                                     static_cast<double>(p.hairs_per_strand) / kAirDensity)};
       wind_->exchange(dt, drag, sources_);
       wind_->project();
     }
-    const size_t strands = model_.strands();
+    const size_t strands = offsets_.size() - 1;
     workers_.forEach(static_cast<int>((strands + kStrandsAtOnce - 1) / kStrandsAtOnce), [&](int chunk) {
       const size_t first = static_cast<size_t>(chunk) * kStrandsAtOnce;
       gather(p, first, std::min(strands, first + kStrandsAtOnce), positions);
     });
-    return accelerations_;
+    input.accelerations = accelerations_;
   }
 
  private:
@@ -100,18 +106,21 @@ class StrandSurroundings final : public Surroundings {
   void gather(const Parameters& p, size_t begin, size_t end, std::span<const Vec3> positions) {
     const StrandSamples& samples = hair_->samples();
     const uint32_t first = samples.offsets[begin], last = samples.offsets[end];
-    std::fill(accelerations_.begin() + model_.offsets[begin], accelerations_.begin() + model_.offsets[end],
-              Vec3::Zero());
+    std::fill(accelerations_.begin() + offsets_[begin], accelerations_.begin() + offsets_[end], Vec3::Zero());
     if (forces_) hair_->changes(first, last, changes_.data() + 4 * static_cast<size_t>(first));
-    const bool blows = p.wind_grid > 0;
-    if (blows) sampleWind(first, last);
+    const bool on_grid = p.wind_grid > 0,
+               uniform = !on_grid && sources_.empty() && p.gust == 0 && p.turbulence == 0;
+    if (on_grid) sampleWind(first, last);
     const float per_second = 1 / p.time_step, less = 1 - p.air_drag_along;
     for (size_t n = first; n < last; ++n) {
       const StrandSample& sample = samples.samples[n];
       const Scalar* place = hair_->place(n);
       Vec3 pushed = Vec3::Zero(), air = p.wind;
       if (forces_) pushed = take(changes_.data() + 4 * n) * per_second;
-      if (blows) air = take(winds_.data() + 4 * n);
+      if (on_grid)
+        air = take(winds_.data() + 4 * n);
+      else if (!uniform)
+        air = freeWindAt(take(place + 6));
       if (!pushed.allFinite() || !air.allFinite()) continue;  // of a strand that went wrong
       const Vec3 relative = air - take(place + 3), local = air - p.wind;
       const Vec3 chord = positions[sample.vertex + sample.count - 1] - positions[sample.vertex];
@@ -130,6 +139,14 @@ class StrandSurroundings final : public Surroundings {
                                                 real3{tangent.x(), tangent.y(), tangent.z()}, rate, less);
     return {out.x, out.y, out.z};
   }
+  /// Without a grid nothing blocks the air: what blows, and on top of it what each source does where it
+  /// reaches.
+  Vec3 freeWindAt(const Vec3& point) const {
+    Vec3 sum = free_wind_->at(point), blown;
+    for (const WindSource& source : sources_)
+      if (source.velocityAt(point, blown)) sum += blown;
+    return sum;
+  }
   void sampleWind(size_t first, size_t last) {
     const Vec3 origin = wind_->origin();
     const Scalar per_cell = 1 / static_cast<Scalar>(wind_->cell());
@@ -147,12 +164,13 @@ class StrandSurroundings final : public Surroundings {
   const GridPasses<Scalar>& passes_;
   Workers workers_;
   std::vector<WindSource> sources_;
-  StrandModel model_;
-  Box box_;  ///< of the groom at rest
+  std::vector<uint32_t> offsets_;  ///< of the model; empty until first needed
+  Box box_;                        ///< of the groom at rest
   std::unique_ptr<HairGrid<Scalar>> hair_;
   std::unique_ptr<WindGrid<Scalar>> wind_;
-  float rate_ = 0;            ///< 1/s, at which a substep draws hair to the air
-  std::vector<float> rates_;  ///< the same by vertex, where they differ
+  std::optional<Ambient> free_wind_;  ///< of wind without a grid
+  float rate_ = 0;                    ///< 1/s, at which a substep draws hair to the air
+  std::vector<float> rates_;          ///< the same by vertex, where they differ
   bool forces_ = false;
   double time_ = 0;
   std::vector<Scalar> changes_, winds_;  ///< per sample, 4 numbers each

@@ -66,7 +66,7 @@ const std::vector<Entry>& entries() {
       scalar("grid_cells", "", 16, 128, "16 to 128, a multiple of 16",
              "cells per axis of the grids of air and of hair", &P::grid_cells, 16),
       scalar("wind_grid", "", 0, 1, "0 or 1",
-             "1: wind flows through a grid, and bodies and hair block it; 0: it is the same everywhere",
+             "1: wind flows through a grid, and bodies and hair block it; 0: nothing does",
              &P::wind_grid),
       scalar("mac_cormack", "", 0, 1, "0 or 1", "1: less numerical viscosity of the air, at more cost",
              &P::mac_cormack),

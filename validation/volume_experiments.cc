@@ -115,7 +115,8 @@ std::vector<Case> atRest(const Laboratory& laboratory) {
       const Workers workers(1);
       HairGrid<float> grid(passesOf(laboratory.backendName()), workers, model, parameters.grid_cells,
                            restBox(model));
-      grid.splat(before.positions, before.velocities, Pose{});
+      grid.locate(before.positions, before.velocities, Pose{});
+      grid.splat();
       grid.findForces(parameters, parameters.time_step);
       std::vector<float> changes(4 * grid.samples().samples.size());
       grid.changes(0, grid.samples().samples.size(), changes.data());
@@ -149,7 +150,8 @@ std::vector<Case> momentum(const Laboratory& laboratory) {
         const auto n = static_cast<float>(s);
         velocities.emplace_back(std::sin(1.7f * n), 0.5f + std::sin(2.3f * n + 1), std::cos(3.1f * n));
       }
-    grid.splat(positions, velocities, Pose{});
+    grid.locate(positions, velocities, Pose{});
+    grid.splat();
     grid.findForces(parametersOf(laboratory, pushes ? kStiffness : 0, pushes ? 0 : kFriction, 1), 1 / kRate);
     const size_t count = grid.samples().samples.size();
     std::vector<float> changes(4 * count);
@@ -204,7 +206,8 @@ WispState carriedTogether(const Laboratory& laboratory, float stiffness) {
                        restBox(model));
   auto density = [&] {
     const StrandState now = simulation.state();
-    grid.splat(now.positions, now.velocities, Pose{});
+    grid.locate(now.positions, now.velocities, Pose{});
+    grid.splat();
     grid.findForces(parameters, parameters.time_step);
     double sum = 0, count = 0;
     for (size_t s = 0; s < model.strands(); ++s) {

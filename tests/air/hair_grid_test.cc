@@ -70,7 +70,8 @@ TEST(HairGrid, AnyNumberOfThreadsGivesTheSameBits) {
   for (const int threads : {1, 2, 3, 5, 8, 16}) {
     const Workers workers(threads);
     HairGrid<float> grid(simdPasses(), workers, hair.model, 32, restBox(hair.model));
-    grid.splat(hair.state.positions, hair.state.velocities, Pose{});
+    grid.locate(hair.state.positions, hair.state.velocities, Pose{});
+    grid.splat();
     grid.findForces(hair.parameters(), 1.0 / 60);
     std::vector<float> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
@@ -88,7 +89,8 @@ TEST(HairGrid, LanesAndDoublesAgree) {
   const Workers workers(1);
   auto run = [&](auto&& grid) {
     using Scalar = std::remove_reference_t<decltype(*grid.nodes())>;
-    grid.splat(hair.state.positions, hair.state.velocities, Pose{});
+    grid.locate(hair.state.positions, hair.state.velocities, Pose{});
+    grid.splat();
     grid.findForces(hair.parameters(), 1.0 / 60);
     std::vector<std::remove_const_t<Scalar>> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
@@ -121,7 +123,8 @@ TEST(HairGrid, HairAtRestFeelsNothingWhereverTheHeadIs) {
     std::vector<Vec3> positions = hair.state.positions;
     if (moved)
       for (Vec3& p : positions) p = head.apply(p);
-    grid.splat(positions, still, moved ? head : Pose{});
+    grid.locate(positions, still, moved ? head : Pose{});
+    grid.splat();
     grid.findForces(parameters, 1.0 / 60);
     std::vector<float> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
@@ -139,7 +142,8 @@ TEST(HairGrid, SqueezedHairIsPushedApartAndNoMomentumIsMade) {
   for (const bool friction : {false, true}) {
     Parameters parameters = hair.parameters();
     (friction ? parameters.volume_stiffness : parameters.hair_friction) = 0;
-    grid.splat(squeezed, hair.state.velocities, Pose{});
+    grid.locate(squeezed, hair.state.velocities, Pose{});
+    grid.splat();
     grid.findForces(parameters, 1.0 / 60);
     std::vector<float> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
@@ -171,7 +175,8 @@ TEST(HairGrid, StrandsThatWentWrongAreLeftOut) {
   std::vector<Vec3> velocities = hair.state.velocities;
   velocities[80] = Vec3::Constant(HUGE_VALF);
   velocities[120] = Vec3::Constant(std::nanf(""));
-  grid.splat(positions, velocities, Pose{});
+  grid.locate(positions, velocities, Pose{});
+  grid.splat();
   grid.findForces(hair.parameters(), 1.0 / 60);
   std::vector<float> changes(4 * grid.samples().samples.size());
   grid.changes(0, grid.samples().samples.size(), changes.data());

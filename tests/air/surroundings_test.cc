@@ -49,6 +49,47 @@ TEST(Surroundings, ChangeNoBitWhereNothingAsksForThem) {
             hashAfter(parameters, makeReferenceBackend(), nullptr));
 }
 
+WindSource wideFan(float speed) {
+  WindSource fan;
+  fan.kind = WindSource::Kind::kTurbine;
+  fan.direction = Vec3::UnitX();
+  fan.radius = fan.length = 10;
+  fan.speed = speed;
+  return fan;
+}
+
+TEST(Surroundings, ASourceWithoutAGridBlowsAsTheWindDoes) {
+  Parameters still, windy;
+  still.solver = windy.solver = SolverKind::kRod;
+  windy.wind = Vec3(3, 0, 0);
+  Simulation in_wind(tuft(), {}, windy, makeReferenceBackend());
+  Simulation by_fan(tuft(), {}, still, makeReferenceBackend(),
+                    makeSurroundings("reference", 1, {wideFan(3)}));
+  float most = 0, way = 0;
+  const std::vector<Vec3> before(in_wind.guides().begin(), in_wind.guides().end());
+  for (int i = 0; i < 60; ++i) {
+    in_wind.step();
+    by_fan.step();
+  }
+  for (size_t v = 0; v < before.size(); ++v) {
+    most = std::max(most, (in_wind.guides()[v] - by_fan.guides()[v]).norm());
+    way = std::max(way, (in_wind.guides()[v] - before[v]).norm());
+  }
+  EXPECT_GT(way, 0.05f);
+  EXPECT_LT(most, 0.01f * way);
+}
+
+TEST(Surroundings, GustsAndTurbulenceBlowWithoutAGrid) {
+  Parameters parameters;
+  parameters.wind = Vec3(3, 0, 0);
+  const uint64_t calm = hashAfter(parameters, makeReferenceBackend(), makeSurroundings("reference"));
+  parameters.gust = 0.5f;
+  const uint64_t gusty = hashAfter(parameters, makeReferenceBackend(), makeSurroundings("reference"));
+  parameters.turbulence = 0.5f;
+  EXPECT_NE(gusty, calm);
+  EXPECT_NE(hashAfter(parameters, makeReferenceBackend(), makeSurroundings("reference")), gusty);
+}
+
 TEST(Surroundings, AnyNumberOfThreadsGivesTheSameMotion) {
   const uint64_t one = hashAfter(everything(), makeSimdBackend(1), makeSurroundings("simd", 1));
   for (const int threads : {2, 3, 8})
