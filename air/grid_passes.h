@@ -46,10 +46,26 @@ struct SplatView {
   const float* positions;
   const float* velocities;
   const StrandSample* samples;
-  const float* shares;  ///< of a sample's vertices in it, sum 1
-  Scalar* places;       ///< per sample kPlaceNumbers: place in cells, velocity, place in the world
+  const float* shares;   ///< of a sample's vertices in it, sum 1
+  const Scalar* masses;  ///< kg, per sample
+  Scalar* places;        ///< kPlacePlanes of `stride` numbers, one per sample and 16 to spare
+  size_t stride;
+  Scalar* motion;  ///< 4 per sample: velocity, 1
 };
-constexpr int kPlaceNumbers = 9;
+enum PlacePlane : int {
+  kGridPlace,       ///< 3, in cells
+  kWorldPlace = 3,  ///< 3, m
+  kPlacePlanes = 6
+};
+
+/// How crowded samples are: kernels/grid.h.
+template <class Scalar>
+struct CrowdView {
+  const Scalar* density;  ///< of nodes, from place (0, 0, 0)
+  const Scalar* rest;     ///< density at rest, per sample and 16 to spare
+  Scalar rest_scale, stiffness;
+  Scalar scale;  ///< from mass x crowding to whole numbers
+};
 
 /// What is done to a layer, a range of samples, ... Compiled once per lane type.
 template <class Scalar>
@@ -80,19 +96,23 @@ struct GridPasses {
   void (*subtractGradient)(const WindView<Scalar>&, const PressureView<Scalar>&, const Scalar* pressure,
                            int axis, int layer);
 
+  // Samples in ranges that begin at multiples of 16.
   /// Where samples are and how fast; gives the largest component of velocity.
   Scalar (*place)(const SplatView<Scalar>&, size_t begin, size_t end);
-  /// Adds them to nodes of 4 numbers, mass and momentum.
+  /// Adds them to nodes of 4 numbers, momentum and mass.
   void (*splat)(const SplatView<Scalar>&, size_t begin, size_t end, int32_t* nodes);
-  /// Adds `numbers`, whole ones of each sample, to nodes of one.
-  void (*splatNumbers)(const SplatView<Scalar>&, size_t begin, size_t end, const Scalar* numbers,
-                       int32_t* nodes);
+  /// What nodes of one number have at samples; per sample and 16 to spare.
+  void (*sampleNumbers)(const SplatView<Scalar>&, size_t begin, size_t end, const Scalar* nodes, Scalar* out);
+  /// Adds mass x crowding of samples to nodes of one number.
+  void (*crowd)(const SplatView<Scalar>&, size_t begin, size_t end, const CrowdView<Scalar>&, int32_t* nodes);
   /// One axis of a blur by (1 2 1) / 4 of nodes of `numbers` numbers; beyond the grid there is nothing.
   void (*blur)(const GridShape&, int numbers, int axis, const Scalar* in, Scalar* out, int layer);
-  /// What nodes of 4 numbers have at `count` places of 3 numbers (in cells, `apart` numbers apart), 4 numbers
-  /// each.
-  void (*sample)(const GridShape&, const Scalar* nodes, const Scalar* places, size_t apart, size_t count,
+  /// What nodes of 4 numbers have at `count` places (in cells, 3 planes of `stride` numbers, 16 of each to
+  /// spare), 4 numbers each.
+  void (*sample)(const GridShape&, const Scalar* nodes, const Scalar* places, size_t stride, size_t count,
                  Scalar* out);
+  /// The same at samples, less its last number x the sample's velocity. `out` from sample `begin` on.
+  void (*change)(const SplatView<Scalar>&, const Scalar* nodes, size_t begin, size_t end, Scalar* out);
 };
 
 template <class Scalar>

@@ -36,16 +36,18 @@ class HairGrid {
   /// Change of velocity of samples begin .. end - 1, m/s, 4 numbers each.
   void changes(size_t begin, size_t end, Scalar* out) const;
 
-  /// Of sample n, kPlaceNumbers numbers, as SplatView::places.
-  const Scalar* place(size_t n) const { return places_.data() + kPlaceNumbers * n; }
+  /// PlacePlane `plane` of all samples; 16 numbers to spare.
+  const Scalar* places(int plane) const { return places_.data() + static_cast<size_t>(plane) * view_.stride; }
+  /// Velocity of sample n, 3 numbers.
+  const Scalar* velocity(size_t n) const { return motion_.data() + 4 * n; }
   const GridShape& shape() const { return shape_; }
-  /// Density (kg/m^3, of the strands themselves) and momentum per volume, from place (0, 0, 0).
+  /// Momentum per volume and density (kg/m^3, of the strands themselves), from place (0, 0, 0).
   const Scalar* nodes() const { return nodes_.data() + 4 * origin_; }
   const Scalar* frame() const { return frame_; }
   /// Density at a node, blurred, kg/m^3.
   double densityAt(int i, int j, int k) const { return static_cast<double>(density_[shape_.at(i, j, k)]); }
   /// Rest density that sample n carries, kg/m^3.
-  float restDensity(size_t n) const { return rest_density_[n]; }
+  float restDensity(size_t n) const { return static_cast<float>(rest_density_[n]); }
   /// The largest stiffness that is heeded with steps of `seconds`, m^2/s^2: waves of pressure must not go
   /// much farther than a cell in a step.
   double largestStiffness(double seconds) const;
@@ -56,10 +58,12 @@ class HairGrid {
   void blur(int numbers, GridArray<Scalar>& field);
   void blurDensity();
   void measureRest(const StrandModel& model);
-  /// Density at every sample into sampled_, 4 numbers each.
-  void sampleDensity();
+  /// More than what mass x crowding of all samples can come to with a stiffness of 1.
+  double largestCrowding(float volume_target) const;
   void findCrowding(const Parameters& parameters, double stiffness);
-  size_t firstOf(size_t chunk) const { return samples_.samples.size() * chunk / chunks_; }
+  size_t firstOf(size_t chunk) const {
+    return chunk == chunks_ ? samples_.samples.size() : samples_.samples.size() * chunk / chunks_ / 16 * 16;
+  }
 
   const GridPasses<Scalar>& passes_;
   const Workers& workers_;
@@ -71,13 +75,14 @@ class HairGrid {
   Pose head_;
   StrandSamples samples_;
   double mass_ = 0;  ///< kg, of all samples
-  std::vector<float> rest_density_;
-  size_t chunks_;  ///< of samples, each with sums of its own
+  size_t chunks_;    ///< of samples, each with sums of its own
   std::vector<std::vector<int32_t, CacheLineAllocator<int32_t>>> sums_, number_sums_;
   SplatView<Scalar> view_{};     ///< of the last splat
   std::vector<Scalar> fastest_;  ///< per chunk
-  GridArray<Scalar> places_, nodes_, density_, spread_, crowding_, crowded_, scratch_, scratch4_, changes_,
-      sampled_, numbers_;
+  float bound_target_ = 0;       ///< volume_target of crowding_bound_
+  double crowding_bound_ = 0;
+  GridArray<Scalar> places_, motion_, masses_, rest_density_, nodes_, density_, spread_, crowding_, crowded_,
+      scratch_, scratch4_, changes_;
 };
 
 extern template class HairGrid<float>;

@@ -32,6 +32,12 @@ HWY_INLINE real min(real a, real b) { return {hn::Min(a.v, b.v)}; }
 HWY_INLINE real max(real a, real b) { return {hn::Max(a.v, b.v)}; }
 HWY_INLINE real floor(real a) { return {hn::Floor(a.v)}; }
 HWY_INLINE real sqrt(real a) { return {hn::Sqrt(a.v)}; }
+HWY_INLINE real threeOf(const float* p) {  // then 0
+  const hn::FixedTag<float, 2> half;
+  const auto four = hn::Combine(Tag(), hn::Set(half, p[2]), hn::LoadU(half, p));
+  return {hn::IfThenElseZero(hn::FirstN(Tag(), 3), four)};
+}
+HWY_INLINE real lastOf(real a) { return {hn::Broadcast<3>(a.v)}; }
 HWY_INLINE real inverse(real a) { return {hn::Div(hn::Set(Tag(), 1.0f), a.v)}; }
 HWY_INLINE real select(mask m, real a, real b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
 HWY_INLINE void store(real a, Scalar* p) { hn::StoreU(a.v, Tag(), p); }

@@ -13,6 +13,8 @@ struct mask {
 inline real lit(double value) { STRANDCAST_EACH(static_cast<Scalar>(value)) }
 inline real fill(Scalar value) { STRANDCAST_EACH(value) }
 inline real load(const Scalar* p) { STRANDCAST_EACH(p[c]) }
+inline real threeOf(const float* p) { STRANDCAST_EACH(c < 3 ? static_cast<Scalar>(p[c]) : 0) }  // then 0
+inline real lastOf(const real& a) { STRANDCAST_EACH(a.v[3]) }
 inline real operator+(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] + b.v[c]) }
 inline real operator-(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] - b.v[c]) }
 inline real operator*(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] * b.v[c]) }

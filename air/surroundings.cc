@@ -15,6 +15,7 @@ namespace {
 constexpr float kWindBox = 2;        // of the largest edge of the groom's box
 constexpr double kAirDensity = 1.2;  // kg/m^3
 constexpr size_t kStrandsAtOnce = 64;
+constexpr uint32_t kSamplesAtOnce = 64;
 
 template <class Scalar>
 class StrandSurroundings final : public Surroundings {
@@ -32,9 +33,6 @@ class StrandSurroundings final : public Surroundings {
     }
     if (!hair_ || hair_->shape().cells != p.grid_cells) {
       hair_ = std::make_unique<HairGrid<Scalar>>(passes_, workers_, model, p.grid_cells, box_);
-      const size_t samples = hair_->samples().samples.size();
-      changes_.assign(4 * samples, Scalar(0));
-      winds_.assign(4 * samples, Scalar(0));
     }
     if (p.wind_grid > 0 && (!wind_ || wind_->cells() != p.grid_cells)) {
       const float cell =
@@ -105,31 +103,42 @@ class StrandSurroundings final : public Surroundings {
   /// Accelerations of strands begin .. end - 1.
   void gather(const Parameters& p, size_t begin, size_t end, std::span<const Vec3> positions) {
     const StrandSamples& samples = hair_->samples();
-    const uint32_t first = samples.offsets[begin], last = samples.offsets[end];
+    const uint32_t last = samples.offsets[end];
     std::fill(accelerations_.begin() + offsets_[begin], accelerations_.begin() + offsets_[end], Vec3::Zero());
-    if (forces_) hair_->changes(first, last, changes_.data() + 4 * static_cast<size_t>(first));
-    const bool on_grid = p.wind_grid > 0,
-               uniform = !on_grid && sources_.empty() && p.gust == 0 && p.turbulence == 0;
-    if (on_grid) sampleWind(first, last);
+    const bool on_grid = p.wind_grid > 0;
+    const bool uniform = !on_grid && sources_.empty() && p.gust == 0 && p.turbulence == 0;
     const float per_second = 1 / p.time_step, less = 1 - p.air_drag_along;
-    for (size_t n = first; n < last; ++n) {
-      const StrandSample& sample = samples.samples[n];
-      const Scalar* place = hair_->place(n);
-      Vec3 pushed = Vec3::Zero(), air = p.wind;
-      if (forces_) pushed = take(changes_.data() + 4 * n) * per_second;
-      if (on_grid)
-        air = take(winds_.data() + 4 * n);
-      else if (!uniform)
-        air = freeWindAt(take(place + 6));
-      if (!pushed.allFinite() || !air.allFinite()) continue;  // of a strand that went wrong
-      const Vec3 relative = air - take(place + 3), local = air - p.wind;
-      const Vec3 chord = positions[sample.vertex + sample.count - 1] - positions[sample.vertex];
-      const Vec3 tangent = chord.norm() > 0 ? Vec3(chord.normalized()) : Vec3(Vec3::Zero());
-      for (uint32_t i = 0; i < sample.count; ++i) {
-        const float rate = rates_.empty() ? rate_ : rates_[sample.vertex + i];
-        Vec3 sum = pushed + local * rate;
-        if (less > 0) sum -= notFelt(relative, tangent, std::min(rate, per_second), less);
-        accelerations_[sample.vertex + i] += samples.vertex_parts[sample.share + i] * sum;
+    alignas(64) Scalar changes[4 * kSamplesAtOnce], winds[4 * kSamplesAtOnce];
+    for (uint32_t first = samples.offsets[begin]; first < last; first += kSamplesAtOnce) {
+      const uint32_t until = std::min(last, first + kSamplesAtOnce);
+      if (forces_) hair_->changes(first, until, changes);
+      if (on_grid) sampleWind(first, until, winds);
+      for (uint32_t n = first; n < until; ++n) {
+        const StrandSample& sample = samples.samples[n];
+        Vec3 pushed = Vec3::Zero(), air = p.wind;
+        if (forces_) pushed = take(changes + 4 * (n - first)) * per_second;
+        if (on_grid)
+          air = take(winds + 4 * (n - first));
+        else if (!uniform)
+          air = freeWindAt(worldPlace(n));
+        const Vec3 local = air - p.wind;
+        if (!std::isfinite((pushed + air).sum())) continue;  // of a strand that went wrong
+        const float* parts = samples.vertex_parts.data() + sample.share;
+        Vec3* out = accelerations_.data() + sample.vertex;
+        if (less == 0 && rates_.empty()) {
+          const Vec3 sum = pushed + local * rate_;
+          for (uint32_t i = 0; i < sample.count; ++i) out[i] += parts[i] * sum;
+          continue;
+        }
+        const Vec3 relative = air - take(hair_->velocity(n));
+        const Vec3 chord = positions[sample.vertex + sample.count - 1] - positions[sample.vertex];
+        const Vec3 tangent = chord.norm() > 0 ? Vec3(chord.normalized()) : Vec3(Vec3::Zero());
+        for (uint32_t i = 0; i < sample.count; ++i) {
+          const float rate = rates_.empty() ? rate_ : rates_[sample.vertex + i];
+          Vec3 sum = pushed + local * rate;
+          if (less > 0) sum -= notFelt(relative, tangent, std::min(rate, per_second), less);
+          out[i] += parts[i] * sum;
+        }
       }
     }
   }
@@ -147,15 +156,23 @@ class StrandSurroundings final : public Surroundings {
       if (source.velocityAt(point, blown)) sum += blown;
     return sum;
   }
-  void sampleWind(size_t first, size_t last) {
+  Vec3 worldPlace(size_t n) const {
+    return {static_cast<float>(hair_->places(kWorldPlace)[n]),
+            static_cast<float>(hair_->places(kWorldPlace + 1)[n]),
+            static_cast<float>(hair_->places(kWorldPlace + 2)[n])};
+  }
+  void sampleWind(size_t first, size_t last, Scalar* out) const {
+    constexpr size_t kStride = kSamplesAtOnce + 16;
+    alignas(64) Scalar places[3 * kStride];
     const Vec3 origin = wind_->origin();
     const Scalar per_cell = 1 / static_cast<Scalar>(wind_->cell());
-    for (size_t n = first; n < last; ++n)  // the sample's place among cells, where its wind will be
-      for (int c = 0; c < 3; ++c)
-        winds_[4 * n + c] =
-            (hair_->place(n)[6 + c] - static_cast<Scalar>(origin[c])) * per_cell - Scalar(0.5);
-    passes_.sample(wind_->shape(), wind_->centres(), winds_.data() + 4 * first, 4, last - first,
-                   winds_.data() + 4 * first);
+    for (int c = 0; c < 3; ++c) {
+      const Scalar *in = hair_->places(kWorldPlace + c) + first, begin = static_cast<Scalar>(origin[c]);
+      for (size_t i = 0; i < kStride; ++i)
+        places[static_cast<size_t>(c) * kStride + i] =
+            i < last - first ? (in[i] - begin) * per_cell - Scalar(0.5) : Scalar(0);
+    }
+    passes_.sample(wind_->shape(), wind_->centres(), places, kStride, last - first, out);
   }
   static Vec3 take(const Scalar* v) {
     return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
@@ -173,7 +190,6 @@ class StrandSurroundings final : public Surroundings {
   std::vector<float> rates_;          ///< the same by vertex, where they differ
   bool forces_ = false;
   double time_ = 0;
-  std::vector<Scalar> changes_, winds_;  ///< per sample, 4 numbers each
   std::vector<Vec3> accelerations_;
 };
 

@@ -15,7 +15,7 @@ template <class Scalar>
 struct HairDrag {
   const GridShape* shape = nullptr;  ///< of the hair grid
   const Scalar* nodes =
-      nullptr;  ///< from place (0, 0, 0): density (kg/m^3) and momentum per volume (kg/(m^2 s))
+      nullptr;  ///< from place (0, 0, 0): momentum per volume (kg/(m^2 s)) and density (kg/m^3)
   const Scalar* frame = nullptr;  ///< world to its cells, as SplatView::frame
   Scalar rate = 0;  ///< m^3/(kg s): rate at which air takes on the hair's velocity, per density of the hair
 };

@@ -213,7 +213,7 @@ WispState carriedTogether(const Laboratory& laboratory, float stiffness) {
     for (size_t s = 0; s < model.strands(); ++s) {
       const uint32_t first = grid.samples().offsets[s], end = grid.samples().offsets[s + 1];
       for (uint32_t n = (first + end) / 2; n < end; ++n, ++count) {
-        auto node = [&](int axis) { return static_cast<int>(std::lround(grid.place(n)[axis])); };
+        auto node = [&](int axis) { return static_cast<int>(std::lround(grid.places(axis)[n])); };
         sum += grid.densityAt(node(0), node(1), node(2)) / static_cast<double>(grid.restDensity(n));
       }
     }

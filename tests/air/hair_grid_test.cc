@@ -155,7 +155,7 @@ TEST(HairGrid, SqueezedHairIsPushedApartAndNoMomentumIsMade) {
           Eigen::Vector3f(changes[4 * n], changes[4 * n + 1], changes[4 * n + 2]).cast<double>();
       sum += impulse;
       all += impulse.norm();
-      outwards += impulse.x() * (double{grid.place(n)[6]} - double{middle});
+      outwards += impulse.x() * (double{grid.places(kWorldPlace)[n]} - double{middle});
     }
     EXPECT_GT(all, 0);
     EXPECT_LT(sum.norm(), 1e-4 * all);
