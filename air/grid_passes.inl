@@ -357,8 +357,8 @@ inline void splatPass(const SplatView<Scalar>& v, size_t begin, size_t end, int3
       [&](int lane, size_t node, const Scalar* weights) {
         const size_t n = first + static_cast<size_t>(lane);
         const quads::real value = quads::load(v.motion + 4 * n) * quads::fill(v.masses[n]) * scale;
-        for (int c = 0; c < 8; ++c)
-          addFixed(quads::fixedPoint(value * quads::fill(weights[c * kLanes])), nodes + 4 * (node + corner.of[c]));
+        for (int c = 0; c < 8; c += 2)
+          addShares(value, weights[c * kLanes], weights[(c + 1) * kLanes], nodes + 4 * (node + corner.of[c]));
       });
 }
 // One number of nodes at corners.

@@ -44,7 +44,7 @@ template <class Scalar>
 template <class Work>
 void PressureSolver<Scalar>::eachLayer(const Level& level, const Work& work) const {
   const int n = level.view.shape.cells;
-  if (n <= 16) {  // not worth the threads
+  if (n <= 32) {  // not worth the threads
     for (int k = 0; k < n; ++k) work(k);
   } else {
     workers_.forEach(n, work);

@@ -38,6 +38,11 @@ inline void store(const real& a, Scalar* p) {
 inline void addFixed(const quads::real& value, int32_t* node) {
   for (int c = 0; c < 4; ++c) node[c] += static_cast<int32_t>(value.v[c]);
 }
+// The same of a node and the next one along x, which get the shares `low` and `high`.
+inline void addShares(const quads::real& value, Scalar low, Scalar high, int32_t* node) {
+  addFixed(quads::fixedPoint(value * quads::fill(low)), node);
+  addFixed(quads::fixedPoint(value * quads::fill(high)), node + 4);
+}
 inline quads::real wholes(const int32_t* node) {
   quads::real out;
   for (int c = 0; c < 4; ++c) out.v[c] = static_cast<Scalar>(node[c]);

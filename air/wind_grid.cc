@@ -33,6 +33,8 @@ WindGrid<Scalar>::WindGrid(const GridPasses<Scalar>& passes, const Workers& work
   places_.assign(3 * (row + 16) * row, Scalar(0));  // a row per layer
   sampled_.assign(4 * row * row, Scalar(0));
   solid_.assign(shape_.size(), 0);
+  closed_ = solid_;
+  solid_cells_.reserve(row * row * row);
   solid_velocity_.assign(shape_.size(), Vec3::Zero());
 }
 
@@ -90,7 +92,6 @@ void WindGrid<Scalar>::centreAt(const Vec3& middle) {
   if (off.cwiseAbs().maxCoeff() <= 1) return;
   const Eigen::Vector3i shift = off.array().round().matrix().template cast<int>();
   corner_ += shift;
-  solids_changed_ = true;
   auto carry = [&](GridArray<Scalar>& field, GridArray<Scalar>& to, int axis) {
     const int end[3] = {shape_.cells + (axis == 0), shape_.cells + (axis == 1), shape_.cells + (axis == 2)};
     workers_.forEach(end[2], [&](int k) {
@@ -117,9 +118,8 @@ void WindGrid<Scalar>::centreAt(const Vec3& middle) {
 
 template <class Scalar>
 void WindGrid<Scalar>::clearSolids() {
-  solids_changed_ = solids_changed_ || has_solids_;
-  if (has_solids_) std::fill(solid_.begin(), solid_.end(), uint8_t{0});
-  has_solids_ = false;
+  for (const uint32_t c : solid_cells_) solid_[c] = 0;
+  solid_cells_.clear();
 }
 
 template <class Scalar>
@@ -144,12 +144,13 @@ void WindGrid<Scalar>::addSolids(std::span<const MovingPrimitive> bodies, double
   }
 }
 
-// Faces of solids move as these do; nothing else is open or closed than what cells are solid.
+// Faces of solids move as these do. Which faces are open changes only where other cells became solid.
 template <class Scalar>
 void WindGrid<Scalar>::closeFaces() {
   const int n = shape_.cells;
   const bool open_border = border_ == Border::kOpen;
-  if (has_solids_ || solids_changed_) {
+  const bool changed = solid_ != closed_;
+  if (changed || !built_) {
     for (int axis = 0; axis < 3; ++axis) {
       Scalar* open = solver_.open(axis) - shape_.at(0, 0, 0);
       workers_.forEach(layersOf(axis), [&, axis, open](int k) {
@@ -161,26 +162,29 @@ void WindGrid<Scalar>::closeFaces() {
             const bool solid_before = !first && solid_[before] != 0, solid_after = !last && solid_[c] != 0;
             const bool wall = (first || last) && !open_border;
             open[c] = wall || solid_before || solid_after ? Scalar(0) : Scalar(1);
-            if (solid_before || solid_after)
-              velocity_[axis][c] = static_cast<Scalar>(solid_velocity_[solid_after ? c : before][axis]);
-            else if (wall)
-              velocity_[axis][c] = 0;
           }
       });
     }
     solver_.build();
-  } else if (!open_border) {
-    for (int axis = 0; axis < 3; ++axis)
-      for (int a = 0; a < n; ++a)
-        for (int b = 0; b < n; ++b)
-          for (const int side : {0, n}) {
-            int at[3] = {a, a, a};
-            at[axis] = side;
-            at[(axis + 2) % 3] = b;
-            velocity_[axis][shape_.at(at[0], at[1], at[2])] = 0;
-          }
+    closed_ = solid_;
+    built_ = true;
   }
-  solids_changed_ = false;
+  for (const uint32_t c : solid_cells_)
+    for (int axis = 0; axis < 3; ++axis) {
+      const size_t after = c + shape_.next(axis);
+      velocity_[axis][c] = static_cast<Scalar>(solid_velocity_[c][axis]);
+      if (solid_[after] == 0) velocity_[axis][after] = static_cast<Scalar>(solid_velocity_[c][axis]);
+    }
+  if (open_border) return;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int a = 0; a < n; ++a)
+      for (int b = 0; b < n; ++b)
+        for (const int side : {0, n}) {
+          int at[3] = {a, a, a};
+          at[axis] = side;
+          at[(axis + 2) % 3] = b;
+          velocity_[axis][shape_.at(at[0], at[1], at[2])] = 0;
+        }
 }
 
 template <class Scalar>

@@ -98,9 +98,11 @@ class WindGrid {
   Eigen::Vector3i corner_ = Eigen::Vector3i::Zero();  ///< origin in cells
   GridArray<Scalar> velocity_[3], next_[3], displacement_[3], onward_[3], centre_, exchange_[4], pressure_,
       right_, places_, sampled_;
-  std::vector<uint8_t> solid_;        ///< of the shape
-  std::vector<Vec3> solid_velocity_;  ///< of the shape
-  bool has_solids_ = false, solids_changed_ = true;
+  std::vector<uint8_t> solid_;         ///< of the shape
+  std::vector<uint8_t> closed_;        ///< solid_ as the solver was built for
+  std::vector<uint32_t> solid_cells_;  ///< where solid_ is 1
+  std::vector<Vec3> solid_velocity_;   ///< of the shape
+  bool built_ = false;                 ///< the solver
   PressureSolver<Scalar> solver_;
 };
 
@@ -131,9 +133,9 @@ void WindGrid<Scalar>::addSolid(const Box& box, const Distance& distance, const 
         const Vec3 point = placeOf(3, i, j, k);
         if (!(distance(point) < 0)) continue;
         const size_t c = shape_.at(i, j, k);
+        if (solid_[c] == 0) solid_cells_.push_back(static_cast<uint32_t>(c));
         solid_[c] = 1;
         solid_velocity_[c] = velocity(point);
-        has_solids_ = true;
       }
 }
 
