@@ -7,7 +7,7 @@
 namespace strandcast {
 namespace {
 
-constexpr double kResidual = 5e-4;  // of the fastest component: half of what is promised of the divergence
+constexpr double kResidual = 2e-4;  // of the fastest component: a fifth of what is promised of the divergence
 constexpr int kMostIterations = 100;
 constexpr double kStill = 1e-6;        // m/s, below which the residual need not go
 constexpr double kLargestPart = 0.15;  // of viscosity x time / cell^2 in one explicit step; stable below 1/6
