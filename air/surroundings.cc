@@ -200,14 +200,14 @@ std::unique_ptr<Surroundings> makeSurroundings(const std::string& backend, int t
   for (const WindSource& source : sources) checkWindSource(source, "wind source");
   if (backend == "oracle")
     return std::make_unique<StrandSurroundings<double>>(scalarPasses<double>(), 1, std::move(sources));
-  return std::make_unique<StrandSurroundings<float>>(passesOf(backend), backend == "simd" ? threads : 1,
+  return std::make_unique<StrandSurroundings<float>>(passesOf(backend), backend == "reference" ? 1 : threads,
                                                      std::move(sources));
 }
 
 const GridPasses<float>& passesOf(const std::string& backend) {
   if (backend == "reference") return scalarPasses<float>();
-  if (backend == "simd") return simdPasses();
-  throw Error("there is no air for this backend", backend, "choose simd or reference");
+  if (backend == "simd" || backend == "gpu") return simdPasses();
+  throw Error("there is no air for this backend", backend, "choose gpu, simd or reference");
 }
 
 }  // namespace strandcast

@@ -134,7 +134,7 @@ TEST(Surroundings, AreRefusedWhereThereAreNone) {
   Simulation simulation(tuft(), {}, Parameters(), makeReferenceBackend());
   EXPECT_THROW(simulation.setParameters(everything()), Error);
   EXPECT_EQ(simulation.parameters().wind_grid, 0);
-  EXPECT_THROW(makeSurroundings("gpu"), Error);
+  EXPECT_THROW(makeSurroundings("abacus"), Error);
 }
 
 TEST(WindElastica, AWeakWindBendsAStrandAsABeam) {
