@@ -58,12 +58,16 @@ enum PlacePlane : int {
   kPlacePlanes = 6
 };
 
+constexpr double kMostHeld = 3;  ///< of what crowding comes to at most, that is held
+
 /// How crowded samples are: kernels/grid.h.
 template <class Scalar>
 struct CrowdView {
   const Scalar* density;  ///< of nodes, from place (0, 0, 0)
   const Scalar* rest;     ///< density at rest, per sample and 16 to spare
-  Scalar rest_scale, stiffness;
+  Scalar* held;           ///< heldCrowding, as rest
+  const Scalar* largest;  ///< what crowding comes to at most with a stiffness of 1, as rest
+  Scalar rest_scale, stiffness, gain;
   Scalar scale;  ///< from mass x crowding to whole numbers
 };
 

@@ -383,7 +383,10 @@ inline void crowdPass(const SplatView<Scalar>& v, size_t begin, size_t end, cons
       [&](size_t n, const Corners& corners) {
         const real density = sampledNumber(v.shape, crowd.density, corners);
         const real rest = loadAt(crowd.rest + n) * lit(crowd.rest_scale);
-        store(loadAt(v.masses + n) * crowding(density, rest, lit(crowd.stiffness)) * lit(crowd.scale), numbers);
+        const real stiffness = lit(crowd.stiffness), most = loadAt(crowd.largest + n) * stiffness * lit(kMostHeld);
+        const real held = heldCrowding(loadAt(crowd.held + n), density, rest, stiffness, lit(crowd.gain), most);
+        storeAt(held, crowd.held + n);
+        store(loadAt(v.masses + n) * (crowding(density, rest, stiffness) + held) * lit(crowd.scale), numbers);
       },
       [&](int lane, size_t node, const Scalar* weights) {
         if (!(numbers[lane] > 0)) return;

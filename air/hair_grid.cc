@@ -44,7 +44,8 @@ HairGrid<Scalar>::HairGrid(const GridPasses<Scalar>& passes, const Workers& work
     array->assign(4 * shape_.size(), Scalar(0));
   for (GridArray<Scalar>* array : {&density_, &crowding_, &crowded_, &scratch_})
     array->assign(shape_.size(), Scalar(0));
-  rest_density_.assign(padded, Scalar(0));
+  for (GridArray<Scalar>* array : {&rest_density_, &held_, &largest_crowding_})
+    array->assign(padded, Scalar(0));
   measureRest(model);
 }
 
@@ -63,28 +64,32 @@ void HairGrid<Scalar>::measureRest(const StrandModel& model) {
 // (d - r) / d^2 is at most 1 / (4 r), at d = 2 r, and at most 1 / d; a sample alone makes a density of at
 // least 0.375^3 x its mass / cell^3 where it is.
 template <class Scalar>
-double HairGrid<Scalar>::largestCrowding(float volume_target) const {
+void HairGrid<Scalar>::boundCrowding(float volume_target) {
   const double alone = 0.05 / std::pow(static_cast<double>(cell_), 3);
-  double sum = 0;
+  bound_target_ = volume_target;
+  crowding_bound_ = 0;
   for (size_t n = 0; n < samples_.samples.size(); ++n) {
     const double mass = samples_.samples[n].mass, own = alone * mass;
     const double rest = static_cast<double>(rest_density_[n]) / static_cast<double>(volume_target);
-    sum += mass * (rest >= own ? 1 / (4 * rest) : 1 / own);
+    const double most = rest >= own ? 1 / (4 * rest) : 1 / own;
+    largest_crowding_[n] = static_cast<Scalar>(most);
+    crowding_bound_ += mass * most * (1 + kMostHeld);
   }
-  return sum;
 }
 
 // Of samples first, so that it is exactly 0 where hair is as at rest, then of nodes: the mean of their
 // samples'.
 template <class Scalar>
-void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness) {
-  if (bound_target_ != p.volume_target) {
-    bound_target_ = p.volume_target;
-    crowding_bound_ = largestCrowding(bound_target_);
-  }
+void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness, double seconds) {
+  if (bound_target_ != p.volume_target) boundCrowding(p.volume_target);
   const double scale = kWhole / (stiffness * crowding_bound_);
-  const CrowdView<Scalar> crowd{density_.data() + origin_, rest_density_.data(),
-                                static_cast<Scalar>(1 / p.volume_target), static_cast<Scalar>(stiffness),
+  const CrowdView<Scalar> crowd{density_.data() + origin_,
+                                rest_density_.data(),
+                                held_.data(),
+                                largest_crowding_.data(),
+                                static_cast<Scalar>(1 / p.volume_target),
+                                static_cast<Scalar>(stiffness),
+                                static_cast<Scalar>(static_cast<double>(p.volume_hold) * seconds),
                                 static_cast<Scalar>(scale)};
   workers_.forEach(static_cast<int>(chunks_), [&](int c) {
     std::fill(number_sums_[c].begin(), number_sums_[c].end(), 0);
@@ -102,6 +107,11 @@ void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness) {
       }
     }
   });
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::reset() {
+  std::fill(held_.begin(), held_.end(), Scalar(0));
 }
 
 template <class Scalar>
@@ -213,7 +223,7 @@ void HairGrid<Scalar>::findForces(const Parameters& p, double seconds) {
     if (rubs)
       for (size_t c = 0; c < 4; ++c) spread_[4 * i + c] = nodes_[4 * i + c] * thin;
   });
-  if (crowds) findCrowding(p, stiffness);
+  if (crowds) findCrowding(p, stiffness, seconds);
   if (rubs) blur(4, spread_);
   if (crowds) blur(1, crowded_);
   const Scalar part = static_cast<Scalar>(1 - std::exp(-static_cast<double>(p.hair_friction) * seconds));

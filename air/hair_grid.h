@@ -13,10 +13,10 @@ namespace strandcast {
 /// Rendering of Hair"). Density and momentum of strands are splatted in whole numbers: any number of threads
 /// gives the same bits. Forces come in opposite pairs, so that the momentum of all hair is kept:
 ///
-/// with B the blur, d = B m the density, f = stiffness max(0, d - rest) / d^2 and G the central difference,
-/// hair is accelerated by -(f G d + G B (m f)) as smoothed particles are (Monaghan 1992);
-/// with D = d^(-1/2), friction draws it at hair_friction to D B D p, in the measure of D B D m: without the
-/// square root on both sides the sum of all impulses would not be 0.
+/// with B the blur, d = B m the density, f = stiffness max(0, d - rest) / d^2 and what is held beyond it
+/// (heldCrowding), and G the central difference, hair is accelerated by -(f G d + G B (m f)) as smoothed
+/// particles are (Monaghan 1992); with D = d^(-1/2), friction draws it at hair_friction to D B D p, in the
+/// measure of D B D m: without the square root on both sides the sum of all impulses would not be 0.
 template <class Scalar>
 class HairGrid {
  public:
@@ -31,6 +31,8 @@ class HairGrid {
   void locate(std::span<const Vec3> positions, std::span<const Vec3> velocities, const Pose& head);
   /// Their sums on the grid.
   void splat();
+  /// Nothing is held any more: hair was put elsewhere.
+  void reset();
   /// From what was splatted: how samples change their velocities over a step of `seconds`.
   void findForces(const Parameters& parameters, double seconds);
   /// Change of velocity of samples begin .. end - 1, m/s, 4 numbers each.
@@ -58,9 +60,9 @@ class HairGrid {
   void blur(int numbers, GridArray<Scalar>& field);
   void blurDensity();
   void measureRest(const StrandModel& model);
-  /// More than what mass x crowding of all samples can come to with a stiffness of 1.
-  double largestCrowding(float volume_target) const;
-  void findCrowding(const Parameters& parameters, double stiffness);
+  /// What crowding and what is held of it can come to at most.
+  void boundCrowding(float volume_target);
+  void findCrowding(const Parameters& parameters, double stiffness, double seconds);
   size_t firstOf(size_t chunk) const {
     return chunk == chunks_ ? samples_.samples.size() : samples_.samples.size() * chunk / chunks_ / 16 * 16;
   }
@@ -80,9 +82,9 @@ class HairGrid {
   SplatView<Scalar> view_{};     ///< of the last splat
   std::vector<Scalar> fastest_;  ///< per chunk
   float bound_target_ = 0;       ///< volume_target of crowding_bound_
-  double crowding_bound_ = 0;
-  GridArray<Scalar> places_, motion_, masses_, rest_density_, nodes_, density_, spread_, crowding_, crowded_,
-      scratch_, scratch4_, changes_;
+  double crowding_bound_ = 0;    ///< of all samples, mass x crowding with a stiffness of 1
+  GridArray<Scalar> places_, motion_, masses_, rest_density_, held_, largest_crowding_, nodes_, density_,
+      spread_, crowding_, crowded_, scratch_, scratch4_, changes_;
 };
 
 extern template class HairGrid<float>;

@@ -61,6 +61,7 @@ class StrandSurroundings final : public Surroundings {
 
   void reset() override {
     if (wind_) wind_->reset();
+    if (hair_) hair_->reset();
   }
 
   void step(StepInput& input, Backend& backend) override {
