@@ -169,6 +169,18 @@ void HairGrid<Scalar>::splat() {
 }
 
 template <class Scalar>
+float HairGrid<Scalar>::densityAtPoint(const Vec3& point) const {
+  int node[3];
+  for (int r = 0; r < 3; ++r) {
+    double at = static_cast<double>(frame_[9 + r]);
+    for (int c = 0; c < 3; ++c) at += static_cast<double>(frame_[3 * r + c]) * static_cast<double>(point[c]);
+    if (!(at > -0.5 && at < shape_.cells - 0.5)) return 0;
+    node[r] = static_cast<int>(std::lround(at));
+  }
+  return static_cast<float>(nodes_[4 * shape_.at(node[0], node[1], node[2]) + 3]);
+}
+
+template <class Scalar>
 uint64_t HairGrid<Scalar>::splatHash() const {
   ContentHash hash;
   for (const auto* sum : {&sums_[0], &number_sums_[0]}) hash.add(sum->data(), sum->size() * sizeof(int32_t));

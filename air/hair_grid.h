@@ -48,6 +48,8 @@ class HairGrid {
   const Scalar* frame() const { return frame_; }
   /// Density at a node, blurred, kg/m^3.
   double densityAt(int i, int j, int k) const { return static_cast<double>(density_[shape_.at(i, j, k)]); }
+  /// Density at the node nearest to a point of the world, kg/m^3, as it was splatted; 0 beyond the grid.
+  float densityAtPoint(const Vec3& point) const;
   /// Rest density that sample n carries, kg/m^3.
   float restDensity(size_t n) const { return static_cast<float>(rest_density_[n]); }
   /// The largest stiffness that is heeded with steps of `seconds`, m^2/s^2: waves of pressure must not go

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "air/air_fields.h"
 #include "air/hair_grid.h"
 #include "air/wind_grid.h"
 #include "core/error.h"
@@ -18,7 +19,7 @@ constexpr size_t kStrandsAtOnce = 64;
 constexpr uint32_t kSamplesAtOnce = 64;
 
 template <class Scalar>
-class StrandSurroundings final : public Surroundings {
+class StrandSurroundings final : public Surroundings, public AirFields {
  public:
   StrandSurroundings(const GridPasses<Scalar>& passes, int threads, std::vector<WindSource> sources)
       : passes_(passes), workers_(threads), sources_(std::move(sources)) {}
@@ -70,10 +71,14 @@ class StrandSurroundings final : public Surroundings {
     const double dt = p.time_step;
     time_ += dt;
     const Pose head = input.bones_begin.empty() ? Pose{} : input.bones_begin[0];
+    head_ = head;
+    seconds_ = dt;
     hair_->locate(positions, backend.velocities(), head);
     forces_ = p.volume_stiffness > 0 || p.hair_friction > 0;
     const bool drags = p.wind_grid > 0 && p.air_drag > 0 && p.hairs_per_strand > 0;
-    if (forces_ || drags) hair_->splat();
+    splatted_ = forces_ || drags;
+    blows_ = p.wind_grid > 0;
+    if (splatted_) hair_->splat();
     if (forces_) hair_->findForces(p, dt);
     if (p.wind_grid == 0) {
       free_wind_->setTime(time_);
@@ -98,6 +103,38 @@ class StrandSurroundings final : public Surroundings {
       gather(p, first, std::min(strands, first + kStrandsAtOnce), positions);
     });
     input.accelerations = accelerations_;
+  }
+
+  bool hasDensity() const override { return splatted_; }
+  bool hasWind() const override { return blows_; }
+  float cell() const override { return blows_ ? wind_->cell() : hair_->cell(); }
+  Box box() const override {
+    const Eigen::Vector3f half =
+        Eigen::Vector3f::Constant(0.5f * cell() * static_cast<float>(hair_->shape().cells));
+    if (blows_) return {wind_->origin(), Eigen::Vector3f(wind_->origin()) + 2 * half};
+    const Eigen::Vector3f middle = head_.apply(Vec3(box_.center()));
+    return {middle - half, middle + half};
+  }
+  AirSample at(const Vec3& point) const override {
+    AirSample out;
+    if (splatted_) out.density = hair_->densityAtPoint(point);
+    if (!blows_) return out;
+    out.wind = wind_->velocityAt(point);
+    int cell[3];
+    for (int c = 0; c < 3; ++c) {
+      const float place = std::floor((point[c] - wind_->origin()[c]) / wind_->cell());
+      cell[c] = static_cast<int>(std::clamp(place, 0.0f, static_cast<float>(wind_->cells() - 1)));
+    }
+    out.solid = wind_->isSolid(cell[0], cell[1], cell[2]);
+    if (out.solid) return out;
+    out.pressure = static_cast<float>(wind_->pressureAt(cell[0], cell[1], cell[2]) * kAirDensity *
+                                      static_cast<double>(wind_->cell()) / seconds_);
+    double outflow = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      outflow += wind_->component(axis, cell[0] + (axis == 0), cell[1] + (axis == 1), cell[2] + (axis == 2)) -
+                 wind_->component(axis, cell[0], cell[1], cell[2]);
+    out.divergence = static_cast<float>(outflow) / wind_->cell();
+    return out;
   }
 
  private:
@@ -186,10 +223,12 @@ class StrandSurroundings final : public Surroundings {
   Box box_;                        ///< of the groom at rest
   std::unique_ptr<HairGrid<Scalar>> hair_;
   std::unique_ptr<WindGrid<Scalar>> wind_;
-  std::optional<Ambient> free_wind_;  ///< of wind without a grid
-  float rate_ = 0;                    ///< 1/s, at which a substep draws hair to the air
-  std::vector<float> rates_;          ///< the same by vertex, where they differ
-  bool forces_ = false;
+  std::optional<Ambient> free_wind_;                        ///< of wind without a grid
+  float rate_ = 0;                                          ///< 1/s, at which a substep draws hair to the air
+  std::vector<float> rates_;                                ///< the same by vertex, where they differ
+  bool forces_ = false, splatted_ = false, blows_ = false;  ///< in the newest step
+  Pose head_;                                               ///< at its start
+  double seconds_ = 0;                                      ///< its length
   double time_ = 0;
   std::vector<Vec3> accelerations_;
 };
@@ -203,6 +242,10 @@ std::unique_ptr<Surroundings> makeSurroundings(const std::string& backend, int t
     return std::make_unique<StrandSurroundings<double>>(scalarPasses<double>(), 1, std::move(sources));
   return std::make_unique<StrandSurroundings<float>>(passesOf(backend), backend == "reference" ? 1 : threads,
                                                      std::move(sources));
+}
+
+const AirFields* airFields(const Surroundings* surroundings) {
+  return dynamic_cast<const AirFields*>(surroundings);
 }
 
 const GridPasses<float>& passesOf(const std::string& backend) {

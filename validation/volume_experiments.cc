@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kRate = 60;
 constexpr float kStiffness = 40, kFriction = 10;  // m^2/s^2, 1/s
-constexpr float kHead = 0.1f;                     // m, radius
 
 Parameters parametersOf(const Laboratory& laboratory, float stiffness, float friction, float air_drag) {
   Parameters parameters = laboratory.parameters(kRate, air_drag);
@@ -50,32 +49,6 @@ double volumeOf(std::span<const Vec3> positions) {
     volume += std::pow(kCube, 3) / density;
   }
   return volume;
-}
-
-// Hair that stands out of the upper half of a head and a little below, evenly (Fibonacci's spiral); `bend`:
-// how much it turns downwards.
-StrandModel headOfHair(int strands, double length, int edges, double bend) {
-  std::vector<StrandPoints> hair;
-  for (int s = 0; s < strands; ++s) {
-    const double y = 1 - 1.3 * (s + 0.5) / strands, r = std::sqrt(1 - y * y);
-    const double angle = s * std::numbers::pi * (3 - std::sqrt(5.0));
-    const Eigen::Vector3d out(r * std::cos(angle), y, r * std::sin(angle));
-    StrandPoints points;
-    Eigen::Vector3d at = out * static_cast<double>(kHead), way = out;
-    for (int i = 0; i <= edges; ++i) {
-      points.push_back(at.cast<float>());
-      at += way * (length / edges);
-      way = (way - bend / edges * Eigen::Vector3d::UnitY()).normalized();
-    }
-    hair.push_back(points);
-  }
-  return modelOf(hair);
-}
-
-RigidBody headBody() {
-  ContactPrimitive ball;
-  ball.radius = kHead - 0.002f;
-  return {{ball}, true};
 }
 
 constexpr double kHeadRates[] = {60, 240};  // steps per second: short ones allow more stiffness
