@@ -84,8 +84,10 @@ struct GridPasses {
   void (*diffuse)(const WindView<Scalar>&, int axis, Scalar coefficient, int layer);
   void (*exchange)(const WindView<Scalar>&, int axis, int layer);
 
-  /// Gives the largest |right|.
+  /// The largest component of velocity, whatever its sign.
+  Scalar (*fastest)(const WindView<Scalar>&, int layer);
   void (*outflow)(const WindView<Scalar>&, const PressureView<Scalar>&, Scalar* right, int layer);
+  /// From x, or from 0 where it is null.
   void (*smooth)(const PressureView<Scalar>&, const Scalar* x, const Scalar* right, Scalar weight,
                  Scalar* out, int layer);
   void (*residual)(const PressureView<Scalar>&, const Scalar* x, const Scalar* right, Scalar* out, int layer);

@@ -223,8 +223,28 @@ inline void outflowPass(const WindView<Scalar>& w, const PressureView<Scalar>& p
     storeAt(select(fluid > lit(0), lit(0) - out, lit(0)), right + c);
   });
 }
+inline Scalar fastestPass(const WindView<Scalar>& w, int k) {
+  real most = lit(0);
+  const GridShape& s = w.shape;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (k == s.cells && axis != 2) continue;
+    for (int j = 0; j < rowsOf(s, axis); ++j)
+      for (int i = 0; i < columnsOf(s, axis); i += kLanes) {
+        const real inside = laneNumbers() + lit(i);
+        const real size = abs(loadAt(w.velocity[axis] + startOf(s, j, k) + i));
+        most = max(most, select(inside < lit(columnsOf(s, axis)), size, lit(0)));
+      }
+  }
+  return largest(most);
+}
 inline void smoothPass(const PressureView<Scalar>& p, const Scalar* x, const Scalar* right, Scalar weight, Scalar* out,
                        int k) {
+  if (x == nullptr) {
+    alongRows(p.shape, k, [&](size_t c) {
+      storeAt(loadAt(p.inverse_diagonal + c) * lit(weight) * loadAt(right + c), out + c);
+    });
+    return;
+  }
   alongRows(p.shape, k, [&](size_t c) {
     const real scale = loadAt(p.inverse_diagonal + c) * lit(weight);
     storeAt(madd(scale, residualAt(p, x, right, c), loadAt(x + c)), out + c);
@@ -430,6 +450,6 @@ inline void changePass(const SplatView<Scalar>& v, const Scalar* nodes, size_t b
 
 inline GridPasses<Scalar> passes() {
   return {"",           &centrePass, &displacePass, &advectPass, &correctPass, &diffusePass, &exchangePass,
-          &outflowPass, &smoothPass, &residualPass, &applyPass,  &advancePass, &dotPass,     &turnPass,
+          &fastestPass, &outflowPass, &smoothPass, &residualPass, &applyPass,  &advancePass, &dotPass,     &turnPass,
           &subtractGradientPass, &placePass, &splatPass, &sampleNumbersPass, &crowdPass, &blurPass, &samplePass, &changePass};
 }

@@ -100,15 +100,15 @@ void PressureSolver<Scalar>::cycle(size_t at, const Scalar* right) {
   auto smooth = [&](const Scalar* from, Scalar* to, Scalar weight) {
     eachLayer(level, [&](int k) { passes_.smooth(level.view, from, right, weight, to, k); });
   };
-  std::fill(level.smoothed.begin(), level.smoothed.end(), Scalar(0));
   if (at + 1 == levels_.size()) {
+    std::fill(level.smoothed.begin(), level.smoothed.end(), Scalar(0));
     for (int i = 0; i < kCoarsestSweeps; ++i) {
       smooth(y, x, i % 2 == 0 ? first : second);
       smooth(x, y, i % 2 == 0 ? second : first);
     }
     return;
   }
-  smooth(y, x, first);
+  smooth(nullptr, x, first);
   smooth(x, y, second);
   Scalar* left = level.left.data() + level.origin;
   eachLayer(level, [&](int k) { passes_.residual(level.view, y, right, left, k); });

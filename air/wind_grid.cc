@@ -32,6 +32,7 @@ WindGrid<Scalar>::WindGrid(const GridPasses<Scalar>& passes, const Workers& work
   const size_t row = static_cast<size_t>(cells);
   places_.assign(3 * (row + 16) * row, Scalar(0));  // a row per layer
   sampled_.assign(4 * row * row, Scalar(0));
+  fastest_.assign(row + 1, Scalar(0));
   solid_.assign(shape_.size(), 0);
   closed_ = solid_;
   solid_cells_.reserve(row * row * row);
@@ -228,6 +229,21 @@ void WindGrid<Scalar>::diffuse(double seconds, double viscosity) {
 }
 
 template <class Scalar>
+bool WindGrid<Scalar>::rowMeets(const HairDrag<Scalar>& hair, int j, int k) const {
+  const Vec3 begin = placeOf(3, 0, j, k), end = placeOf(3, shape_.cells - 1, j, k);
+  for (int c = 0; c < 3; ++c) {
+    const Scalar* f = hair.frame + 3 * c;
+    auto at = [&](const Vec3& x) {
+      return f[0] * static_cast<Scalar>(x.x()) + f[1] * static_cast<Scalar>(x.y()) +
+             f[2] * static_cast<Scalar>(x.z()) + hair.frame[9 + c];
+    };
+    const Scalar a = at(begin), b = at(end);
+    if (std::max(a, b) <= 0 || std::min(a, b) >= static_cast<Scalar>(hair.shape->cells - 1)) return false;
+  }
+  return true;
+}
+
+template <class Scalar>
 void WindGrid<Scalar>::exchange(double seconds, const HairDrag<Scalar>& hair,
                                 std::span<const WindSource> sources) {
   const int n = shape_.cells;
@@ -241,7 +257,8 @@ void WindGrid<Scalar>::exchange(double seconds, const HairDrag<Scalar>& hair,
       for (GridArray<Scalar>& array : exchange_)
         std::fill_n(array.begin() + static_cast<ptrdiff_t>(first), n, Scalar(0));
       bool any = false;
-      for (int i = 0; hair.nodes != nullptr && i < n; ++i) {
+      const bool meets = hair.nodes != nullptr && rowMeets(hair, j, k);
+      for (int i = 0; meets && i < n; ++i) {
         const Vec3 x = placeOf(3, i, j, k);
         bool near = true;
         for (int c = 0; c < 3; ++c) {
@@ -302,7 +319,9 @@ PressureReport WindGrid<Scalar>::project() {
   const size_t start = shape_.at(0, 0, 0);
   Scalar *right = right_.data() + start, *pressure = pressure_.data() + start;
   workers_.forEach(shape_.cells, [&](int k) { passes_.outflow(w, p, right, k); });
-  const double tolerance = std::max(kResidual * fastest(), kStill);
+  workers_.forEach(shape_.cells + 1, [&](int k) { fastest_[k] = passes_.fastest(w, k); });
+  const double fastest = static_cast<double>(*std::max_element(fastest_.begin(), fastest_.end()));
+  const double tolerance = std::max(kResidual * fastest, kStill);
   const PressureReport report =
       solver_.solve(right, pressure, static_cast<Scalar>(tolerance), kMostIterations);
   for (int axis = 0; axis < 3; ++axis)

@@ -86,6 +86,8 @@ class WindGrid {
   WindView<Scalar> view();
   int layersOf(int axis) const { return axis == 2 ? shape_.cells + 1 : shape_.cells; }
   void closeFaces();
+  /// Some cell of a row may be in the hair's grid.
+  bool rowMeets(const HairDrag<Scalar>& hair, int j, int k) const;
   void findCentres();
   static Scalar ambientVelocity(const void* grid, int axis, const Scalar* place);
 
@@ -98,6 +100,7 @@ class WindGrid {
   Eigen::Vector3i corner_ = Eigen::Vector3i::Zero();  ///< origin in cells
   GridArray<Scalar> velocity_[3], next_[3], displacement_[3], onward_[3], centre_, exchange_[4], pressure_,
       right_, places_, sampled_;
+  std::vector<Scalar> fastest_;        ///< per layer
   std::vector<uint8_t> solid_;         ///< of the shape
   std::vector<uint8_t> closed_;        ///< solid_ as the solver was built for
   std::vector<uint32_t> solid_cells_;  ///< where solid_ is 1
