@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "air/air_fields.h"
 #include "core/error.h"
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
@@ -88,6 +89,25 @@ TEST(Surroundings, GustsAndTurbulenceBlowWithoutAGrid) {
   parameters.turbulence = 0.5f;
   EXPECT_NE(gusty, calm);
   EXPECT_NE(hashAfter(parameters, makeReferenceBackend(), makeSurroundings("reference")), gusty);
+}
+
+TEST(Surroundings, GridsCanBeLookedAt) {
+  Parameters parameters = everything();
+  RigidBody ball{{{PrimitiveKind::kSphere, Vec3(0.02f, -0.1f, 0.15f), Vec3::UnitY(), 0.04f, 0.3f}}, false};
+  Simulation simulation(tuft(), {ball}, parameters, makeReferenceBackend(), makeSurroundings("reference"));
+  simulation.step();
+  const AirFields* fields = airFields(simulation.surroundings());
+  ASSERT_NE(fields, nullptr);
+  EXPECT_TRUE(fields->hasDensity() && fields->hasWind());
+  const AirSample in_hair = fields->at(Vec3(0.02f, -0.1f, 0.02f)),
+                  in_ball = fields->at(Vec3(0.02f, -0.1f, 0.15f)),
+                  far = fields->at(fields->box().min().matrix() + Vec3::Constant(0.01f));
+  EXPECT_GT(in_hair.density, 0);
+  EXPECT_FALSE(in_hair.solid);
+  EXPECT_TRUE(in_ball.solid);
+  EXPECT_EQ(far.density, 0);
+  EXPECT_NEAR(far.wind.x(), 3, 0.3);
+  EXPECT_LT(std::fabs(in_hair.divergence), 1e-3f * 6 / fields->cell());
 }
 
 TEST(Surroundings, AnyNumberOfThreadsGivesTheSameMotion) {
