@@ -165,6 +165,35 @@ TEST(HairGrid, SqueezedHairIsPushedApartAndNoMomentumIsMade) {
   }
 }
 
+TEST(HairGrid, WhatStaysCrowdedIsPushedHarderUntilReset) {
+  const Hair hair;
+  const Workers workers(1);
+  HairGrid<float> grid(simdPasses(), workers, hair.model, 32, restBox(hair.model));
+  std::vector<Vec3> squeezed = hair.state.positions;
+  for (Vec3& p : squeezed) p.x() *= 0.5f;
+  Parameters parameters = hair.parameters();
+  parameters.hair_friction = 0;
+  auto push = [&] {
+    grid.locate(squeezed, hair.state.velocities, Pose{});
+    grid.splat();
+    grid.findForces(parameters, 1.0 / 60);
+    std::vector<float> changes(4 * grid.samples().samples.size());
+    grid.changes(0, grid.samples().samples.size(), changes.data());
+    double sum = 0;
+    for (const float change : changes) sum += std::fabs(double{change});
+    return sum;
+  };
+  parameters.volume_hold = 0;
+  const double alone = push();
+  EXPECT_EQ(push(), alone);
+  parameters.volume_hold = 1;
+  const double first = push(), second = push();
+  EXPECT_GT(first, alone);
+  EXPECT_GT(second, first);
+  grid.reset();
+  EXPECT_EQ(push(), first);
+}
+
 TEST(HairGrid, StrandsThatWentWrongAreLeftOut) {
   const Hair hair;
   const Workers workers(1);
