@@ -124,16 +124,19 @@ void WindGrid<Scalar>::setComponents(const Value& value) {
 template <class Scalar>
 template <class Distance, class Velocity>
 void WindGrid<Scalar>::addSolid(const Box& box, const Distance& distance, const Velocity& velocity) {
+  const Vec3 corner = origin();
   int low[3], high[3];
   for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = std::max(0, static_cast<int>(std::floor((box.min()[axis] - origin()[axis]) / cell_)) - 1);
+    low[axis] = std::max(0, static_cast<int>(std::floor((box.min()[axis] - corner[axis]) / cell_)) - 1);
     high[axis] =
-        std::min(shape_.cells, static_cast<int>(std::ceil((box.max()[axis] - origin()[axis]) / cell_)) + 1);
+        std::min(shape_.cells, static_cast<int>(std::ceil((box.max()[axis] - corner[axis]) / cell_)) + 1);
   }
   for (int k = low[2]; k < high[2]; ++k)
     for (int j = low[1]; j < high[1]; ++j)
       for (int i = low[0]; i < high[0]; ++i) {
-        const Vec3 point = placeOf(3, i, j, k);
+        const Vec3 middle(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f,
+                          static_cast<float>(k) + 0.5f);
+        const Vec3 point = corner + middle * cell_;
         if (!(distance(point) < 0)) continue;
         const size_t c = shape_.at(i, j, k);
         if (solid_[c] == 0) solid_cells_.push_back(static_cast<uint32_t>(c));

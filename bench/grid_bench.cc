@@ -59,7 +59,7 @@ struct Result {
 };
 
 Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model, int cells) {
-  const Workers workers(o.backend == "simd" ? o.threads : 1);
+  const Workers workers(o.backend == "reference" ? 1 : o.threads);
   const GridPasses<float>& passes = passesOf(o.backend);
   const Box box = restBox(model);
   const StrandState rest = restState(model, model.rest_roots);
@@ -216,8 +216,8 @@ int run(const Options& o) {
 
 std::function<int()> addGridBench(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("--backend", o->backend, "simd or reference")
-      ->check(CLI::IsMember({"simd", "reference"}))
+  app.add_option("--backend", o->backend, "simd, reference or gpu, whose grids are those of simd")
+      ->check(CLI::IsMember({"simd", "reference", "gpu"}))
       ->capture_default_str();
   app.add_option("--strands", o->strands)->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--vertices", o->vertices, "per strand")->check(CLI::Range(2, 128))->capture_default_str();
