@@ -14,7 +14,8 @@ struct AirSample {
   bool solid = false;        ///< in a body, as the wind grid sees it
 };
 
-/// The grids of a simulation, to be looked at after a step.
+/// The grids of a simulation, to be looked at after a step. Where it has neither density nor wind there is
+/// nothing else to ask.
 class AirFields {
  public:
   virtual ~AirFields() = default;
@@ -29,7 +30,7 @@ class AirFields {
   virtual AirSample at(const Vec3& point) const = 0;
 };
 
-/// Those of surroundings that makeSurroundings made and that have seen a step; null of others.
+/// Those of surroundings that makeSurroundings made; null of others.
 const AirFields* airFields(const Surroundings* surroundings);
 
 }  // namespace strandcast
