@@ -46,10 +46,30 @@ struct SplatView {
   const float* positions;
   const float* velocities;
   const StrandSample* samples;
-  const float* shares;  ///< of a sample's vertices in it, sum 1
-  Scalar* places;       ///< per sample kPlaceNumbers: place in cells, velocity, place in the world
+  const float* shares;   ///< of a sample's vertices in it, sum 1
+  const Scalar* masses;  ///< kg, per sample
+  Scalar* places;        ///< kPlacePlanes of `stride` numbers, one per sample and 16 to spare
+  size_t stride;
+  Scalar* motion;  ///< 4 per sample: velocity, 1
 };
-constexpr int kPlaceNumbers = 9;
+enum PlacePlane : int {
+  kGridPlace,       ///< 3, in cells
+  kWorldPlace = 3,  ///< 3, m
+  kPlacePlanes = 6
+};
+
+constexpr double kMostHeld = 3;  ///< of what crowding comes to at most, that is held
+
+/// How crowded samples are: kernels/grid.h.
+template <class Scalar>
+struct CrowdView {
+  const Scalar* density;  ///< of nodes, from place (0, 0, 0)
+  const Scalar* rest;     ///< density at rest, per sample and 16 to spare
+  Scalar* held;           ///< heldCrowding, as rest
+  const Scalar* largest;  ///< what crowding comes to at most with a stiffness of 1, as rest
+  Scalar rest_scale, stiffness, gain;
+  Scalar scale;  ///< from mass x crowding to whole numbers
+};
 
 /// What is done to a layer, a range of samples, ... Compiled once per lane type.
 template <class Scalar>
@@ -64,8 +84,10 @@ struct GridPasses {
   void (*diffuse)(const WindView<Scalar>&, int axis, Scalar coefficient, int layer);
   void (*exchange)(const WindView<Scalar>&, int axis, int layer);
 
-  /// Gives the largest |right|.
+  /// The largest component of velocity, whatever its sign.
+  Scalar (*fastest)(const WindView<Scalar>&, int layer);
   void (*outflow)(const WindView<Scalar>&, const PressureView<Scalar>&, Scalar* right, int layer);
+  /// From x, or from 0 where it is null.
   void (*smooth)(const PressureView<Scalar>&, const Scalar* x, const Scalar* right, Scalar weight,
                  Scalar* out, int layer);
   void (*residual)(const PressureView<Scalar>&, const Scalar* x, const Scalar* right, Scalar* out, int layer);
@@ -80,19 +102,23 @@ struct GridPasses {
   void (*subtractGradient)(const WindView<Scalar>&, const PressureView<Scalar>&, const Scalar* pressure,
                            int axis, int layer);
 
+  // Samples in ranges that begin at multiples of 16.
   /// Where samples are and how fast; gives the largest component of velocity.
   Scalar (*place)(const SplatView<Scalar>&, size_t begin, size_t end);
-  /// Adds them to nodes of 4 numbers, mass and momentum.
+  /// Adds them to nodes of 4 numbers, momentum and mass.
   void (*splat)(const SplatView<Scalar>&, size_t begin, size_t end, int32_t* nodes);
-  /// Adds `numbers`, whole ones of each sample, to nodes of one.
-  void (*splatNumbers)(const SplatView<Scalar>&, size_t begin, size_t end, const Scalar* numbers,
-                       int32_t* nodes);
+  /// What nodes of one number have at samples; per sample and 16 to spare.
+  void (*sampleNumbers)(const SplatView<Scalar>&, size_t begin, size_t end, const Scalar* nodes, Scalar* out);
+  /// Adds mass x crowding of samples to nodes of one number.
+  void (*crowd)(const SplatView<Scalar>&, size_t begin, size_t end, const CrowdView<Scalar>&, int32_t* nodes);
   /// One axis of a blur by (1 2 1) / 4 of nodes of `numbers` numbers; beyond the grid there is nothing.
   void (*blur)(const GridShape&, int numbers, int axis, const Scalar* in, Scalar* out, int layer);
-  /// What nodes of 4 numbers have at `count` places of 3 numbers (in cells, `apart` numbers apart), 4 numbers
-  /// each.
-  void (*sample)(const GridShape&, const Scalar* nodes, const Scalar* places, size_t apart, size_t count,
+  /// What nodes of 4 numbers have at `count` places (in cells, 3 planes of `stride` numbers, 16 of each to
+  /// spare), 4 numbers each.
+  void (*sample)(const GridShape&, const Scalar* nodes, const Scalar* places, size_t stride, size_t count,
                  Scalar* out);
+  /// The same at samples, less its last number x the sample's velocity. `out` from sample `begin` on.
+  void (*change)(const SplatView<Scalar>&, const Scalar* nodes, size_t begin, size_t end, Scalar* out);
 };
 
 template <class Scalar>

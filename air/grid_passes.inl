@@ -54,13 +54,12 @@ inline void displacePass(const WindView<Scalar>& w, Scalar courant, Scalar* cons
   for (int j = 0; j < s.cells; ++j) {
     const size_t row = startOf(s, j, k);
     for (int i = 0; i < s.cells; i += kLanes) {
-      alignas(64) Scalar place[3][kLanes];
-      for (int lane = 0; lane < kLanes; ++lane)
-        for (int axis = 0; axis < 3; ++axis)
-          place[axis][lane] = w.centre[4 * (row + static_cast<size_t>(i + lane)) + static_cast<size_t>(axis)];
+      auto centre = [&](int axis) {
+        const Scalar* u = w.velocity[axis] + row + i;
+        return (loadAt(u) + loadAt(u + s.next(axis))) * lit(0.5);
+      };
       const real3 here = makeReal3(laneNumbers() + lit(i), lit(j), lit(k));
-      const real3 middle =
-          tracedBack(here, makeReal3(load(place[0]), load(place[1]), load(place[2])), lit(0.5 * courant));
+      const real3 middle = tracedBack(here, makeReal3(centre(0), centre(1), centre(2)), lit(0.5 * courant));
       const Corners corners = cornersAt(s, middle);
       for (int lane = 0; lane < kLanes; ++lane) {
         alignas(64) Scalar moved[4];
@@ -224,8 +223,28 @@ inline void outflowPass(const WindView<Scalar>& w, const PressureView<Scalar>& p
     storeAt(select(fluid > lit(0), lit(0) - out, lit(0)), right + c);
   });
 }
+inline Scalar fastestPass(const WindView<Scalar>& w, int k) {
+  real most = lit(0);
+  const GridShape& s = w.shape;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (k == s.cells && axis != 2) continue;
+    for (int j = 0; j < rowsOf(s, axis); ++j)
+      for (int i = 0; i < columnsOf(s, axis); i += kLanes) {
+        const real inside = laneNumbers() + lit(i);
+        const real size = abs(loadAt(w.velocity[axis] + startOf(s, j, k) + i));
+        most = max(most, select(inside < lit(columnsOf(s, axis)), size, lit(0)));
+      }
+  }
+  return largest(most);
+}
 inline void smoothPass(const PressureView<Scalar>& p, const Scalar* x, const Scalar* right, Scalar weight, Scalar* out,
                        int k) {
+  if (x == nullptr) {
+    alongRows(p.shape, k, [&](size_t c) {
+      storeAt(loadAt(p.inverse_diagonal + c) * lit(weight) * loadAt(right + c), out + c);
+    });
+    return;
+  }
   alongRows(p.shape, k, [&](size_t c) {
     const real scale = loadAt(p.inverse_diagonal + c) * lit(weight);
     storeAt(madd(scale, residualAt(p, x, right, c), loadAt(x + c)), out + c);
@@ -274,88 +293,126 @@ inline void subtractGradientPass(const WindView<Scalar>& w, const PressureView<S
     }
 }
 
-constexpr Scalar kSane = 1e4;  // m/s
+constexpr double kSane = 1e4;  // m/s
 inline Scalar placePass(const SplatView<Scalar>& v, size_t begin, size_t end) {
-  Scalar most = 0;
+  auto plane = [&](int p) { return v.places + static_cast<size_t>(p) * v.stride; };
+  static constexpr Scalar kOne[4] = {0, 0, 0, 1};
+  const quads::real unit = quads::load(kOne);
   for (size_t n = begin; n < end; ++n) {
     const StrandSample& sample = v.samples[n];
-    Scalar x[3] = {0, 0, 0}, u[3] = {0, 0, 0};
+    quads::real x = quads::fill(0), u = unit;
     for (uint32_t i = 0; i < sample.count; ++i) {
-      const Scalar share = static_cast<Scalar>(v.shares[sample.share + i]);
+      const quads::real share = quads::fill(static_cast<Scalar>(v.shares[sample.share + i]));
       const size_t at = 3 * static_cast<size_t>(sample.vertex + i);
-      for (size_t c = 0; c < 3; ++c) {
-        x[c] += share * static_cast<Scalar>(v.positions[at + c]);
-        u[c] += share * static_cast<Scalar>(v.velocities[at + c]);
-      }
+      x = quads::madd(share, quads::threeOf(v.positions + at), x);
+      u = quads::madd(share, quads::threeOf(v.velocities + at), u);
     }
-    Scalar* out = v.places + kPlaceNumbers * n;
-    Scalar speed = 0;
-    bool sane = true;
-    for (int c = 0; c < 3; ++c) {
-      out[c] = v.frame[3 * c] * x[0] + v.frame[3 * c + 1] * x[1] + v.frame[3 * c + 2] * x[2] + v.frame[9 + c];
-      out[3 + c] = u[c];
-      out[6 + c] = x[c];
-      const Scalar size = u[c] < 0 ? -u[c] : u[c];
-      sane = sane && size < kSane;
-      if (size > speed) speed = size;
-    }
-    if (!sane) {  // its strand went wrong: it is left out, as beyond the grid
-      out[0] = -1;
-    } else if (speed > most) {
-      most = speed;
-    }
+    Scalar place[4];
+    quads::store(x, place);
+    quads::store(u, v.motion + 4 * n);
+    for (int c = 0; c < 3; ++c) plane(kWorldPlace + c)[n] = place[c];
   }
-  return most;
+  real most = lit(0);
+  for (size_t n = begin; n < end; n += kLanes) {
+    alignas(64) Scalar speeds[3][kLanes];
+    for (int lane = 0; lane < kLanes; ++lane)
+      for (int c = 0; c < 3; ++c) speeds[c][lane] = v.motion[4 * (n + static_cast<size_t>(lane)) + static_cast<size_t>(c)];
+    const real x = loadAt(plane(kWorldPlace) + n), y = loadAt(plane(kWorldPlace + 1) + n),
+               z = loadAt(plane(kWorldPlace + 2) + n);
+    const real a = abs(load(speeds[0])), b = abs(load(speeds[1])), c = abs(load(speeds[2]));
+    // A sample whose strand went wrong is left out, as beyond the grid.
+    const mask sane = a < lit(kSane) && b < lit(kSane) && c < lit(kSane);
+    for (int r = 0; r < 3; ++r) {
+      const Scalar* f = v.frame + 3 * r;
+      const real at = madd(x, lit(f[0]), madd(y, lit(f[1]), madd(z, lit(f[2]), lit(v.frame[9 + r]))));
+      storeAt(select(sane, at, lit(-1)), plane(r) + n);
+    }
+    most = max(most, select(sane, max(max(a, b), c), lit(0)));
+  }
+  return largest(most);
 }
 
 // Samples at the grid's border, and what is not finite, are left out: what is spread from them must stay in the grid.
-inline bool isInGrid(const GridShape& s, const Scalar* at) {
-  const Scalar low = 2, high = static_cast<Scalar>(s.cells - 3);
-  return at[0] >= low && at[0] <= high && at[1] >= low && at[1] <= high && at[2] >= low && at[2] <= high;
+inline mask isInGrid(const GridShape& s, const real3& at) {
+  const real low = lit(2), high = lit(s.cells - 3);
+  return at.x >= low && at.x <= high && at.y >= low && at.y <= high && at.z >= low && at.z <= high;
 }
 
-// spread(n, node, weights): of every sample in the grid, its first corner and the shares of all eight, kLanes apart.
-template <class Spread>
-inline void eachSplat(const SplatView<Scalar>& v, size_t begin, size_t end, const Spread& spread) {
+// For every sample in the grid spread(lane, node, weights): its first corner and the shares of all eight, kLanes apart;
+// before it, for each vector of them, prepare(n, corners).
+template <class Prepare, class Spread>
+inline void eachSplat(const SplatView<Scalar>& v, size_t begin, size_t end, const Prepare& prepare, const Spread& spread) {
   const GridShape& s = v.shape;
   for (size_t first = begin; first < end; first += kLanes) {
     const int count = static_cast<int>(end - first < kLanes ? end - first : kLanes);
-    alignas(64) Scalar place[3][kLanes] = {};
-    bool in[kLanes] = {};
-    for (int lane = 0; lane < count; ++lane) {
-      const Scalar* at = v.places + kPlaceNumbers * (first + static_cast<size_t>(lane));
-      in[lane] = isInGrid(s, at);
-      for (size_t c = 0; c < 3; ++c) place[c][lane] = in[lane] ? at[c] : 0;
-    }
-    const Corners corners = cornersAt(s, makeReal3(load(place[0]), load(place[1]), load(place[2])));
-    alignas(64) Scalar weights[8][kLanes];
+    const Scalar* place = v.places + first;
+    const real3 at = makeReal3(loadAt(place), loadAt(place + v.stride), loadAt(place + 2 * v.stride));
+    const mask in = isInGrid(s, at);
+    const Corners corners =
+        cornersAt(s, makeReal3(select(in, at.x, lit(2)), select(in, at.y, lit(2)), select(in, at.z, lit(2))));
+    alignas(64) Scalar weights[8][kLanes], inside[kLanes];
+    store(select(in, lit(1), lit(0)), inside);
     const real3 part = makeReal3(load(corners.part[0]), load(corners.part[1]), load(corners.part[2]));
     for (int c = 0; c < 8; ++c) store(splatWeight(part, lit(c & 1), lit(c >> 1 & 1), lit(c >> 2)), weights[c]);
+    prepare(first, corners);
     for (int lane = 0; lane < count; ++lane)
-      if (in[lane]) spread(first + static_cast<size_t>(lane), static_cast<size_t>(corners.first[lane]), &weights[0][lane]);
+      if (inside[lane] > 0) spread(lane, static_cast<size_t>(corners.first[lane]), &weights[0][lane]);
   }
 }
+struct CornerOffsets {
+  size_t of[8];
+  explicit CornerOffsets(const GridShape& s) {
+    const size_t y = s.row(), z = s.layer();
+    const size_t offsets[8] = {0, 1, y, y + 1, z, z + 1, z + y, z + y + 1};
+    for (int c = 0; c < 8; ++c) of[c] = offsets[c];
+  }
+};
 inline void splatPass(const SplatView<Scalar>& v, size_t begin, size_t end, int32_t* nodes) {
-  const size_t y = v.shape.row(), z = v.shape.layer();
-  const size_t corner_of[8] = {0, 1, y, y + 1, z, z + 1, z + y, z + y + 1};
-  eachSplat(v, begin, end, [&](size_t n, size_t node, const Scalar* weights) {
-    const Scalar* at = v.places + kPlaceNumbers * n;
-    const Scalar mass = static_cast<Scalar>(v.samples[n].mass), momentum = mass * v.momentum_scale;
-    const Scalar numbers[4] = {mass * v.mass_scale, at[3] * momentum, at[4] * momentum, at[5] * momentum};
-    const quads::real value = quads::load(numbers);
-    for (int c = 0; c < 8; ++c)
-      addFixed(quads::fixedPoint(value * quads::fill(weights[c * kLanes])), nodes + 4 * (node + corner_of[c]));
-  });
+  const CornerOffsets corner(v.shape);
+  const Scalar scales[4] = {v.momentum_scale, v.momentum_scale, v.momentum_scale, v.mass_scale};
+  const quads::real scale = quads::load(scales);
+  size_t first = begin;
+  eachSplat(
+      v, begin, end, [&](size_t n, const Corners&) { first = n; },
+      [&](int lane, size_t node, const Scalar* weights) {
+        const size_t n = first + static_cast<size_t>(lane);
+        const quads::real value = quads::load(v.motion + 4 * n) * quads::fill(v.masses[n]) * scale;
+        for (int c = 0; c < 8; c += 2)
+          addShares(value, weights[c * kLanes], weights[(c + 1) * kLanes], nodes + 4 * (node + corner.of[c]));
+      });
 }
-inline void splatNumbersPass(const SplatView<Scalar>& v, size_t begin, size_t end, const Scalar* numbers,
-                             int32_t* nodes) {
-  const size_t y = v.shape.row(), z = v.shape.layer();
-  const size_t corner_of[8] = {0, 1, y, y + 1, z, z + 1, z + y, z + y + 1};
-  eachSplat(v, begin, end, [&](size_t n, size_t node, const Scalar* weights) {
-    if (!(numbers[n] > 0)) return;
-    for (int c = 0; c < 8; ++c)
-      nodes[node + corner_of[c]] += static_cast<int32_t>(numbers[n] * weights[c * kLanes] + Scalar(0.5));
-  });
+// One number of nodes at corners.
+inline real sampledNumber(const GridShape& s, const Scalar* nodes, const Corners& corners) {
+  const real first = load(corners.first);
+  const size_t y = s.row(), z = s.layer();
+  return interpolated(gather(nodes, first), gather(nodes + 1, first), gather(nodes + y, first), gather(nodes + y + 1, first),
+                      gather(nodes + z, first), gather(nodes + z + 1, first), gather(nodes + z + y, first),
+                      gather(nodes + z + y + 1, first),
+                      makeReal3(load(corners.part[0]), load(corners.part[1]), load(corners.part[2])));
+}
+inline void sampleNumbersPass(const SplatView<Scalar>& v, size_t begin, size_t end, const Scalar* nodes, Scalar* out) {
+  eachSplat(
+      v, begin, end, [&](size_t n, const Corners& corners) { storeAt(sampledNumber(v.shape, nodes, corners), out + n); },
+      [](int, size_t, const Scalar*) {});
+}
+inline void crowdPass(const SplatView<Scalar>& v, size_t begin, size_t end, const CrowdView<Scalar>& crowd, int32_t* nodes) {
+  const CornerOffsets corner(v.shape);
+  alignas(64) Scalar numbers[kLanes];
+  eachSplat(
+      v, begin, end,
+      [&](size_t n, const Corners& corners) {
+        const real density = sampledNumber(v.shape, crowd.density, corners);
+        const real rest = loadAt(crowd.rest + n) * lit(crowd.rest_scale);
+        const real stiffness = lit(crowd.stiffness), most = loadAt(crowd.largest + n) * stiffness * lit(kMostHeld);
+        const real held = heldCrowding(loadAt(crowd.held + n), density, rest, stiffness, lit(crowd.gain), most);
+        storeAt(held, crowd.held + n);
+        store(loadAt(v.masses + n) * (crowding(density, rest, stiffness) + held) * lit(crowd.scale), numbers);
+      },
+      [&](int lane, size_t node, const Scalar* weights) {
+        if (!(numbers[lane] > 0)) return;
+        for (int c = 0; c < 8; ++c)
+          nodes[node + corner.of[c]] += static_cast<int32_t>(numbers[lane] * weights[c * kLanes] + Scalar(0.5));
+      });
 }
 
 inline void blurPass(const GridShape& s, int numbers, int axis, const Scalar* in, Scalar* out, int k) {
@@ -370,21 +427,29 @@ inline void blurPass(const GridShape& s, int numbers, int axis, const Scalar* in
   }
 }
 
-inline void samplePass(const GridShape& s, const Scalar* nodes, const Scalar* places, size_t apart, size_t count,
-                       Scalar* out) {
+// out(n, sampled): what nodes have at each of `count` places.
+template <class Out>
+inline void eachSampled(const GridShape& s, const Scalar* nodes, const Scalar* places, size_t stride, size_t count,
+                        const Out& out) {
   for (size_t first = 0; first < count; first += kLanes) {
     const size_t lanes = count - first < kLanes ? count - first : kLanes;
-    alignas(64) Scalar place[3][kLanes] = {};
-    for (size_t lane = 0; lane < lanes; ++lane)
-      for (size_t c = 0; c < 3; ++c) place[c][lane] = places[apart * (first + lane) + c];
-    const Corners corners = cornersAt(s, makeReal3(load(place[0]), load(place[1]), load(place[2])));
-    for (size_t lane = 0; lane < lanes; ++lane)
-      quads::store(sampled(s, nodes, corners, static_cast<int>(lane)), out + 4 * (first + lane));
+    const Scalar* at = places + first;
+    const Corners corners = cornersAt(s, makeReal3(loadAt(at), loadAt(at + stride), loadAt(at + 2 * stride)));
+    for (size_t lane = 0; lane < lanes; ++lane) out(first + lane, sampled(s, nodes, corners, static_cast<int>(lane)));
   }
+}
+inline void samplePass(const GridShape& s, const Scalar* nodes, const Scalar* places, size_t stride, size_t count,
+                       Scalar* out) {
+  eachSampled(s, nodes, places, stride, count, [&](size_t n, const quads::real& value) { quads::store(value, out + 4 * n); });
+}
+inline void changePass(const SplatView<Scalar>& v, const Scalar* nodes, size_t begin, size_t end, Scalar* out) {
+  eachSampled(v.shape, nodes, v.places + begin, v.stride, end - begin, [&](size_t n, const quads::real& value) {
+    quads::store(value - quads::lastOf(value) * quads::load(v.motion + 4 * (begin + n)), out + 4 * n);
+  });
 }
 
 inline GridPasses<Scalar> passes() {
   return {"",           &centrePass, &displacePass, &advectPass, &correctPass, &diffusePass, &exchangePass,
-          &outflowPass, &smoothPass, &residualPass, &applyPass,  &advancePass, &dotPass,     &turnPass,
-          &subtractGradientPass, &placePass, &splatPass, &splatNumbersPass, &blurPass, &samplePass};
+          &fastestPass, &outflowPass, &smoothPass, &residualPass, &applyPass,  &advancePass, &dotPass,     &turnPass,
+          &subtractGradientPass, &placePass, &splatPass, &sampleNumbersPass, &crowdPass, &blurPass, &samplePass, &changePass};
 }

@@ -33,14 +33,19 @@ HairGrid<Scalar>::HairGrid(const GridPasses<Scalar>& passes, const Workers& work
   for (auto& sum : sums_) sum.resize(4 * shape_.size());
   for (auto& sum : number_sums_) sum.resize(shape_.size());
   fastest_.resize(chunks_);
-  places_.assign(kPlaceNumbers * samples_.samples.size(), Scalar(0));
+  const size_t padded = (samples_.samples.size() + 15) / 16 * 16 + 16;
+  places_.assign(kPlacePlanes * padded, Scalar(0));
+  motion_.assign(4 * padded, Scalar(0));
+  masses_.assign(padded, Scalar(0));
+  for (size_t n = 0; n < samples_.samples.size(); ++n)
+    masses_[n] = static_cast<Scalar>(samples_.samples[n].mass);
+  view_.stride = padded;
   for (GridArray<Scalar>* array : {&nodes_, &spread_, &scratch4_, &changes_})
     array->assign(4 * shape_.size(), Scalar(0));
   for (GridArray<Scalar>* array : {&density_, &crowding_, &crowded_, &scratch_})
     array->assign(shape_.size(), Scalar(0));
-  sampled_.assign(4 * samples_.samples.size(), Scalar(0));
-  numbers_.assign(samples_.samples.size(), Scalar(0));
-  rest_density_.assign(samples_.samples.size(), 0.0f);
+  for (GridArray<Scalar>* array : {&rest_density_, &held_, &largest_crowding_})
+    array->assign(padded, Scalar(0));
   measureRest(model);
 }
 
@@ -50,55 +55,47 @@ void HairGrid<Scalar>::measureRest(const StrandModel& model) {
   for (size_t s = 0; s < model.strands(); ++s)
     for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
       positions[v] = model.restPosition(s, v);
-  splat(positions, velocities, Pose{});
+  locate(positions, velocities, Pose{});
+  splat();
   blurDensity();
-  sampleDensity();
-  for (size_t n = 0; n < rest_density_.size(); ++n) rest_density_[n] = static_cast<float>(sampled_[4 * n]);
+  passes_.sampleNumbers(view_, 0, samples_.samples.size(), density_.data() + origin_, rest_density_.data());
 }
 
+// (d - r) / d^2 is at most 1 / (4 r), at d = 2 r, and at most 1 / d; a sample alone makes a density of at
+// least 0.375^3 x its mass / cell^3 where it is.
 template <class Scalar>
-void HairGrid<Scalar>::sampleDensity() {
-  workers_.forEach(shape_.cells, [&](int k) {
-    for (int j = 0; j < shape_.cells; ++j) {
-      const size_t row = shape_.at(0, j, k);
-      for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) changes_[4 * i] = density_[i];
-    }
-  });
-  workers_.forEach(static_cast<int>(chunks_), [&](int c) {
-    const size_t begin = firstOf(c), end = firstOf(c + 1);
-    passes_.sample(shape_, changes_.data() + 4 * origin_, place(begin), kPlaceNumbers, end - begin,
-                   sampled_.data() + 4 * begin);
-  });
+void HairGrid<Scalar>::boundCrowding(float volume_target) {
+  const double alone = 0.05 / std::pow(static_cast<double>(cell_), 3);
+  bound_target_ = volume_target;
+  crowding_bound_ = 0;
+  for (size_t n = 0; n < samples_.samples.size(); ++n) {
+    const double mass = samples_.samples[n].mass, own = alone * mass;
+    const double rest = static_cast<double>(rest_density_[n]) / static_cast<double>(volume_target);
+    const double most = rest >= own ? 1 / (4 * rest) : 1 / own;
+    largest_crowding_[n] = static_cast<Scalar>(most);
+    crowding_bound_ += mass * most * (1 + kMostHeld);
+  }
 }
 
 // Of samples first, so that it is exactly 0 where hair is as at rest, then of nodes: the mean of their
 // samples'.
 template <class Scalar>
-void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness) {
-  sampleDensity();
-  const int chunks = static_cast<int>(chunks_);
-  workers_.forEach(chunks, [&](int c) {
-    Scalar most = 0;
-    for (size_t n = firstOf(c); n < firstOf(c + 1); ++n) {
-      const auto density = static_cast<float>(sampled_[4 * n]);
-      numbers_[n] = static_cast<Scalar>(
-          samples_.samples[n].mass *
-          kernels::f32::crowding(density, rest_density_[n] / p.volume_target, static_cast<float>(stiffness)));
-      most = std::max(most, numbers_[n]);
-    }
-    fastest_[c] = most;
-  });
-  // All of it in one node would still be a whole number that exists.
-  const double most = static_cast<double>(*std::max_element(fastest_.begin(), fastest_.end()));
-  const double scale = most > 0 ? kWhole / (most * static_cast<double>(samples_.samples.size())) : 0.0;
-  workers_.forEach(chunks, [&](int c) {
-    for (size_t n = firstOf(c); n < firstOf(c + 1); ++n) numbers_[n] *= static_cast<Scalar>(scale);
+void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness, double seconds) {
+  if (bound_target_ != p.volume_target) boundCrowding(p.volume_target);
+  const double scale = kWhole / (stiffness * crowding_bound_);
+  const CrowdView<Scalar> crowd{density_.data() + origin_,
+                                rest_density_.data(),
+                                held_.data(),
+                                largest_crowding_.data(),
+                                static_cast<Scalar>(1 / p.volume_target),
+                                static_cast<Scalar>(stiffness),
+                                static_cast<Scalar>(static_cast<double>(p.volume_hold) * seconds),
+                                static_cast<Scalar>(scale)};
+  workers_.forEach(static_cast<int>(chunks_), [&](int c) {
     std::fill(number_sums_[c].begin(), number_sums_[c].end(), 0);
-    passes_.splatNumbers(view_, firstOf(c), firstOf(c + 1), numbers_.data(),
-                         number_sums_[c].data() + origin_);
+    passes_.crowd(view_, firstOf(c), firstOf(c + 1), crowd, number_sums_[c].data() + origin_);
   });
-  const double volume = std::pow(static_cast<double>(cell_), 3);
-  const Scalar back = static_cast<Scalar>(scale > 0 ? 1 / (scale * volume) : 0.0);
+  const Scalar back = static_cast<Scalar>(1 / (scale * std::pow(static_cast<double>(cell_), 3)));
   workers_.forEach(shape_.cells, [&](int k) {
     for (int j = 0; j < shape_.cells; ++j) {
       const size_t row = shape_.at(0, j, k);
@@ -106,15 +103,20 @@ void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness) {
       for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) {
         for (size_t c = 1; c < chunks_; ++c) sum[i] += number_sums_[c][i];
         crowded_[i] = back * static_cast<Scalar>(sum[i]);
-        crowding_[i] = nodes_[4 * i] > 0 ? crowded_[i] / nodes_[4 * i] : Scalar(0);
+        crowding_[i] = nodes_[4 * i + 3] > 0 ? crowded_[i] / nodes_[4 * i + 3] : Scalar(0);
       }
     }
   });
 }
 
 template <class Scalar>
-void HairGrid<Scalar>::splat(std::span<const Vec3> positions, std::span<const Vec3> velocities,
-                             const Pose& head) {
+void HairGrid<Scalar>::reset() {
+  std::fill(held_.begin(), held_.end(), Scalar(0));
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::locate(std::span<const Vec3> positions, std::span<const Vec3> velocities,
+                              const Pose& head) {
   head_ = head;
   const Eigen::Matrix3f turn = Eigen::Quaternionf(head.rotation).toRotationMatrix().transpose();
   const Eigen::Vector3f offset =
@@ -130,9 +132,17 @@ void HairGrid<Scalar>::splat(std::span<const Vec3> positions, std::span<const Ve
   view.velocities = velocities.data()->data();
   view.samples = samples_.samples.data();
   view.shares = samples_.shares.data();
+  view.masses = masses_.data();
   view.places = places_.data();
+  view.motion = motion_.data();
+  workers_.forEach(static_cast<int>(chunks_),
+                   [&](int c) { fastest_[c] = passes_.place(view, firstOf(c), firstOf(c + 1)); });
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::splat() {
+  SplatView<Scalar>& view = view_;
   const int chunks = static_cast<int>(chunks_);
-  workers_.forEach(chunks, [&](int c) { fastest_[c] = passes_.place(view, firstOf(c), firstOf(c + 1)); });
   const double fastest =
       std::max(1e-6, static_cast<double>(*std::max_element(fastest_.begin(), fastest_.end())));
   view.mass_scale = static_cast<Scalar>(kWhole / mass_);
@@ -151,11 +161,23 @@ void HairGrid<Scalar>::splat(std::span<const Vec3> positions, std::span<const Ve
         for (size_t i = 4 * row; i < 4 * (row + static_cast<size_t>(shape_.cells)); ++i)
           sum[i] += sums_[c][i];
       for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) {
-        nodes_[4 * i] = density * static_cast<Scalar>(sum[4 * i]);
-        for (size_t c = 1; c < 4; ++c) nodes_[4 * i + c] = flow * static_cast<Scalar>(sum[4 * i + c]);
+        for (size_t c = 0; c < 3; ++c) nodes_[4 * i + c] = flow * static_cast<Scalar>(sum[4 * i + c]);
+        nodes_[4 * i + 3] = density * static_cast<Scalar>(sum[4 * i + 3]);
       }
     }
   });
+}
+
+template <class Scalar>
+float HairGrid<Scalar>::densityAtPoint(const Vec3& point) const {
+  int node[3];
+  for (int r = 0; r < 3; ++r) {
+    double at = static_cast<double>(frame_[9 + r]);
+    for (int c = 0; c < 3; ++c) at += static_cast<double>(frame_[3 * r + c]) * static_cast<double>(point[c]);
+    if (!(at > -0.5 && at < shape_.cells - 0.5)) return 0;
+    node[r] = static_cast<int>(std::lround(at));
+  }
+  return static_cast<float>(nodes_[4 * shape_.at(node[0], node[1], node[2]) + 3]);
 }
 
 template <class Scalar>
@@ -181,7 +203,7 @@ void HairGrid<Scalar>::blurDensity() {
   workers_.forEach(shape_.cells, [&](int k) {
     for (int j = 0; j < shape_.cells; ++j) {
       const size_t row = shape_.at(0, j, k);
-      for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) density_[i] = nodes_[4 * i];
+      for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) density_[i] = nodes_[4 * i + 3];
     }
   });
   blur(1, density_);
@@ -208,12 +230,12 @@ void HairGrid<Scalar>::findForces(const Parameters& p, double seconds) {
     });
   };
   eachNode([&](size_t i) {
-    const Scalar mass = nodes_[4 * i];
+    const Scalar mass = nodes_[4 * i + 3];
     const Scalar thin = mass > 0 ? 1 / std::sqrt(density_[i]) : Scalar(0);
     if (rubs)
       for (size_t c = 0; c < 4; ++c) spread_[4 * i + c] = nodes_[4 * i + c] * thin;
   });
-  if (crowds) findCrowding(p, stiffness);
+  if (crowds) findCrowding(p, stiffness, seconds);
   if (rubs) blur(4, spread_);
   if (crowds) blur(1, crowded_);
   const Scalar part = static_cast<Scalar>(1 - std::exp(-static_cast<double>(p.hair_friction) * seconds));
@@ -222,7 +244,7 @@ void HairGrid<Scalar>::findForces(const Parameters& p, double seconds) {
   eachNode([&](size_t i) {
     Scalar* out = changes_.data() + 4 * i;
     std::fill_n(out, 4, Scalar(0));
-    if (!(nodes_[4 * i] > 0)) return;
+    if (!(nodes_[4 * i + 3] > 0)) return;
     if (crowds) {
       Scalar push[3];
       for (int axis = 0; axis < 3; ++axis) {
@@ -235,16 +257,14 @@ void HairGrid<Scalar>::findForces(const Parameters& p, double seconds) {
     }
     if (!rubs) return;
     const Scalar thin = 1 / std::sqrt(density_[i]);
-    for (int c = 0; c < 3; ++c) out[c] += part * thin * spread_[4 * i + 1 + c];
-    out[3] = part * thin * spread_[4 * i];
+    for (int c = 0; c < 3; ++c) out[c] += part * thin * spread_[4 * i + c];
+    out[3] = part * thin * spread_[4 * i + 3];
   });
 }
 
 template <class Scalar>
 void HairGrid<Scalar>::changes(size_t begin, size_t end, Scalar* out) const {
-  passes_.sample(shape_, changes_.data() + 4 * origin_, place(begin), kPlaceNumbers, end - begin, out);
-  for (size_t n = begin; n < end; ++n)
-    for (int c = 0; c < 3; ++c) out[4 * (n - begin) + c] -= out[4 * (n - begin) + 3] * place(n)[3 + c];
+  passes_.change(view_, changes_.data() + 4 * origin_, begin, end, out);
 }
 
 template class HairGrid<float>;

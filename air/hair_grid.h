@@ -13,10 +13,10 @@ namespace strandcast {
 /// Rendering of Hair"). Density and momentum of strands are splatted in whole numbers: any number of threads
 /// gives the same bits. Forces come in opposite pairs, so that the momentum of all hair is kept:
 ///
-/// with B the blur, d = B m the density, f = stiffness max(0, d - rest) / d^2 and G the central difference,
-/// hair is accelerated by -(f G d + G B (m f)) as smoothed particles are (Monaghan 1992);
-/// with D = d^(-1/2), friction draws it at hair_friction to D B D p, in the measure of D B D m: without the
-/// square root on both sides the sum of all impulses would not be 0.
+/// with B the blur, d = B m the density, f = stiffness max(0, d - rest) / d^2 and what is held beyond it
+/// (heldCrowding), and G the central difference, hair is accelerated by -(f G d + G B (m f)) as smoothed
+/// particles are (Monaghan 1992); with D = d^(-1/2), friction draws it at hair_friction to D B D p, in the
+/// measure of D B D m: without the square root on both sides the sum of all impulses would not be 0.
 template <class Scalar>
 class HairGrid {
  public:
@@ -27,23 +27,31 @@ class HairGrid {
   float cell() const { return cell_; }  ///< m
   const StrandSamples& samples() const { return samples_; }
 
-  /// Where hair is and how fast: samples and their sums on the grid as `head` carries it. Natural order.
-  void splat(std::span<const Vec3> positions, std::span<const Vec3> velocities, const Pose& head);
+  /// Where hair is and how fast: samples, on the grid as `head` carries it. Natural order.
+  void locate(std::span<const Vec3> positions, std::span<const Vec3> velocities, const Pose& head);
+  /// Their sums on the grid.
+  void splat();
+  /// Nothing is held any more: hair was put elsewhere.
+  void reset();
   /// From what was splatted: how samples change their velocities over a step of `seconds`.
   void findForces(const Parameters& parameters, double seconds);
   /// Change of velocity of samples begin .. end - 1, m/s, 4 numbers each.
   void changes(size_t begin, size_t end, Scalar* out) const;
 
-  /// Of sample n, kPlaceNumbers numbers, as SplatView::places.
-  const Scalar* place(size_t n) const { return places_.data() + kPlaceNumbers * n; }
+  /// PlacePlane `plane` of all samples; 16 numbers to spare.
+  const Scalar* places(int plane) const { return places_.data() + static_cast<size_t>(plane) * view_.stride; }
+  /// Velocity of sample n, 3 numbers.
+  const Scalar* velocity(size_t n) const { return motion_.data() + 4 * n; }
   const GridShape& shape() const { return shape_; }
-  /// Density (kg/m^3, of the strands themselves) and momentum per volume, from place (0, 0, 0).
+  /// Momentum per volume and density (kg/m^3, of the strands themselves), from place (0, 0, 0).
   const Scalar* nodes() const { return nodes_.data() + 4 * origin_; }
   const Scalar* frame() const { return frame_; }
   /// Density at a node, blurred, kg/m^3.
   double densityAt(int i, int j, int k) const { return static_cast<double>(density_[shape_.at(i, j, k)]); }
+  /// Density at the node nearest to a point of the world, kg/m^3, as it was splatted; 0 beyond the grid.
+  float densityAtPoint(const Vec3& point) const;
   /// Rest density that sample n carries, kg/m^3.
-  float restDensity(size_t n) const { return rest_density_[n]; }
+  float restDensity(size_t n) const { return static_cast<float>(rest_density_[n]); }
   /// The largest stiffness that is heeded with steps of `seconds`, m^2/s^2: waves of pressure must not go
   /// much farther than a cell in a step.
   double largestStiffness(double seconds) const;
@@ -54,10 +62,12 @@ class HairGrid {
   void blur(int numbers, GridArray<Scalar>& field);
   void blurDensity();
   void measureRest(const StrandModel& model);
-  /// Density at every sample into sampled_, 4 numbers each.
-  void sampleDensity();
-  void findCrowding(const Parameters& parameters, double stiffness);
-  size_t firstOf(size_t chunk) const { return samples_.samples.size() * chunk / chunks_; }
+  /// What crowding and what is held of it can come to at most.
+  void boundCrowding(float volume_target);
+  void findCrowding(const Parameters& parameters, double stiffness, double seconds);
+  size_t firstOf(size_t chunk) const {
+    return chunk == chunks_ ? samples_.samples.size() : samples_.samples.size() * chunk / chunks_ / 16 * 16;
+  }
 
   const GridPasses<Scalar>& passes_;
   const Workers& workers_;
@@ -69,13 +79,14 @@ class HairGrid {
   Pose head_;
   StrandSamples samples_;
   double mass_ = 0;  ///< kg, of all samples
-  std::vector<float> rest_density_;
-  size_t chunks_;  ///< of samples, each with sums of its own
+  size_t chunks_;    ///< of samples, each with sums of its own
   std::vector<std::vector<int32_t, CacheLineAllocator<int32_t>>> sums_, number_sums_;
   SplatView<Scalar> view_{};     ///< of the last splat
   std::vector<Scalar> fastest_;  ///< per chunk
-  GridArray<Scalar> places_, nodes_, density_, spread_, crowding_, crowded_, scratch_, scratch4_, changes_,
-      sampled_, numbers_;
+  float bound_target_ = 0;       ///< volume_target of crowding_bound_
+  double crowding_bound_ = 0;    ///< of all samples, mass x crowding with a stiffness of 1
+  GridArray<Scalar> places_, motion_, masses_, rest_density_, held_, largest_crowding_, nodes_, density_,
+      spread_, crowding_, crowded_, scratch_, scratch4_, changes_;
 };
 
 extern template class HairGrid<float>;

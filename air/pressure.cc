@@ -44,7 +44,7 @@ template <class Scalar>
 template <class Work>
 void PressureSolver<Scalar>::eachLayer(const Level& level, const Work& work) const {
   const int n = level.view.shape.cells;
-  if (n <= 8) {  // not worth the threads
+  if (n <= 32) {  // not worth the threads
     for (int k = 0; k < n; ++k) work(k);
   } else {
     workers_.forEach(n, work);
@@ -100,15 +100,15 @@ void PressureSolver<Scalar>::cycle(size_t at, const Scalar* right) {
   auto smooth = [&](const Scalar* from, Scalar* to, Scalar weight) {
     eachLayer(level, [&](int k) { passes_.smooth(level.view, from, right, weight, to, k); });
   };
-  std::fill(level.smoothed.begin(), level.smoothed.end(), Scalar(0));
   if (at + 1 == levels_.size()) {
+    std::fill(level.smoothed.begin(), level.smoothed.end(), Scalar(0));
     for (int i = 0; i < kCoarsestSweeps; ++i) {
       smooth(y, x, i % 2 == 0 ? first : second);
       smooth(x, y, i % 2 == 0 ? second : first);
     }
     return;
   }
-  smooth(y, x, first);
+  smooth(nullptr, x, first);
   smooth(x, y, second);
   Scalar* left = level.left.data() + level.origin;
   eachLayer(level, [&](int k) { passes_.residual(level.view, y, right, left, k); });

@@ -13,6 +13,8 @@ struct mask {
 inline real lit(double value) { STRANDCAST_EACH(static_cast<Scalar>(value)) }
 inline real fill(Scalar value) { STRANDCAST_EACH(value) }
 inline real load(const Scalar* p) { STRANDCAST_EACH(p[c]) }
+inline real threeOf(const float* p) { STRANDCAST_EACH(c < 3 ? static_cast<Scalar>(p[c]) : 0) }  // then 0
+inline real lastOf(const real& a) { STRANDCAST_EACH(a.v[3]) }
 inline real operator+(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] + b.v[c]) }
 inline real operator-(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] - b.v[c]) }
 inline real operator*(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] * b.v[c]) }
@@ -35,6 +37,11 @@ inline void store(const real& a, Scalar* p) {
 // Adds four numbers, made whole, to a node's.
 inline void addFixed(const quads::real& value, int32_t* node) {
   for (int c = 0; c < 4; ++c) node[c] += static_cast<int32_t>(value.v[c]);
+}
+// The same of a node and the next one along x, which get the shares `low` and `high`.
+inline void addShares(const quads::real& value, Scalar low, Scalar high, int32_t* node) {
+  addFixed(quads::fixedPoint(value * quads::fill(low)), node);
+  addFixed(quads::fixedPoint(value * quads::fill(high)), node + 4);
 }
 inline quads::real wholes(const int32_t* node) {
   quads::real out;

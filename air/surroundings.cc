@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "air/air_fields.h"
 #include "air/hair_grid.h"
 #include "air/wind_grid.h"
 #include "core/error.h"
@@ -14,29 +16,24 @@ namespace {
 constexpr float kWindBox = 2;        // of the largest edge of the groom's box
 constexpr double kAirDensity = 1.2;  // kg/m^3
 constexpr size_t kStrandsAtOnce = 64;
+constexpr uint32_t kSamplesAtOnce = 64;
 
 template <class Scalar>
-class StrandSurroundings final : public Surroundings {
+class StrandSurroundings final : public Surroundings, public AirFields {
  public:
   StrandSurroundings(const GridPasses<Scalar>& passes, int threads, std::vector<WindSource> sources)
       : passes_(passes), workers_(threads), sources_(std::move(sources)) {}
 
-  void load(const StrandModel& model, const Parameters& parameters) override {
-    model_ = model;
-    accelerations_.assign(model.vertices(), Vec3::Zero());
-    box_ = restBox(model);
-    hair_.reset();
-    wind_.reset();
-    configure(parameters);
-  }
+  bool isNeeded(const Parameters& p) const override { return needsSurroundings(p) || !sources_.empty(); }
 
-  void configure(const Parameters& p) override {
-    if (!needsSurroundings(p)) return;
+  void configure(const StrandModel& model, const Parameters& p, Backend&) override {
+    if (offsets_.empty()) {
+      offsets_ = model.offsets;
+      box_ = restBox(model);
+      accelerations_.assign(model.vertices(), Vec3::Zero());
+    }
     if (!hair_ || hair_->shape().cells != p.grid_cells) {
-      hair_ = std::make_unique<HairGrid<Scalar>>(passes_, workers_, model_, p.grid_cells, box_);
-      const size_t samples = hair_->samples().samples.size();
-      changes_.assign(4 * samples, Scalar(0));
-      winds_.assign(4 * samples, Scalar(0));
+      hair_ = std::make_unique<HairGrid<Scalar>>(passes_, workers_, model, p.grid_cells, box_);
     }
     if (p.wind_grid > 0 && (!wind_ || wind_->cells() != p.grid_cells)) {
       const float cell =
@@ -50,29 +47,42 @@ class StrandSurroundings final : public Surroundings {
     } else if (wind_) {
       wind_->ambient().configure(p);
     }
+    if (p.wind_grid == 0) {
+      if (!free_wind_) free_wind_.emplace();
+      free_wind_->configure(p);
+    }
     const double h = static_cast<double>(p.time_step) / p.substeps;
     auto rate = [&](double scale) {
       return static_cast<float>((1 - std::exp(-static_cast<double>(p.air_drag) * scale * h)) / h);
     };
     rate_ = rate(1);
     rates_.clear();
-    for (const float scale : model_.air_drag_scale) rates_.push_back(rate(static_cast<double>(scale)));
+    for (const float scale : model.air_drag_scale) rates_.push_back(rate(static_cast<double>(scale)));
   }
 
   void reset() override {
     if (wind_) wind_->reset();
+    if (hair_) hair_->reset();
   }
 
-  std::span<const Vec3> step(const StepInput& input, std::span<const Vec3> positions,
-                             std::span<const Vec3> velocities) override {
+  void step(StepInput& input, Backend& backend) override {
     const Parameters& p = *input.parameters;
+    const std::span<const Vec3> positions = backend.guides();
     const double dt = p.time_step;
     time_ += dt;
     const Pose head = input.bones_begin.empty() ? Pose{} : input.bones_begin[0];
-    hair_->splat(positions, velocities, head);
+    head_ = head;
+    seconds_ = dt;
+    hair_->locate(positions, backend.velocities(), head);
     forces_ = p.volume_stiffness > 0 || p.hair_friction > 0;
+    const bool drags = p.wind_grid > 0 && p.air_drag > 0 && p.hairs_per_strand > 0;
+    splatted_ = forces_ || drags;
+    blows_ = p.wind_grid > 0;
+    if (splatted_) hair_->splat();
     if (forces_) hair_->findForces(p, dt);
-    if (p.wind_grid > 0) {
+    if (p.wind_grid == 0) {
+      free_wind_->setTime(time_);
+    } else {
       wind_->ambient().setTime(time_);
       wind_->centreAt(head.apply(Vec3(box_.center())));
       wind_->clearSolids();
@@ -80,47 +90,93 @@ class StrandSurroundings final : public Surroundings {
       wind_->advect(dt, p.mac_cormack > 0);
       wind_->diffuse(dt, static_cast<double>(p.air_viscosity));
       HairDrag<Scalar> drag;
-      if (p.air_drag > 0 && p.hairs_per_strand > 0)
+      if (drags)
         drag = {&hair_->shape(), hair_->nodes(), hair_->frame(),
                 static_cast<Scalar>(static_cast<double>(p.air_drag) *
                                     static_cast<double>(p.hairs_per_strand) / kAirDensity)};
       wind_->exchange(dt, drag, sources_);
       wind_->project();
     }
-    const size_t strands = model_.strands();
+    const size_t strands = offsets_.size() - 1;
     workers_.forEach(static_cast<int>((strands + kStrandsAtOnce - 1) / kStrandsAtOnce), [&](int chunk) {
       const size_t first = static_cast<size_t>(chunk) * kStrandsAtOnce;
       gather(p, first, std::min(strands, first + kStrandsAtOnce), positions);
     });
-    return accelerations_;
+    input.accelerations = accelerations_;
+  }
+
+  bool hasDensity() const override { return splatted_; }
+  bool hasWind() const override { return blows_; }
+  float cell() const override { return blows_ ? wind_->cell() : hair_->cell(); }
+  Box box() const override {
+    const Eigen::Vector3f half =
+        Eigen::Vector3f::Constant(0.5f * cell() * static_cast<float>(hair_->shape().cells));
+    if (blows_) return {wind_->origin(), Eigen::Vector3f(wind_->origin()) + 2 * half};
+    const Eigen::Vector3f middle = head_.apply(Vec3(box_.center()));
+    return {middle - half, middle + half};
+  }
+  AirSample at(const Vec3& point) const override {
+    AirSample out;
+    if (splatted_) out.density = hair_->densityAtPoint(point);
+    if (!blows_) return out;
+    out.wind = wind_->velocityAt(point);
+    int cell[3];
+    for (int c = 0; c < 3; ++c) {
+      const float place = std::floor((point[c] - wind_->origin()[c]) / wind_->cell());
+      cell[c] = static_cast<int>(std::clamp(place, 0.0f, static_cast<float>(wind_->cells() - 1)));
+    }
+    out.solid = wind_->isSolid(cell[0], cell[1], cell[2]);
+    if (out.solid) return out;
+    out.pressure = static_cast<float>(wind_->pressureAt(cell[0], cell[1], cell[2]) * kAirDensity *
+                                      static_cast<double>(wind_->cell()) / seconds_);
+    double outflow = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      outflow += wind_->component(axis, cell[0] + (axis == 0), cell[1] + (axis == 1), cell[2] + (axis == 2)) -
+                 wind_->component(axis, cell[0], cell[1], cell[2]);
+    out.divergence = static_cast<float>(outflow) / wind_->cell();
+    return out;
   }
 
  private:
   /// Accelerations of strands begin .. end - 1.
   void gather(const Parameters& p, size_t begin, size_t end, std::span<const Vec3> positions) {
     const StrandSamples& samples = hair_->samples();
-    const uint32_t first = samples.offsets[begin], last = samples.offsets[end];
-    std::fill(accelerations_.begin() + model_.offsets[begin], accelerations_.begin() + model_.offsets[end],
-              Vec3::Zero());
-    if (forces_) hair_->changes(first, last, changes_.data() + 4 * static_cast<size_t>(first));
-    const bool blows = p.wind_grid > 0;
-    if (blows) sampleWind(first, last);
+    const uint32_t last = samples.offsets[end];
+    std::fill(accelerations_.begin() + offsets_[begin], accelerations_.begin() + offsets_[end], Vec3::Zero());
+    const bool on_grid = p.wind_grid > 0;
+    const bool uniform = !on_grid && sources_.empty() && p.gust == 0 && p.turbulence == 0;
     const float per_second = 1 / p.time_step, less = 1 - p.air_drag_along;
-    for (size_t n = first; n < last; ++n) {
-      const StrandSample& sample = samples.samples[n];
-      const Scalar* place = hair_->place(n);
-      Vec3 pushed = Vec3::Zero(), air = p.wind;
-      if (forces_) pushed = take(changes_.data() + 4 * n) * per_second;
-      if (blows) air = take(winds_.data() + 4 * n);
-      if (!pushed.allFinite() || !air.allFinite()) continue;  // of a strand that went wrong
-      const Vec3 relative = air - take(place + 3), local = air - p.wind;
-      const Vec3 chord = positions[sample.vertex + sample.count - 1] - positions[sample.vertex];
-      const Vec3 tangent = chord.norm() > 0 ? Vec3(chord.normalized()) : Vec3(Vec3::Zero());
-      for (uint32_t i = 0; i < sample.count; ++i) {
-        const float rate = rates_.empty() ? rate_ : rates_[sample.vertex + i];
-        Vec3 sum = pushed + local * rate;
-        if (less > 0) sum -= notFelt(relative, tangent, std::min(rate, per_second), less);
-        accelerations_[sample.vertex + i] += samples.vertex_parts[sample.share + i] * sum;
+    alignas(64) Scalar changes[4 * kSamplesAtOnce], winds[4 * kSamplesAtOnce];
+    for (uint32_t first = samples.offsets[begin]; first < last; first += kSamplesAtOnce) {
+      const uint32_t until = std::min(last, first + kSamplesAtOnce);
+      if (forces_) hair_->changes(first, until, changes);
+      if (on_grid) sampleWind(first, until, winds);
+      for (uint32_t n = first; n < until; ++n) {
+        const StrandSample& sample = samples.samples[n];
+        Vec3 pushed = Vec3::Zero(), air = p.wind;
+        if (forces_) pushed = take(changes + 4 * (n - first)) * per_second;
+        if (on_grid)
+          air = take(winds + 4 * (n - first));
+        else if (!uniform)
+          air = freeWindAt(worldPlace(n));
+        const Vec3 local = air - p.wind;
+        if (!std::isfinite((pushed + air).sum())) continue;  // of a strand that went wrong
+        const float* parts = samples.vertex_parts.data() + sample.share;
+        Vec3* out = accelerations_.data() + sample.vertex;
+        if (less == 0 && rates_.empty()) {
+          const Vec3 sum = pushed + local * rate_;
+          for (uint32_t i = 0; i < sample.count; ++i) out[i] += parts[i] * sum;
+          continue;
+        }
+        const Vec3 relative = air - take(hair_->velocity(n));
+        const Vec3 chord = positions[sample.vertex + sample.count - 1] - positions[sample.vertex];
+        const Vec3 tangent = chord.norm() > 0 ? Vec3(chord.normalized()) : Vec3(Vec3::Zero());
+        for (uint32_t i = 0; i < sample.count; ++i) {
+          const float rate = rates_.empty() ? rate_ : rates_[sample.vertex + i];
+          Vec3 sum = pushed + local * rate;
+          if (less > 0) sum -= notFelt(relative, tangent, std::min(rate, per_second), less);
+          out[i] += parts[i] * sum;
+        }
       }
     }
   }
@@ -130,15 +186,31 @@ class StrandSurroundings final : public Surroundings {
                                                 real3{tangent.x(), tangent.y(), tangent.z()}, rate, less);
     return {out.x, out.y, out.z};
   }
-  void sampleWind(size_t first, size_t last) {
+  /// Without a grid nothing blocks the air: what blows, and on top of it what each source does where it
+  /// reaches.
+  Vec3 freeWindAt(const Vec3& point) const {
+    Vec3 sum = free_wind_->at(point), blown;
+    for (const WindSource& source : sources_)
+      if (source.velocityAt(point, blown)) sum += blown;
+    return sum;
+  }
+  Vec3 worldPlace(size_t n) const {
+    return {static_cast<float>(hair_->places(kWorldPlace)[n]),
+            static_cast<float>(hair_->places(kWorldPlace + 1)[n]),
+            static_cast<float>(hair_->places(kWorldPlace + 2)[n])};
+  }
+  void sampleWind(size_t first, size_t last, Scalar* out) const {
+    constexpr size_t kStride = kSamplesAtOnce + 16;
+    alignas(64) Scalar places[3 * kStride];
     const Vec3 origin = wind_->origin();
     const Scalar per_cell = 1 / static_cast<Scalar>(wind_->cell());
-    for (size_t n = first; n < last; ++n)  // the sample's place among cells, where its wind will be
-      for (int c = 0; c < 3; ++c)
-        winds_[4 * n + c] =
-            (hair_->place(n)[6 + c] - static_cast<Scalar>(origin[c])) * per_cell - Scalar(0.5);
-    passes_.sample(wind_->shape(), wind_->centres(), winds_.data() + 4 * first, 4, last - first,
-                   winds_.data() + 4 * first);
+    for (int c = 0; c < 3; ++c) {
+      const Scalar *in = hair_->places(kWorldPlace + c) + first, begin = static_cast<Scalar>(origin[c]);
+      for (size_t i = 0; i < kStride; ++i)
+        places[static_cast<size_t>(c) * kStride + i] =
+            i < last - first ? (in[i] - begin) * per_cell - Scalar(0.5) : Scalar(0);
+    }
+    passes_.sample(wind_->shape(), wind_->centres(), places, kStride, last - first, out);
   }
   static Vec3 take(const Scalar* v) {
     return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
@@ -147,15 +219,17 @@ class StrandSurroundings final : public Surroundings {
   const GridPasses<Scalar>& passes_;
   Workers workers_;
   std::vector<WindSource> sources_;
-  StrandModel model_;
-  Box box_;  ///< of the groom at rest
+  std::vector<uint32_t> offsets_;  ///< of the model; empty until first needed
+  Box box_;                        ///< of the groom at rest
   std::unique_ptr<HairGrid<Scalar>> hair_;
   std::unique_ptr<WindGrid<Scalar>> wind_;
-  float rate_ = 0;            ///< 1/s, at which a substep draws hair to the air
-  std::vector<float> rates_;  ///< the same by vertex, where they differ
-  bool forces_ = false;
+  std::optional<Ambient> free_wind_;                        ///< of wind without a grid
+  float rate_ = 0;                                          ///< 1/s, at which a substep draws hair to the air
+  std::vector<float> rates_;                                ///< the same by vertex, where they differ
+  bool forces_ = false, splatted_ = false, blows_ = false;  ///< in the newest step
+  Pose head_;                                               ///< at its start
+  double seconds_ = 0;                                      ///< its length
   double time_ = 0;
-  std::vector<Scalar> changes_, winds_;  ///< per sample, 4 numbers each
   std::vector<Vec3> accelerations_;
 };
 
@@ -166,14 +240,18 @@ std::unique_ptr<Surroundings> makeSurroundings(const std::string& backend, int t
   for (const WindSource& source : sources) checkWindSource(source, "wind source");
   if (backend == "oracle")
     return std::make_unique<StrandSurroundings<double>>(scalarPasses<double>(), 1, std::move(sources));
-  return std::make_unique<StrandSurroundings<float>>(passesOf(backend), backend == "simd" ? threads : 1,
+  return std::make_unique<StrandSurroundings<float>>(passesOf(backend), backend == "reference" ? 1 : threads,
                                                      std::move(sources));
+}
+
+const AirFields* airFields(const Surroundings* surroundings) {
+  return dynamic_cast<const AirFields*>(surroundings);
 }
 
 const GridPasses<float>& passesOf(const std::string& backend) {
   if (backend == "reference") return scalarPasses<float>();
-  if (backend == "simd") return simdPasses();
-  throw Error("there is no air for this backend", backend, "choose simd or reference");
+  if (backend == "simd" || backend == "gpu") return simdPasses();
+  throw Error("there is no air for this backend", backend, "choose gpu, simd or reference");
 }
 
 }  // namespace strandcast

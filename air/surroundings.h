@@ -9,7 +9,8 @@
 namespace strandcast {
 
 /// Wind on a grid and forces between hairs (docs/air.md) for a backend: "reference" (float, scalar, one
-/// thread), "oracle" (the same in double) or "simd" (lanes, `threads`, 0 = all). Error on another name.
+/// thread), "oracle" (the same in double), "simd" (lanes, `threads`, 0 = all) or "gpu" (as simd: its grids
+/// are on the CPU). Error on another name.
 std::unique_ptr<Surroundings> makeSurroundings(const std::string& backend, int threads = 0,
                                                std::vector<WindSource> sources = {});
 

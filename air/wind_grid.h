@@ -15,7 +15,7 @@ template <class Scalar>
 struct HairDrag {
   const GridShape* shape = nullptr;  ///< of the hair grid
   const Scalar* nodes =
-      nullptr;  ///< from place (0, 0, 0): density (kg/m^3) and momentum per volume (kg/(m^2 s))
+      nullptr;  ///< from place (0, 0, 0): momentum per volume (kg/(m^2 s)) and density (kg/m^3)
   const Scalar* frame = nullptr;  ///< world to its cells, as SplatView::frame
   Scalar rate = 0;  ///< m^3/(kg s): rate at which air takes on the hair's velocity, per density of the hair
 };
@@ -86,6 +86,8 @@ class WindGrid {
   WindView<Scalar> view();
   int layersOf(int axis) const { return axis == 2 ? shape_.cells + 1 : shape_.cells; }
   void closeFaces();
+  /// Some cell of a row may be in the hair's grid.
+  bool rowMeets(const HairDrag<Scalar>& hair, int j, int k) const;
   void findCentres();
   static Scalar ambientVelocity(const void* grid, int axis, const Scalar* place);
 
@@ -98,9 +100,12 @@ class WindGrid {
   Eigen::Vector3i corner_ = Eigen::Vector3i::Zero();  ///< origin in cells
   GridArray<Scalar> velocity_[3], next_[3], displacement_[3], onward_[3], centre_, exchange_[4], pressure_,
       right_, places_, sampled_;
-  std::vector<uint8_t> solid_;        ///< of the shape
-  std::vector<Vec3> solid_velocity_;  ///< of the shape
-  bool has_solids_ = false, solids_changed_ = true;
+  std::vector<Scalar> fastest_;        ///< per layer
+  std::vector<uint8_t> solid_;         ///< of the shape
+  std::vector<uint8_t> closed_;        ///< solid_ as the solver was built for
+  std::vector<uint32_t> solid_cells_;  ///< where solid_ is 1
+  std::vector<Vec3> solid_velocity_;   ///< of the shape
+  bool built_ = false;                 ///< the solver
   PressureSolver<Scalar> solver_;
 };
 
@@ -119,21 +124,24 @@ void WindGrid<Scalar>::setComponents(const Value& value) {
 template <class Scalar>
 template <class Distance, class Velocity>
 void WindGrid<Scalar>::addSolid(const Box& box, const Distance& distance, const Velocity& velocity) {
+  const Vec3 corner = origin();
   int low[3], high[3];
   for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = std::max(0, static_cast<int>(std::floor((box.min()[axis] - origin()[axis]) / cell_)) - 1);
+    low[axis] = std::max(0, static_cast<int>(std::floor((box.min()[axis] - corner[axis]) / cell_)) - 1);
     high[axis] =
-        std::min(shape_.cells, static_cast<int>(std::ceil((box.max()[axis] - origin()[axis]) / cell_)) + 1);
+        std::min(shape_.cells, static_cast<int>(std::ceil((box.max()[axis] - corner[axis]) / cell_)) + 1);
   }
   for (int k = low[2]; k < high[2]; ++k)
     for (int j = low[1]; j < high[1]; ++j)
       for (int i = low[0]; i < high[0]; ++i) {
-        const Vec3 point = placeOf(3, i, j, k);
+        const Vec3 middle(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f,
+                          static_cast<float>(k) + 0.5f);
+        const Vec3 point = corner + middle * cell_;
         if (!(distance(point) < 0)) continue;
         const size_t c = shape_.at(i, j, k);
+        if (solid_[c] == 0) solid_cells_.push_back(static_cast<uint32_t>(c));
         solid_[c] = 1;
         solid_velocity_[c] = velocity(point);
-        has_solids_ = true;
       }
 }
 

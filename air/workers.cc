@@ -2,6 +2,7 @@
 
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>
 
 namespace strandcast {
@@ -22,7 +23,10 @@ void Workers::run(int count, void (*call)(const void*, int), const void* work) c
     for (int i = 0; i < count; ++i) call(work, i);
     return;
   }
-  arena_->tasks.execute([&] { oneapi::tbb::parallel_for(0, count, [&](int i) { call(work, i); }); });
+  arena_->tasks.execute([&] {
+    oneapi::tbb::parallel_for(
+        0, count, [&](int i) { call(work, i); }, oneapi::tbb::static_partitioner());
+  });
 }
 
 }  // namespace strandcast

@@ -11,12 +11,15 @@
 #include <optional>
 #include <thread>
 
+#include "apps/air_slices.h"
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
 #include "apps/picture_folder.h"
 #include "apps/picture_options.h"
+#include "apps/scene_simulation.h"
 #include "apps/verbs.h"
+#include "core/error.h"
 #include "gl/context.h"
 
 namespace strandcast {
@@ -27,6 +30,7 @@ struct Options {
   PictureOptions picture;
   std::filesystem::path out = "out";
   std::filesystem::path movie;
+  std::string show = "hair", slice = "z";
   int frames = 60;
   double fps = 30;
   double skip = 0;      // s
@@ -134,9 +138,49 @@ void report(const Options& o, Subscriber& subscriber, const std::optional<Status
   out.print(o.json);
 }
 
+/// Steps the scene in this process and draws slices through its grids, which no wire carries.
+int renderAir(const Options& o, const Settings& settings) {
+  const AirQuantity quantity = airQuantity(o.show);
+  if (!o.settings->namesScene())
+    throw Error("a daemon does not cast its grids", "--show " + o.show,
+                "name what to simulate, e.g. --scene straight");
+  const Scene scene = makeSceneAloud(settings.scene);
+  Simulation simulation = makeSimulation(scene, settings);
+  double full = 0;
+  AirSlice slice;
+  ProgressBar bar;
+  int drawn = 0;
+  for (; drawn < o.frames && !g_interrupted; ++drawn) {
+    do {
+      simulation.setHeadPose(
+          scene.motion(simulation.time() + static_cast<double>(simulation.parameters().time_step)));
+      simulation.step();
+      simulation.resetBroken();
+    } while (simulation.time() < o.skip + drawn / o.fps && !g_interrupted);
+    const AirFields* fields = airFields(simulation.surroundings());
+    if (fields == nullptr)
+      throw Error("this backend's grids cannot be looked at", settings.backend, "choose simd");
+    checkHas(*fields, quantity);
+    slice = airSlice(*fields, quantity, o.slice[0] - 'x', simulation.guides(),
+                     std::min(o.picture.settings.width, o.picture.settings.height));
+    full = std::max(full, slice.full);
+    writePng(picturePath(o.out, drawn), slice.image);
+    bar.show(fmt::format("slice {} of {}", drawn + 1, o.frames), (drawn + 1.0) / o.frames);
+  }
+  if (!o.movie.empty() && drawn > 0) makeMovie(o.out, o.fps, o.movie);
+  Report out;
+  out.add("shown", "shown", o.show);
+  out.add("full", "largest value, of all pictures", full, slice.unit, 4);
+  out.addCount("frames_drawn", "frames drawn", static_cast<uint64_t>(drawn));
+  out.add("out", "pictures", (o.out / "frame_*.png").string());
+  out.print(o.json);
+  return g_interrupted ? kExitInterrupted : 0;
+}
+
 int render(const Options& o) {
   const Settings settings = o.settings->resolve();
   makeFolder(o.out);
+  if (o.show != "hair") return renderAir(o, settings);
   gl::HeadlessContext context;
   Stream stream(settings, o.settings->namesScene(), o.timeout);
   Subscriber& subscriber = stream.subscriber();
@@ -189,7 +233,8 @@ Verb addRender(CLI::App& app) {
       "is drawn.\n"
       "Examples:\n"
       "  strandcast render --frames 60 --out out\n"
-      "  strandcast render --scene curly --frames 90 --out out --movie curly.mp4");
+      "  strandcast render --scene curly --frames 90 --out out --movie curly.mp4\n"
+      "  strandcast render --scene straight --set wind=3,0,0 --set wind_grid=1 --show wind");
   app.add_option("--out", o->out, "folder for frame_0000.png and on")->capture_default_str();
   app.add_option("--frames", o->frames, "pictures to draw")
       ->check(CLI::Range(1, 1000000))
@@ -199,6 +244,13 @@ Verb addRender(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--skip", o->skip, "seconds of simulated time before the first picture")
       ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--show", o->show,
+                 "hair, or a slice through the grids of a scene: density, wind, pressure or divergence")
+      ->check(CLI::IsMember({"hair", "density", "wind", "pressure", "divergence"}))
+      ->capture_default_str();
+  app.add_option("--slice", o->slice, "axis that the slice lies across")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->capture_default_str();
   app.add_option("--movie", o->movie, "also join the pictures into this file, with ffmpeg");
   app.add_option("--timeout", o->timeout, "seconds to wait for a daemon, and for its next frame")
       ->check(CLI::Range(0.1, 3600.0))

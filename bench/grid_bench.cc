@@ -23,6 +23,7 @@ namespace {
 struct Options {
   std::string backend = "simd";
   int strands = 10000, vertices = 32, threads = 0, steps = 30;
+  std::vector<int> cells{32, 64, 128};
   bool mac_cormack = false, json = false;
 };
 
@@ -58,7 +59,7 @@ struct Result {
 };
 
 Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model, int cells) {
-  const Workers workers(o.backend == "simd" ? o.threads : 1);
+  const Workers workers(o.backend == "reference" ? 1 : o.threads);
   const GridPasses<float>& passes = passesOf(o.backend);
   const Box box = restBox(model);
   const StrandState rest = restState(model, model.rest_roots);
@@ -85,7 +86,10 @@ Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model,
   const double dt = parameters.time_step;
   for (int step = 0; step < o.steps; ++step) {
     PassTimes& t = out.times;
-    t.time("splat", [&] { hair.splat(rest.positions, velocities, Pose{}); });
+    t.time("splat", [&] {
+      hair.locate(rest.positions, velocities, Pose{});
+      hair.splat();
+    });
     t.time("blur, gradient, friction", [&] { hair.findForces(parameters, dt); });
     t.time("forces to strands", [&] {
       const int chunks = 64;
@@ -108,9 +112,32 @@ Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model,
   return out;
 }
 
-/// Median time of a step of the strands alone, and of one with wind and forces between hairs.
-std::pair<double, double> timeSteps(const Options& o, const Scene& scene, const StrandModel& model) {
-  double median[2] = {};
+/// What others are given, and how long they took for it.
+class TimedSurroundings final : public Surroundings {
+ public:
+  TimedSurroundings(std::unique_ptr<Surroundings> timed, PassTimes& times)
+      : timed_(std::move(timed)), times_(times) {}
+  bool isNeeded(const Parameters& parameters) const override { return timed_->isNeeded(parameters); }
+  void configure(const StrandModel& model, const Parameters& parameters, Backend& backend) override {
+    timed_->configure(model, parameters, backend);
+  }
+  void reset() override { timed_->reset(); }
+  void step(StepInput& input, Backend& backend) override {
+    times_.time("grids", [&] { timed_->step(input, backend); });
+  }
+
+ private:
+  std::unique_ptr<Surroundings> timed_;
+  PassTimes& times_;
+};
+
+/// Medians, ms: a step of the strands alone; one with wind and forces between hairs on grids of 32^3; and
+/// what of it went by before the strands' turn.
+struct StepTimes {
+  double alone = 0, surrounded = 0, grids = 0;
+};
+StepTimes timeSteps(const Options& o, const Scene& scene, const StrandModel& model) {
+  StepTimes out;
   for (const bool surrounded : {false, true}) {
     Parameters parameters = scene.parameters;
     parameters.solver = SolverKind::kRod;
@@ -121,14 +148,15 @@ std::pair<double, double> timeSteps(const Options& o, const Scene& scene, const 
       parameters.hair_friction = 5;
       parameters.mac_cormack = o.mac_cormack ? 1 : 0;
     }
+    PassTimes times;
     Simulation simulation(model, {}, parameters,
                           createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
-                          makeSurroundings(o.backend, o.threads));
-    PassTimes times;
+                          std::make_unique<TimedSurroundings>(makeSurroundings(o.backend, o.threads), times));
     for (int step = 0; step < o.steps; ++step) times.time("step", [&] { simulation.step(); });
-    median[surrounded ? 1 : 0] = times.median("step");
+    (surrounded ? out.surrounded : out.alone) = times.median("step");
+    if (surrounded) out.grids = times.median("grids");
   }
-  return {median[0], median[1]};
+  return out;
 }
 
 int run(const Options& o) {
@@ -137,12 +165,16 @@ int run(const Options& o) {
   make.vertices = o.vertices;
   const Scene scene = makeScene(make);
   const StrandModel model = sceneModel(scene);
-  const auto [alone, surrounded] = timeSteps(o, scene, model);
+  const StepTimes steps = timeSteps(o, scene, model);
   nlohmann::json results = nlohmann::json::array();
   if (!o.json)
-    fmt::print("{} strands of {} vertices on {} ({}): a step {:.2f} ms, with grids of 32^3 {:.2f} ms\n",
-               o.strands, o.vertices, o.backend, passesOf(o.backend).name, alone, surrounded);
-  for (const int cells : {32, 64, 128}) {
+    fmt::print(
+        "{} strands of {} vertices on {} ({}): a step {:.2f} ms, with grids of 32^3 {:.2f} ms, {:.2f} ms of "
+        "it "
+        "for the grids\n",
+        o.strands, o.vertices, o.backend, passesOf(o.backend).name, steps.alone, steps.surrounded,
+        steps.grids);
+  for (const int cells : o.cells) {
     const Result r = timeGrids(o, scene, model, cells);
     double sum = 0;
     nlohmann::json passes;
@@ -155,11 +187,11 @@ int run(const Options& o) {
     }
     if (!o.json)
       fmt::print("  {:<26} {:>9.3f} ms, {:.0f} % of a step; {:.1f} iterations, divergence {:.1e}\n", "all",
-                 sum, 100 * sum / alone, r.iterations, r.divergence);
+                 sum, 100 * sum / steps.alone, r.iterations, r.divergence);
     results.push_back({{"case", fmt::format("{}^3", cells)},
                        {"ms_passes", passes},
                        {"ms_all", sum},
-                       {"of_strand_step", sum / alone},
+                       {"of_strand_step", sum / steps.alone},
                        {"pressure_iterations", r.iterations},
                        {"divergence", r.divergence}});
   }
@@ -172,8 +204,9 @@ int run(const Options& o) {
              {"device", passesOf(o.backend).name},
              {"threads", o.threads},
              {"params", {{"strands", o.strands}, {"vertices", o.vertices}, {"mac_cormack", o.mac_cormack}}},
-             {"ms_step", alone},
-             {"ms_step_with_grids_32", surrounded},
+             {"ms_step", steps.alone},
+             {"ms_step_with_grids_32", steps.surrounded},
+             {"ms_grids_32_in_step", steps.grids},
              {"results", results}})
             .dump());
   return 0;
@@ -183,14 +216,18 @@ int run(const Options& o) {
 
 std::function<int()> addGridBench(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("--backend", o->backend, "simd or reference")
-      ->check(CLI::IsMember({"simd", "reference"}))
+  app.add_option("--backend", o->backend, "simd, reference or gpu, whose grids are those of simd")
+      ->check(CLI::IsMember({"simd", "reference", "gpu"}))
       ->capture_default_str();
   app.add_option("--strands", o->strands)->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--vertices", o->vertices, "per strand")->check(CLI::Range(2, 128))->capture_default_str();
   app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
   app.add_option("--steps", o->steps, "steps timed; medians are given")
       ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--cells", o->cells, "per axis, one or more sizes")
+      ->check(CLI::Range(16, 128))
+      ->delimiter(',')
       ->capture_default_str();
   app.add_flag("--mac-cormack", o->mac_cormack, "advect with MacCormack's correction");
   app.add_flag("--json", o->json, "print one JSON object");

@@ -50,6 +50,8 @@ class Backend {
 
   /// Whether step() heeds StepInput::accelerations and velocities() may be asked.
   virtual bool takesAccelerations() const { return false; }
+  /// Makes room for them: to be called before the first step that has some.
+  virtual void expectAccelerations() {}
   /// Velocities after the newest step, natural order, m/s; valid until the next step().
   virtual std::span<const Vec3> velocities() { return {}; }
 

@@ -40,6 +40,7 @@ struct Parameters {
   float turbulence_length = 0.3f;  ///< m, of the largest eddies
   int wind_seed = 1;               ///< of gusts and turbulence
   float volume_stiffness = 0;      ///< m^2/s^2, of hair that is denser than at rest; 0 = off
+  float volume_hold = 0.5f;        ///< 1/s, at which a push grows while hair stays denser than at rest
   float volume_target = 1;         ///< volume that hair keeps over that at rest
   float hair_friction = 0;  ///< 1/s, rate at which hair takes on the mean velocity of the hair around it
 };

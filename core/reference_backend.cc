@@ -52,6 +52,7 @@ class ScalarBackend final : public Backend {
   }
   std::span<const Vec3> guides() override { return guides_; }
   bool takesAccelerations() const override { return true; }
+  void expectAccelerations() override { store_.expectAccelerations(); }
   std::span<const Vec3> velocities() override {
     for (size_t b = 0; b < store_.blocks(); ++b) store_.readVelocities(b, velocities_);
     return velocities_;

@@ -29,7 +29,6 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
       roots_begin_(model_.rest_roots),
       roots_end_(model_.rest_roots) {
   checkParameters(parameters_, "Simulation");
-  checkSurroundings(parameters_);
   for (const RigidBody& body : bodies_)
     for (const ContactPrimitive& primitive : body.primitives) checkPrimitive(primitive);
   for (size_t s = 0; s < model_.strands(); ++s)
@@ -38,18 +37,25 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
   for (const RigidBody& body : bodies_) primitives += body.primitives.size();
   primitives_.resize(primitives);
   backend_->load(model_, restState(model_, roots_begin_));
-  if (surroundings_) surroundings_->load(model_, parameters_);
+  surrounded_ = configureSurroundings(parameters_);
   placePrimitives();
 }
 
-void Simulation::checkSurroundings(const Parameters& parameters) const {
-  if (!needsSurroundings(parameters)) return;
+bool Simulation::configureSurroundings(const Parameters& parameters) {
+  if (!(surroundings_ ? surroundings_->isNeeded(parameters) : needsSurroundings(parameters))) return false;
   if (!backend_->takesAccelerations())
-    throw Error("wind_grid, air_drag_along, volume_stiffness and hair_friction do not run on this backend",
-                backend_->name(), "choose --backend simd or reference");
+    throw Error(
+        "sources of wind, gusts, turbulence, wind_grid, air_drag_along, volume_stiffness and "
+        "hair_friction do not run on this backend",
+        backend_->name(), "choose --backend simd or reference");
   if (!surroundings_)
-    throw Error("there is no air for wind_grid, air_drag_along, volume_stiffness or hair_friction",
-                "Simulation", "leave them as they are by default");
+    throw Error(
+        "there is no air for gusts, turbulence, wind_grid, air_drag_along, volume_stiffness or "
+        "hair_friction",
+        "Simulation", "leave them as they are by default");
+  surroundings_->configure(model_, parameters, *backend_);
+  backend_->expectAccelerations();
+  return true;
 }
 
 void Simulation::setHeadPose(const Pose& head) {
@@ -75,8 +81,7 @@ void Simulation::setBonePose(const std::string& bone, const Pose& pose) {
 
 void Simulation::setParameters(const Parameters& parameters) {
   checkParameters(parameters, "Simulation::setParameters");
-  checkSurroundings(parameters);
-  if (surroundings_) surroundings_->configure(parameters);
+  surrounded_ = configureSurroundings(parameters);
   parameters_ = parameters;
 }
 
@@ -102,8 +107,7 @@ StepInput Simulation::nextInput() {
 
 void Simulation::step() {
   StepInput input = nextInput();
-  if (surroundings_ && needsSurroundings(parameters_))
-    input.accelerations = surroundings_->step(input, backend_->guides(), backend_->velocities());
+  if (surrounded_) surroundings_->step(input, *backend_);
   backend_->step(input);
   std::swap(roots_begin_, roots_end_);
   bones_begin_ = bones_end_;
@@ -112,7 +116,8 @@ void Simulation::step() {
 }
 
 bool needsSurroundings(const Parameters& p) {
-  return p.wind_grid > 0 || p.air_drag_along < 1 || p.volume_stiffness > 0 || p.hair_friction > 0;
+  const bool varies = (p.gust > 0 || p.turbulence > 0) && !p.wind.isZero();
+  return p.wind_grid > 0 || varies || p.air_drag_along < 1 || p.volume_stiffness > 0 || p.hair_friction > 0;
 }
 
 StrandState Simulation::restNow() const {

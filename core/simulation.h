@@ -70,13 +70,15 @@ class Simulation {
   void placePrimitives();
   /// The rest shape where roots and bones are now, at rest.
   StrandState restNow() const;
-  void checkSurroundings(const Parameters& parameters) const;
+  /// Readies surroundings and backend for settings that need them; says whether they do. Throws Error.
+  bool configureSurroundings(const Parameters& parameters);
 
   StrandModel model_;
   std::vector<RigidBody> bodies_;
   Parameters parameters_;
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<Surroundings> surroundings_;
+  bool surrounded_ = false;                    ///< the settings need them
   std::vector<Pose> bones_begin_, bones_end_;  ///< of the model's bones
   std::vector<Pose> roots_begin_, roots_end_;
   std::vector<float> lengths_;  ///< of strands at rest, m

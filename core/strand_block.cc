@@ -127,7 +127,8 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
     first += count;
   }
   memory_.assign(memory, Scalar(0));
-  accelerations_.assign(accelerations, Scalar(0));
+  acceleration_numbers_ = accelerations;
+  accelerations_ = {};
 
   std::array<Vec3, kMaxVerticesPerStrand> edges;
   for (Block& block : blocks_) {
@@ -264,7 +265,7 @@ void BlockStore<Scalar>::setInput(size_t b, const StepInput& input) {
       row[static_cast<size_t>(kHeldEnd + c) * lanes_] = static_cast<Scalar>(end[c]);
     }
   }
-  block.accelerated = !input.accelerations.empty();
+  block.accelerated = !input.accelerations.empty() && !accelerations_.empty();
   if (!block.accelerated) return;
   for (int lane = 0; lane < lanes_; ++lane) {
     const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];

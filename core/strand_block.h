@@ -104,6 +104,8 @@ class BlockStore {
   /// Copies what the step gives block b's strands into its planes: roots, where bones hold vertices,
   /// accelerations.
   void setInput(size_t b, const StepInput& input);
+  /// Room for accelerations, before the first setInput() with some.
+  void expectAccelerations() { accelerations_.resize(acceleration_numbers_); }
   /// Copies the positions of block b's strands out, natural order.
   void readPositions(size_t b, std::span<Vec3> positions) const { read(b, 0, positions); }
   /// The same of velocities.
@@ -141,7 +143,8 @@ class BlockStore {
   std::vector<uint32_t> order_;    ///< strands, by vertex count
   std::vector<uint32_t> offsets_;  ///< of the model
   mutable std::vector<Scalar, CacheLineAllocator<Scalar>> memory_;
-  std::vector<Scalar, CacheLineAllocator<Scalar>> accelerations_;
+  std::vector<Scalar, CacheLineAllocator<Scalar>> accelerations_;  ///< empty until expected
+  size_t acceleration_numbers_ = 0;                                ///< of all blocks
 };
 
 extern template class BlockStore<float>;

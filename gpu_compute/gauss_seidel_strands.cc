@@ -41,15 +41,16 @@ std::vector<uint32_t> threadsPerStrand(const StrandModel& model) {
 GaussSeidelStrands::GaussSeidelStrands(const StrandModel& model)
     : groups_(threadsPerStrand(model)), rest_edge_(std::span<const Vec4>(packRestEdges(model))) {}
 
-void GaussSeidelStrands::step(bool groomed, ProgramCache& programs) {
+void GaussSeidelStrands::step(bool groomed, bool accelerated, ProgramCache& programs) {
   auto workgroup = [](const StrandGroup& group) { return std::max(32u, group.key); };
-  std::vector<const gl::Program*>& mine = programs_[groomed ? 1 : 0];
+  std::vector<const gl::Program*>& mine = programs_[(groomed ? 1 : 0) + (accelerated ? 2 : 0)];
   if (mine.empty())
     for (const StrandGroup& group : groups_.groups())
-      mine.push_back(
-          &programs.get("gauss_seidel.comp", shaders::kGaussSeidelComp,
-                        fmt::format("#define THREADS {}\n#define WORKGROUP {}\n#define GROOMED {}\n",
-                                    group.key, workgroup(group), groomed ? 1 : 0)));
+      mine.push_back(&programs.get(
+          "gauss_seidel.comp", shaders::kGaussSeidelComp,
+          fmt::format(
+              "#define THREADS {}\n#define WORKGROUP {}\n#define GROOMED {}\n#define ACCELERATED {}\n",
+              group.key, workgroup(group), groomed ? 1 : 0, accelerated ? 1 : 0)));
   rest_edge_.bindStorage(3);
   groups_.order().bindStorage(5);
   for (size_t g = 0; g < mine.size(); ++g) {

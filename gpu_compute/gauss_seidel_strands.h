@@ -11,15 +11,14 @@ namespace strandcast::gpu {
 class GaussSeidelStrands {
  public:
   explicit GaussSeidelStrands(const StrandModel& model);
-  /// Gives the commands of a step; the buffers of GpuStrands are bound. The first without and the first with
-  /// grooming compile.
-  void step(bool groomed, ProgramCache& programs);
+  /// Gives the commands of a step; the buffers of GpuStrands are bound. The first of each kind compiles.
+  void step(bool groomed, bool accelerated, ProgramCache& programs);
 
  private:
   StrandGroups groups_;  ///< key: invocations per strand
   gl::Buffer rest_edge_;
-  /// Of groups_, without and with grooming; empty until first needed.
-  std::array<std::vector<const gl::Program*>, 2> programs_;
+  /// Of groups_, by grooming and acceleration; empty until first needed.
+  std::array<std::vector<const gl::Program*>, 4> programs_;
 };
 
 }  // namespace strandcast::gpu

@@ -48,6 +48,15 @@ class GpuBackend final : public Backend {
     const gl::MakeCurrent current(context_);
     return strands_->guides();
   }
+  bool takesAccelerations() const override { return true; }
+  void expectAccelerations() override {
+    const gl::MakeCurrent current(context_);
+    strands_->expectAccelerations();
+  }
+  std::span<const Vec3> velocities() override {
+    const gl::MakeCurrent current(context_);
+    return strands_->velocities();
+  }
   std::optional<double> gpuSeconds() override { return strands_ ? strands_->gpuSeconds() : std::nullopt; }
 
  private:

@@ -150,17 +150,39 @@ void GpuStrands::step(const StepInput& input) {
   const bool goal = input.parameters->goal_rate > 0;
   if (goal && grooming_.bytes() == 0)
     grooming_ = gl::Buffer(std::span<const Vec4>(std::vector<Vec4>(vertices_, kNotGroomed)));
+  const bool accelerated = !input.accelerations.empty() && accelerations_.bytes() > 0;
+  if (accelerated) {
+    accelerations_.write(input.accelerations);
+    accelerations_.bindStorage(14);
+  }
   bind();
   timer_.begin();
   if (input.parameters->solver == SolverKind::kRod)
-    rod_.step({!input.primitives.empty(), goal}, programs_);
+    rod_.step({!input.primitives.empty(), goal, accelerated}, programs_);
   else
-    gauss_seidel_.step(groomed_ || goal, programs_);
+    gauss_seidel_.step(groomed_ || goal, accelerated, programs_);
   timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   uploads_->finish();
   readback_.copyFrom(guides_);
   glFlush();
+}
+
+void GpuStrands::expectAccelerations() {
+  if (accelerations_.bytes() > 0) return;
+  accelerations_ = storage<Vec3>(vertices_);
+  velocities_packed_.resize(vertices_);
+  velocities_read_.resize(vertices_);
+}
+
+std::span<const Vec3> GpuStrands::velocities() {
+  if (vertices_ == 0) return {};
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glGetNamedBufferSubData(velocities_.id(), 0, static_cast<GLsizeiptr>(vertices_ * sizeof(Vec4)),
+                          velocities_packed_.data());
+  for (size_t i = 0; i < vertices_; ++i)
+    velocities_read_[i] = Vec3(velocities_packed_[i][0], velocities_packed_[i][1], velocities_packed_[i][2]);
+  return velocities_read_;
 }
 
 std::span<const Vec3> GpuStrands::guides() {

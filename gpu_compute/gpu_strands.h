@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,10 @@ class GpuStrands {
   /// The first step with a solver, and its first with bodies or a goal pull, compile; that may throw Error.
   /// No other one does, nor allocates, unless there are more bodies than ever before.
   void step(const StepInput& input);
+  /// Room for accelerations and velocities(), before the first step that has some.
+  void expectAccelerations();
+  /// Velocities now, natural order, valid until the next call. Waits for pending steps.
+  std::span<const Vec3> velocities();
   std::span<const Vec3> guides();
   /// guides() need not wait, nor the context.
   bool guidesReady() const { return !uploaded_.empty() || readback_.ready(); }
@@ -37,13 +42,16 @@ class GpuStrands {
   gl::Buffer velocities_;  ///< xyz
   gl::Buffer frames_;      ///< of the edge that starts at the vertex
   gl::Buffer rest_local_, offsets_, guides_;
-  gl::Buffer grooming_;  ///< see shaders/grooming.glsl; empty until needed
-  bool groomed_;         ///< strands have tethers or factors
+  gl::Buffer grooming_;       ///< see shaders/grooming.glsl; empty until needed
+  gl::Buffer accelerations_;  ///< 3 per vertex; empty until expected
+  bool groomed_;              ///< strands have tethers or factors
   GaussSeidelStrands gauss_seidel_;
   RodStrands rod_;
   std::optional<UploadRing> uploads_;  ///< never empty
   Readback readback_;
   StepTimer timer_;
+  std::vector<std::array<float, 4>> velocities_packed_;
+  std::vector<Vec3> velocities_read_;
   std::vector<Vec3> uploaded_;  ///< what guides() returns until the first step
 };
 

@@ -126,15 +126,16 @@ RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, bool violent,
     out.push_back(&programs.get(
         "rod.comp", shaders::kRodComp,
         fmt::format("#define THREADS {}\n#define EDGES {}\n#define UNIFORM {}\n#define PINNED {}\n#define "
-                    "BODIES {}\n#define GROOMED {}\n#define VIOLENT {}\n",
+                    "BODIES {}\n#define GROOMED {}\n#define VIOLENT {}\n#define ACCELERATED {}\n",
                     threadsOf(key), edges_of_[g], (key & kGeneral) == 0 && !groomed ? 1 : 0,
-                    (key & kPinned) != 0 ? 1 : 0, needs.bodies ? 1 : 0, groomed ? 1 : 0, violent ? 1 : 0)));
+                    (key & kPinned) != 0 ? 1 : 0, needs.bodies ? 1 : 0, groomed ? 1 : 0, violent ? 1 : 0,
+                    needs.accelerated ? 1 : 0)));
   }
   return out;
 }
 
 void RodStrands::step(const Needs& needs, ProgramCache& programs) {
-  Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0)];
+  Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0)];
   if (mine.calm.empty()) mine = {compile(needs, false, programs), compile(needs, true, programs)};
   groups_.order().bindStorage(5);
   joints_.bindStorage(10);

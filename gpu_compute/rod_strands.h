@@ -13,8 +13,9 @@ class RodStrands {
   explicit RodStrands(const StrandModel& model);
   /// What the programs of a step are chosen by.
   struct Needs {
-    bool bodies;  ///< there are some
-    bool goal;    ///< all strands are pulled towards their goals
+    bool bodies;       ///< there are some
+    bool goal;         ///< all strands are pulled towards their goals
+    bool accelerated;  ///< StepInput::accelerations
   };
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs
   /// compiles.
@@ -30,7 +31,7 @@ class RodStrands {
   struct Programs {
     GroupPrograms calm, violent;
   };
-  std::array<Programs, 4> programs_;  ///< by needs; empty until first needed
+  std::array<Programs, 8> programs_;  ///< by needs; empty until first needed
 };
 
 }  // namespace strandcast::gpu

@@ -73,3 +73,10 @@ FN real crowding(IN(real) density, IN(real) rest, IN(real) stiffness) {
   real least = max(density, lit(1e-12));
   return stiffness * max(density - rest, lit(0)) * inverse(least * least);
 }
+// What is pushed with beyond that: it grows while hair is denser than `rest` and shrinks while it is thinner, so that what
+// must be carried all the time, as hair's own weight, is carried at the rest density (the integral part of a controller).
+// gain = rate x time step.
+FN real heldCrowding(IN(real) held, IN(real) density, IN(real) rest, IN(real) stiffness, IN(real) gain, IN(real) most) {
+  real least = max(density, lit(1e-12));
+  return clamp(madd(gain * stiffness, (density - rest) * inverse(least * least), held), lit(0), most);
+}

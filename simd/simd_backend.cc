@@ -66,6 +66,7 @@ class SimdBackend final : public Backend {
   }
   std::span<const Vec3> guides() override { return guides_; }
   bool takesAccelerations() const override { return true; }
+  void expectAccelerations() override { store_.expectAccelerations(); }
   std::span<const Vec3> velocities() override {
     forBlocks([&](size_t begin, size_t end, int) {
       for (size_t b = begin; b < end; ++b) store_.readVelocities(b, velocities_);

@@ -16,10 +16,11 @@ Parameters Laboratory::parameters(double rate, float air_drag) const {
 }
 
 Simulation Laboratory::simulation(StrandModel model, const Parameters& parameters,
-                                  std::vector<RigidBody> bodies) const {
+                                  std::vector<RigidBody> bodies, std::vector<WindSource> sources) const {
   std::unique_ptr<Backend> backend = backend_();
   std::unique_ptr<Surroundings> surroundings;
-  if (needsSurroundings(parameters)) surroundings = makeSurroundings(backend->name());
+  if (needsSurroundings(parameters) || !sources.empty())
+    surroundings = makeSurroundings(backend->name(), 0, std::move(sources));
   return Simulation(std::move(model), std::move(bodies), parameters, std::move(backend),
                     std::move(surroundings));
 }

@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 
+#include "air/wind_source.h"
 #include "core/simulation.h"
 
 namespace strandcast {
@@ -19,9 +20,9 @@ class Laboratory {
 
   /// One substep per step, `rate` steps per second.
   Parameters parameters(double rate, float air_drag) const;
-  /// With surroundings where the parameters ask for them.
-  Simulation simulation(StrandModel model, const Parameters& parameters,
-                        std::vector<RigidBody> bodies = {}) const;
+  /// With surroundings where the parameters or sources of wind ask for them.
+  Simulation simulation(StrandModel model, const Parameters& parameters, std::vector<RigidBody> bodies = {},
+                        std::vector<WindSource> sources = {}) const;
   std::string backendName() const { return backend_()->name(); }
   /// Throws Stopped where the experiment is to be given up.
   void checkStopped() const {

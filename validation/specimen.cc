@@ -55,4 +55,28 @@ StrandModel modelOf(const std::vector<StrandPoints>& strands, const Material& ma
   return modelOf(strands, std::vector<Material>{material});
 }
 
+StrandModel headOfHair(int strands, double length, int edges, double bend) {
+  std::vector<StrandPoints> hair;
+  for (int s = 0; s < strands; ++s) {
+    const double y = 1 - 1.3 * (s + 0.5) / strands, r = std::sqrt(1 - y * y);
+    const double angle = s * std::numbers::pi * (3 - std::sqrt(5.0));
+    const Eigen::Vector3d out(r * std::cos(angle), y, r * std::sin(angle));
+    StrandPoints points;
+    Eigen::Vector3d at = out * static_cast<double>(kHeadRadius), way = out;
+    for (int i = 0; i <= edges; ++i) {
+      points.push_back(at.cast<float>());
+      at += way * (length / edges);
+      way = (way - bend / edges * Eigen::Vector3d::UnitY()).normalized();
+    }
+    hair.push_back(points);
+  }
+  return modelOf(hair);
+}
+
+RigidBody headBody() {
+  ContactPrimitive ball;
+  ball.radius = kHeadRadius - 0.002f;
+  return {{ball}, true};
+}
+
 }  // namespace strandcast

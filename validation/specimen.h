@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "core/strand_model.h"
+#include "core/simulation.h"
 
 namespace strandcast {
 
@@ -22,6 +22,13 @@ double bendingOverMass(const Material& material);
 /// One groom of strands that each have their own material.
 StrandModel modelOf(const std::vector<StrandPoints>& strands, const std::vector<Material>& materials);
 StrandModel modelOf(const std::vector<StrandPoints>& strands, const Material& material = {});
+
+constexpr float kHeadRadius = 0.1f;  ///< m
+/// Hair that stands out of the upper half of a head and a little below, evenly (Fibonacci's spiral); `bend`:
+/// how much it turns downwards. The head's middle is the origin.
+StrandModel headOfHair(int strands, double length, int edges, double bend);
+/// That head.
+RigidBody headBody();
 
 constexpr double kGravity = 9.81;  ///< m/s^2, of every experiment that has any
 

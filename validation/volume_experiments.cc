@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kRate = 60;
 constexpr float kStiffness = 40, kFriction = 10;  // m^2/s^2, 1/s
-constexpr float kHead = 0.1f;                     // m, radius
 
 Parameters parametersOf(const Laboratory& laboratory, float stiffness, float friction, float air_drag) {
   Parameters parameters = laboratory.parameters(kRate, air_drag);
@@ -50,32 +49,6 @@ double volumeOf(std::span<const Vec3> positions) {
     volume += std::pow(kCube, 3) / density;
   }
   return volume;
-}
-
-// Hair that stands out of the upper half of a head and a little below, evenly (Fibonacci's spiral); `bend`:
-// how much it turns downwards.
-StrandModel headOfHair(int strands, double length, int edges, double bend) {
-  std::vector<StrandPoints> hair;
-  for (int s = 0; s < strands; ++s) {
-    const double y = 1 - 1.3 * (s + 0.5) / strands, r = std::sqrt(1 - y * y);
-    const double angle = s * std::numbers::pi * (3 - std::sqrt(5.0));
-    const Eigen::Vector3d out(r * std::cos(angle), y, r * std::sin(angle));
-    StrandPoints points;
-    Eigen::Vector3d at = out * static_cast<double>(kHead), way = out;
-    for (int i = 0; i <= edges; ++i) {
-      points.push_back(at.cast<float>());
-      at += way * (length / edges);
-      way = (way - bend / edges * Eigen::Vector3d::UnitY()).normalized();
-    }
-    hair.push_back(points);
-  }
-  return modelOf(hair);
-}
-
-RigidBody headBody() {
-  ContactPrimitive ball;
-  ball.radius = kHead - 0.002f;
-  return {{ball}, true};
 }
 
 constexpr double kHeadRates[] = {60, 240};  // steps per second: short ones allow more stiffness
@@ -115,7 +88,8 @@ std::vector<Case> atRest(const Laboratory& laboratory) {
       const Workers workers(1);
       HairGrid<float> grid(passesOf(laboratory.backendName()), workers, model, parameters.grid_cells,
                            restBox(model));
-      grid.splat(before.positions, before.velocities, Pose{});
+      grid.locate(before.positions, before.velocities, Pose{});
+      grid.splat();
       grid.findForces(parameters, parameters.time_step);
       std::vector<float> changes(4 * grid.samples().samples.size());
       grid.changes(0, grid.samples().samples.size(), changes.data());
@@ -149,7 +123,8 @@ std::vector<Case> momentum(const Laboratory& laboratory) {
         const auto n = static_cast<float>(s);
         velocities.emplace_back(std::sin(1.7f * n), 0.5f + std::sin(2.3f * n + 1), std::cos(3.1f * n));
       }
-    grid.splat(positions, velocities, Pose{});
+    grid.locate(positions, velocities, Pose{});
+    grid.splat();
     grid.findForces(parametersOf(laboratory, pushes ? kStiffness : 0, pushes ? 0 : kFriction, 1), 1 / kRate);
     const size_t count = grid.samples().samples.size();
     std::vector<float> changes(4 * count);
@@ -204,13 +179,14 @@ WispState carriedTogether(const Laboratory& laboratory, float stiffness) {
                        restBox(model));
   auto density = [&] {
     const StrandState now = simulation.state();
-    grid.splat(now.positions, now.velocities, Pose{});
+    grid.locate(now.positions, now.velocities, Pose{});
+    grid.splat();
     grid.findForces(parameters, parameters.time_step);
     double sum = 0, count = 0;
     for (size_t s = 0; s < model.strands(); ++s) {
       const uint32_t first = grid.samples().offsets[s], end = grid.samples().offsets[s + 1];
       for (uint32_t n = (first + end) / 2; n < end; ++n, ++count) {
-        auto node = [&](int axis) { return static_cast<int>(std::lround(grid.place(n)[axis])); };
+        auto node = [&](int axis) { return static_cast<int>(std::lround(grid.places(axis)[n])); };
         sum += grid.densityAt(node(0), node(1), node(2)) / static_cast<double>(grid.restDensity(n));
       }
     }

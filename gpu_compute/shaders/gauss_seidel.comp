@@ -1,8 +1,9 @@
 #version 450
-// variants: THREADS=4 WORKGROUP=32 GROOMED=0 | THREADS=32 WORKGROUP=32 GROOMED=1 | THREADS=128 WORKGROUP=128 GROOMED=0
+// variants: THREADS=4 WORKGROUP=32 GROOMED=0 ACCELERATED=1 | THREADS=32 WORKGROUP=32 GROOMED=1 ACCELERATED=0 | THREADS=128 WORKGROUP=128 GROOMED=0 ACCELERATED=0
 // One step of strands of up to THREADS vertices, all substeps in one dispatch: core/gauss_seidel_sweep.inl with a vertex
 // per invocation, WORKGROUP / THREADS strands per workgroup. Edge i, from vertex i to i + 1, belongs to invocation i.
 // GROOMED: there is a goal pull, or strands have tethers or factors that are not 1.
+// ACCELERATED: every vertex has an acceleration of its own.
 layout(local_size_x = WORKGROUP) in;
 
 #include "kernels/lanes_glsl.h"
@@ -91,7 +92,12 @@ void main() {
     vec3 root_position = madd(root_end.position - root_begin.position, time, root_begin.position);
     vec4 root = interpolateRotation(root_begin.rotation, root_end.rotation, time);
     vec3 start = x;
-    vec3 free = predictPosition(x, v, settings.gravity.xyz, settings.wind.xyz, keep, settings.substep);
+#if ACCELERATED
+    vec3 gravity = settings.gravity.xyz + accelerationOf(vertex);
+#else
+    vec3 gravity = settings.gravity.xyz;
+#endif
+    vec3 free = predictPosition(x, v, gravity, settings.wind.xyz, keep, settings.substep);
     vec3 held = local.w < 0.0 ? bonePoint(local, time) : rotate(root, local.xyz) + root_position;
 #if GROOMED
     free = drawnToGoal(free, held, goal_rate, settings.substep);

@@ -1,11 +1,11 @@
 #version 450
-// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 GROOMED=1 VIOLENT=0 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 GROOMED=0 VIOLENT=1 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 GROOMED=1 VIOLENT=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 GROOMED=0 VIOLENT=0
+// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 GROOMED=1 VIOLENT=0 ACCELERATED=0 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 GROOMED=0 VIOLENT=1 ACCELERATED=1 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 GROOMED=1 VIOLENT=1 ACCELERATED=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 GROOMED=0 VIOLENT=0 ACCELERATED=0
 // One step of strands as inextensible rods, all substeps in one dispatch: core/rod_sweep.inl with the state in registers,
 // four edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
 // become: own slots by elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
 // PINNED: more vertices than the roots are. BODIES: there are some. GROOMED: there is a goal pull, or strands have
-// factors that are not 1; then UNIFORM is 0.
+// factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
 // VIOLENT: what violent motion takes would double the registers of every strand. So a step is two dispatches: 0 does calm
 // strands and marks the others, 1 does the whole step of those that are marked.
 #define WORKGROUP 32
@@ -247,13 +247,19 @@ void makeBending(RootMotion root) {
   il[PER_THREAD] = inverseLengthOut();
   for (int p = 0; p < PER_THREAD; ++p) {
     vec3 outer = p < kLast ? force[min(p + 1, kLast)] : force_out;
+#if ACCELERATED
+    uint end = root_vertex + uint(min(rank * PER_THREAD + p + 1, edges));
+    vec3 pulled = madd(accelerationOf(end), settings.substep * settings.substep, fall);
+#else
+    vec3 pulled = fall;
+#endif
 #if GROOMED
-    vec3 way = madd(settings.wind.xyz, settings.substep * (settings.keep - keeps[p]), fall);
+    vec3 way = madd(settings.wind.xyz, settings.substep * (settings.keep - keeps[p]), pulled);
     vec3 goal = heldPoint(root_vertex + uint(min(rank * PER_THREAD + p + 1, edges)), root);
     vec3 total = force[p] - outer;
     if (weight(p) > 0.0) total += goalPull(way, mass(p), goal_stiffness[p], goal, x_new[p]);
 #else
-    vec3 total = madd(fall, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - outer);
+    vec3 total = madd(pulled, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - outer);
 #endif
     force[p] = isEdge(p) ? total : vec3(0);
     float own = mass(p) + bendOwn(stiffness[p], stiffness[p + 1], stiffness[p + 2], il[p], il[p + 1]);

@@ -32,6 +32,13 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
 layout(std430, binding = 6) readonly buffer Roots { float roots[]; };
 layout(std430, binding = 7) readonly buffer Primitives { Primitive primitives[]; };
 
+#if ACCELERATED
+layout(std430, binding = 14) readonly buffer Accelerations { float accelerations[]; };  // m/s^2, 3 per vertex
+vec3 accelerationOf(uint vertex) {
+  return vec3(accelerations[3u * vertex], accelerations[3u * vertex + 1u], accelerations[3u * vertex + 2u]);
+}
+#endif
+
 struct Pose {
   vec3 position;
   vec4 rotation;

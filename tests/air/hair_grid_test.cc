@@ -70,7 +70,8 @@ TEST(HairGrid, AnyNumberOfThreadsGivesTheSameBits) {
   for (const int threads : {1, 2, 3, 5, 8, 16}) {
     const Workers workers(threads);
     HairGrid<float> grid(simdPasses(), workers, hair.model, 32, restBox(hair.model));
-    grid.splat(hair.state.positions, hair.state.velocities, Pose{});
+    grid.locate(hair.state.positions, hair.state.velocities, Pose{});
+    grid.splat();
     grid.findForces(hair.parameters(), 1.0 / 60);
     std::vector<float> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
@@ -88,7 +89,8 @@ TEST(HairGrid, LanesAndDoublesAgree) {
   const Workers workers(1);
   auto run = [&](auto&& grid) {
     using Scalar = std::remove_reference_t<decltype(*grid.nodes())>;
-    grid.splat(hair.state.positions, hair.state.velocities, Pose{});
+    grid.locate(hair.state.positions, hair.state.velocities, Pose{});
+    grid.splat();
     grid.findForces(hair.parameters(), 1.0 / 60);
     std::vector<std::remove_const_t<Scalar>> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
@@ -121,7 +123,8 @@ TEST(HairGrid, HairAtRestFeelsNothingWhereverTheHeadIs) {
     std::vector<Vec3> positions = hair.state.positions;
     if (moved)
       for (Vec3& p : positions) p = head.apply(p);
-    grid.splat(positions, still, moved ? head : Pose{});
+    grid.locate(positions, still, moved ? head : Pose{});
+    grid.splat();
     grid.findForces(parameters, 1.0 / 60);
     std::vector<float> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
@@ -139,7 +142,8 @@ TEST(HairGrid, SqueezedHairIsPushedApartAndNoMomentumIsMade) {
   for (const bool friction : {false, true}) {
     Parameters parameters = hair.parameters();
     (friction ? parameters.volume_stiffness : parameters.hair_friction) = 0;
-    grid.splat(squeezed, hair.state.velocities, Pose{});
+    grid.locate(squeezed, hair.state.velocities, Pose{});
+    grid.splat();
     grid.findForces(parameters, 1.0 / 60);
     std::vector<float> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
@@ -151,7 +155,7 @@ TEST(HairGrid, SqueezedHairIsPushedApartAndNoMomentumIsMade) {
           Eigen::Vector3f(changes[4 * n], changes[4 * n + 1], changes[4 * n + 2]).cast<double>();
       sum += impulse;
       all += impulse.norm();
-      outwards += impulse.x() * (double{grid.place(n)[6]} - double{middle});
+      outwards += impulse.x() * (double{grid.places(kWorldPlace)[n]} - double{middle});
     }
     EXPECT_GT(all, 0);
     EXPECT_LT(sum.norm(), 1e-4 * all);
@@ -159,6 +163,35 @@ TEST(HairGrid, SqueezedHairIsPushedApartAndNoMomentumIsMade) {
       EXPECT_GT(outwards, 0);
     }
   }
+}
+
+TEST(HairGrid, WhatStaysCrowdedIsPushedHarderUntilReset) {
+  const Hair hair;
+  const Workers workers(1);
+  HairGrid<float> grid(simdPasses(), workers, hair.model, 32, restBox(hair.model));
+  std::vector<Vec3> squeezed = hair.state.positions;
+  for (Vec3& p : squeezed) p.x() *= 0.5f;
+  Parameters parameters = hair.parameters();
+  parameters.hair_friction = 0;
+  auto push = [&] {
+    grid.locate(squeezed, hair.state.velocities, Pose{});
+    grid.splat();
+    grid.findForces(parameters, 1.0 / 60);
+    std::vector<float> changes(4 * grid.samples().samples.size());
+    grid.changes(0, grid.samples().samples.size(), changes.data());
+    double sum = 0;
+    for (const float change : changes) sum += std::fabs(double{change});
+    return sum;
+  };
+  parameters.volume_hold = 0;
+  const double alone = push();
+  EXPECT_EQ(push(), alone);
+  parameters.volume_hold = 1;
+  const double first = push(), second = push();
+  EXPECT_GT(first, alone);
+  EXPECT_GT(second, first);
+  grid.reset();
+  EXPECT_EQ(push(), first);
 }
 
 TEST(HairGrid, StrandsThatWentWrongAreLeftOut) {
@@ -171,7 +204,8 @@ TEST(HairGrid, StrandsThatWentWrongAreLeftOut) {
   std::vector<Vec3> velocities = hair.state.velocities;
   velocities[80] = Vec3::Constant(HUGE_VALF);
   velocities[120] = Vec3::Constant(std::nanf(""));
-  grid.splat(positions, velocities, Pose{});
+  grid.locate(positions, velocities, Pose{});
+  grid.splat();
   grid.findForces(hair.parameters(), 1.0 / 60);
   std::vector<float> changes(4 * grid.samples().samples.size());
   grid.changes(0, grid.samples().samples.size(), changes.data());

@@ -367,6 +367,24 @@ TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {
   EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
 }
 
+TEST_F(Programs, SlicesThroughTheAirAreDrawn) {
+  if (run(program_ + " render --help").exit_code != 0) GTEST_SKIP() << "made without render";
+  const std::string scene =
+      program_ +
+      " render --scene straight --strands 60 --backend simd --set grid_cells=16 --frames 1 --json "
+      "--width 64 --height 64 --out " +
+      (folder_ / "air").string();
+  const Outcome drawn = run(scene + " --set wind_grid=1 --set wind=3,0,0 --show wind");
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_GT(nlohmann::json::parse(drawn.out)["full"], 2.5) << "m/s";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "air" / "frame_0000.png"));
+  const Outcome no_grid = run(scene + " --set wind=3,0,0 --set gust=0.5 --show wind");
+  EXPECT_EQ(no_grid.exit_code, 2);
+  EXPECT_NE(no_grid.err.find("wind_grid=1"), std::string::npos) << no_grid.err;
+  EXPECT_EQ(run(program_ + " render --show density --out " + (folder_ / "air").string()).exit_code, 2)
+      << "a daemon's grids are not cast";
+}
+
 TEST_F(Programs, DaemonCastsOverLcm) {
   const std::string network = " --transport lcm --domain " + domain_;
   const pid_t daemon = start({daemon_, "--scene", "straight", "--strands", "200", "--transport", "lcm",

@@ -69,6 +69,7 @@ class Conformance : public testing::TestWithParam<Contestant> {
   StrandState stepped(const StrandModel& model, const StrandState& from, const StepInput& input,
                       int steps = 1) {
     backend_->load(model, from);
+    if (!input.accelerations.empty()) backend_->expectAccelerations();
     for (int i = 0; i < steps; ++i) backend_->step(input);
     StrandState state;
     backend_->download(state);
@@ -123,6 +124,7 @@ StrandState nudged(StrandState state, uint32_t seed) {
 StrandState oracleStep(const StrandModel& model, const StrandState& from, const StepInput& input) {
   auto oracle = makeOracleBackend();
   oracle->load(model, from);
+  if (!input.accelerations.empty()) oracle->expectAccelerations();
   oracle->step(input);
   StrandState state;
   oracle->download(state);
@@ -154,6 +156,17 @@ constexpr Case kCases[] = {{"gravity only", false, false, false},
                            {"groomed, bodies, moving roots, wind", true, true, true, true, true},
                            {"tied to bones", false, true, false, false, false, true},
                            {"tethers, moving roots", false, true, false, false, false, false, true}};
+
+// m/s^2, as strong wind gives; it changes over some centimetres.
+std::vector<Vec3> someAccelerations(const StrandModel& model) {
+  std::vector<Vec3> out(model.vertices());
+  for (size_t s = 0; s < model.strands(); ++s)
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
+      const Vec3 x = 20 * model.restPosition(s, v);
+      out[v] = 20 * Vec3(std::sin(x.y()), std::cos(x.z()), std::sin(x.x() + 1));
+    }
+  return out;
+}
 
 TEST_P(Conformance, OneStepAgreesWithTheOracle) {
   const bool rod = parameters_.solver == SolverKind::kRod;
@@ -210,6 +223,33 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
     }
   }
   EXPECT_LE(grazing, among_bodies / 100);
+}
+
+TEST_P(Conformance, AStepUnderAccelerationsAgreesWithTheOracle) {
+  // One vertex count: with accelerations, a GPU compiles programs of their own.
+  StrandSet set;
+  for (int n = 0; n < 20; ++n) {
+    for (int i = 0; i < 17; ++i)
+      set.positions.emplace_back(0.01f * static_cast<float>(n), 0.001f * static_cast<float>(i * i),
+                                 0.01f * static_cast<float>(i));
+    set.offsets.push_back(static_cast<uint32_t>(set.positions.size()));
+  }
+  const StrandModel model = makeStrandModel(set);
+  const StrandState from = disturbedState(model, 12);
+  const std::vector<Vec3> accelerations = someAccelerations(model);
+  const std::vector<Pose> roots_end = movedRoots(model);
+  StepInput input{&parameters_, model.rest_roots, roots_end, {}};
+  const StrandState without = oracleStep(model, from, input);
+  input.accelerations = accelerations;
+  const double substep = parameters_.time_step / parameters_.substeps;
+  const StrandState truth = oracleStep(model, from, input), mine = stepped(model, from, input);
+  const std::vector<double> error = errors(model, mine, truth, substep),
+                            moved_by = errors(model, truth, without, substep);
+  for (size_t s = 0; s < model.strands(); ++s) {
+    EXPECT_LT(error[s], parameters_.solver == SolverKind::kRod ? kRodOneStepTolerance : kOneStepTolerance)
+        << s;
+    EXPECT_GT(moved_by[s], 1e-3) << s;
+  }
 }
 
 TEST_P(Conformance, UploadAndDownloadKeepEveryBit) {

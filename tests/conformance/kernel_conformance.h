@@ -32,6 +32,7 @@ enum Kernel {
   kMacCormack,
   kCrowding,
   kDragNotFelt,
+  kHeldCrowding,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

@@ -40,7 +40,7 @@ constexpr const char* kNames[kKernels] = {
     "normalizeOrZero", "surfaceMotion",       "multiply",        "fieldPlace",     "trilinear",
     "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",    "tethered",
     "gridPlace",       "interpolated",        "splatWeight",     "macCormack",     "crowding",
-    "dragNotFelt"};
+    "dragNotFelt",     "heldCrowding"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -163,6 +163,10 @@ class InputMaker {
       case kDragNotFelt:
         vector(v, 10), unit(v + 3, 3), v[6] = number(0, 10), v[7] = number(0, 1);
         break;
+      case kHeldCrowding:
+        v[0] = number(0, 2), v[1] = number(0.5f, 2), v[2] = number(0.5f, 2), v[3] = number(0, 10);
+        v[4] = number(0, 1), v[5] = number(1, 3);
+        break;
     }
     return item;
   }
@@ -245,6 +249,11 @@ Item nasty(int kernel, Item item, size_t way) {
     case kCrowding:  // as dense as at rest, and none at all
       if (way % 2 == 0) v[1] = v[0];
       if (way % 2 == 1) v[0] = v[1] = 0;
+      break;
+    case kHeldCrowding:  // as dense as at rest, and at both ends of its range
+      if (way % 3 == 0) v[2] = v[1];
+      if (way % 3 == 1) v[0] = v[5];
+      if (way % 3 == 2) v[0] = 0;
       break;
     default:
       break;

@@ -99,6 +99,18 @@ TEST(StepAllocation, WindAndForcesBetweenHairsAllocateNothing) {
   }
 }
 
+TEST(StepAllocation, AirThatIsOffAllocatesNothing) {
+  auto allocationsOf = [](std::unique_ptr<Surroundings> surroundings) {
+    std::unique_ptr<Backend> backend = makeSimdBackend(1);
+    const StrandModel model = awkwardModel(257, 91);
+    const size_t before = allocations;
+    Simulation simulation(model, {}, Parameters(), std::move(backend), std::move(surroundings));
+    simulation.step();
+    return allocations - before;
+  };
+  EXPECT_EQ(allocationsOf(makeSurroundings("simd", 1)), allocationsOf(nullptr));
+}
+
 TEST(StepAllocation, ReferenceAllocatesNothing) { expectNoAllocation(makeReferenceBackend()); }
 TEST(StepAllocation, SimdAllocatesNothing) {
   for (const std::string& target : simdTargets())

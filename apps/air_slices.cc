@@ -1,0 +1,146 @@
+#include "apps/air_slices.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+using Colour = std::array<double, 3>;
+constexpr Colour kAbove{0.70, 0.09, 0.17}, kBelow{0.13, 0.40, 0.67}, kHair{0.35, 0.22, 0.12},
+    kSolid{0.6, 0.6, 0.6}, kArrow{0, 0, 0};
+constexpr double kHairInk = 0.5;
+
+double valueOf(const AirSample& sample, AirQuantity quantity) {
+  switch (quantity) {
+    case AirQuantity::kDensity:
+      return static_cast<double>(sample.density);
+    case AirQuantity::kWind:
+      return static_cast<double>(sample.wind.norm());
+    case AirQuantity::kPressure:
+      return static_cast<double>(sample.pressure);
+    case AirQuantity::kDivergence:
+      break;
+  }
+  return static_cast<double>(sample.divergence);
+}
+
+const char* unitOf(AirQuantity quantity) {
+  constexpr const char* kUnits[] = {"kg/m^3", "m/s", "Pa", "1/s"};
+  return kUnits[static_cast<int>(quantity)];
+}
+
+/// A picture of a square of the world.
+class Canvas {
+ public:
+  Canvas(const Box& box, int axis, int size)
+      : right_(axis == 0 ? 2 : 0), up_(axis == 1 ? 2 : 1), axis_(axis), size_(size), box_(box) {
+    image_.width = image_.height = size;
+    image_.rgb.assign(size_t{3} * size * size, 255);
+    pixel_ = box.sizes().maxCoeff() / static_cast<float>(size);
+  }
+  Vec3 pointOf(int x, int y) const {
+    Vec3 point(box_.center());
+    point[right_] = box_.min()[right_] + (static_cast<float>(x) + 0.5f) * pixel_;
+    point[up_] = box_.max()[up_] - (static_cast<float>(y) + 0.5f) * pixel_;
+    return point;
+  }
+  void blend(int x, int y, const Colour& colour, double part) {
+    if (x < 0 || y < 0 || x >= size_ || y >= size_) return;
+    for (size_t c = 0; c < 3; ++c) {
+      uint8_t& value = image_.rgb[3 * (static_cast<size_t>(y) * size_ + static_cast<size_t>(x)) + c];
+      value = static_cast<uint8_t>(std::lround(value + part * (255 * colour[c] - value)));
+    }
+  }
+  void dot(const Vec3& point, const Colour& colour, double part) {
+    const auto [x, y] = pixelOf(point);
+    if (std::isfinite(x + y) && std::fabs(x) < 1e6f && std::fabs(y) < 1e6f)
+      blend(static_cast<int>(x), static_cast<int>(y), colour, part);
+  }
+  void line(const Vec3& from, const Vec3& to) {
+    const float length = (to - from).norm() / pixel_;
+    for (float i = 0; i <= length; i += 0.5f)
+      dot(from + (to - from) * (i / std::max(length, 1.0f)), kArrow, 1);
+  }
+  /// Along the part of `way` (m) that lies in the slice.
+  void arrow(const Vec3& middle, Vec3 way) {
+    way[axis_] = 0;
+    if (way.norm() < 2 * pixel_) return;
+    const Vec3 tip = middle + 0.5f * way;
+    Vec3 side = Vec3::Zero();
+    side[right_] = -way[up_];
+    side[up_] = way[right_];
+    line(middle - 0.5f * way, tip);
+    line(tip, tip - 0.3f * way + 0.15f * side);
+    line(tip, tip - 0.3f * way - 0.15f * side);
+  }
+  float distanceTo(const Vec3& point) const { return std::fabs(point[axis_] - box_.center()[axis_]); }
+  Image take() { return std::move(image_); }
+
+ private:
+  std::pair<float, float> pixelOf(const Vec3& point) const {
+    return {(point[right_] - box_.min()[right_]) / pixel_, (box_.max()[up_] - point[up_]) / pixel_};
+  }
+  int right_, up_, axis_, size_;
+  Box box_;
+  float pixel_;
+  Image image_;
+};
+
+}  // namespace
+
+AirQuantity airQuantity(const std::string& name) {
+  constexpr const char* kNames[] = {"density", "wind", "pressure", "divergence"};
+  for (int i = 0; i < 4; ++i)
+    if (name == kNames[i]) return static_cast<AirQuantity>(i);
+  throw Error("there is no such quantity of the air", name, "choose density, wind, pressure or divergence");
+}
+
+void checkHas(const AirFields& fields, AirQuantity quantity) {
+  if (quantity == AirQuantity::kDensity && !fields.hasDensity())
+    throw Error("the hair is not on a grid", "density", "give --set volume_stiffness=1 or --set wind_grid=1");
+  if (quantity != AirQuantity::kDensity && !fields.hasWind())
+    throw Error("the wind is not on a grid", unitOf(quantity), "give --set wind_grid=1");
+}
+
+AirSlice airSlice(const AirFields& fields, AirQuantity quantity, int axis, std::span<const Vec3> hair,
+                  int size) {
+  const Box box = fields.box();
+  Canvas canvas(box, axis, size);
+  std::vector<AirSample> samples;
+  samples.reserve(static_cast<size_t>(size) * static_cast<size_t>(size));
+  AirSlice out{{}, 0, unitOf(quantity)};
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      samples.push_back(fields.at(canvas.pointOf(x, y)));
+      out.full = std::max(out.full, std::fabs(valueOf(samples.back(), quantity)));
+    }
+  size_t next = 0;
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x, ++next) {
+      const double value = valueOf(samples[next], quantity);
+      if (samples[next].solid)
+        canvas.blend(x, y, kSolid, 1);
+      else if (out.full > 0)
+        canvas.blend(x, y, value > 0 ? kAbove : kBelow, std::fabs(value) / out.full);
+    }
+  for (const Vec3& point : hair)
+    if (canvas.distanceTo(point) < fields.cell()) canvas.dot(point, kHair, kHairInk);
+  if (quantity == AirQuantity::kWind && out.full > 0) {
+    const float apart = 2 * fields.cell(), longest = 0.9f * apart / static_cast<float>(out.full);
+    const int step = std::max(1, static_cast<int>(apart / box.sizes().maxCoeff() * static_cast<float>(size)));
+    for (int y = step / 2; y < size; y += step)
+      for (int x = step / 2; x < size; x += step) {
+        const AirSample& sample =
+            samples[static_cast<size_t>(y) * static_cast<size_t>(size) + static_cast<size_t>(x)];
+        if (!sample.solid) canvas.arrow(canvas.pointOf(x, y), sample.wind * longest);
+      }
+  }
+  out.image = canvas.take();
+  return out;
+}
+
+}  // namespace strandcast
