@@ -12,6 +12,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/lanes_glsl.h"
 #include "kernels/rotation.h"
 #include "kernels/contact.h"
+#include "kernels/distance_field.h"
 #include "kernels/rod.h"
 #include "gpu_compute/shaders/step_input.glsl"
 #if GROOMED
@@ -287,7 +288,7 @@ void collide(float time) {
     body.friction *= strand_grooming.x;
 #endif
     for (int p = 0; p < PER_THREAD; ++p)
-      if (weight(p) > 0.0) pushOut(body, x[p], x_new[p], normals[p]);
+      if (weight(p) > 0.0) pushOut(body, x[p], clearance(p), x_new[p], normals[p]);
   }
   for (int p = 0; p < PER_THREAD; ++p)
     if (dot(normals[p], normals[p]) > 0.0) softness[p] = 0.0;
