@@ -10,7 +10,8 @@
 namespace strandcast {
 namespace {
 
-/// How far from `bodies`, at rest, the vertices of the model are: StrandModel::rest_distance.
+/// How far from `bodies`, at rest, the vertices of the model are: StrandModel::rest_distance. What is deeper
+/// than `depths`, one per body, is held by none.
 std::vector<float> restDistances(const StrandModel& model, std::span<const MovingPrimitive> bodies,
                                  std::span<const uint32_t> words, std::span<const float> depths) {
   constexpr float kSlack = 2e-6f;  // m, so that rounding does not press on what is at rest
@@ -47,7 +48,9 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
     for (size_t i = 0; i < added.data.size(); ++i) {
       const ContactPrimitive& primitive = added.body.primitives[i];
       rooted.push_back(moved(primitive, added.begin, added.begin, parameters_.time_step, added.data[i]));
-      depths.push_back(primitive.field ? primitive.field->grid.band : kFarFromBodies);
+      // What a field holds is to stay among its samples, away from where it knows bounds only.
+      const FieldGrid* grid = primitive.field ? &primitive.field->grid : nullptr;
+      depths.push_back(grid != nullptr ? grid->band - 2 * grid->cell : kFarFromBodies);
     }
   }
   if (!rooted.empty()) model_.rest_distance = restDistances(model_, rooted, shapes_.words, depths);
