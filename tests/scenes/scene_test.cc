@@ -218,6 +218,7 @@ TEST(Scenes, RealGroomsRun300StepsAndStayFinite) {
        "ponytail_body.obj",
        0.0025f,
        0.005f,
+       1e-3,
        4933},
       {"sintel", {"sintel_hair_16pts.tfx"}, "sintel-collider.obj", 1, 0.003f, 1e-3, 11400},
       {"bear", {"bear.tfx"}, "bear_body.obj", 0.01f, 0.012f, 6e-3, 48113 - 270},
