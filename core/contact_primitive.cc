@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/broad_phase.h"
 #include "core/error.h"
 #include "kernels/scalar_float.h"
 
@@ -160,8 +161,7 @@ float signedDistance(const MovingPrimitive& primitive, const Vec3& point, std::s
 Box sweptBox(const MovingPrimitive& p) {
   const auto kind = static_cast<PrimitiveKind>(p.kind);
   if (kind == PrimitiveKind::kPlane) {
-    const float far = 1e18f;
-    return {Eigen::Vector3f::Constant(-far), Eigen::Vector3f::Constant(far)};
+    return {Eigen::Vector3f::Constant(-kEndless), Eigen::Vector3f::Constant(kEndless)};
   }
   Box box(Eigen::Vector3f(p.a_begin));
   box.extend(Eigen::Vector3f(p.a_end));

@@ -1,23 +1,25 @@
-// The bodies that the strands of a block may touch in a step: those whose swept boxes meet the block's. Included after
-// core/strand_sweep.inl.
+// The bodies that the strands of a block may touch in a step: of those that the broad phase has listed for its neighbourhood by
+// how far strands reach, the ones near where its strands are now. Included after core/strand_sweep.inl.
 class NearBodies {
  public:
   NearBodies(const Block& b, const StepInput& input) : block_(b), bodies_(input.primitives) {
-    if (bodies_.empty()) return;
+    if (input.near != nullptr) listed_ = input.near->of(b.neighbourhood);
+    is_listed_ = input.near != nullptr;
+    if (candidates() == 0) return;
     friction_scale_ = groomingFactor(b, kFrictionScale, 0);
     all_ = !calm(b, input) || b.bone_pins != nullptr;  // a bone may pull strands anywhere
     if (all_) return;
     const Box box = reach(b, input);
-    for (size_t i = 0; i < bodies_.size(); ++i) {
-      if (!meets(bodies_[i], box)) continue;
+    for (size_t i = 0; i < candidates(); ++i) {
+      if (!meets(bodies_[candidate(i)], box)) continue;
       if (count_ == kMost) {  // then all are taken
         all_ = true;
         break;
       }
-      near_[count_++] = static_cast<uint32_t>(i);
+      near_[count_++] = candidate(i);
     }
   }
-  size_t size() const { return all_ ? bodies_.size() : count_; }
+  size_t size() const { return all_ ? candidates() : count_; }
 
   /// To be called at the start of a substep, for pushAllOut(). `time` as of bodyAt().
   void place(const StepInput& input, double time) {
@@ -36,7 +38,9 @@ class NearBodies {
  private:
   static constexpr size_t kMost = 64, kPlaced = 16, kMostLanes = 64;
 
-  const MovingPrimitive& body(size_t i) const { return bodies_[all_ ? i : near_[i]]; }
+  const MovingPrimitive& body(size_t i) const { return bodies_[all_ ? candidate(i) : near_[i]]; }
+  size_t candidates() const { return is_listed_ ? listed_.size() : bodies_.size(); }
+  uint32_t candidate(size_t i) const { return is_listed_ ? listed_[i] : static_cast<uint32_t>(i); }
 
   // How far from every body vertex v must be: what lies deeper at rest may stay as deep.
   real clearance(int v) const {
@@ -123,6 +127,8 @@ class NearBodies {
 
   const Block& block_;
   std::span<const MovingPrimitive> bodies_;
+  std::span<const uint32_t> listed_;
+  bool is_listed_ = false;
   uint32_t near_[kMost];
   size_t count_ = 0;
   bool all_ = false;

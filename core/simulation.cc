@@ -30,14 +30,18 @@ std::vector<float> restDistances(const StrandModel& model, std::span<const Movin
 }  // namespace
 
 Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
-                       std::unique_ptr<Backend> backend)
+                       std::unique_ptr<Backend> backend, std::unique_ptr<BroadPhase> broad_phase)
     : model_(std::move(model)),
       parameters_(parameters),
       backend_(std::move(backend)),
       bones_begin_(model_.bones.size()),
       bones_end_(model_.bones.size()),
       roots_begin_(model_.rest_roots),
-      roots_end_(model_.rest_roots) {
+      roots_end_(model_.rest_roots),
+      broad_phase_(std::move(broad_phase)),
+      order_(strandOrder(model_)),
+      bound_to_root_(order_.neighbourhoods(), true),
+      strand_boxes_(order_.neighbourhoods()) {
   checkParameters(parameters_, "Simulation");
   std::vector<MovingPrimitive> rooted;
   std::vector<float> depths;
@@ -56,8 +60,11 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
   if (!rooted.empty()) model_.rest_distance = restDistances(model_, rooted, shapes_.words, depths);
   for (size_t s = 0; s < model_.strands(); ++s)
     lengths_.push_back(arcLength({model_.rest_local.data() + model_.offsets[s], model_.verticesOf(s)}));
+  for (size_t s = 0; s < model_.strands(); ++s)
+    for (uint32_t v = model_.offsets[s]; v < model_.offsets[s + 1]; ++v)
+      if (model_.isBonePinned(s, v)) bound_to_root_[order_.neighbourhood_of[s]] = false;
   backend_->load(model_, restState(model_, roots_begin_));
-  placePrimitives();
+  reserveForBodies();
 }
 
 void Simulation::setHeadPose(const Pose& head) {
@@ -103,7 +110,7 @@ Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) {
 
 BodyId Simulation::addBody(RigidBody body) {
   bodies_.push_back(placed(std::move(body), "Simulation::addBody"));
-  placePrimitives();
+  reserveForBodies();
   return bodies_.back().id;
 }
 
@@ -150,10 +157,45 @@ void Simulation::placePrimitives() {
   }
 }
 
+void Simulation::reserveForBodies() {
+  constexpr size_t kMost = size_t{1} << 22;
+  placePrimitives();
+  body_boxes_.reserve(primitives_.size());
+  near_.offsets.reserve(order_.neighbourhoods() + 1);
+  near_.bodies.reserve(std::min(order_.neighbourhoods() * primitives_.size(), kMost));
+}
+
+void Simulation::findNearBodies() {
+  constexpr float kStretch = 1.1f;  // more than edges before a pin do
+  body_boxes_.clear();
+  for (const MovingPrimitive& primitive : primitives_) body_boxes_.push_back(sweptBox(primitive));
+  for (size_t n = 0; n < order_.neighbourhoods(); ++n) {
+    Box& box = strand_boxes_[n];
+    if (!bound_to_root_[n]) {
+      box = Box(Eigen::Vector3f::Constant(-kEndless), Eigen::Vector3f::Constant(kEndless));
+      continue;
+    }
+    box.setEmpty();
+    float longest = 0;
+    for (const uint32_t s : order_.strandsOf(n)) {
+      box.extend(Eigen::Vector3f(roots_begin_[s].position)).extend(Eigen::Vector3f(roots_end_[s].position));
+      longest = std::max(longest, lengths_[s]);
+    }
+    const float reach = kStretch * longest + parameters_.hair_radius;
+    box.min().array() -= reach;
+    box.max().array() += reach;
+  }
+  broad_phase_->find(body_boxes_, strand_boxes_, near_);
+}
+
 StepInput Simulation::nextInput() {
   placeRoots(bones_end_, roots_end_);
   placePrimitives();
-  return {&parameters_, roots_begin_, roots_end_, primitives_, bones_begin_, bones_end_, &shapes_};
+  // Strands of the rod stay within their length of their root, whatever pushes them; others may stretch.
+  const bool listed = parameters_.solver == SolverKind::kRod && !primitives_.empty();
+  if (listed) findNearBodies();
+  return {&parameters_, roots_begin_, roots_end_, primitives_,
+          bones_begin_, bones_end_,   &shapes_,   listed ? &near_ : nullptr};
 }
 
 void Simulation::step() {

@@ -5,6 +5,7 @@
 
 #include "core/backend.h"
 #include "core/measure.h"
+#include "core/strand_order.h"
 
 namespace strandcast {
 
@@ -30,7 +31,7 @@ class Simulation {
  public:
   /// `backend` is empty-handed: the simulation loads the model into it.
   Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
-             std::unique_ptr<Backend> backend);
+             std::unique_ptr<Backend> backend, std::unique_ptr<BroadPhase> broad_phase = makeAllPairs());
 
   /// Where the head is to be at the end of the next step. Motion in between is interpolated. Error: see
   /// checkPose.
@@ -93,6 +94,10 @@ class Simulation {
   void placePrimitives();
   const PlacedBody& find(BodyId body, const char* where) const;
   PlacedBody& find(BodyId body, const char* where);
+  /// So that steps need not allocate.
+  void reserveForBodies();
+  /// Fills near_ from where roots and bodies are in the next step.
+  void findNearBodies();
   /// What is kept of a new body; throws Error.
   PlacedBody placed(RigidBody body, const char* where);
   /// The rest shape where roots and bones are now, at rest.
@@ -108,6 +113,11 @@ class Simulation {
   std::vector<Pose> roots_begin_, roots_end_;
   std::vector<float> lengths_;  ///< of strands at rest, m
   std::vector<MovingPrimitive> primitives_;
+  std::unique_ptr<BroadPhase> broad_phase_;
+  StrandOrder order_;
+  std::vector<bool> bound_to_root_;  ///< per neighbourhood: no bone but that of their roots holds its strands
+  std::vector<Box> body_boxes_, strand_boxes_;
+  NearBodyLists near_;
   double time_ = 0;
   uint64_t steps_ = 0;
 };

@@ -52,6 +52,7 @@ struct BlockView {
   bool factors;                 ///< some factor of the strands is not 1
   const Scalar* grooming;       ///< [vertex][kGroomingPlanes][lane]; null where there is none
   const Scalar* rest_distance;  ///< [vertex][lane], m, see StrandModel; null where there is none
+  uint32_t neighbourhood;       ///< of StrandOrder, of all its strands
 };
 
 constexpr int kRootPlanes = 14;
@@ -87,8 +88,8 @@ constexpr size_t blockScratch(int vertices, int lanes) {
   return solverScratch(vertices, lanes) + static_cast<size_t>(kGroomingRows) * vertices * lanes;
 }
 
-/// The working store of the CPU backends: strands sorted by vertex count and by where their roots are, cut
-/// into blocks of `lanes` strands of equal count. A block is contiguous, small enough to stay in the near
+/// The working store of the CPU backends: strands in the order of StrandOrder, cut into blocks of `lanes`
+/// strands of equal count. A block is contiguous, small enough to stay in the near
 /// caches through all substeps of a step.
 template <class Scalar>
 class BlockStore {
@@ -113,6 +114,7 @@ class BlockStore {
     size_t first;                    ///< in order_
     size_t count;                    ///< strands, at most lanes_
     size_t memory;                   ///< index of its first scalar in memory_
+    uint32_t neighbourhood;          ///< of StrandOrder
     size_t first_pin = 0, pins = 0;  ///< in pins_
   };
   static bool groomed(const Block& block) { return block.factors || block.tethers; }
@@ -134,7 +136,7 @@ class BlockStore {
   bool rest_distance_ = false;  ///< the model has them
   std::vector<Block> blocks_;
   std::vector<BonePin> pins_;
-  std::vector<uint32_t> order_;    ///< strands, by vertex count
+  std::vector<uint32_t> order_;    ///< strands, as StrandOrder has them
   std::vector<uint32_t> offsets_;  ///< of the model
   mutable std::vector<Scalar, CacheLineAllocator<Scalar>> memory_;
 };

@@ -5,11 +5,13 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/strand_order.h"
 
 namespace strandcast::gpu {
 namespace {
 
-constexpr size_t kFirstPrimitives = 256;  // what a step may bring before the ring is made anew, larger
+// What a step may bring before the ring is made anew, larger.
+constexpr UploadRing::Counts kFirstCounts = {256, 4096};
 
 using Vec4 = std::array<float, 4>;
 
@@ -27,6 +29,14 @@ std::vector<Vec4> packRestLocal(const StrandModel& model) {
       packed[v] = model.isBonePinned(s, v)
                       ? vec4(model.restPosition(s, v), -1 - static_cast<float>(model.pin_bones[v]))
                       : vec4(model.rest_local[v], model.inverse_mass[v]);
+  return packed;
+}
+
+/// Of shaders/strand_offsets.glsl.
+std::vector<uint32_t> packOffsets(const StrandModel& model) {
+  std::vector<uint32_t> packed = model.offsets;
+  const StrandOrder order = strandOrder(model);
+  packed.insert(packed.end(), order.neighbourhood_of.begin(), order.neighbourhood_of.end());
   return packed;
 }
 
@@ -79,13 +89,13 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
       velocities_(storage<Vec4>(vertices_)),
       frames_(storage<Vec4>(vertices_)),
       rest_local_(std::span<const Vec4>(packRestLocal(model))),
-      offsets_(std::span<const uint32_t>(model.offsets)),
+      offsets_(std::span<const uint32_t>(packOffsets(model))),
       guides_(storage<Vec3>(vertices_)),
       shapes_(storage<uint32_t>(1)),
       groomed_(!model.damping_scale.empty()),
       gauss_seidel_(model),
       rod_(model),
-      uploads_(std::in_place, strands_, bones_, kFirstPrimitives),
+      uploads_(std::in_place, strands_, bones_, kFirstCounts),
       readback_(vertices_) {
   if (groomed_) grooming_ = gl::Buffer(std::span<const Vec4>(packGrooming(model)));
   if (glGetError() == GL_OUT_OF_MEMORY)
@@ -162,9 +172,12 @@ void GpuStrands::takeShapes(const ShapeData* shapes) {
 void GpuStrands::step(const StepInput& input) {
   uploaded_.clear();
   if (vertices_ == 0) return;
-  if (!uploads_->holds(input.primitives.size())) {  // more bodies than ever before
+  const UploadRing::Counts wanted = UploadRing::countsOf(input), has = uploads_->capacity();
+  if (wanted.primitives > has.primitives || wanted.near > has.near) {  // more than ever before
     glFinish();
-    uploads_.emplace(strands_, bones_, 2 * input.primitives.size());
+    uploads_.emplace(strands_, bones_,
+                     UploadRing::Counts{std::max(has.primitives, 2 * wanted.primitives),
+                                        std::max(has.near, 2 * wanted.near)});
   }
   takeShapes(input.shapes);
   uploads_->write(input);

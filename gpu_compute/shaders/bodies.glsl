@@ -1,4 +1,12 @@
-// Contact with the bodies of a step. Needs step_input.glsl, kernels/contact.h and kernels/distance_field.h.
+// Contact with the bodies of a step. Needs step_input.glsl, kernels/contact.h and kernels/distance_field.h, and offsets[].
+
+// From and to: what nearBody() may be asked for, of the bodies that a strand may touch.
+uvec2 nearRange(uint strand) {
+  if (settings.neighbourhoods == 0u) return uvec2(0u, settings.primitive_count);
+  uint neighbourhood = offsets[settings.strand_count + 1u + strand];
+  return settings.neighbourhoods + 1u + uvec2(near_bodies[neighbourhood], near_bodies[neighbourhood + 1u]);
+}
+uint nearBody(uint i) { return settings.neighbourhoods == 0u ? i : near_bodies[i]; }
 
 // A body at the end of a substep.
 struct SubstepBody {

@@ -15,6 +15,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/distance_field.h"
 #include "kernels/rod.h"
 #include "gpu_compute/shaders/step_input.glsl"
+#include "gpu_compute/shaders/strand_offsets.glsl"
 #if GROOMED
 #include "kernels/grooming.h"
 #include "gpu_compute/shaders/grooming.glsl"
@@ -282,8 +283,9 @@ void moveByForces() {
 #if BODIES
 // Pushes vertices out of the bodies; the normals are kept for the length solve, which must not push them back in.
 void collide(float time) {
-  for (uint i = 0u; i < settings.primitive_count; ++i) {
-    SubstepBody body = bodyAt(i, time);
+  uvec2 range = nearRange(strand);
+  for (uint i = range.x; i < range.y; ++i) {
+    SubstepBody body = bodyAt(nearBody(i), time);
 #if GROOMED
     body.friction *= strand_grooming.x;
 #endif

@@ -5,7 +5,6 @@
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz; w: rest distance from bodies, m
 layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
-layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };      // first vertex of each strand
 layout(std430, binding = 5) readonly buffer Order { uint order[]; };          // strands by group
 layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };      // 3 per vertex
 layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // of the edge that starts at the vertex

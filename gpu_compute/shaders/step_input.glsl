@@ -35,11 +35,14 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   uint primitive_count;
   uint strand_count;
   uint bone_count;
+  uint neighbourhoods;  // with lists of near bodies; 0 = every strand may touch every body
 } settings;
 // 7 per pose: of strands at the beginning, then at the end; of bones at the beginning, then at the end.
 layout(std430, binding = 6) readonly buffer Roots { float roots[]; };
 layout(std430, binding = 7) readonly buffer Primitives { Primitive primitives[]; };
 layout(std430, binding = 14) readonly buffer Shapes { uint shape_words[]; };
+// Where the list of each neighbourhood starts (one more than there are), then the lists.
+layout(std430, binding = 15) readonly buffer Near { uint near_bodies[]; };
 
 struct Pose {
   vec3 position;
