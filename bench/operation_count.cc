@@ -1,5 +1,6 @@
 #include "bench/operation_count.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>

@@ -1,5 +1,6 @@
 #include "core/contact_primitive.h"
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -154,7 +155,7 @@ MovingPrimitive moved(const ContactPrimitive& primitive, const Pose& begin, cons
 }
 
 float signedDistance(const MovingPrimitive& primitive, const Vec3& point, std::span<const uint32_t> words) {
-  const auto body = kernels::f32::bodyAt(primitive, words.data(), 1, 1, 1, 0);
+  const auto body = kernels::f32::bodyAt(primitive, words.data(), 1, 1, 1, 0, 1);
   return kernels::f32::surfaceAt(body, {point.x(), point.y(), point.z()}, 0).distance;
 }
 

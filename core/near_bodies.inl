@@ -30,8 +30,10 @@ class NearBodies {
   /// pushOut() of every body, for vertex `v`.
   real3 pushAllOut(int v, real3 x, const real3& x_start, const mask& free, real3& normal) const {
     const real clear = clearance(v);
-    for (size_t i = 0; i < size(); ++i)
-      x = pushOut(i < kPlaced ? placed_[i] : place(i, *input_, time_), x, x_start, clear, free, normal);
+    const size_t placed = std::min(size(), kPlaced);
+    for (size_t i = 0; i < placed; ++i) x = pushOut(placed_[i], x, x_start, clear, free, normal);
+    for (size_t i = placed; i < size(); ++i)
+      x = pushOut(place(i, *input_, time_), x, x_start, clear, free, normal);
     return x;
   }
 
@@ -51,10 +53,8 @@ class NearBodies {
   SubstepBody place(size_t i, const StepInput& input, double time) const {
     const Parameters& p = *input.parameters;
     const uint32_t* words = input.shapes != nullptr ? input.shapes->words.data() : nullptr;
-    SubstepBody placed =
-        bodyAt(body(i), words, time, 1.0 / p.substeps, static_cast<double>(p.time_step) / p.substeps, p.hair_radius);
-    placed.friction = placed.friction * friction_scale_;
-    return placed;
+    return bodyAt(body(i), words, time, 1.0 / p.substeps, static_cast<double>(p.time_step) / p.substeps, p.hair_radius,
+                  friction_scale_);
   }
 
   // Whether the strands only move as their velocities say: no edge is stretched or stands across its frame, as after an

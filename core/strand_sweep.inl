@@ -56,14 +56,14 @@ inline real3 heldPoint(const Block& b, const RootFrame& root, int i, double time
 inline real3 pushOut(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, const mask& free,
                      real3& normal) {
   if (body.kind != PrimitiveKind::kPlane) {
-    const real3 off = x - body.middle;
-    if (!anyTrue(dot(off, off) < body.ball2)) return x;
+    const real3 off = x - spread(body.middle);
+    if (!anyTrue(dot(off, off) < lit(body.ball2))) return x;
   }
   const SurfacePoint at = surfaceAt(body, x, clear);
   const real distance = at.distance - clear;
   const mask touches = (distance < lit(0)) && free;
   if (!anyTrue(touches)) return x;
-  const real3 motion = surfaceMotion(x, at.axis_point, at.axis_motion, body.spin, body.substep);
+  const real3 motion = surfaceMotion(x, at.axis_point, at.axis_motion, spread(body.spin), lit(body.substep));
   const real3 outside = resolveContact(x, x_start, motion, at.normal, distance, body.friction);
   normal = select(touches, at.normal, normal);
   return select(touches, outside, x);
