@@ -66,6 +66,8 @@ void checkPrimitive(const ContactPrimitive& p, const std::string& where) {
     throw Error("a body's shape is not finite", where, "check its points, sizes, rotation and friction");
   if (p.radius < 0 || p.radius_b < 0 || p.friction < 0)
     throw Error("a body's radius or friction is negative", where, "give 0 or more");
+  if (p.kind == PrimitiveKind::kPlane && std::fabs(p.b.norm() - 1) > 1e-3f)
+    throw Error("a plane's normal is not of unit length", where, "normalise it");
   const bool turns = p.kind >= PrimitiveKind::kEllipsoid;
   if (turns && std::fabs(p.rotation.norm() - 1) > 1e-3f)
     throw Error("a body's rotation is not of unit length", where, "normalise it");

@@ -13,8 +13,9 @@ struct ConvexBody {
   Box bounds;
 };
 
-/// The planes of a closed convex mesh; triangles of one plane give one. Throws Error when a vertex lies
-/// before the plane of a triangle by more than `tolerance` of the mesh's diagonal, or when it has no volume.
+/// The planes of a closed convex mesh, 1024 at most; triangles of one plane give one. Throws Error when a
+/// vertex lies before the plane of a triangle by more than `tolerance` of the mesh's diagonal, when the mesh
+/// is open or has no volume, and when there are too many.
 ConvexBody convexBody(const TriangleMesh& mesh, float tolerance = 1e-4f);
 
 }  // namespace strandcast

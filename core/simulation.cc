@@ -38,7 +38,7 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
       bones_end_(model_.bones.size()),
       roots_begin_(model_.rest_roots),
       roots_end_(model_.rest_roots),
-      broad_phase_(std::move(broad_phase)),
+      broad_phase_(broad_phase != nullptr ? std::move(broad_phase) : makeAllPairs()),
       order_(strandOrder(model_)),
       bound_to_root_(order_.neighbourhoods(), true),
       strand_boxes_(order_.neighbourhoods()) {

@@ -25,13 +25,13 @@ using BodyId = uint64_t;
 /// Runs one groom on one backend: fixed steps, prescribed head motion, bodies, parameters.
 /// The groom's roots and the bodies that follow the head move rigidly with the head pose, what the model has
 /// pinned to other bones with theirs.
-/// What is not finite is refused at the door: setHeadPose, setBonePose, teleport, setParameters and the
-/// constructor throw Error on it and leave the simulation as it was.
+/// What is not finite is refused at the door: setHeadPose, setBonePose, addBody, setBodyPose, teleport,
+/// setParameters and the constructor throw Error on it and leave the simulation as it was.
 class Simulation {
  public:
-  /// `backend` is empty-handed: the simulation loads the model into it.
+  /// `backend` is empty-handed: the simulation loads the model into it. `broad_phase`: null = makeAllPairs().
   Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
-             std::unique_ptr<Backend> backend, std::unique_ptr<BroadPhase> broad_phase = makeAllPairs());
+             std::unique_ptr<Backend> backend, std::unique_ptr<BroadPhase> broad_phase = nullptr);
 
   /// Where the head is to be at the end of the next step. Motion in between is interpolated. Error: see
   /// checkPose.

@@ -9,6 +9,7 @@
 #include "core/contact_primitive.h"
 #include "core/error.h"
 #include "kernels/scalar_double.h"
+#include "tests/collision/shapes.h"
 #include "tests/conformance/conformance_model.h"
 
 namespace strandcast {
@@ -152,6 +153,10 @@ TEST(BodyShapes, ConvexBodiesAreRefusedWhereTheyAreNone) {
   mesh.triangles = {{0, 2, 1}, {0, 1, 2}};
   EXPECT_THROW(convexBody(mesh), Error) << "flat";
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  TriangleMesh open = shapes::box(Vec3(1, 1, 1));
+  EXPECT_EQ(convexBody(open).planes.size(), 6u);
+  open.triangles.resize(open.triangles.size() - 2);
+  EXPECT_THROW(convexBody(open), Error) << "open";
   EXPECT_EQ(convexBody(mesh).planes.size(), 4u);
 }
 
@@ -178,6 +183,18 @@ TEST(BodyShapes, FieldsAreNearTheSurfaceWhatWasBakedAndNowhereFarther) {
   }
   EXPECT_GT(stored, 300);
   EXPECT_GT(deep, 100);
+}
+
+TEST(BodyShapes, AnyPointHasAnAnswer) {
+  for (int kind = 0; kind < kFurtherKinds; ++kind) {
+    ShapeData shapes;
+    const MovingPrimitive body = furtherBody(kind, 0.01f, shapes);
+    EXPECT_GT(signedDistance(body, Vec3(0, 1e6f, 0), shapes.words), 1e-3f);
+    for (const float bad : {NAN, INFINITY, -INFINITY, 1e30f}) {
+      signedDistance(body, Vec3(bad, 0, 0), shapes.words);
+      signedDistance(body, Vec3(0, bad, bad), shapes.words);
+    }
+  }
 }
 
 TEST(BodyShapes, BoxesOfTheirWayHoldThem) {
@@ -227,6 +244,9 @@ TEST(BodyShapes, BadShapesAreRefused) {
   shape.friction = -1;
   refused(shape);
   shape = {};
+  shape.kind = PrimitiveKind::kPlane;
+  shape.b = Vec3(0, 2, 0);
+  refused(shape);
   shape.kind = PrimitiveKind::kBox;
   refused(shape);
   shape.extent = Vec3(1, 1, 1);
