@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/backends.h"
+#include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
 #include "core/sag_free.h"
 
@@ -34,7 +35,8 @@ StrandModel modelOf(const Scene& scene, const Settings& settings, const Vec3& gr
 Simulation makeSimulation(const Scene& scene, const Settings& settings) {
   const Parameters parameters = sceneParameters(scene, settings);
   return Simulation(modelOf(scene, settings, parameters.gravity), scene.bodies, parameters,
-                    createBackend(knownBackends(), settings.backend, settings.threads, settings.solver));
+                    createBackend(knownBackends(), settings.backend, settings.threads, settings.solver),
+                    makeTreeBroadPhase());
 }
 
 }  // namespace strandcast

@@ -50,13 +50,16 @@ class SettingsOptions {
   CLI::App& app_;
   std::filesystem::path config_;
   Settings given_;
-  std::string up_, solver_;
+  std::string up_, solver_, body_contact_;
   bool sag_free_ = true;
   std::vector<std::string> groom_, material_, set_;
 };
 
 /// "auto", "x", "y" or "z"; Error otherwise, naming `where`.
 UpAxis upAxisOf(const std::string& name, const std::string& where = "--up");
+
+/// "field" or "spheres"; Error otherwise, naming `where`.
+BodyContact bodyContactOf(const std::string& name, const std::string& where = "--body-contact");
 
 /// Adds --transport, --domain and --groom-id, which every program that joins a network has.
 void addNetworkOptions(CLI::App& app, Settings& settings);

@@ -15,6 +15,7 @@
 #include "apps/console.h"
 #include "bench/accuracy.h"
 #include "bench/operation_count.h"
+#include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
 #include "core/simulation.h"
 #include "scenes/scene.h"
@@ -55,7 +56,8 @@ Result run(const Options& o, const Scene& scene, const std::string& backend) {
   parameters.iterations = o.iterations;
   parameters.solver = solverKind(o.solver);
   Simulation simulation(sceneModel(scene), bodiesOf(o, scene), parameters,
-                        createBackend(knownBackends(), backend, o.threads, parameters.solver));
+                        createBackend(knownBackends(), backend, o.threads, parameters.solver),
+                        makeTreeBroadPhase());
   std::vector<double> ms, gpu_ms;
   for (int step = 0; step < o.warmup + o.steps; ++step) {
     simulation.setHeadPose(scene.motion(simulation.time() + parameters.time_step));
