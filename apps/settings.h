@@ -55,7 +55,7 @@ class SettingsOptions {
   CLI::App& app_;
   std::filesystem::path config_;
   Settings given_;
-  std::string up_, solver_, codec_;
+  std::string up_, solver_, codec_, body_contact_;
   double codec_error_mm_ = 0;
   bool sag_free_ = true;
   std::vector<std::string> groom_, material_, set_;
@@ -63,6 +63,9 @@ class SettingsOptions {
 
 /// "auto", "x", "y" or "z"; Error otherwise, naming `where`.
 UpAxis upAxisOf(const std::string& name, const std::string& where = "--up");
+
+/// "field" or "spheres"; Error otherwise, naming `where`.
+BodyContact bodyContactOf(const std::string& name, const std::string& where = "--body-contact");
 
 /// Adds --transport, --lcm-url, --domain and --groom-id, which every program that joins a network has.
 void addNetworkOptions(CLI::App& app, Settings& settings);

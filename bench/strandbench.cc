@@ -16,6 +16,7 @@
 #include "bench/accuracy.h"
 #include "bench/grid_bench.h"
 #include "bench/operation_count.h"
+#include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
 #include "core/simulation.h"
 #include "scenes/scene.h"
@@ -56,7 +57,8 @@ Result run(const Options& o, const Scene& scene, const std::string& backend) {
   parameters.iterations = o.iterations;
   parameters.solver = solverKind(o.solver);
   Simulation simulation(sceneModel(scene), bodiesOf(o, scene), parameters,
-                        createBackend(knownBackends(), backend, o.threads, parameters.solver));
+                        createBackend(knownBackends(), backend, o.threads, parameters.solver),
+                        nullptr, makeTreeBroadPhase());
   std::vector<double> ms, gpu_ms;
   for (int step = 0; step < o.warmup + o.steps; ++step) {
     simulation.setHeadPose(scene.motion(simulation.time() + parameters.time_step));

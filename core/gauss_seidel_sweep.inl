@@ -81,8 +81,8 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
       if (near.size() > 0) {
         real3 normal = makeReal3(lit(0), lit(0), lit(0));
         for (int i = 0; i < n; ++i)
-          store3(near.pushAllOut(load3(b.position, i), load3(start, i), inverseMass(b, i) > lit(0.5), normal), b.position,
-                 i);
+          store3(near.pushAllOut(i, load3(b.position, i), load3(start, i), inverseMass(b, i) > lit(0.5), normal),
+                 b.position, i);
       }
     }
 

@@ -297,7 +297,7 @@ inline real3 RodStep::collide(int i, real3 x) {
   const mask free = weight(i) > lit(0);
   const real3 start = state3(b.position, i);
   real3 normal = get3(kNormal, i);
-  x = near_.pushAllOut(x, start, free, normal);
+  x = near_.pushAllOut(i, x, start, free, normal);
   set3(kNormal, i, normal);
   set(kSoftness, i, select(dot(normal, normal) > lit(0), lit(0), get(kSoftness, i)));
   return x;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <utility>
+
+#include "core/strand_order.h"
 
 namespace strandcast {
 namespace {
@@ -27,21 +29,6 @@ enum Plane {
 static_assert(kWeight + 1 == kBlockPlanes);
 
 constexpr float kAlike = 2e-6f;  // relative, of lengths and of masses that count as equal
-
-/// Places of the roots along a Z-order curve (Morton 1966) through their box: neighbours on it are neighbours
-/// on the head.
-std::vector<uint32_t> mortonCodes(const std::vector<Pose>& roots) {
-  Box box;
-  for (const Pose& root : roots) box.extend(root.position);
-  const float cell = std::max(box.sizes().maxCoeff(), 1e-6f) / 1023;
-  std::vector<uint32_t> codes(roots.size());
-  for (size_t s = 0; s < roots.size(); ++s)
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto place = static_cast<uint32_t>((roots[s].position[axis] - box.min()[axis]) / cell);
-      for (int bit = 0; bit < 10; ++bit) codes[s] |= (place >> bit & 1u) << (3 * bit + axis);
-    }
-  return codes;
-}
 
 }  // namespace
 
@@ -82,18 +69,21 @@ Scalar* BlockStore<Scalar>::bonePins(const Block& block) const {
 }
 
 template <class Scalar>
+Scalar* BlockStore<Scalar>::restDistance(const Block& block) const {
+  const int planes_before = block.pins > 0 ? kBonePinPlanes : 0;
+  return bonePins(block) + static_cast<size_t>(planes_before) * block.vertices * lanes_;
+}
+
+template <class Scalar>
 void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
   lanes_ = lanes;
   offsets_ = model.offsets;
   blocks_.clear();
   pins_.clear();
   max_vertices_ = 0;
-  order_.resize(model.strands());
-  std::iota(order_.begin(), order_.end(), 0u);
-  const std::vector<uint32_t> place = mortonCodes(model.rest_roots);
-  std::stable_sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) {
-    return std::pair(model.verticesOf(a), place[a]) < std::pair(model.verticesOf(b), place[b]);
-  });
+  rest_distance_ = !model.rest_distance.empty();
+  StrandOrder order = strandOrder(model);
+  order_ = std::move(order.strands);
   size_t memory = 0, accelerations = 0;
   for (size_t first = 0; first < order_.size();) {
     const int vertices = static_cast<int>(model.verticesOf(order_[first]));
@@ -106,7 +96,8 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
       factors = factors || model.hasFactors(order_[first + i]);
       tethers = tethers || model.hasTethers(order_[first + i]);
     }
-    blocks_.push_back({vertices, false, true, factors, tethers, first, count, memory, pins_.size()});
+    blocks_.push_back({vertices, false, true, factors, tethers, first, count, memory,
+                       order.neighbourhood_of[order_[first]], pins_.size()});
     Block& block = blocks_.back();
     for (int lane = 0; lane < lanes; ++lane) {
       const uint32_t strand = order_[first + std::min<size_t>(lane, count - 1)];
@@ -117,8 +108,8 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
       }
     }
     block.pins = pins_.size() - block.first_pin;
-    const int planes_of_vertex =
-        kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) + (block.pins > 0 ? kBonePinPlanes : 0);
+    const int planes_of_vertex = kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) +
+                                 (block.pins > 0 ? kBonePinPlanes : 0) + (rest_distance_ ? 1 : 0);
     memory += static_cast<size_t>(planes_of_vertex * vertices + kRootPlanes) * lanes;
     memory = (memory + 15) / 16 * 16;
     block.acceleration = accelerations;
@@ -154,6 +145,9 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
         put(kMass, pinned ? kPinnedMass : model.mass[v]);
         put(kWeight, pinned ? 0.0f : 1 / model.mass[v]);
         if (i > 0) block.pinned = block.pinned || pinned;
+        if (rest_distance_)
+          restDistance(block)[static_cast<size_t>(i) * lanes_ + lane] =
+              static_cast<Scalar>(model.rest_distance[v]);
         if (groomed(block)) {
           Scalar* factors = grooming(block) + static_cast<size_t>(i) * kGroomingPlanes * lanes_ + lane;
           factors[kAirDragScale * lanes_] = static_cast<Scalar>(model.air_drag_scale[v]);
@@ -299,7 +293,9 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           block.pins > 0 ? bonePins(block) : nullptr,
           block.factors,
           groomed(block) ? grooming(block) : nullptr,
-          block.accelerated ? accelerations_.data() + block.acceleration : nullptr};
+          block.accelerated ? accelerations_.data() + block.acceleration : nullptr,
+          rest_distance_ ? restDistance(block) : nullptr,
+          block.neighbourhood};
 }
 
 template class BlockStore<float>;

@@ -9,7 +9,8 @@
 
 namespace strandcast {
 
-constexpr float kNoTether = 1e9f;  ///< m
+constexpr float kNoTether = 1e9f;       ///< m
+constexpr float kFarFromBodies = 1e9f;  ///< m
 
 /// What does not change while strands move: the rest shape and who is pinned. Natural order (see StrandSet).
 struct StrandModel {
@@ -35,6 +36,11 @@ struct StrandModel {
   std::vector<float> air_drag_scale, goal_scale;     ///< per vertex
   std::vector<float> damping_scale, friction_scale;  ///< per strand
   std::vector<float> tether;                         ///< per vertex, m from the root; kNoTether = none
+
+  /// Per vertex, m: how far from the bodies that it grows on it is at rest, negative inside. Every body lets
+  /// it come as near, or as deep, where that is less than the hair's radius: roots in the skin are not pushed
+  /// out. -kFarFromBodies: no body holds it. Empty = all are kFarFromBodies.
+  std::vector<float> rest_distance;
 
   // What pinned vertices move with. A bone's pose is its motion since the groom's rest, as the head's is.
   std::vector<std::string> bones{"head"};  ///< at least the head, which is the first

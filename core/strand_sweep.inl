@@ -14,7 +14,6 @@ inline void store3(const real3& value, Scalar* planes, int i) {
   store(value.y, planes + at(1, i));
   store(value.z, planes + at(2, i));
 }
-inline real3 fill3(const float* v) { return {lit(v[0]), lit(v[1]), lit(v[2])}; }
 inline real3 fill3(const Vec3& v) { return fill3(v.data()); }
 
 // Of BlockView::grooming, where there is none a factor of 1.
@@ -57,60 +56,21 @@ inline real3 heldPoint(const Block& b, const RootFrame& root, int i, double time
   return select(load(row) > lit(0.5), madd(place(kHeldEnd) - begin, lit(time), begin), by_root);
 }
 
-// A body at the end of a substep; `time` is the part of the step that has passed then, 0 to 1.
-struct SubstepBody {
-  uint32_t kind;
-  real3 a, b;                // m
-  real3 a_motion, b_motion;  // m, over the substep
-  real3 spin;                // rad/s
-  real radius, friction, substep, hair_radius;
-  real3 middle;              // of a ball around it, with the hair's radius; not of planes
-  real ball2;                // m^2, that ball's radius squared
-};
-inline SubstepBody bodyAt(const MovingPrimitive& p, const StepInput& input, double time) {
-  const real part = lit(1.0 / input.parameters->substeps);
-  const real3 a_step = fill3(p.a_end) - fill3(p.a_begin), b_step = fill3(p.b_end) - fill3(p.b_begin);
-  const real3 a = madd(a_step, lit(time), fill3(p.a_begin)), b = madd(b_step, lit(time), fill3(p.b_begin));
-  const bool capsule = p.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule);
-  const real3 half = capsule ? (b - a) * lit(0.5) : makeReal3(lit(0), lit(0), lit(0));
-  const real ball = length(half) + lit(p.radius + input.parameters->hair_radius);
-  return {p.kind,
-          a,
-          b,
-          a_step * part,
-          b_step * part,
-          fill3(p.angular_velocity),
-          lit(p.radius),
-          lit(p.friction),
-          lit(static_cast<double>(input.parameters->time_step) / input.parameters->substeps),
-          lit(input.parameters->hair_radius),
-          a + half,
-          ball * ball};
-}
-
 // Pushes x out of the body where `free` holds and takes back slip; then `normal` is the body's there. Vectors of lanes
-// that the body does not touch are left as they are. x_start: position at the start of the substep.
-inline real3 pushOut(const SubstepBody& body, const real3& x, const real3& x_start, const mask& free, real3& normal) {
-  real3 out, axis_point = body.a, axis_motion = body.a_motion;
-  real distance;
-  if (body.kind != static_cast<uint32_t>(PrimitiveKind::kPlane)) {
-    const real3 off = x - body.middle;
-    if (!anyTrue(dot(off, off) < body.ball2)) return x;
+// that the body does not touch are left as they are. x_start: position at the start of the substep; clear: how far from
+// the surface x must be, m, at most the hair's radius.
+inline real3 pushOut(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, const mask& free,
+                     real3& normal) {
+  if (body.kind != PrimitiveKind::kPlane) {
+    const real3 off = x - spread(body.middle);
+    if (!anyTrue(dot(off, off) < lit(body.ball2))) return x;
   }
-  if (body.kind == static_cast<uint32_t>(PrimitiveKind::kSphere)) {
-    distance = sphereDistance(x, body.a, body.radius, out);
-  } else if (body.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule)) {
-    real along;
-    distance = capsuleDistance(x, body.a, body.b, body.radius, out, along);
-    axis_point = madd(body.b - body.a, along, body.a);
-    axis_motion = madd(body.b_motion - body.a_motion, along, body.a_motion);
-  } else {
-    distance = planeDistance(x, body.a, body.b, out);
-  }
-  const mask touches = (distance - body.hair_radius < lit(0)) && free;
+  const SurfacePoint at = surfaceAt(body, x, clear);
+  const real distance = at.distance - clear;
+  const mask touches = (distance < lit(0)) && free;
   if (!anyTrue(touches)) return x;
-  const real3 motion = surfaceMotion(x, axis_point, axis_motion, body.spin, body.substep);
-  const real3 outside = resolveContact(x, x_start, motion, out, distance - body.hair_radius, body.friction);
-  normal = select(touches, out, normal);
+  const real3 motion = surfaceMotion(x, at.axis_point, at.axis_motion, spread(body.spin), lit(body.substep));
+  const real3 outside = resolveContact(x, x_start, motion, at.normal, distance, body.friction);
+  normal = select(touches, at.normal, normal);
   return select(touches, outside, x);
 }

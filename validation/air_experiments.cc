@@ -157,7 +157,7 @@ std::vector<Case> sphere(const Laboratory& laboratory) {
   for (int step = 0; step < kSettling + kWatching; ++step) {
     laboratory.checkStopped();
     grid.clearSolids();
-    grid.addSolids({&body, 1}, kStep);
+    grid.addSolids({&body, 1}, {}, kStep);
     grid.advect(kStep, false);
     grid.project();
     outflow = worse(outflow, grid.largestOutflow() / grid.fastest());

@@ -14,8 +14,10 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/lanes_glsl.h"
 #include "kernels/rotation.h"
 #include "kernels/contact.h"
+#include "kernels/distance_field.h"
 #include "kernels/rod.h"
 #include "gpu_compute/shaders/step_input.glsl"
+#include "gpu_compute/shaders/strand_offsets.glsl"
 #if GROOMED
 #include "kernels/grooming.h"
 #include "gpu_compute/shaders/grooming.glsl"
@@ -294,13 +296,14 @@ void moveByForces() {
 #if BODIES
 // Pushes vertices out of the bodies; the normals are kept for the length solve, which must not push them back in.
 void collide(float time) {
-  for (uint i = 0u; i < settings.primitive_count; ++i) {
-    SubstepBody body = bodyAt(i, time);
+  uvec2 range = nearRange(strand);
+  for (uint i = range.x; i < range.y; ++i) {
+    SubstepBody body = bodyAt(nearBody(i), time);
 #if GROOMED
     body.friction *= strand_grooming.x;
 #endif
     for (int p = 0; p < PER_THREAD; ++p)
-      if (weight(p) > 0.0) pushOut(body, x[p], x_new[p], normals[p]);
+      if (weight(p) > 0.0) pushOut(body, x[p], clearance(p), x_new[p], normals[p]);
   }
   for (int p = 0; p < PER_THREAD; ++p)
     if (dot(normals[p], normals[p]) > 0.0) softness[p] = 0.0;

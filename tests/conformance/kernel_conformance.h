@@ -32,6 +32,11 @@ enum Kernel {
   kMacCormack,
   kCrowding,
   kDragNotFelt,
+  kTaperedCapsuleDistance,
+  kBoxDistance,
+  kEllipsoidDistance,
+  kConvexPlane,
+  kFieldDistance,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

@@ -40,7 +40,8 @@ constexpr const char* kNames[kKernels] = {
     "normalizeOrZero", "surfaceMotion",       "multiply",        "fieldPlace",     "trilinear",
     "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",    "tethered",
     "gridPlace",       "interpolated",        "splatWeight",     "macCormack",     "crowding",
-    "dragNotFelt"};
+    "dragNotFelt",     "taperedCapsule",      "boxDistance",     "ellipsoid",      "convexPlane",
+    "fieldDistance"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -163,6 +164,31 @@ class InputMaker {
       case kDragNotFelt:
         vector(v, 10), unit(v + 3, 3), v[6] = number(0, 10), v[7] = number(0, 1);
         break;
+      case kTaperedCapsuleDistance:
+        vector(v, 0.3f), vector(v + 3, 0.3f);
+        unit(v + 6, 3);
+        for (int c = 0; c < 3; ++c) v[6 + c] = v[3 + c] + 0.2f * v[6 + c];
+        v[9] = number(0.01f, 0.1f), v[10] = number(0.01f, 0.1f);
+        break;
+      case kBoxDistance:
+        vector(v, 0.3f);
+        for (int c = 3; c < 6; ++c) v[c] = number(0.05f, 0.2f);
+        break;
+      case kEllipsoidDistance:
+        vector(v, 0.3f);
+        for (int c = 3; c < 6; ++c) v[c] = number(0.05f, 0.2f);
+        break;
+      case kConvexPlane:
+        vector(v, 0.3f), unit(v + 3, 3), v[6] = number(-0.2f, 0.2f), v[7] = number(-0.3f, 0.3f),
+                                         unit(v + 8, 3);
+        break;
+      case kFieldDistance:
+        for (int c = 0; c < 8; ++c)
+          v[c] = number(0, 10) + 10 * static_cast<float>((c & 1) + 2 * (c >> 1 & 1) + 3 * (c >> 2));
+        for (int c = 8; c < 11; ++c) v[c] = 0.01f * (std::floor(number(0, 8)) + number(0.1f, 0.9f));
+        v[11] = std::floor(number(-1, 2)), v[12] = number(0.02f, 0.05f), v[13] = 0.01f,
+        v[14] = number(0, 0.01f);
+        break;
     }
     return item;
   }
@@ -246,6 +272,25 @@ Item nasty(int kernel, Item item, size_t way) {
       if (way % 2 == 0) v[1] = v[0];
       if (way % 2 == 1) v[0] = v[1] = 0;
       break;
+    case kTaperedCapsuleDistance:
+      if (way % 4 == 0) v[10] = v[9];                                            // a capsule
+      if (way % 4 == 1) v[9] = 0.5f;                                             // one ball in the other
+      if (way % 4 == 2) v[10] = 0.5f;                                            // the other in the one
+      if (way % 4 == 3) item = {0, 0.25f, 0, 0, 0, 0, 0, 0.5f, 0, v[9], v[10]};  // on the axis
+      break;
+    case kBoxDistance:
+      if (way % 2 == 0) std::fill(v, v + 3, 0.0f);  // in the middle
+      if (way % 2 == 1) v[0] = 0.3f, std::fill(v + 1, v + 3, 0.0f);
+      break;
+    case kEllipsoidDistance:
+      if (way % 3 == 0) v[3] = v[4] = v[5];            // a sphere
+      if (way % 3 == 1) v[way % 2] = 0, v[5] = 0.01f;  // flat; on a plane of symmetry
+      if (way % 3 == 2) v[1] = v[2] = 0, v[0] = 0.3f;  // on an axis
+      break;
+    case kFieldDistance:
+      if (way % 2 == 0) std::fill(v, v + 8, v[0]);                      // no way out
+      if (way % 2 == 1) v[8 + way % 3] += way % 4 == 1 ? 1.0f : -1.0f;  // beyond the grid
+      break;
     default:
       break;
   }
@@ -274,6 +319,11 @@ double condition(int kernel, const Item& item, double distance_out) {
     const double parent = distance(v, v + 6);
     return parent > 0 ? std::max(1.0, norm(v + 12, 3) / parent) : 1;
   }
+  if (kernel == kTaperedCapsuleDistance)  // directions from a near axis, and the slope of the cone
+    return std::max(1.0, norm(v, 3) / std::max(1e-3, distance_out + std::min(v[9], v[10]))) *
+           distance(v, v + 3) / distance(v + 3, v + 6) * 4;
+  if (kernel == kEllipsoidDistance)  // curvature of the surface
+    return std::pow(*std::max_element(v + 3, v + 6) / *std::min_element(v + 3, v + 6), 2);
   if (kernel == kSphereDistance ||
       kernel == kCapsuleDistance) {  // directions from a near centre, along a short axis
     const double from_axis = distance_out + (kernel == kSphereDistance ? v[6] : v[9]);
