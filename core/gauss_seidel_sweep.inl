@@ -78,10 +78,18 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
         }
       }
       if (near.size() > 0) {
-        real3 normal = makeReal3(lit(0), lit(0), lit(0));
-        for (int i = 0; i < n; ++i)
-          store3(near.pushAllOut(load3(b.position, i), load3(start, i), inverseMass(b, i) > lit(0.5), normal), b.position,
-                 i);
+        const real3 zero = makeReal3(lit(0), lit(0), lit(0));
+        for (int i = 0; i < n; ++i) {
+          const real3 x = load3(b.position, i);
+          const Touch touch = near.nearest(x, load3(start, i));
+          const mask touches = touch.gap < lit(0) && inverseMass(b, i) > lit(0.5);
+          if (!anyTrue(touches)) continue;
+          real3 force = zero;
+          real give;
+          const real3 out =
+              resolveContact(x, touch.carried, zero, touch.normal, touch.gap, touch.friction, lit(1), force, give);
+          store3(select(touches, out, x), b.position, i);
+        }
       }
     }
 

@@ -19,17 +19,17 @@ class NearBodies {
   }
   size_t size() const { return all_ ? bodies_.size() : count_; }
 
-  /// To be called at the start of a substep, for pushAllOut(). `time` as of bodyAt().
+  /// To be called at the start of a substep, for nearest(). `time` as of bodyAt().
   void place(const StepInput& input, double time) {
     for (size_t i = 0; i < size() && i < kPlaced; ++i) placed_[i] = place(i, input, time);
     input_ = &input;
     time_ = time;
   }
-  /// pushOut() of every body.
-  real3 pushAllOut(real3 x, const real3& x_start, const mask& free, real3& normal) const {
-    for (size_t i = 0; i < size(); ++i)
-      x = pushOut(i < kPlaced ? placed_[i] : place(i, *input_, time_), x, x_start, free, normal);
-    return x;
+  /// Of all bodies; see meet().
+  Touch nearest(const real3& x, const real3& x_start) const {
+    Touch touch = untouched(x);
+    for (size_t i = 0; i < size(); ++i) meet(i < kPlaced ? placed_[i] : place(i, *input_, time_), x, x_start, touch);
+    return touch;
   }
 
  private:

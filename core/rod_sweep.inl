@@ -19,7 +19,8 @@ enum RodScratch : int {
   kStiffness = 20,    // K of a joint
   kLengthFactor = kStiffness,
   kMargin = 21,       // G of a joint
-  kRodScratchPlanes = 22
+  kGive = 22,         // of a vertex, in contact
+  kRodScratchPlanes = 23
 };
 
 class RodStep {
@@ -68,6 +69,8 @@ class RodStep {
       finish();
       frame_ = root.rotation;
     }
+    if (near_.size() == 0 && !in.primitives.empty())
+      for (int i = 0; i < n; ++i) store3(makeReal3(lit(0), lit(0), lit(0)), b.contact, i);
   }
 
  private:
@@ -109,11 +112,11 @@ class RodStep {
   void pullAndEliminateBending();
   void pullOnce();
   void finish();
-  real3 collide(int i, real3 x);
+  real3 collide(int i, const real3& x, const real3& moved);
+  real3 keptOut(int i, const real3& placed, const real3& inner) const;
   real3 normalAt(int i) const { return near_.size() > 0 ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
-  void setNormal(int i, const real3& normal) {
-    if (near_.size() > 0) set3(kNormal, i, normal);
-  }
+  // What a vertex weighs in the length solves.
+  real lengthWeight(int i) const { return near_.size() > 0 ? weight(i) * get(kGive, i) : weight(i); }
 
   const Block& b;
   const StepInput& in;
@@ -158,7 +161,11 @@ inline void RodStep::predict(const RootFrame& root, double time) {
       moved = select(weight(e + 1) > lit(0), moved, heldPoint(b, root, e + 1, time));
     }
     set3(kNewPosition, e + 1, moved);
-    setNormal(e + 1, makeReal3(lit(0), lit(0), lit(0)));
+    if (near_.size() > 0) {
+      set3(kNormal, e + 1, makeReal3(lit(0), lit(0), lit(0)));
+      set(kGive, e + 1, lit(1));
+      store3(state3(b.contact, e + 1) * lit(h * h), b.contact, e + 1);
+    }
     const real3 edge = moved - get3(kNewPosition, e), old = x - before;
     const real3 advance = edge - old;
     const real il = inverseLength(e);
@@ -245,9 +252,11 @@ inline void RodStep::eliminateBending() {
     real3 force = cross(moment_out - moment, direction) * (il * lit(h * h)) - direction * kept;
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
-    const real3 total = grooming_.on()
+    real3 total = grooming_.on()
                             ? grooming_.pull(e + 1, pull, root_, get3(kNewPosition, e + 1)) + (force - force_out)
                             : madd(pull, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
+
+    if (near_.size() > 0) total = total + state3(b.contact, e + 1);
 
     const real il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
@@ -284,15 +293,40 @@ inline void RodStep::eliminateBending() {
   }
 }
 
-// Pushes vertex i at x out of the bodies; the normal is kept for the length solve, which must not push it back in.
-inline real3 RodStep::collide(int i, real3 x) {
+// Contact of vertex i at x, where bending has moved it by `moved`; the normal is kept for the length solve, which must not
+// push it back in.
+inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
   if (near_.size() == 0) return x;
-  const mask free = weight(i) > lit(0);
-  const real3 start = state3(b.position, i);
-  real3 normal = get3(kNormal, i);
-  x = near_.pushAllOut(x, start, free, normal);
-  set3(kNormal, i, normal);
-  set(kSoftness, i, select(dot(normal, normal) > lit(0), lit(0), get(kSoftness, i)));
+  const Touch touch = near_.nearest(x, state3(b.position, i));
+  const real3 before = state3(b.contact, i);
+  const mask touches = (touch.gap < lit(0) || dot(before, before) > lit(0)) && weight(i) > lit(0);
+  if (!anyTrue(touches)) return x;
+  real3 force = before;
+  real give;
+  const real3 out = resolveContact(x, touch.carried, moved, touch.normal, touch.gap, touch.friction,
+                                   select(touches, weight(i), lit(1)), force, give);
+  const mask presses = touches && (touch.gap < lit(0) || dot(force, force) > lit(0));
+  store3(select(touches, force, before), b.contact, i);
+  set3(kNormal, i, select(presses, touch.normal, get3(kNormal, i)));
+  set(kGive, i, select(presses, give, get(kGive, i)));
+  set(kSoftness, i, select(presses, lit(0), get(kSoftness, i)));
+  return select(touches, out, x);
+}
+
+// Vertex i once more, where making lengths exact has placed it, from `inner` on: held to the side of the bodies it was on.
+inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) const {
+  if (near_.size() == 0) return placed;
+  const real3 off = placed - get3(kNewPosition, i);
+  const mask moved = dot(off, off) > contactSlack() * contactSlack() && weight(i) > lit(0);
+  if (!anyTrue(moved)) return placed;
+  real3 x = placed;
+  for (int round = 0; round < 2; ++round) {
+    const Touch touch = near_.nearest(x, state3(b.position, i));
+    const mask deep = moved && touch.gap < lit(0) - contactSlack();
+    if (!anyTrue(deep)) break;
+    const real3 out = madd(touch.normal, lit(0) - touch.gap, x);
+    x = select(deep, madd(directionOr(out - inner, touch.normal), lengthOf(i - 1), inner), x);
+  }
   return x;
 }
 
@@ -316,7 +350,7 @@ inline void RodStep::moveAndEliminateLengths() {
     l2_in = get(kFactor2, e);
     d2 = d1;
     d1 = d;
-    const real3 x = collide(e + 1, get3(kNewPosition, e + 1) + d);
+    const real3 x = collide(e + 1, get3(kNewPosition, e + 1) + d, d);
     set3(kNewPosition, e + 1, x);
     const real3 edge = x - x_in;
     const real3 t = directionOr(edge, get3(kTangent, e));
@@ -333,7 +367,7 @@ inline void RodStep::moveAndEliminateLengths() {
     x_in = x;
     t_in = t;
     w_in2 = w_in;
-    w_in = weight(e + 1);
+    w_in = lengthWeight(e + 1);
     normal_in = normalAt(e + 1);
   }
   eliminate(ne - 1, weightAlong(t_in, normal_in, w_in, lit(0), lit(1)));
@@ -353,7 +387,7 @@ inline void RodStep::pullAndEliminateBending() {
     const real violent = loose_ * violence(applied, pull_out, w, inverseLength(e));
     const real3 normal = normalAt(e + 1);
     const real3 moved = pushOfPulls(t, applied, t_out, pull_out, normal, soft);
-    set3(kNewPosition, e + 1, madd(moved, w * (lit(1) - violent), get3(kNewPosition, e + 1)));
+    set3(kNewPosition, e + 1, madd(moved, lengthWeight(e + 1) * (lit(1) - violent), get3(kNewPosition, e + 1)));
     const real3 push = pushOfPulls(t, applied, t_out, pull_out, normal, lit(0)) * violent;
     const real3 y = push - y1 * get(kFactor1, e) - y2 * get(kFactor2, e);
     set3(kStrain, e, y * get(kPivot, e));
@@ -390,9 +424,12 @@ inline void RodStep::finish() {
     const real pull_out = e + 1 < ne ? get(kRight, e + 1) : lit(0);
     const real3 t_out = e + 1 < ne ? get3(kTangent, e + 1) : zero;
     const real3 push = pushOfPulls(t, pull, t_out, pull_out, normalAt(e + 1), get(kSoftness, e + 1));
-    const real3 x = madd(push, weight(e + 1), get3(kNewPosition, e + 1));
+    const real3 x = madd(push, lengthWeight(e + 1), get3(kNewPosition, e + 1));
     const mask free = weight(e + 1) > lit(0);
+    const real3 inner = placed;
     placed = select(free, madd(directionOr(x - before, t), lengthOf(e), placed), x);
+    placed = keptOut(e + 1, placed, inner);
+    if (near_.size() > 0) store3(state3(b.contact, e + 1) * lit(1 / (h * h)), b.contact, e + 1);
     store3((placed - state3(b.position, e + 1)) * inverse_h, b.velocity, e + 1);
     store3(placed, b.position, e + 1);
     before = x;

@@ -130,6 +130,7 @@ size_t Simulation::resetBroken() {
       state.velocities[v] = rest.velocities[v];
       state.frames[v] = rest.frames[v];
       state.tensions[v] = rest.tensions[v];
+      state.contacts[v].setZero();
     }
   }
   backend_->upload(state);
@@ -142,7 +143,8 @@ void Simulation::teleport(const Pose& head) {
   backend_->download(state);
   const Pose carry = head * bones_begin_[0].inverse();
   for (Vec3& position : state.positions) position = carry.apply(position);
-  for (Vec3& velocity : state.velocities) velocity = carry.rotate(velocity);
+  for (std::vector<Vec3>* plane : {&state.velocities, &state.contacts})
+    for (Vec3& vector : *plane) vector = carry.rotate(vector);
   for (Quat& frame : state.frames) frame = (carry.rotation * frame).normalized();
   for (Pose& bone : bones_begin_) {
     bone = carry * bone;

@@ -54,12 +54,12 @@ inline real3 heldPoint(const Block& b, const RootFrame& root, int i, double time
 // A body at the end of a substep; `time` is the part of the step that has passed then, 0 to 1.
 struct SubstepBody {
   uint32_t kind;
-  real3 a, b;                // m
-  real3 a_motion, b_motion;  // m, over the substep
-  real3 spin;                // rad/s
-  real radius, friction, substep, hair_radius;
-  real3 middle;              // of a ball around it, with the hair's radius; not of planes
-  real ball2;                // m^2, that ball's radius squared
+  real3 a, b;      // m
+  real3 a_motion;  // m, over the substep
+  real3 turn;      // radians, over the substep, about a
+  real radius, friction, hair_radius;
+  real3 middle;    // of a ball around it, with the hair's radius; not of planes
+  real ball2;      // m^2, that ball's radius squared
 };
 inline SubstepBody bodyAt(const MovingPrimitive& p, const StepInput& input, double time) {
   const real part = lit(1.0 / input.parameters->substeps);
@@ -72,39 +72,75 @@ inline SubstepBody bodyAt(const MovingPrimitive& p, const StepInput& input, doub
           a,
           b,
           a_step * part,
-          b_step * part,
-          fill3(p.angular_velocity),
+          fill3(p.angular_velocity) * lit(static_cast<double>(input.parameters->time_step) / input.parameters->substeps),
           lit(p.radius),
           lit(p.friction),
-          lit(static_cast<double>(input.parameters->time_step) / input.parameters->substeps),
           lit(input.parameters->hair_radius),
           a + half,
           ball * ball};
 }
 
-// Pushes x out of the body where `free` holds and takes back slip; then `normal` is the body's there. Vectors of lanes
-// that the body does not touch are left as they are. x_start: position at the start of the substep.
-inline real3 pushOut(const SubstepBody& body, const real3& x, const real3& x_start, const mask& free, real3& normal) {
-  real3 out, axis_point = body.a, axis_motion = body.a_motion;
+// Distance of hair at x from the body, m.
+inline real gapTo(const SubstepBody& body, const real3& x, real3& normal) {
   real distance;
-  if (body.kind != static_cast<uint32_t>(PrimitiveKind::kPlane)) {
-    const real3 off = x - body.middle;
-    if (!anyTrue(dot(off, off) < body.ball2)) return x;
-  }
   if (body.kind == static_cast<uint32_t>(PrimitiveKind::kSphere)) {
-    distance = sphereDistance(x, body.a, body.radius, out);
+    distance = sphereDistance(x, body.a, body.radius, normal);
   } else if (body.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule)) {
     real along;
-    distance = capsuleDistance(x, body.a, body.b, body.radius, out, along);
-    axis_point = madd(body.b - body.a, along, body.a);
-    axis_motion = madd(body.b_motion - body.a_motion, along, body.a_motion);
+    distance = capsuleDistance(x, body.a, body.b, body.radius, normal, along);
   } else {
-    distance = planeDistance(x, body.a, body.b, out);
+    distance = planeDistance(x, body.a, body.b, normal);
   }
-  const mask touches = (distance - body.hair_radius < lit(0)) && free;
-  if (!anyTrue(touches)) return x;
-  const real3 motion = surfaceMotion(x, axis_point, axis_motion, body.spin, body.substep);
-  const real3 outside = resolveContact(x, x_start, motion, out, distance - body.hair_radius, body.friction);
-  normal = select(touches, out, normal);
-  return select(touches, outside, x);
+  return distance - body.hair_radius;
+}
+
+// The body that is nearest to a vertex, or that its way has met.
+struct Touch {
+  real gap;        // m, to its surface, or to the plane through where the way met it
+  real3 normal;    // of the same
+  real3 carried;   // m, where the surface has taken the point at which the vertex was
+  real friction;
+};
+inline Touch untouched(const real3& x) {
+  return {lit(1e9), makeReal3(lit(0), lit(0), lit(0)), x, lit(0)};
+}
+
+// Looks whether this body is nearer to a vertex that goes from x_start to x in the substep. Seen from the body the vertex
+// comes from where the surface has taken x_start. If the normal there and at x are alike, the nearest point of the surface is
+// the way out; if not, the way may lead through the body, and distances tell how far it is free (conservative advancement,
+// Mirtich 1996): the plane across it there then bounds the vertex. That plane has a convex body wholly behind it.
+inline void meet(const SubstepBody& body, const real3& x, const real3& x_start, Touch& nearest) {
+  constexpr int kAdvances = 4;
+  const real3 carried = carriedBy(x_start, body.a, body.a_motion, body.turn);
+  const real3 way = x - carried;
+  const real way2 = dot(way, way);
+  if (body.kind != static_cast<uint32_t>(PrimitiveKind::kPlane)) {
+    const real3 off = x - body.middle;
+    if (!anyTrue(dot(off, off) < body.ball2 + way2)) return;
+  }
+  real3 normal;
+  real gap = gapTo(body, x, normal);
+  const mask within = gap < lit(0) || gap * gap < way2;
+  if (anyTrue(within)) {
+    real3 at_normal;
+    real free = gapTo(body, carried, at_normal);
+    const mask across = within && dot(at_normal, normal) < lit(0.5);
+    if (anyTrue(across)) {
+      const real per_way = inverseSqrt(max(way2, lit(1e-30)));
+      real part = lit(0);
+      real3 at = carried;
+      for (int i = 0; i < kAdvances; ++i) {
+        part = min(madd(max(free, lit(0)), per_way, part), lit(1));
+        at = madd(way, part, carried);
+        free = gapTo(body, at, at_normal);
+      }
+      gap = select(across, free + dot(at_normal, x - at), gap);
+      normal = select(across, at_normal, normal);
+    }
+  }
+  const mask nearer = gap < nearest.gap;
+  nearest.gap = select(nearer, gap, nearest.gap);
+  nearest.normal = select(nearer, normal, nearest.normal);
+  nearest.carried = select(nearer, carried, nearest.carried);
+  nearest.friction = select(nearer, body.friction, nearest.friction);
 }

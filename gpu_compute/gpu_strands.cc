@@ -77,6 +77,7 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
       frames_(storage<Vec4>(vertices_)),
+      contacts_(storage<Vec4>(vertices_)),
       rest_local_(std::span<const Vec4>(packRestLocal(model))),
       offsets_(std::span<const uint32_t>(model.offsets)),
       guides_(storage<Vec3>(vertices_)),
@@ -104,6 +105,9 @@ void GpuStrands::upload(const StrandState& state) {
     packed[i] = {frame.x(), frame.y(), frame.z(), frame.w()};
   }
   frames_.write(std::span<const Vec4>(packed));
+  for (size_t i = 0; i < vertices_; ++i)
+    packed[i] = state.contacts.empty() ? Vec4{} : vec4(state.contacts[i]);
+  contacts_.write(std::span<const Vec4>(packed));
   uploaded_ = state.positions;
 }
 
@@ -123,6 +127,8 @@ void GpuStrands::download(StrandState& state) const {
   forEdges(model_offsets_, [&](uint32_t edge, uint32_t end) { state.tensions[edge] = packed[end][3]; });
   read(velocities_);
   unpack(state.velocities);
+  read(contacts_);
+  unpack(state.contacts);
   read(frames_);
   state.frames.resize(vertices_);
   for (size_t i = 0; i < vertices_; ++i)
@@ -136,6 +142,7 @@ void GpuStrands::bind() const {
   offsets_.bindStorage(4);
   guides_.bindStorage(8);
   frames_.bindStorage(9);
+  contacts_.bindStorage(14);
   if (grooming_.bytes() > 0) grooming_.bindStorage(13);
 }
 

@@ -36,6 +36,7 @@ class GpuStrands {
   gl::Buffer positions_;   ///< xyz; w: tension of the edge that ends at the vertex
   gl::Buffer velocities_;  ///< xyz
   gl::Buffer frames_;      ///< of the edge that starts at the vertex
+  gl::Buffer contacts_;    ///< StrandState::contacts
   gl::Buffer rest_local_, offsets_, guides_;
   gl::Buffer grooming_;  ///< see shaders/grooming.glsl; empty until needed
   bool groomed_;         ///< strands have tethers or factors

@@ -50,13 +50,12 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
 }
 
 vec3 resolveContacts(vec3 x, vec3 start, float friction_scale, float time) {
-  vec3 normal;
-  for (uint i = 0u; i < settings.primitive_count; ++i) {
-    SubstepBody body = bodyAt(i, time);
-    body.friction *= friction_scale;
-    pushOut(body, start, x, normal);
-  }
-  return x;
+  Touch touch = untouched(x);
+  for (uint i = 0u; i < settings.primitive_count; ++i) meet(bodyAt(i, time), x, start, touch);
+  if (touch.gap >= 0.0) return x;
+  vec3 force = vec3(0);
+  float give;
+  return resolveContact(x, touch.carried, vec3(0), touch.normal, touch.gap, touch.friction * friction_scale, 1.0, force, give);
 }
 
 void main() {

@@ -43,12 +43,20 @@ vec3 across;
 vec3 force[PER_THREAD];             // m
 float pull[PER_THREAD], pull_in, pull_out;  // m, of edges; in: before slot 0, out: after the last slot
 #if BODIES
+layout(std430, binding = 14) buffer Contacts { vec4 contacts[]; };  // xyz: StrandState::contacts
+vec3 pressing[PER_THREAD];            // m: the same x substep^2
+vec3 displaced[PER_THREAD];           // m, by the last solve of the bending system
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
+float gives[PER_THREAD], give_in;     // see resolveContact
 #define NORMAL(p) normals[p]
 #define NORMAL_IN normal_in
+#define LENGTH_WEIGHT(p) (weight(p) * gives[p])
+#define LENGTH_WEIGHT_IN (weight_in * give_in)
 #else
 #define NORMAL(p) vec3(0)
 #define NORMAL_IN vec3(0)
+#define LENGTH_WEIGHT(p) weight(p)
+#define LENGTH_WEIGHT_IN weight_in
 #endif
 
 #if PINNED || GROOMED
@@ -254,6 +262,9 @@ void makeBending(RootMotion root) {
 #else
     vec3 total = madd(fall, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - outer);
 #endif
+#if BODIES
+    total += pressing[p];
+#endif
     force[p] = isEdge(p) ? total : vec3(0);
     float own = mass(p) + bendOwn(stiffness[p], stiffness[p + 1], stiffness[p + 2], il[p], il[p + 1]);
     diagonal[p] = isEdge(p) ? own + edge_stiffness[p] + edge_stiffness[p + 1] : 1.0;
@@ -270,27 +281,94 @@ void makeBending(RootMotion root) {
 void moveByForces() {
   // On a long strand the reduction cancels stiffnesses down to a mass: its solution is refined once.
   const int solves = THREADS > 16 ? 2 : 1;
+#if BODIES
+  for (int p = 0; p < PER_THREAD; ++p) displaced[p] = vec3(0);
+#endif
   for (int i = 0; i < solves; ++i) {
     vec3 moved[PER_THREAD] = force;
     solvePentadiagonal(diagonal, first, second, across, moved);
-    for (int p = 0; p < PER_THREAD; ++p) x_new[p] += moved[p];
+    for (int p = 0; p < PER_THREAD; ++p) {
+      x_new[p] += moved[p];
+#if BODIES
+      displaced[p] += moved[p];
+#endif
+    }
     if (i + 1 < solves) residual(diagonal, first, second, across, moved, force);
   }
 }
 
 #if BODIES
-// Pushes vertices out of the bodies; the normals are kept for the length solve, which must not push them back in.
-void collide(float time) {
-  for (uint i = 0u; i < settings.primitive_count; ++i) {
-    SubstepBody body = bodyAt(i, time);
+SubstepBody placedBody(uint index, float time) {
+  SubstepBody body = bodyAt(index, time);
 #if GROOMED
-    body.friction *= strand_grooming.x;
+  body.friction *= strand_grooming.x;
 #endif
-    for (int p = 0; p < PER_THREAD; ++p)
-      if (weight(p) > 0.0) pushOut(body, x[p], x_new[p], normals[p]);
+  return body;
+}
+
+// Contact of the vertices where bending has moved them; the normals are kept for the length solve, which must not push them
+// back in.
+void collide(float time) {
+  Touch touch[PER_THREAD];
+  for (int p = 0; p < PER_THREAD; ++p) touch[p] = untouched(x_new[p]);
+  for (uint i = 0u; i < settings.primitive_count; ++i) {
+    SubstepBody body = placedBody(i, time);
+    for (int p = 0; p < PER_THREAD; ++p) meet(body, x_new[p], x[p], touch[p]);
   }
+  for (int p = 0; p < PER_THREAD; ++p) {
+    bool touches = touch[p].gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0;
+    if (!touches || weight(p) == 0.0) continue;
+    float give;
+    x_new[p] = resolveContact(x_new[p], touch[p].carried, displaced[p], touch[p].normal, touch[p].gap, touch[p].friction,
+                              weight(p), pressing[p], give);
+    if (touch[p].gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0) {
+      normals[p] = touch[p].normal;
+      gives[p] = give;
+      softness[p] = 0.0;
+    }
+  }
+}
+
+// A vertex once more, where making lengths exact has placed it: nearest body, and whether it is too deep in that.
+bool tooDeep(vec3 placed, vec3 checked, int p, float time, out Touch touch) {
+  touch = untouched(placed);
+  vec3 off = placed - checked;
+  if (dot(off, off) <= contactSlack() * contactSlack() || weight(p) == 0.0) return false;
+  for (uint i = 0u; i < settings.primitive_count; ++i) meet(placedBody(i, time), placed, x[p], touch);
+  return touch.gap < -contactSlack();
+}
+
+// The places of the slots' vertices, held to the side of the bodies that they were on: where one is too deep, its strand is
+// placed anew from the root, one vertex after another. `checked`: where contact left them, `direction`: of their edges.
+// Returns the place of the vertex before slot 0.
+vec3 keepOut(RootMotion root, float time, vec3 checked[PER_THREAD], vec3 direction[PER_THREAD], vec3 start,
+             inout vec3 placed[PER_THREAD]) {
+  Touch touch;
+  forgetBeyondBound();
+  barrier();
   for (int p = 0; p < PER_THREAD; ++p)
-    if (dot(normals[p], normals[p]) > 0.0) softness[p] = 0.0;
+    if (isEdge(p) && tooDeep(placed[p], checked[p], p, time, touch)) noteBeyondBound();
+  barrier();
+  bool anew = beyond_bound[me - uint(rank)] != 0u;
+  if (any_beyond_bound == 0u) return start;  // the same for the whole workgroup
+  for (int at = 0; at < THREADS; ++at) {
+    exchange_a[me].xyz = placed[kLast];
+    barrier();
+    vec3 inner = hasBefore(1) ? exchange_a[before(1)].xyz : root.position;
+    barrier();
+    if (!anew || rank != at) continue;
+    start = inner;
+    for (int p = 0; p < PER_THREAD; ++p) {
+      if (weight(p) > 0.0) placed[p] = madd(direction[p], restLength(p), inner);
+      for (int round = 0; round < 2 && isEdge(p); ++round) {
+        if (!tooDeep(placed[p], checked[p], p, time, touch)) break;
+        vec3 outside = madd(touch.normal, -touch.gap, placed[p]);
+        placed[p] = madd(directionOr(outside - inner, touch.normal), restLength(p), inner);
+      }
+      inner = placed[p];
+    }
+  }
+  return start;
 }
 #endif
 
@@ -298,19 +376,19 @@ void collide(float time) {
 void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD], out float pivot[PER_THREAD],
                 out float excess[PER_THREAD]) {
   vec3 inner = x_new_in, t_in = tangent_in, n_in = NORMAL_IN;
-  float w_in = hasBefore(1) ? weight_in : 0.0, soft_in = softness_in, c_in = dot(t_in, tangent[0]);
+  float w_in = hasBefore(1) ? LENGTH_WEIGHT_IN : 0.0, soft_in = softness_in, c_in = dot(t_in, tangent[0]);
   for (int p = 0; p < PER_THREAD; ++p) {
     float c = dot(tangent[p], p < kLast ? tangent[min(p + 1, kLast)] : tangent_out);
     float own = weightAlong(tangent[p], n_in, w_in, soft_in, c_in) +
-                weightAlong(tangent[p], NORMAL(p), weight(p), softness[p], c);
+                weightAlong(tangent[p], NORMAL(p), LENGTH_WEIGHT(p), softness[p], c);
     own_diagonal[p] = isEdge(p) ? own : 1.0;
     lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in, soft_in, c_in) : 0.0;
-    pivot[p] = lengthPivot(w_in, weight(p));
+    pivot[p] = lengthPivot(w_in, LENGTH_WEIGHT(p));
     excess[p] = isEdge(p) ? dot(x_new[p] - inner, tangent[p]) - restLength(p) : 0.0;
     inner = x_new[p];
     t_in = tangent[p];
     n_in = NORMAL(p);
-    w_in = weight(p);
+    w_in = LENGTH_WEIGHT(p);
     soft_in = softness[p];
     c_in = c;
   }
@@ -334,7 +412,7 @@ void solveLengths(RootMotion root) {
   exchange_a[me] = vec4(x_new[kLast], softness[kLast]);
   exchange_b[me] = vec4(tangent[kLast], x_new[0].x);
 #if BODIES
-  exchange_c[me] = vec4(normals[kLast], x_new[0].y);
+  exchange_c[me] = vec4(normals[kLast] * (gives[kLast] < 1.0 ? 2.0 : 1.0), x_new[0].y);  // twice as long where held
 #else
   exchange_c[me].w = x_new[0].y;
 #endif
@@ -345,6 +423,9 @@ void solveLengths(RootMotion root) {
   tangent_in = exchange_b[before(1)].xyz;
 #if BODIES
   normal_in = exchange_c[before(1)].xyz;
+  bool held_in = dot(normal_in, normal_in) > 2.0;
+  normal_in *= held_in ? 0.5 : 1.0;
+  give_in = held_in ? heldGive() : 1.0;
 #endif
   vec3 x_new_out = vec3(exchange_b[after(1)].w, exchange_c[after(1)].w, exchange_d[after(1)]);
   barrier();
@@ -393,7 +474,7 @@ void moveByFirstPulls() {
   for (int p = 0; p < PER_THREAD; ++p) {
     float outer = p < kLast ? pull[min(p + 1, kLast)] : pull_out;
     float violent = rest.loose * violence(pull[p], outer, weight(p), inverseLength(p));
-    x_new[p] = madd(pushOn(p, softness[p]), weight(p) * (1.0 - violent), x_new[p]);
+    x_new[p] = madd(pushOn(p, softness[p]), LENGTH_WEIGHT(p) * (1.0 - violent), x_new[p]);
     force[p] = isEdge(p) ? pushOn(p, 0.0) * violent : vec3(0);
     softness[p] = softnessLeft(softness[p], violent);
   }
@@ -401,21 +482,24 @@ void moveByFirstPulls() {
 
 // The pulls as what they move by themselves.
 void moveByPulls() {
-  for (int p = 0; p < PER_THREAD; ++p) x_new[p] = madd(pushOn(p, softness[p]), weight(p), x_new[p]);
+  for (int p = 0; p < PER_THREAD; ++p) x_new[p] = madd(pushOn(p, softness[p]), LENGTH_WEIGHT(p), x_new[p]);
   // The same for the vertex before slot 0, which saves an exchange.
   if (hasBefore(1))
     x_new_in =
-        madd(pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], NORMAL_IN, softness_in), weight_in, x_new_in);
+        madd(pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], NORMAL_IN, softness_in), LENGTH_WEIGHT_IN, x_new_in);
 }
 
 // Exact lengths along the directions found, from the root or the last pinned vertex on: a scan. Then velocities.
-void finish(RootMotion root) {
+// `checked`: where contact left the vertices.
+void finish(RootMotion root, float time, vec3 checked[PER_THREAD]) {
+  vec3 direction[PER_THREAD];
   vec3 along[PER_THREAD];  // from the root, or from the vertex before slot 0
   bool anchored[PER_THREAD];
   vec3 sum = vec3(0), inner = x_new_in;
   bool fixed_here = false;
   for (int p = 0; p < PER_THREAD; ++p) {
-    sum = madd(directionOr(x_new[p] - inner, tangent[p]), restLength(p), sum);
+    direction[p] = directionOr(x_new[p] - inner, tangent[p]);
+    sum = madd(direction[p], restLength(p), sum);
 #if PINNED
     if (weight(p) == 0.0) {
       sum = x_new[p] - root.position;
@@ -450,17 +534,26 @@ void finish(RootMotion root) {
 #endif
 #endif
   vec3 start = root.position + offset;
+  vec3 placed[PER_THREAD];
+  for (int p = 0; p < PER_THREAD; ++p) placed[p] = along[p] + (anchored[p] ? root.position : start);
+#if BODIES
+  start = keepOut(root, time, checked, direction, start, placed);
+#endif
   v_in = (start - x_in) * settings.per_substep;
   x_in = start;
   for (int p = 0; p < PER_THREAD; ++p) {
-    vec3 placed = along[p] + (anchored[p] ? root.position : start);
-    v[p] = (placed - x[p]) * settings.per_substep;
-    x[p] = placed;
+    v[p] = (placed[p] - x[p]) * settings.per_substep;
+    x[p] = placed[p];
   }
 }
 
 void main() {
   loadStrand();
+#if BODIES
+  for (int p = 0; p < PER_THREAD; ++p)
+    pressing[p] = contacts[root_vertex + uint(min(rank * PER_THREAD + p, edges - 1)) + 1u].xyz *
+                  (settings.substep * settings.substep);
+#endif
   for (int substep = 0; substep < int(settings.substeps); ++substep) {
     int ahead = substep % THREADS;
     if (ahead == 0) placeRoots(substep);
@@ -470,7 +563,10 @@ void main() {
     solveTwist(frame_in, blend);
     makeBending(root);
 #if BODIES
-    for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
+    for (int p = 0; p < PER_THREAD; ++p) {
+      normals[p] = vec3(0);
+      gives[p] = 1.0;
+    }
 #endif
     for (int iteration = 0; iteration < 2; ++iteration) {
       if (iteration > 0) moveByFirstPulls();
@@ -480,8 +576,15 @@ void main() {
 #endif
       solveLengths(root);
     }
+    vec3 checked[PER_THREAD] = x_new;
     moveByPulls();
-    finish(root);
+    finish(root, timeAfter(substep), checked);
   }
   storeStrand();
+#if BODIES
+  for (int p = 0; p < PER_THREAD; ++p)
+    if (exists && isEdge(p))
+      contacts[root_vertex + uint(rank * PER_THREAD + p) + 1u] =
+          vec4(pressing[p] * (settings.per_substep * settings.per_substep), 0);
+#endif
 }
