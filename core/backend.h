@@ -21,6 +21,7 @@ struct StepInput {
   /// Poses of StrandModel::bones at the start and the end of the step, world; may be empty where no vertex is
   /// pinned to another bone than its root frame. Pinned vertices go straight from one place to the other.
   std::span<const Pose> bones_begin{}, bones_end{};
+  const ShapeData* shapes = nullptr;  ///< of the primitives; may be null where none is convex or a field
 };
 
 /// Simulates the strands of one model. One implementation per way of computing; all keep the same state and

@@ -2,7 +2,7 @@
 // core/strand_sweep.inl.
 class NearBodies {
  public:
-  NearBodies(const Block& b, const StepInput& input) : bodies_(input.primitives) {
+  NearBodies(const Block& b, const StepInput& input) : block_(b), bodies_(input.primitives) {
     if (bodies_.empty()) return;
     friction_scale_ = groomingFactor(b, kFrictionScale, 0);
     all_ = !calm(b, input) || b.bone_pins != nullptr;  // a bone may pull strands anywhere
@@ -25,10 +25,12 @@ class NearBodies {
     input_ = &input;
     time_ = time;
   }
-  /// Of all bodies; see meet().
-  Touch nearest(const real3& x, const real3& x_start) const {
+  /// Of all bodies, for vertex `v`; see meet().
+  Touch nearest(int v, const real3& x, const real3& x_start) const {
+    const real clear = clearance(v);
     Touch touch = untouched(x);
-    for (size_t i = 0; i < size(); ++i) meet(i < kPlaced ? placed_[i] : place(i, *input_, time_), x, x_start, touch);
+    for (size_t i = 0; i < size(); ++i)
+      meet(i < kPlaced ? placed_[i] : place(i, *input_, time_), x, x_start, clear, touch);
     return touch;
   }
 
@@ -37,8 +39,17 @@ class NearBodies {
 
   const MovingPrimitive& body(size_t i) const { return bodies_[all_ ? i : near_[i]]; }
 
+  // How far from every body vertex v must be: what lies deeper at rest may stay as deep.
+  real clearance(int v) const {
+    const real radius = lit(input_->parameters->hair_radius);
+    return block_.rest_distance == nullptr ? radius : min(radius, load(block_.rest_distance + size_t(v) * kLanes));
+  }
+
   SubstepBody place(size_t i, const StepInput& input, double time) const {
-    SubstepBody placed = bodyAt(body(i), input, time);
+    const Parameters& p = *input.parameters;
+    const uint32_t* words = input.shapes != nullptr ? input.shapes->words.data() : nullptr;
+    SubstepBody placed =
+        bodyAt(body(i), words, time, 1.0 / p.substeps, static_cast<double>(p.time_step) / p.substeps, p.hair_radius);
     placed.friction = placed.friction * friction_scale_;
     return placed;
   }
@@ -95,29 +106,23 @@ class NearBodies {
       for (int corner = 0; corner < 6; corner += 3)
         box.extend(Vec3(static_cast<float>(lanes[corner][lane]), static_cast<float>(lanes[corner + 1][lane]),
                         static_cast<float>(lanes[corner + 2][lane])));
-    const float radius = parameters.hair_radius;
+    const float radius = parameters.hair_radius + 1e-3f;  // contactReach()
     box.min().array() -= radius;
     box.max().array() += radius;
     return box;
   }
 
   static bool meets(const MovingPrimitive& body, const Box& box) {
-    const Vec3 a_begin = Vec3(body.a_begin), a_end = Vec3(body.a_end);
-    const Vec3 b_begin = Vec3(body.b_begin), b_end = Vec3(body.b_end);
     if (body.kind == static_cast<uint32_t>(PrimitiveKind::kPlane)) {
       auto below = [&](const Vec3& point, const Vec3& normal) {
         return (box.center() - point).dot(normal) < 0.5f * box.sizes().dot(normal.cwiseAbs());
       };
-      return below(a_begin, b_begin) || below(a_end, b_end);
+      return below(Vec3(body.a_begin), Vec3(body.b_begin)) || below(Vec3(body.a_end), Vec3(body.b_end));
     }
-    Box swept(a_begin);
-    swept.extend(a_end);
-    if (body.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule)) swept.extend(b_begin).extend(b_end);
-    swept.min().array() -= body.radius;
-    swept.max().array() += body.radius;
-    return box.intersects(swept);
+    return box.intersects(sweptBox(body));
   }
 
+  const Block& block_;
   std::span<const MovingPrimitive> bodies_;
   uint32_t near_[kMost];
   size_t count_ = 0;

@@ -1,4 +1,6 @@
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "core/backend.h"
 #include "core/strand_block.h"

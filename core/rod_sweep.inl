@@ -19,8 +19,7 @@ enum RodScratch : int {
   kStiffness = 20,    // K of a joint
   kLengthFactor = kStiffness,
   kMargin = 21,       // G of a joint
-  kGive = 22,         // of a vertex, in contact
-  kRodScratchPlanes = 23
+  kRodScratchPlanes = 22
 };
 
 class RodStep {
@@ -115,8 +114,6 @@ class RodStep {
   real3 collide(int i, const real3& x, const real3& moved);
   real3 keptOut(int i, const real3& placed, const real3& inner) const;
   real3 normalAt(int i) const { return near_.size() > 0 ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
-  // What a vertex weighs in the length solves.
-  real lengthWeight(int i) const { return near_.size() > 0 ? weight(i) * get(kGive, i) : weight(i); }
 
   const Block& b;
   const StepInput& in;
@@ -163,7 +160,6 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     set3(kNewPosition, e + 1, moved);
     if (near_.size() > 0) {
       set3(kNormal, e + 1, makeReal3(lit(0), lit(0), lit(0)));
-      set(kGive, e + 1, lit(1));
       store3(state3(b.contact, e + 1) * lit(h * h), b.contact, e + 1);
     }
     const real3 edge = moved - get3(kNewPosition, e), old = x - before;
@@ -297,18 +293,16 @@ inline void RodStep::eliminateBending() {
 // push it back in.
 inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
   if (near_.size() == 0) return x;
-  const Touch touch = near_.nearest(x, state3(b.position, i));
+  const Touch touch = near_.nearest(i, x, state3(b.position, i));
   const real3 before = state3(b.contact, i);
   const mask touches = (touch.gap < lit(0) || dot(before, before) > lit(0)) && weight(i) > lit(0);
   if (!anyTrue(touches)) return x;
   real3 force = before;
-  real give;
   const real3 out = resolveContact(x, touch.carried, moved, touch.normal, touch.gap, touch.friction,
-                                   select(touches, weight(i), lit(1)), force, give);
+                                   select(touches, weight(i), lit(1)), force);
   const mask presses = touches && (touch.gap < lit(0) || dot(force, force) > lit(0));
   store3(select(touches, force, before), b.contact, i);
   set3(kNormal, i, select(presses, touch.normal, get3(kNormal, i)));
-  set(kGive, i, select(presses, give, get(kGive, i)));
   set(kSoftness, i, select(presses, lit(0), get(kSoftness, i)));
   return select(touches, out, x);
 }
@@ -321,7 +315,7 @@ inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) co
   if (!anyTrue(moved)) return placed;
   real3 x = placed;
   for (int round = 0; round < 2; ++round) {
-    const Touch touch = near_.nearest(x, state3(b.position, i));
+    const Touch touch = near_.nearest(i, x, state3(b.position, i));
     const mask deep = moved && touch.gap < lit(0) - contactSlack();
     if (!anyTrue(deep)) break;
     const real3 out = madd(touch.normal, lit(0) - touch.gap, x);
@@ -367,7 +361,7 @@ inline void RodStep::moveAndEliminateLengths() {
     x_in = x;
     t_in = t;
     w_in2 = w_in;
-    w_in = lengthWeight(e + 1);
+    w_in = weight(e + 1);
     normal_in = normalAt(e + 1);
   }
   eliminate(ne - 1, weightAlong(t_in, normal_in, w_in, lit(0), lit(1)));
@@ -387,7 +381,7 @@ inline void RodStep::pullAndEliminateBending() {
     const real violent = loose_ * violence(applied, pull_out, w, inverseLength(e));
     const real3 normal = normalAt(e + 1);
     const real3 moved = pushOfPulls(t, applied, t_out, pull_out, normal, soft);
-    set3(kNewPosition, e + 1, madd(moved, lengthWeight(e + 1) * (lit(1) - violent), get3(kNewPosition, e + 1)));
+    set3(kNewPosition, e + 1, madd(moved, w * (lit(1) - violent), get3(kNewPosition, e + 1)));
     const real3 push = pushOfPulls(t, applied, t_out, pull_out, normal, lit(0)) * violent;
     const real3 y = push - y1 * get(kFactor1, e) - y2 * get(kFactor2, e);
     set3(kStrain, e, y * get(kPivot, e));
@@ -424,7 +418,7 @@ inline void RodStep::finish() {
     const real pull_out = e + 1 < ne ? get(kRight, e + 1) : lit(0);
     const real3 t_out = e + 1 < ne ? get3(kTangent, e + 1) : zero;
     const real3 push = pushOfPulls(t, pull, t_out, pull_out, normalAt(e + 1), get(kSoftness, e + 1));
-    const real3 x = madd(push, lengthWeight(e + 1), get3(kNewPosition, e + 1));
+    const real3 x = madd(push, weight(e + 1), get3(kNewPosition, e + 1));
     const mask free = weight(e + 1) > lit(0);
     const real3 inner = placed;
     placed = select(free, madd(directionOr(x - before, t), lengthOf(e), placed), x);

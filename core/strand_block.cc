@@ -83,12 +83,19 @@ Scalar* BlockStore<Scalar>::bonePins(const Block& block) const {
 }
 
 template <class Scalar>
+Scalar* BlockStore<Scalar>::restDistance(const Block& block) const {
+  const int planes_before = block.pins > 0 ? kBonePinPlanes : 0;
+  return bonePins(block) + static_cast<size_t>(planes_before) * block.vertices * lanes_;
+}
+
+template <class Scalar>
 void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
   lanes_ = lanes;
   offsets_ = model.offsets;
   blocks_.clear();
   pins_.clear();
   max_vertices_ = 0;
+  rest_distance_ = !model.rest_distance.empty();
   order_.resize(model.strands());
   std::iota(order_.begin(), order_.end(), 0u);
   const std::vector<uint32_t> place = mortonCodes(model.rest_roots);
@@ -118,8 +125,8 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
       }
     }
     block.pins = pins_.size() - block.first_pin;
-    const int planes_of_vertex =
-        kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) + (block.pins > 0 ? kBonePinPlanes : 0);
+    const int planes_of_vertex = kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) +
+                                 (block.pins > 0 ? kBonePinPlanes : 0) + (rest_distance_ ? 1 : 0);
     memory += static_cast<size_t>(planes_of_vertex * vertices + kRootPlanes) * lanes;
     memory = (memory + 15) / 16 * 16;
     max_vertices_ = std::max(max_vertices_, vertices);
@@ -152,6 +159,9 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
         put(kMass, pinned ? kPinnedMass : model.mass[v]);
         put(kWeight, pinned ? 0.0f : 1 / model.mass[v]);
         if (i > 0) block.pinned = block.pinned || pinned;
+        if (rest_distance_)
+          restDistance(block)[static_cast<size_t>(i) * lanes_ + lane] =
+              static_cast<Scalar>(model.rest_distance[v]);
         if (groomed(block)) {
           Scalar* factors = grooming(block) + static_cast<size_t>(i) * kGroomingPlanes * lanes_ + lane;
           factors[kAirDragScale * lanes_] = static_cast<Scalar>(model.air_drag_scale[v]);
@@ -292,7 +302,8 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           roots(block),
           block.pins > 0 ? bonePins(block) : nullptr,
           block.factors,
-          groomed(block) ? grooming(block) : nullptr};
+          groomed(block) ? grooming(block) : nullptr,
+          rest_distance_ ? restDistance(block) : nullptr};
 }
 
 template class BlockStore<float>;

@@ -49,9 +49,10 @@ struct BlockView {
   const Scalar* mass;    ///< 1 plane, of vertices; large where pinned
   const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
-  const Scalar* bone_pins;  ///< [vertex][kBonePinPlanes][lane]; null where there is none
-  bool factors;             ///< some factor of the strands is not 1
-  const Scalar* grooming;   ///< [vertex][kGroomingPlanes][lane]; null where there is none
+  const Scalar* bone_pins;      ///< [vertex][kBonePinPlanes][lane]; null where there is none
+  bool factors;                 ///< some factor of the strands is not 1
+  const Scalar* grooming;       ///< [vertex][kGroomingPlanes][lane]; null where there is none
+  const Scalar* rest_distance;  ///< [vertex][lane], m, see StrandModel; null where there is none
 };
 
 constexpr int kRootPlanes = 14;
@@ -127,9 +128,11 @@ class BlockStore {
   Scalar* roots(const Block& block) const;
   Scalar* grooming(const Block& block) const;
   Scalar* bonePins(const Block& block) const;
+  Scalar* restDistance(const Block& block) const;
 
   int lanes_ = 1;
   int max_vertices_ = 0;
+  bool rest_distance_ = false;  ///< the model has them
   std::vector<Block> blocks_;
   std::vector<BonePin> pins_;
   std::vector<uint32_t> order_;    ///< strands, by vertex count

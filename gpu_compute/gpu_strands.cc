@@ -74,6 +74,7 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
       strands_(model.strands()),
       bones_(model.bones.size()),
       model_offsets_(model.offsets),
+      rest_distance_(model.rest_distance),
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
       frames_(storage<Vec4>(vertices_)),
@@ -81,6 +82,7 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
       rest_local_(std::span<const Vec4>(packRestLocal(model))),
       offsets_(std::span<const uint32_t>(model.offsets)),
       guides_(storage<Vec3>(vertices_)),
+      shapes_(storage<uint32_t>(1)),
       groomed_(!model.damping_scale.empty()),
       gauss_seidel_(model),
       rod_(model),
@@ -98,7 +100,8 @@ void GpuStrands::upload(const StrandState& state) {
   if (!state.tensions.empty())
     forEdges(model_offsets_, [&](uint32_t edge, uint32_t end) { packed[end][3] = state.tensions[edge]; });
   positions_.write(std::span<const Vec4>(packed));
-  for (size_t i = 0; i < vertices_; ++i) packed[i] = vec4(state.velocities[i]);
+  for (size_t i = 0; i < vertices_; ++i)
+    packed[i] = vec4(state.velocities[i], rest_distance_.empty() ? kFarFromBodies : rest_distance_[i]);
   velocities_.write(std::span<const Vec4>(packed));
   for (size_t i = 0; i < vertices_; ++i) {
     const Quat frame = state.frames.empty() ? Quat(Quat::Identity()) : state.frames[i];
@@ -142,8 +145,25 @@ void GpuStrands::bind() const {
   offsets_.bindStorage(4);
   guides_.bindStorage(8);
   frames_.bindStorage(9);
-  contacts_.bindStorage(14);
+  contacts_.bindStorage(15);
   if (grooming_.bytes() > 0) grooming_.bindStorage(13);
+  shapes_.bindStorage(14);
+}
+
+void GpuStrands::takeShapes(const ShapeData* shapes) {
+  if (shapes == nullptr || shapes->words.empty() || shapes->revision == shapes_revision_) return;
+  GLint64 limit = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
+  const size_t bytes = shapes->words.size() * sizeof(uint32_t);
+  if (bytes > static_cast<uint64_t>(limit))
+    throw Error("the shapes of the bodies do not fit this GPU's buffers", fmt::format("{} bytes", bytes),
+                "bake their distance fields with larger cells, or use --backend simd");
+  discardErrors();
+  shapes_ = gl::Buffer(std::span<const uint32_t>(shapes->words));
+  if (glGetError() == GL_OUT_OF_MEMORY)
+    throw Error("the shapes of the bodies do not fit the GPU's memory", fmt::format("{} bytes", bytes),
+                "bake their distance fields with larger cells, or use --backend simd");
+  shapes_revision_ = shapes->revision;
 }
 
 void GpuStrands::step(const StepInput& input) {
@@ -153,6 +173,7 @@ void GpuStrands::step(const StepInput& input) {
     glFinish();
     uploads_.emplace(strands_, bones_, 2 * input.primitives.size());
   }
+  takeShapes(input.shapes);
   uploads_->write(input);
   const bool goal = input.parameters->goal_rate > 0;
   if (goal && grooming_.bytes() == 0)

@@ -19,7 +19,7 @@ class GpuStrands {
   void upload(const StrandState& state);
   void download(StrandState& state) const;
   /// The first step with a solver, and its first with bodies or a goal pull, compile; that may throw Error.
-  /// No other one does, nor allocates, unless there are more bodies than ever before.
+  /// No other one does, nor allocates, unless there are more bodies than ever before or other shapes.
   void step(const StepInput& input);
   std::span<const Vec3> guides();
   /// guides() need not wait, nor the context.
@@ -29,15 +29,19 @@ class GpuStrands {
 
  private:
   void bind() const;
+  void takeShapes(const ShapeData* shapes);
 
   ProgramCache& programs_;
   size_t vertices_, strands_, bones_;
   std::vector<uint32_t> model_offsets_;
-  gl::Buffer positions_;   ///< xyz; w: tension of the edge that ends at the vertex
-  gl::Buffer velocities_;  ///< xyz
-  gl::Buffer frames_;      ///< of the edge that starts at the vertex
-  gl::Buffer contacts_;    ///< StrandState::contacts
+  std::vector<float> rest_distance_;  ///< of the model
+  gl::Buffer positions_;              ///< xyz; w: tension of the edge that ends at the vertex
+  gl::Buffer velocities_;             ///< xyz; w: StrandModel::rest_distance
+  gl::Buffer frames_;                 ///< of the edge that starts at the vertex
+  gl::Buffer contacts_;               ///< StrandState::contacts
   gl::Buffer rest_local_, offsets_, guides_;
+  gl::Buffer shapes_;  ///< ShapeData::words of the newest step
+  uint64_t shapes_revision_ = 0;
   gl::Buffer grooming_;  ///< see shaders/grooming.glsl; empty until needed
   bool groomed_;         ///< strands have tethers or factors
   GaussSeidelStrands gauss_seidel_;

@@ -16,5 +16,7 @@ void addInvarianceExperiments(std::vector<Experiment>& experiments);  ///< time 
 void addMotionExperiments(std::vector<Experiment>& experiments);      ///< a shaken root: stretch, tip error
 void addGuardExperiments(std::vector<Experiment>& experiments);       ///< abuse
 void addFrictionExperiments(std::vector<Experiment>& experiments);    ///< stick-slip, slope, capstan
+void addContactExperiments(std::vector<Experiment>& experiments);     ///< penetration, rest, energy
+void addTunnelExperiments(std::vector<Experiment>& experiments);      ///< fast plates
 
 }  // namespace strandcast

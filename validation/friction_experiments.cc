@@ -14,6 +14,8 @@ namespace {
 
 constexpr int kEdges = 32;
 constexpr double kRate = 360;
+constexpr double kPressedRate =
+    720;  // of stick-slip and capstan, where forces are many times the weight of hair
 constexpr double kRadius = 40e-6;  // m, of the hair
 
 // Strands of one shape that differ in friction only, evenly by `step` from `low` on; the body has friction 1.
@@ -34,14 +36,17 @@ template <class Slips>
 double threshold(const Frictions& range, const Slips& slips) {
   double slipping = -1, stuck = -1;
   for (int s = 0; s < range.count; ++s) {
-    if (slips(s)) slipping = range.of(s);
-    else if (stuck < 0) stuck = range.of(s);
+    if (slips(s))
+      slipping = range.of(s);
+    else if (stuck < 0)
+      stuck = range.of(s);
   }
   return slipping < 0 || stuck < 0 ? std::nan("") : (slipping + stuck) / 2;
 }
 
-Parameters parametersWith(const Laboratory& laboratory, double air_drag, const Vec3& gravity) {
-  Parameters parameters = laboratory.parameters(kRate, air_drag);
+Parameters parametersWith(const Laboratory& laboratory, double air_drag, const Vec3& gravity,
+                          double rate = kRate) {
+  Parameters parameters = laboratory.parameters(rate, air_drag);
   parameters.gravity = gravity;
   parameters.hair_radius = static_cast<float>(kRadius);
   return parameters;
@@ -59,10 +64,10 @@ double slipThreshold(const Laboratory& laboratory, double shortening, double tru
   constexpr double kResting = 1;                                  // s
   const Frictions range{0.88 * truth, 0.008 * truth, 31};
   const float floor = static_cast<float>((kFirst - 1) * kLength - kRadius);
-  Simulation simulation = laboratory.simulation(
-      modelOfFrictions(straightStrand(kLength, kEdges, -Vec3::UnitY()), {}, range),
-      {{{{PrimitiveKind::kPlane, Vec3(0, floor, 0), Vec3::UnitY(), 0, 1}}, false}},
-      [&]{auto p=parametersWith(laboratory, 5, Vec3::Zero()); if(getenv("DT")) p.damping_time=atof(getenv("DT")); if(getenv("RATE")) p.time_step=1/atof(getenv("RATE")); return p;}());
+  Simulation simulation =
+      laboratory.simulation(modelOfFrictions(straightStrand(kLength, kEdges, -Vec3::UnitY()), {}, range),
+                            {{{{PrimitiveKind::kPlane, Vec3(0, floor, 0), Vec3::UnitY(), 0, 1}}, false}},
+                            parametersWith(laboratory, 5, Vec3::Zero(), kPressedRate));
   const PressedElastica first = pressedElastica(kFirst, kEdges);
   const std::vector<Vec2>& shape = first.shape;
   const double unit = bendingOverMass(Material{}) * kEdges / std::pow(kLength, 3);  // m/s^2, of forces
@@ -79,15 +84,14 @@ double slipThreshold(const Laboratory& laboratory, double shortening, double tru
   }
   simulation.backend().upload(state);
   const double duration = (shortening - kFirst) * kLength / kSpeed;
-  laboratory.advance(
-      simulation, 2 * duration + kResting,
-      [&](double t) {
-        const double part = std::min(t / (2 * duration), 1.0);
-        const double way = kSpeed * duration * part * part * (3 - 2 * part);
-        return Pose{Vec3(0, static_cast<float>(-way), 0), Quat::Identity()};
-      },
-      [&]{ static int c=0; if (getenv("TS") && ++c%40==0) { auto st=simulation.state(); int s=28; size_t v=s*33+32; double vm=0; for(int k=0;k<33;++k) vm=std::max<double>(vm,st.velocities[s*33+k].norm()); fmt::print("{} x {:.5f} y {:.2e} fn {:.1f} ratio {:.4f} T {:.1f} vmax {:.4f}\n",c,st.positions[v].x()/kLength,st.positions[v].y()-floor,st.contacts[v].y(),st.contacts[v].x()/st.contacts[v].y(),st.tensions[v-1],vm);} });
-  if (getenv("DBG")) for (int s = 0; s < range.count; ++s) fmt::print("{:.4f}:{:.4f} ", range.of(s), tipOf(simulation, s).x()/kLength);
+  laboratory.advance(simulation, 2 * duration + kResting,
+                     [&](double t) {
+                       const double part = std::min(t / (2 * duration), 1.0);
+                       const double way = kSpeed * duration * part * part * (3 - 2 * part);
+                       return Pose{Vec3(0, static_cast<float>(-way), 0), Quat::Identity()};
+                     },
+                     {});
+
   return threshold(range, [&](int s) { return std::fabs(tipOf(simulation, s).x()) > 0.02 * kLength; });
 }
 
@@ -124,7 +128,9 @@ Simulation strandsOnSlope(const Laboratory& laboratory, double angle, const Fric
 
 double slid(Simulation& simulation, size_t s) {
   const std::span<const Vec3> strand = strandOf(simulation, s);
-  return (strand[3 * kEdges / 4] - Vec3(0, 0, static_cast<float>(kSlopeLength * 3 / 4))).cast<double>().norm();
+  return (strand[3 * kEdges / 4] - Vec3(0, 0, static_cast<float>(kSlopeLength * 3 / 4)))
+      .cast<double>()
+      .norm();
 }
 
 std::vector<Case> slopeThreshold(const Laboratory& laboratory) {
@@ -135,8 +141,8 @@ std::vector<Case> slopeThreshold(const Laboratory& laboratory) {
     Simulation simulation = strandsOnSlope(laboratory, angle, range);
     laboratory.advance(simulation, 1);
     const double found = threshold(range, [&](int s) { return slid(simulation, s) > 1e-4; });
-    cases.push_back(relativeCase(
-        {namesOfSlope("threshold")[i], "friction below which the strand slides", ""}, found, truth, 3));
+    cases.push_back(relativeCase({namesOfSlope("threshold")[i], "friction below which the strand slides", ""},
+                                 found, truth, 3));
   }
   return cases;
 }
@@ -144,7 +150,7 @@ std::vector<Case> slopeThreshold(const Laboratory& laboratory) {
 std::vector<Case> slopeSliding(const Laboratory& laboratory) {
   std::vector<Case> cases;
   for (size_t i = 0; i < std::size(kSlopes); ++i) {
-    constexpr double kFirst = 0.01, kWay = 0.005; // s, m: how far it may slide at most
+    constexpr double kFirst = 0.01, kWay = 0.005;  // s, m: how far it may slide at most
     const double angle = kSlopes[i] * std::numbers::pi / 180;
     const double friction = std::tan(angle) / 2;
     const double truth = kGravity * (std::sin(angle) - friction * std::cos(angle));
@@ -154,21 +160,20 @@ std::vector<Case> slopeSliding(const Laboratory& laboratory) {
     laboratory.advance(simulation, std::sqrt(2 * kWay / truth) - kFirst);
     // A substep moves by the velocity at its end, so half a substep is to be added to its time.
     const double half = 0.5 / kRate, t1 = simulation.time(), x1 = slid(simulation, 0);
-    const double measured =
-        2 * (x1 - x0) / ((t1 + half) * (t1 + half) - (t0 + half) * (t0 + half));
+    const double measured = 2 * (x1 - x0) / ((t1 + half) * (t1 + half) - (t0 + half) * (t0 + half));
     cases.push_back(
         relativeCase({namesOfSlope("sliding")[i], "acceleration, m/s^2", ""}, measured, truth, 3));
   }
   return cases;
 }
 
-// Real hair, bent over the slope, with 5 % more friction than it needs: how far it creeps once it has settled.
+// Real hair, bent over the slope, with 5 % more friction than it needs: how far it creeps once it has
+// settled.
 std::vector<Case> slopeCreep(const Laboratory& laboratory) {
   std::vector<Case> cases;
   for (size_t i = 0; i < std::size(kSlopes); ++i) {
     const double angle = kSlopes[i] * std::numbers::pi / 180;
-    Simulation simulation =
-        strandsOnSlope(laboratory, angle, {1.05 * std::tan(angle), 0, 1});
+    Simulation simulation = strandsOnSlope(laboratory, angle, {1.05 * std::tan(angle), 0, 1});
     laboratory.advance(simulation, 0.5);
     const std::span<const Vec3> now = strandOf(simulation, 0);
     const std::vector<Vec3> before(now.begin(), now.end());
@@ -176,8 +181,8 @@ std::vector<Case> slopeCreep(const Laboratory& laboratory) {
     double moved = 0;
     for (size_t v = 0; v < before.size(); ++v)
       moved = worse(moved, 1e3 * (strandOf(simulation, 0)[v] - before[v]).cast<double>().norm());
-    cases.push_back(absoluteCase({namesOfSlope("creep")[i], "largest distance of a vertex in 3 s", "mm"}, moved,
-                                 0, 0.01));
+    cases.push_back(absoluteCase({namesOfSlope("creep")[i], "largest distance of a vertex in 3 s", "mm"},
+                                 moved, 0, 0.01));
   }
   return cases;
 }
@@ -188,9 +193,9 @@ constexpr double kCapstanFrictions[] = {0.1, 0.3, 0.6};
 
 std::vector<std::string> namesOfCapstan() { return caseNames("capstan friction={:g}", kCapstanFrictions); }
 
-// Tension at the upper end of a heavy string that slides over a quarter of a cylinder from its side to its top, over that
-// at the lower end: dT/dphi = friction (T + w r sin phi) + w r cos phi, phi from the side. `weight` = w r over the lower
-// tension. Without weight it is exp(friction pi / 2).
+// Tension at the upper end of a heavy string that slides over a quarter of a cylinder from its side to its
+// top, over that at the lower end: dT/dphi = friction (T + w r sin phi) + w r cos phi, phi from the side.
+// `weight` = w r over the lower tension. Without weight it is exp(friction pi / 2).
 double capstanRatio(double friction, double weight) {
   constexpr int kSteps = 1000;
   constexpr double kQuarter = std::numbers::pi / 2;
@@ -212,10 +217,12 @@ std::vector<Case> capstan(const Laboratory& laboratory) {
   StrandPoints points;
   for (int i = 0; i <= kEdges; ++i) {
     const double at = length * i / kEdges, on = (at - kLevel) / kCylinder;
-    if (at < kLevel) points.emplace_back(at, 0, 0);
+    if (at < kLevel)
+      points.emplace_back(at, 0, 0);
     else if (at < kLevel + arc)
       points.emplace_back(kLevel + out * std::sin(on), out * (std::cos(on) - 1), 0);
-    else points.emplace_back(kLevel + out, -out - (at - kLevel - arc), 0);
+    else
+      points.emplace_back(kLevel + out, -out - (at - kLevel - arc), 0);
   }
   Material limp;
   limp.youngs_modulus = 1e3f;
@@ -228,18 +235,15 @@ std::vector<Case> capstan(const Laboratory& laboratory) {
   for (size_t s = 0; s < materials.size(); ++s)
     model.mass[model.offsets[s + 1] - 1] += static_cast<float>(kLoad * kEdges);
   const Vec3 axis(static_cast<float>(kLevel), static_cast<float>(-out), 0), reach(0, 0, 1);
-  Simulation simulation =
-      laboratory.simulation(std::move(model),
-                            {{{{PrimitiveKind::kCapsule, axis - reach, axis + reach,
-                                static_cast<float>(kCylinder), 1}},
-                              false}},
-                            parametersWith(laboratory, 5, Vec3(0, -kGravity, 0)));
-  laboratory.advance(
-      simulation, kPulling,
-      [&](double t) {
-        return Pose{Vec3(static_cast<float>(-kSpeed * t), 0, 0), Quat::Identity()};
-      },
-      {});
+  Simulation simulation = laboratory.simulation(
+      std::move(model),
+      {{{{PrimitiveKind::kCapsule, axis - reach, axis + reach, static_cast<float>(kCylinder), 1}}, false}},
+      parametersWith(laboratory, 5, Vec3(0, -kGravity, 0), kPressedRate));
+  laboratory.advance(simulation, kPulling,
+                     [&](double t) {
+                       return Pose{Vec3(static_cast<float>(-kSpeed * t), 0, 0), Quat::Identity()};
+                     },
+                     {});
   const StrandState state = simulation.state();
   std::vector<Case> cases;
   for (size_t s = 0; s < materials.size(); ++s) {
@@ -257,14 +261,17 @@ std::vector<Case> capstan(const Laboratory& laboratory) {
 }  // namespace
 
 void addFrictionExperiments(std::vector<Experiment>& experiments) {
-  experiments.push_back({"upright rods pressed on a plane, tip first, until they slip", namesOfStickSlip(), stickSlip});
-  experiments.push_back({"limp strands of many frictions across a slope", namesOfSlope("threshold"), slopeThreshold});
+  experiments.push_back(
+      {"upright rods pressed on a plane, tip first, until they slip", namesOfStickSlip(), stickSlip});
+  experiments.push_back(
+      {"limp strands of many frictions across a slope", namesOfSlope("threshold"), slopeThreshold});
   experiments.push_back({"a limp strand across a slope with half the friction that would hold it",
                          namesOfSlope("sliding"), slopeSliding});
+  experiments.push_back({"a limp strand across a slope with 5 % more friction than holds it",
+                         namesOfSlope("creep"), slopeCreep});
   experiments.push_back(
-      {"a limp strand across a slope with 5 % more friction than holds it", namesOfSlope("creep"), slopeCreep});
-  experiments.push_back({"a limp strand pulled over a level cylinder, a load of five times its weight on its tip",
-                         namesOfCapstan(), capstan});
+      {"a limp strand pulled over a level cylinder, a load of five times its weight on its tip",
+       namesOfCapstan(), capstan});
 }
 
 }  // namespace strandcast

@@ -12,6 +12,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/lanes_glsl.h"
 #include "kernels/rotation.h"
 #include "kernels/contact.h"
+#include "kernels/distance_field.h"
 #include "kernels/rod.h"
 #include "gpu_compute/shaders/step_input.glsl"
 #if GROOMED
@@ -43,20 +44,15 @@ vec3 across;
 vec3 force[PER_THREAD];             // m
 float pull[PER_THREAD], pull_in, pull_out;  // m, of edges; in: before slot 0, out: after the last slot
 #if BODIES
-layout(std430, binding = 14) buffer Contacts { vec4 contacts[]; };  // xyz: StrandState::contacts
+layout(std430, binding = 15) buffer Contacts { vec4 contacts[]; };  // xyz: StrandState::contacts
 vec3 pressing[PER_THREAD];            // m: the same x substep^2
 vec3 displaced[PER_THREAD];           // m, by the last solve of the bending system
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
-float gives[PER_THREAD], give_in;     // see resolveContact
 #define NORMAL(p) normals[p]
 #define NORMAL_IN normal_in
-#define LENGTH_WEIGHT(p) (weight(p) * gives[p])
-#define LENGTH_WEIGHT_IN (weight_in * give_in)
 #else
 #define NORMAL(p) vec3(0)
 #define NORMAL_IN vec3(0)
-#define LENGTH_WEIGHT(p) weight(p)
-#define LENGTH_WEIGHT_IN weight_in
 #endif
 
 #if PINNED || GROOMED
@@ -313,17 +309,15 @@ void collide(float time) {
   for (int p = 0; p < PER_THREAD; ++p) touch[p] = untouched(x_new[p]);
   for (uint i = 0u; i < settings.primitive_count; ++i) {
     SubstepBody body = placedBody(i, time);
-    for (int p = 0; p < PER_THREAD; ++p) meet(body, x_new[p], x[p], touch[p]);
+    for (int p = 0; p < PER_THREAD; ++p) meet(body, x_new[p], x[p], clearance(p), touch[p]);
   }
   for (int p = 0; p < PER_THREAD; ++p) {
     bool touches = touch[p].gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0;
     if (!touches || weight(p) == 0.0) continue;
-    float give;
     x_new[p] = resolveContact(x_new[p], touch[p].carried, displaced[p], touch[p].normal, touch[p].gap, touch[p].friction,
-                              weight(p), pressing[p], give);
+                              weight(p), pressing[p]);
     if (touch[p].gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0) {
       normals[p] = touch[p].normal;
-      gives[p] = give;
       softness[p] = 0.0;
     }
   }
@@ -334,7 +328,7 @@ bool tooDeep(vec3 placed, vec3 checked, int p, float time, out Touch touch) {
   touch = untouched(placed);
   vec3 off = placed - checked;
   if (dot(off, off) <= contactSlack() * contactSlack() || weight(p) == 0.0) return false;
-  for (uint i = 0u; i < settings.primitive_count; ++i) meet(placedBody(i, time), placed, x[p], touch);
+  for (uint i = 0u; i < settings.primitive_count; ++i) meet(placedBody(i, time), placed, x[p], clearance(p), touch);
   return touch.gap < -contactSlack();
 }
 
@@ -376,19 +370,19 @@ vec3 keepOut(RootMotion root, float time, vec3 checked[PER_THREAD], vec3 directi
 void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD], out float pivot[PER_THREAD],
                 out float excess[PER_THREAD]) {
   vec3 inner = x_new_in, t_in = tangent_in, n_in = NORMAL_IN;
-  float w_in = hasBefore(1) ? LENGTH_WEIGHT_IN : 0.0, soft_in = softness_in, c_in = dot(t_in, tangent[0]);
+  float w_in = hasBefore(1) ? weight_in : 0.0, soft_in = softness_in, c_in = dot(t_in, tangent[0]);
   for (int p = 0; p < PER_THREAD; ++p) {
     float c = dot(tangent[p], p < kLast ? tangent[min(p + 1, kLast)] : tangent_out);
     float own = weightAlong(tangent[p], n_in, w_in, soft_in, c_in) +
-                weightAlong(tangent[p], NORMAL(p), LENGTH_WEIGHT(p), softness[p], c);
+                weightAlong(tangent[p], NORMAL(p), weight(p), softness[p], c);
     own_diagonal[p] = isEdge(p) ? own : 1.0;
     lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in, soft_in, c_in) : 0.0;
-    pivot[p] = lengthPivot(w_in, LENGTH_WEIGHT(p));
+    pivot[p] = lengthPivot(w_in, weight(p));
     excess[p] = isEdge(p) ? dot(x_new[p] - inner, tangent[p]) - restLength(p) : 0.0;
     inner = x_new[p];
     t_in = tangent[p];
     n_in = NORMAL(p);
-    w_in = LENGTH_WEIGHT(p);
+    w_in = weight(p);
     soft_in = softness[p];
     c_in = c;
   }
@@ -412,7 +406,7 @@ void solveLengths(RootMotion root) {
   exchange_a[me] = vec4(x_new[kLast], softness[kLast]);
   exchange_b[me] = vec4(tangent[kLast], x_new[0].x);
 #if BODIES
-  exchange_c[me] = vec4(normals[kLast] * (gives[kLast] < 1.0 ? 2.0 : 1.0), x_new[0].y);  // twice as long where held
+  exchange_c[me] = vec4(normals[kLast], x_new[0].y);
 #else
   exchange_c[me].w = x_new[0].y;
 #endif
@@ -423,9 +417,6 @@ void solveLengths(RootMotion root) {
   tangent_in = exchange_b[before(1)].xyz;
 #if BODIES
   normal_in = exchange_c[before(1)].xyz;
-  bool held_in = dot(normal_in, normal_in) > 2.0;
-  normal_in *= held_in ? 0.5 : 1.0;
-  give_in = held_in ? heldGive() : 1.0;
 #endif
   vec3 x_new_out = vec3(exchange_b[after(1)].w, exchange_c[after(1)].w, exchange_d[after(1)]);
   barrier();
@@ -474,7 +465,7 @@ void moveByFirstPulls() {
   for (int p = 0; p < PER_THREAD; ++p) {
     float outer = p < kLast ? pull[min(p + 1, kLast)] : pull_out;
     float violent = rest.loose * violence(pull[p], outer, weight(p), inverseLength(p));
-    x_new[p] = madd(pushOn(p, softness[p]), LENGTH_WEIGHT(p) * (1.0 - violent), x_new[p]);
+    x_new[p] = madd(pushOn(p, softness[p]), weight(p) * (1.0 - violent), x_new[p]);
     force[p] = isEdge(p) ? pushOn(p, 0.0) * violent : vec3(0);
     softness[p] = softnessLeft(softness[p], violent);
   }
@@ -482,11 +473,11 @@ void moveByFirstPulls() {
 
 // The pulls as what they move by themselves.
 void moveByPulls() {
-  for (int p = 0; p < PER_THREAD; ++p) x_new[p] = madd(pushOn(p, softness[p]), LENGTH_WEIGHT(p), x_new[p]);
+  for (int p = 0; p < PER_THREAD; ++p) x_new[p] = madd(pushOn(p, softness[p]), weight(p), x_new[p]);
   // The same for the vertex before slot 0, which saves an exchange.
   if (hasBefore(1))
     x_new_in =
-        madd(pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], NORMAL_IN, softness_in), LENGTH_WEIGHT_IN, x_new_in);
+        madd(pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], NORMAL_IN, softness_in), weight_in, x_new_in);
 }
 
 // Exact lengths along the directions found, from the root or the last pinned vertex on: a scan. Then velocities.
@@ -563,10 +554,7 @@ void main() {
     solveTwist(frame_in, blend);
     makeBending(root);
 #if BODIES
-    for (int p = 0; p < PER_THREAD; ++p) {
-      normals[p] = vec3(0);
-      gives[p] = 1.0;
-    }
+    for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
 #endif
     for (int iteration = 0; iteration < 2; ++iteration) {
       if (iteration > 0) moveByFirstPulls();

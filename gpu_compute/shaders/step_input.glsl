@@ -6,9 +6,17 @@ struct Primitive {  // core/contact_primitive.h
   vec3 a_end;
   uint kind;
   vec4 b_begin_friction;
-  vec4 b_end;
-  vec4 angular_velocity;
+  vec4 b_end_radius;
+  vec3 angular_velocity;
+  uint data;
+  vec4 rotation_begin;
+  vec4 rotation_end;
+  vec3 extent;
+  uint planes;
 };
+const uint kSphere = 0u, kCapsule = 1u, kPlane = 2u, kTaperedCapsule = 3u, kEllipsoid = 4u, kBox = 5u, kConvex = 6u,
+           kField = 7u;
+const uint kBrickSide = 9u, kBrickWords = 365u, kOutsideBrick = 0xFFFFFFFFu, kInsideBrick = 0xFFFFFFFEu;
 
 layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   vec4 gravity;
@@ -31,6 +39,7 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
 // 7 per pose: of strands at the beginning, then at the end; of bones at the beginning, then at the end.
 layout(std430, binding = 6) readonly buffer Roots { float roots[]; };
 layout(std430, binding = 7) readonly buffer Primitives { Primitive primitives[]; };
+layout(std430, binding = 14) readonly buffer Shapes { uint shape_words[]; };
 
 struct Pose {
   vec3 position;

@@ -212,6 +212,48 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
   EXPECT_LE(grazing, among_bodies / 100);
 }
 
+// Bodies of every kind, each alone, so that every strand that differs is the doing of one kind. Some vertices
+// may be as deep as they are at rest.
+TEST_P(Conformance, OneStepWithEveryKindOfBodyAgreesWithTheOracle) {
+  const bool rod = parameters_.solver == SolverKind::kRod;
+  const double tolerance = rod ? kRodOneStepTolerance : kOneStepTolerance;
+  constexpr size_t kStrands = 65;
+  StrandModel model = awkwardModel(kStrands, 17);
+  const StrandState from = disturbedState(model, 18);
+  const std::vector<Pose> roots_end = movedRoots(model);
+  const double substep = parameters_.time_step / parameters_.substeps;
+  const StrandState untouched = oracleStep(model, from, {&parameters_, model.rest_roots, roots_end, {}});
+  size_t grazing = 0;
+  for (int kind = 0; kind < kFurtherKinds; ++kind) {
+    ShapeData shapes;
+    const std::vector<MovingPrimitive> bodies = {furtherBody(kind, parameters_.time_step, shapes)};
+    model.rest_distance.assign(model.vertices(), kFarFromBodies);
+    for (size_t v = 0; v < model.vertices(); v += 3) model.rest_distance[v] = -0.01f;
+    const StepInput input{&parameters_, model.rest_roots, roots_end, bodies, {}, {}, &shapes};
+    const StrandState truth = oracleStep(model, from, input), mine = stepped(model, from, input);
+    const std::vector<double> sensitivity = sensitivities(model, from, truth, input, substep);
+    const std::vector<double> error = errors(model, mine, truth, substep);
+    const std::vector<double> touched = errors(model, truth, untouched, substep);
+    size_t moved_by_body = 0;
+    double worst = 0;
+    for (size_t s = 0; s < kStrands; ++s) {
+      if (rod && tooDense(model, s, substep)) continue;
+      moved_by_body += touched[s] > 1e-3;
+      const double limit = tolerance + kSensitivityFactor * sensitivity[s];
+      if (rod && error[s] >= limit && error[s] < kGrazingTolerance) {
+        ++grazing;
+        continue;
+      }
+      worst = std::max(worst, error[s]);
+      EXPECT_LT(error[s], limit) << "strand " << s << ", kind " << kind;
+    }
+    std::printf("             kind %d moves %zu strands: %.1e of a strand's length\n", kind, moved_by_body,
+                worst);
+    EXPECT_GT(moved_by_body, kStrands / 8);
+  }
+  EXPECT_LE(grazing, kFurtherKinds * kStrands / 100);
+}
+
 TEST_P(Conformance, UploadAndDownloadKeepEveryBit) {
   const StrandModel model = awkwardModel(33, 21);
   backend_->load(model, restState(model, model.rest_roots));

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <random>
 #include <vector>
 
@@ -29,6 +30,15 @@ StrandState disturbedState(const StrandModel& model, uint32_t seed);
 /// A sphere, a capsule and a plane that the hair of awkwardModel lies in, all moving and turning, with
 /// friction.
 std::vector<MovingPrimitive> movingBodies(float dt);
+
+/// One body of each kind that movingBodies has not (by number, 0 to kFurtherKinds - 1), moving and turning,
+/// that the hair of awkwardModel lies in. What it needs is added to `shapes`.
+constexpr int kFurtherKinds = 5;
+MovingPrimitive furtherBody(int kind, float dt, ShapeData& shapes);
+
+/// The signed distance field of a function that is one, in cells of `cell`, with bricks stored within `band`.
+DistanceField sampledField(const std::function<float(const Vec3&)>& distance, const Box& box, float cell,
+                           float band);
 
 /// Every root of `model` moved by 2 cm and turned by 0.3 rad about an axis through the middle of the head.
 std::vector<Pose> movedRoots(const StrandModel& model);

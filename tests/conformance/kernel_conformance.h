@@ -17,7 +17,7 @@ enum Kernel {
   kResolveContact,
   kPredictPosition,
   kNormalizeOrZero,
-  kSurfaceMotion,
+  kCarriedBy,
   kMultiply,
   kFieldPlace,
   kTrilinear,
@@ -26,6 +26,11 @@ enum Kernel {
   kGoalPull,
   kDrawnToGoal,
   kTethered,
+  kTaperedCapsuleDistance,
+  kBoxDistance,
+  kEllipsoidDistance,
+  kConvexPlane,
+  kFieldDistance,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;
