@@ -15,5 +15,8 @@ void addBendTwistExperiments(
 void addInvarianceExperiments(std::vector<Experiment>& experiments);  ///< time step, drag, order, units
 void addMotionExperiments(std::vector<Experiment>& experiments);      ///< a shaken root: stretch, tip error
 void addGuardExperiments(std::vector<Experiment>& experiments);       ///< abuse
+void addFrictionExperiments(std::vector<Experiment>& experiments);    ///< stick-slip, slope, capstan
+void addContactExperiments(std::vector<Experiment>& experiments);     ///< penetration, rest, energy
+void addTunnelExperiments(std::vector<Experiment>& experiments);      ///< fast plates
 
 }  // namespace strandcast

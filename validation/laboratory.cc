@@ -14,7 +14,12 @@ Parameters Laboratory::parameters(double rate, float air_drag) const {
 }
 
 Simulation Laboratory::simulation(StrandModel model, const Parameters& parameters) const {
-  return Simulation(std::move(model), {}, parameters, backend_());
+  return simulation(std::move(model), {}, parameters);
+}
+
+Simulation Laboratory::simulation(StrandModel model, std::vector<RigidBody> bodies,
+                                  const Parameters& parameters) const {
+  return Simulation(std::move(model), std::move(bodies), parameters, backend_());
 }
 
 void Laboratory::advance(Simulation& simulation, double seconds,

@@ -20,6 +20,7 @@ class Laboratory {
   /// One substep per step, `rate` steps per second.
   Parameters parameters(double rate, float air_drag) const;
   Simulation simulation(StrandModel model, const Parameters& parameters) const;
+  Simulation simulation(StrandModel model, std::vector<RigidBody> bodies, const Parameters& parameters) const;
 
   /// Steps until `seconds` more have passed; `after_step` may look at the simulation. Throws Stopped.
   void advance(Simulation& simulation, double seconds, const std::function<void()>& after_step = {}) const;

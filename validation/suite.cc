@@ -18,7 +18,12 @@ const std::vector<Suite>& validationSuites() {
     addInvarianceExperiments(physics.experiments);
     addMotionExperiments(physics.experiments);
     addGuardExperiments(physics.experiments);
-    return std::vector<Suite>{cantilever, physics};
+    Suite contact{"contact", "friction, penetration, rest and energy of hair on bodies", {}};
+    addFrictionExperiments(contact.experiments);
+    addContactExperiments(contact.experiments);
+    Suite tunnel{"tunnel", "strands swept by a thin plate at 10 m/s", {}};
+    addTunnelExperiments(tunnel.experiments);
+    return std::vector<Suite>{cantilever, physics, contact, tunnel};
   }();
   return suites;
 }
