@@ -318,11 +318,15 @@ inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) co
   const mask moved = dot(off, off) > contactSlack() * contactSlack() && weight(i) > lit(0);
   if (!anyTrue(moved)) return placed;
   real3 x = placed;
-  for (int round = 0; round < 2; ++round) {
+  for (int round = 0; round < 3; ++round) {
     const Touch touch = near_.nearest(i, x, state3(b.position, i));
     const mask deep = moved && touch.gap < lit(0) - contactSlack();
     if (!anyTrue(deep)) break;
-    x = select(deep, turnedOut(x, inner, touch.normal, touch.gap, lengthOf(i - 1)), x);
+    const real length = lengthOf(i - 1);
+    const mask last = deep && touch.gap > lit(0) - deepestTurn() && lit(round) > lit(1.5);
+    const real3 turned = select(last, turnedOut(x, inner, touch.normal, touch.gap, length),
+                                turnedTowards(x, inner, touch.normal, touch.gap, length));
+    x = select(deep, turned, x);
   }
   return x;
 }

@@ -145,6 +145,13 @@ FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real
   return out_x;
 }
 
+// An edge from `inner` to x, `gap` < 0 behind the plane across `normal`, turned towards where the nearest point of that plane is:
+// its new end. Never turns by much for little.
+FN real3 turnedTowards(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
+  return madd(directionOr(madd(normal, lit(0) - gap, x) - inner, normal), edge_length, inner);
+}
+// Ends that are no deeper than this after two of these turns go all the way; deeper ones were in the body before, metres.
+FN real deepestTurn() { return lit(2e-3); }
 // The outer end x of an edge that starts at `inner`, when it is `gap` < 0 behind the plane across the unit `normal`: the edge
 // turned until the end is in the plane, or as far out as its length allows.
 FN real3 turnedOut(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {

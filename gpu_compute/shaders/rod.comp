@@ -358,9 +358,11 @@ vec3 keepOut(RootMotion root, float time, vec3 checked[PER_THREAD], vec3 directi
     start = inner;
     for (int p = 0; p < PER_THREAD; ++p) {
       if (weight(p) > 0.0) placed[p] = madd(direction[p], restLength(p), inner);
-      for (int round = 0; round < 2 && isEdge(p); ++round) {
+      for (int round = 0; round < 3 && isEdge(p); ++round) {
         if (!tooDeep(placed[p], checked[p], p, time, touch)) break;
-        placed[p] = turnedOut(placed[p], inner, touch.normal, touch.gap, restLength(p));
+        bool last = round == 2 && touch.gap > -deepestTurn();
+        placed[p] = last ? turnedOut(placed[p], inner, touch.normal, touch.gap, restLength(p))
+                         : turnedTowards(placed[p], inner, touch.normal, touch.gap, restLength(p));
       }
       inner = placed[p];
     }
