@@ -294,9 +294,8 @@ inline void RodStep::eliminateBending() {
 }
 
 // Contact of vertex i at x, where forces have moved it by `moved`; the normal is kept for the length solve, which must not
-// push it back in.
-inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
-  if (near_.size() == 0) return x;
+// push it back in. By itself, as keptOut(), so that sweeps of hair that is near no body stay small.
+[[gnu::noinline]] inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
   const Touch touch = near_.nearest(i, x, state3(b.position, i));
   const real3 before = state3(b.contact, i);
   const mask touches = (touch.gap < lit(0) || dot(before, before) > lit(0)) && weight(i) > lit(0);
@@ -312,8 +311,7 @@ inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
 }
 
 // Vertex i once more, where making lengths exact has placed it, from `inner` on: held to the side of the bodies it was on.
-inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) const {
-  if (near_.size() == 0) return placed;
+[[gnu::noinline]] inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) const {
   const real3 off = placed - get3(kNewPosition, i);
   const mask moved = dot(off, off) > contactSlack() * contactSlack() && weight(i) > lit(0);
   if (!anyTrue(moved)) return placed;
@@ -373,7 +371,7 @@ void RodStep::moveAndEliminateLengths(Move move) {
     const real3 t_before = get3(kTangent, e);
     real3 by_forces = makeReal3(lit(0), lit(0), lit(0));
     const real3 reached = move(e, by_forces);
-    const real3 x = collide(e + 1, reached, by_forces);
+    const real3 x = near_.size() > 0 ? collide(e + 1, reached, by_forces) : reached;
     set3(kNewPosition, e + 1, x);
     const real3 edge = x - x_in;
     const real3 t = directionOr(edge, t_before);
@@ -527,8 +525,10 @@ inline void RodStep::finish() {
     const mask free = weight(e + 1) > lit(0);
     const real3 inner = placed;
     placed = select(free, madd(directionOr(x - before, t), lengthOf(e), placed), x);
-    placed = keptOut(e + 1, placed, inner);
-    if (near_.size() > 0) store3(state3(b.contact, e + 1) * lit(1 / (h * h)), b.contact, e + 1);
+    if (near_.size() > 0) {
+      placed = keptOut(e + 1, placed, inner);
+      store3(state3(b.contact, e + 1) * lit(1 / (h * h)), b.contact, e + 1);
+    }
     store3((placed - state3(b.position, e + 1)) * inverse_h, b.velocity, e + 1);
     store3(placed, b.position, e + 1);
     before = x;
