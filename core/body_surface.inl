@@ -21,16 +21,15 @@ inline void keep(const real3& v, Scalar (&out)[3]) {
 // A body at the end of a substep, one for all lanes; `time` is the part of the step that has passed then, 0 to 1.
 struct SubstepBody {
   PrimitiveKind kind;
-  Scalar a[3], b[3];                // m
-  Scalar a_motion[3], b_motion[3];  // m, over the substep
-  Scalar spin[3];                   // rad/s
+  Scalar a[3], b[3];      // m
+  Scalar a_motion[3];     // m, over the substep
+  Scalar turn[3];         // radians, over the substep, about a
   Scalar radius, radius_b, extent[3];
-  Scalar rotation[4];               // of kinds that have one
-  Scalar middle[3];                 // of a ball around it, with the hair's radius; not of planes
-  Scalar ball2;                     // m^2, that ball's radius squared
-  Scalar substep;                   // s
-  const uint32_t* words;            // of all shapes
-  uint32_t data, planes;            // its own in them
+  Scalar rotation[4];     // of kinds that have one
+  Scalar middle[3];       // of a ball around it and what it presses; not of planes
+  Scalar ball2;           // m^2, that ball's radius squared
+  const uint32_t* words;  // of all shapes
+  uint32_t data, planes;  // its own in them
   real friction;
 };
 // `part`: of the step that a substep is; `substep`: s.
@@ -43,11 +42,10 @@ inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, doubl
   keep(a, body.a);
   keep(b, body.b);
   keep(a_step * lit(part), body.a_motion);
-  keep(b_step * lit(part), body.b_motion);
   const bool capsule = body.kind == PrimitiveKind::kCapsule || body.kind == PrimitiveKind::kTaperedCapsule;
   const real3 half = capsule ? (b - a) * lit(0.5) : makeReal3(lit(0), lit(0), lit(0));
   const float thickest = body.kind == PrimitiveKind::kTaperedCapsule ? std::max(p.radius, p.radius_b) : p.radius;
-  const real ball = length(half) + lit(thickest + hair_radius);
+  const real ball = length(half) + lit(thickest + hair_radius) + contactReach();
   keep(a + half, body.middle);
   body.ball2 = one(ball * ball);
   if (body.kind >= PrimitiveKind::kEllipsoid) {
@@ -55,13 +53,10 @@ inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, doubl
     const real components[4] = {rotation.x, rotation.y, rotation.z, rotation.w};
     for (int c = 0; c < 4; ++c) body.rotation[c] = one(components[c]);
   }
-  for (int c = 0; c < 3; ++c) {
-    body.spin[c] = p.angular_velocity[c];
-    body.extent[c] = p.extent[c];
-  }
+  keep(fill3(p.angular_velocity) * lit(substep), body.turn);
+  for (int c = 0; c < 3; ++c) body.extent[c] = p.extent[c];
   body.radius = p.radius;
   body.radius_b = p.radius_b;
-  body.substep = static_cast<Scalar>(substep);
   body.words = words;
   body.data = p.data;
   body.planes = p.planes;
@@ -69,12 +64,10 @@ inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, doubl
   return body;
 }
 
-// Where a body's surface is nearest to a point, and what moves it there.
+// Where a body's surface is nearest to a point.
 struct SurfacePoint {
-  real distance;      // m, negative inside
-  real3 normal;       // unit, out of the body
-  real3 axis_point;   // m, about which the surface turns with the body's spin,
-  real3 axis_motion;  // m, while it moves by this in the substep
+  real distance;  // m, negative inside
+  real3 normal;   // unit, out of the body
 };
 
 inline real convexDistance(const SubstepBody& body, const real3& x, real3& normal) {
@@ -88,7 +81,7 @@ inline real convexDistance(const SubstepBody& body, const real3& x, real3& norma
   return nearest;
 }
 
-// `clear`: see fieldDistance.
+// `clear`: see fieldDistance. In a brick beyond the band the normal is zero.
 inline real fieldDistanceAt(const SubstepBody& body, const real3& x, const real& clear, real3& normal) {
   FieldGrid grid;
   std::memcpy(&grid, body.words + body.data, sizeof grid);
@@ -114,23 +107,26 @@ inline real fieldDistanceAt(const SubstepBody& body, const real3& x, const real&
                  : static_cast<Scalar>(std::bit_cast<float>(body.words[grid.corners + n]));
     }
   }
+  const real3 none = makeReal3(lit(0), lit(0), lit(0));
+  const real beyond = max(clear, lit(grid.band));
   if (!near) {  // nothing is pushed from here
-    normal = makeReal3(lit(0), lit(1), lit(0));
-    return max(clear, lit(grid.band));
+    normal = none;
+    return beyond;
   }
   const FieldCorners at{load(values[0]), load(values[1]), load(values[2]), load(values[3]), load(values[4]),
                         load(values[5]), load(values[6]), load(values[7]), load(side)};
-  return fieldDistance(place, at, lit(grid.cell), lit(grid.band), lit(grid.quantum), clear, normal);
+  const real distance = fieldDistance(place, at, lit(grid.cell), lit(grid.band), lit(grid.quantum), clear, normal);
+  const mask outside = load(side) > lit(0.5);
+  normal = select(outside, none, normal);
+  return select(outside, beyond, distance);
 }
 
 // Of kinds that turn. By itself, so that what sweeps over spheres and capsules stays small. `clear`: see surfaceAt.
 [[gnu::noinline]] inline SurfacePoint turningSurfaceAt(const SubstepBody& body, const real3& x, const real& clear) {
   SurfacePoint out;
-  out.axis_point = spread(body.a);
-  out.axis_motion = spread(body.a_motion);
   const quat rotation = spread(body.rotation);
   const quat back = {lit(0) - rotation.x, lit(0) - rotation.y, lit(0) - rotation.z, rotation.w};
-  const real3 local = rotate(back, x - out.axis_point);
+  const real3 local = rotate(back, x - spread(body.a));
   real3 normal;
   if (body.kind == PrimitiveKind::kEllipsoid) out.distance = ellipsoidDistance(local, spread(body.extent), normal);
   else if (body.kind == PrimitiveKind::kBox) out.distance = boxDistance(local, spread(body.extent), normal);
@@ -144,10 +140,8 @@ inline real fieldDistanceAt(const SubstepBody& body, const real3& x, const real&
 inline SurfacePoint surfaceAt(const SubstepBody& body, const real3& x, const real& clear) {
   if (body.kind >= PrimitiveKind::kEllipsoid) return turningSurfaceAt(body, x, clear);
   SurfacePoint out;
-  const real3 a = spread(body.a), a_motion = spread(body.a_motion);
+  const real3 a = spread(body.a);
   const real radius = lit(body.radius);
-  out.axis_point = a;
-  out.axis_motion = a_motion;
   if (body.kind == PrimitiveKind::kSphere) {
     out.distance = sphereDistance(x, a, radius, out.normal);
     return out;
@@ -161,7 +155,5 @@ inline SurfacePoint surfaceAt(const SubstepBody& body, const real3& x, const rea
   out.distance = body.kind == PrimitiveKind::kCapsule
                      ? capsuleDistance(x, a, b, radius, out.normal, along)
                      : taperedCapsuleDistance(x, a, b, radius, lit(body.radius_b), out.normal, along);
-  out.axis_point = madd(b - a, along, a);
-  out.axis_motion = madd(spread(body.b_motion) - a_motion, along, a_motion);
   return out;
 }

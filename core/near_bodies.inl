@@ -21,20 +21,20 @@ class NearBodies {
   }
   size_t size() const { return all_ ? candidates() : count_; }
 
-  /// To be called at the start of a substep, for pushAllOut(). `time` as of bodyAt().
+  /// To be called at the start of a substep, for nearest(). `time` as of bodyAt().
   void place(const StepInput& input, double time) {
     for (size_t i = 0; i < size() && i < kPlaced; ++i) placed_[i] = place(i, input, time);
     input_ = &input;
     time_ = time;
   }
-  /// pushOut() of every body, for vertex `v`.
-  real3 pushAllOut(int v, real3 x, const real3& x_start, const mask& free, real3& normal) const {
+  /// Of all bodies, for vertex `v`; see meet().
+  Touch nearest(int v, const real3& x, const real3& x_start) const {
     const real clear = clearance(v);
+    Touch touch = untouched(x);
     const size_t placed = std::min(size(), kPlaced);
-    for (size_t i = 0; i < placed; ++i) x = pushOut(placed_[i], x, x_start, clear, free, normal);
-    for (size_t i = placed; i < size(); ++i)
-      x = pushOut(place(i, *input_, time_), x, x_start, clear, free, normal);
-    return x;
+    for (size_t i = 0; i < placed; ++i) meet(placed_[i], x, x_start, clear, touch);
+    for (size_t i = placed; i < size(); ++i) meet(place(i, *input_, time_), x, x_start, clear, touch);
+    return touch;
   }
 
  private:
@@ -111,7 +111,7 @@ class NearBodies {
       for (int corner = 0; corner < 6; corner += 3)
         box.extend(Vec3(static_cast<float>(lanes[corner][lane]), static_cast<float>(lanes[corner + 1][lane]),
                         static_cast<float>(lanes[corner + 2][lane])));
-    const float radius = parameters.hair_radius;
+    const float radius = parameters.hair_radius + kContactReach;
     box.min().array() -= radius;
     box.max().array() += radius;
     return box;

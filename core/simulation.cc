@@ -197,7 +197,7 @@ void Simulation::findNearBodies() {
       box.extend(Eigen::Vector3f(roots_begin_[s].position)).extend(Eigen::Vector3f(roots_end_[s].position));
       longest = std::max(longest, lengths_[s]);
     }
-    const float reach = kStretch * longest + parameters_.hair_radius;
+    const float reach = kStretch * longest + parameters_.hair_radius + kContactReach;
     box.min().array() -= reach;
     box.max().array() += reach;
   }
@@ -270,6 +270,7 @@ size_t Simulation::resetBroken() {
       state.velocities[v] = rest.velocities[v];
       state.frames[v] = rest.frames[v];
       state.tensions[v] = rest.tensions[v];
+      state.contacts[v].setZero();
     }
   }
   backend_->upload(state);
@@ -282,7 +283,8 @@ void Simulation::teleport(const Pose& head) {
   backend_->download(state);
   const Pose carry = head * bones_begin_[0].inverse();
   for (Vec3& position : state.positions) position = carry.apply(position);
-  for (Vec3& velocity : state.velocities) velocity = carry.rotate(velocity);
+  for (std::vector<Vec3>* plane : {&state.velocities, &state.contacts})
+    for (Vec3& vector : *plane) vector = carry.rotate(vector);
   for (Quat& frame : state.frames) frame = (carry.rotation * frame).normalized();
   for (Pose& bone : bones_begin_) {
     bone = carry * bone;

@@ -25,8 +25,9 @@ enum Plane {
   kTwist = 24,
   kMass = 25,
   kWeight = 26,
+  kContact = 27,
 };
-static_assert(kWeight + 1 == kBlockPlanes);
+static_assert(kContact + 3 == kBlockPlanes);
 
 constexpr float kAlike = 2e-6f;  // relative, of lengths and of masses that count as equal
 
@@ -195,6 +196,9 @@ void BlockStore<Scalar>::upload(const StrandState& state) {
           number(block, kFrame + c, i, lane) = static_cast<Scalar>(frame.coeffs()[c]);
         number(block, kTension, i, lane) =
             state.tensions.empty() ? Scalar(0) : static_cast<Scalar>(state.tensions[v]);
+        for (int c = 0; c < 3; ++c)
+          number(block, kContact + c, i, lane) =
+              state.contacts.empty() ? Scalar(0) : static_cast<Scalar>(state.contacts[v][c]);
       }
     }
   }
@@ -206,6 +210,7 @@ void BlockStore<Scalar>::download(StrandState& state) const {
   state.velocities.resize(offsets_.back());
   state.frames.resize(offsets_.back());
   state.tensions.resize(offsets_.back());
+  state.contacts.resize(offsets_.back());
   for (size_t b = 0; b < blocks_.size(); ++b) {
     const Block& block = blocks_[b];
     readPositions(b, state.positions);
@@ -218,6 +223,7 @@ void BlockStore<Scalar>::download(StrandState& state) const {
         for (int c = 0; c < 3; ++c) state.velocities[first + i][c] = get(kVelocity + c);
         for (int c = 0; c < 4; ++c) state.frames[first + i].coeffs()[c] = get(kFrame + c);
         state.tensions[first + i] = get(kTension);
+        for (int c = 0; c < 3; ++c) state.contacts[first + i][c] = get(kContact + c);
       }
     }
   }
@@ -283,6 +289,7 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           planes(block, kInverseMass),
           planes(block, kFrame),
           planes(block, kTension),
+          planes(block, kContact),
           planes(block, kRestStrain),
           planes(block, kInverseLength),
           planes(block, kBend),

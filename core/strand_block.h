@@ -21,7 +21,7 @@ struct CacheLineAllocator {
   bool operator==(const CacheLineAllocator&) const { return true; }
 };
 
-constexpr int kBlockPlanes = 27;  ///< numbers per vertex
+constexpr int kBlockPlanes = 30;  ///< numbers per vertex
 
 /// One block: [vertex][plane][lane] for what is per vertex, so that a sweep along the strands is one stream
 /// through memory; [plane][lane] for the roots. A lane is a strand; the loop runs along it. Lanes past the
@@ -40,6 +40,7 @@ struct BlockView {
   // Of the rod: edge (i, i + 1) and the joint before it at row i. See StrandModel for units.
   Scalar* frame;              ///< 4 planes, x y z w, world
   Scalar* tension;            ///< 1 plane
+  Scalar* contact;            ///< 3 planes, of vertices
   const Scalar* rest_strain;  ///< 3 planes
   const Scalar*
       inverse_length;    ///< 1 plane, 1/m, bounded where an edge is much shorter than its strand's mean

@@ -67,14 +67,15 @@ struct StrandModel {
   size_t verticesOf(size_t strand) const { return offsets[strand + 1] - offsets[strand]; }
 };
 
-/// What moves. Natural order. `frames` and `tensions` are the rod's; they may be empty where only the others
-/// matter: a step then starts from untwisted frames and no tension.
+/// What moves. Natural order. `frames`, `tensions` and `contacts` are the rod's; they may be empty where only
+/// the others matter: a step then starts from untwisted frames, no tension and no contact.
 struct StrandState {
   std::vector<Vec3> positions;   ///< per vertex, metres, world
   std::vector<Vec3> velocities;  ///< per vertex, m/s, world
   std::vector<Quat> frames;      ///< per edge (i, i + 1), world; z is the edge's direction
   std::vector<float>
       tensions;  ///< per edge, tension / reference mass, m/s^2; what the next substep starts from
+  std::vector<Vec3> contacts;  ///< per vertex, force of the bodies / reference mass, m/s^2, world; likewise
 };
 
 /// Builds a model from rest strands. Strands must have 2 to 128 vertices and edges of positive length

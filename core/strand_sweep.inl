@@ -56,21 +56,57 @@ inline real3 heldPoint(const Block& b, const RootFrame& root, int i, double time
   return select(load(row) > lit(0.5), madd(place(kHeldEnd) - begin, lit(time), begin), by_root);
 }
 
-// Pushes x out of the body where `free` holds and takes back slip; then `normal` is the body's there. Vectors of lanes
-// that the body does not touch are left as they are. x_start: position at the start of the substep; clear: how far from
-// the surface x must be, m, at most the hair's radius.
-inline real3 pushOut(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, const mask& free,
-                     real3& normal) {
+// The body within reach that is nearest to a vertex, or that its way has met.
+struct Touch {
+  real gap;        // m, to its surface, or to the plane through where the way met it
+  real3 normal;    // of the same
+  real3 carried;   // m, where the surface has taken the point at which the vertex was
+  real friction;
+};
+inline Touch untouched(const real3& x) {
+  return {contactReach(), makeReal3(lit(0), lit(0), lit(0)), x, lit(0)};
+}
+
+// Looks whether this body is nearer to a vertex that goes from x_start to x in the substep. Seen from the body the vertex
+// comes from where the surface has taken x_start. If the normal there and at x are alike, the nearest point of the surface is
+// the way out; if not, the way may lead through the body, and distances tell how far it is free (conservative advancement,
+// Mirtich 1996): where that ends, the plane along the surface bounds the vertex. It has all of a convex body behind it.
+// `clear`: how far from the surface x must be, m, at most the hair's radius.
+inline void meet(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, Touch& nearest) {
+  constexpr int kAdvances = 8;
+  const real3 carried = carriedBy(x_start, spread(body.a), spread(body.a_motion), spread(body.turn));
+  const real3 way = x - carried;
+  const real way2 = dot(way, way);
+  mask near = way2 >= lit(0);
   if (body.kind != PrimitiveKind::kPlane) {
     const real3 off = x - spread(body.middle);
-    if (!anyTrue(dot(off, off) < lit(body.ball2))) return x;
+    near = dot(off, off) < lit(body.ball2) + way2;
+    if (!anyTrue(near)) return;
   }
-  const SurfacePoint at = surfaceAt(body, x, clear);
-  const real distance = at.distance - clear;
-  const mask touches = (distance < lit(0)) && free;
-  if (!anyTrue(touches)) return x;
-  const real3 motion = surfaceMotion(x, at.axis_point, at.axis_motion, spread(body.spin), lit(body.substep));
-  const real3 outside = resolveContact(x, x_start, motion, at.normal, distance, body.friction);
-  normal = select(touches, at.normal, normal);
-  return select(touches, outside, x);
+  SurfacePoint at = surfaceAt(body, x, clear);
+  real gap = at.distance - clear;
+  real3 normal = at.normal;
+  const mask within = near && (gap < lit(0) || gap * gap < way2);
+  if (anyTrue(within)) {
+    at = surfaceAt(body, carried, clear);
+    const mask from_outside = at.distance - clear > lit(0) - contactReach();
+    const mask across = within && from_outside && dot(at.normal, normal) < lit(0.5);
+    if (anyTrue(across)) {
+      const real per_way = inverseSqrt(max(way2, lit(1e-30)));
+      real part = lit(0);
+      for (int i = 0; i < kAdvances; ++i) {
+        part = min(madd(max(at.distance - clear, lit(0)), per_way, part), lit(1));
+        at = surfaceAt(body, madd(way, part, carried), clear);
+      }
+      const real free = at.distance - clear;
+      const mask met = across && free * per_way < lit(0.1);
+      gap = select(met, free + dot(at.normal, way) * (lit(1) - part), gap);
+      normal = select(met, at.normal, normal);
+    }
+  }
+  const mask nearer = near && gap < nearest.gap;
+  nearest.gap = select(nearer, gap, nearest.gap);
+  nearest.normal = select(nearer, normal, nearest.normal);
+  nearest.carried = select(nearer, carried, nearest.carried);
+  nearest.friction = select(nearer, body.friction, nearest.friction);
 }

@@ -88,6 +88,7 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
       frames_(storage<Vec4>(vertices_)),
+      contacts_(storage<Vec4>(vertices_)),
       rest_local_(std::span<const Vec4>(packRestLocal(model))),
       offsets_(std::span<const uint32_t>(packOffsets(model))),
       guides_(storage<Vec3>(vertices_)),
@@ -117,6 +118,9 @@ void GpuStrands::upload(const StrandState& state) {
     packed[i] = {frame.x(), frame.y(), frame.z(), frame.w()};
   }
   frames_.write(std::span<const Vec4>(packed));
+  for (size_t i = 0; i < vertices_; ++i)
+    packed[i] = state.contacts.empty() ? Vec4{} : vec4(state.contacts[i]);
+  contacts_.write(std::span<const Vec4>(packed));
   uploaded_ = state.positions;
 }
 
@@ -136,6 +140,8 @@ void GpuStrands::download(StrandState& state) const {
   forEdges(model_offsets_, [&](uint32_t edge, uint32_t end) { state.tensions[edge] = packed[end][3]; });
   read(velocities_);
   unpack(state.velocities);
+  read(contacts_);
+  unpack(state.contacts);
   read(frames_);
   state.frames.resize(vertices_);
   for (size_t i = 0; i < vertices_; ++i)
@@ -149,6 +155,7 @@ void GpuStrands::bind() const {
   offsets_.bindStorage(4);
   guides_.bindStorage(8);
   frames_.bindStorage(9);
+  contacts_.bindStorage(3);  // of the rod; gauss_seidel has its own there
   if (grooming_.bytes() > 0) grooming_.bindStorage(13);
   shapes_.bindStorage(14);
 }

@@ -38,6 +38,7 @@ class GpuStrands {
   gl::Buffer positions_;              ///< xyz; w: tension of the edge that ends at the vertex
   gl::Buffer velocities_;             ///< xyz; w: StrandModel::rest_distance
   gl::Buffer frames_;                 ///< of the edge that starts at the vertex
+  gl::Buffer contacts_;               ///< StrandState::contacts
   gl::Buffer rest_local_, offsets_, guides_;
   gl::Buffer shapes_;  ///< ShapeData::words of the newest step
   uint64_t shapes_revision_ = 0;

@@ -99,23 +99,66 @@ FN void convexPlane(IN(real3) p, IN(real3) n, IN(real) d, INOUT(real) nearest, I
   normal = select(nearer, n, normal);
 }
 
-// How far the surface moves at x in `dt`: with the axis point q by q_motion, and around it.
-FN real3 surfaceMotion(IN(real3) x, IN(real3) q, IN(real3) q_motion, IN(real3) angular_velocity, IN(real) dt) {
-  return madd(cross(angular_velocity, x - q), dt, q_motion);
+// Where a rigid body takes a point of it in a substep, to second order: to `a`, where one of its points is at the end, after
+// `a_motion`, turned about it by `turn` (radians along the axis).
+FN real3 carriedBy(IN(real3) point, IN(real3) a, IN(real3) a_motion, IN(real3) turn) {
+  real3 arm = (point - a) + a_motion;
+  return a + arm + cross(turn, madd(cross(turn, arm), lit(0.5), arm));
 }
 
-// Moves x out of a body along its normal when the signed distance less the hair radius is negative, then takes back
-// of the tangential slip against the surface as much as Coulomb's law allows: at most friction x depth.
-// x_start: position at the start of the substep; surface_motion: how far the surface moved since then; both metres.
-FN real3 resolveContact(IN(real3) x, IN(real3) x_start, IN(real3) surface_motion, IN(real3) normal, IN(real) distance,
-                        IN(real) friction) {
-  real depth = max(lit(0) - distance, lit(0));
-  real3 out_x = madd(normal, depth, x);
-  real3 slip = (out_x - x_start) - surface_motion;
-  real3 tangential = madd(normal, lit(0) - dot(slip, normal), slip);
-  real amount = length(tangential);
-  mask slides = amount > friction * depth;
-  real share = select(slides, friction * depth / select(slides, amount, lit(1)), lit(1));
-  real held = select(distance < lit(0), share, lit(0));
-  return madd(tangential, lit(0) - held, out_x);
+// `force` without what goes along the normal.
+FN real3 tangentialPart(IN(real3) force, IN(real3) normal) { return madd(normal, lit(0) - dot(force, normal), force); }
+
+// Hair farther from a body than this, in metres, is not pressed by it any more.
+FN real contactReach() { return lit(1e-3); }
+// By how much making lengths exact may press hair into a body, metres.
+FN real contactSlack() { return lit(2e-5); }
+
+// Contact of a vertex at x: where it has to go. `force` is what the body pressed it with in the last substep, in units of
+// length x mass (force x substep^2), and has acted already; the vertex is moved by what that was too little or too much,
+// as Coulomb's law has it: normal forces only push, friction is at most friction x normal force and only takes back slip.
+// `gap` < 0 is depth. `carried`: where the surface has taken the point at which the vertex was. `moved`: how far forces have
+// moved x in this substep. What they did is kept in `force` for the next one, at rest all of it; what the vertex's own
+// speed did is over with the substep. A vertex that was pressed too much comes back, but by no more than it was moved.
+FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real3) normal, IN(real) gap, IN(real) friction,
+                        IN(real) weight, INOUT(real3) force) {
+  real mass = inverse(weight);
+  real held = max(dot(force, normal), lit(0));
+  real rise = dot(moved, normal);
+  real pressure = max(held - gap * mass, lit(0));
+  real back = min(held * weight, max(rise, lit(0)));
+  real3 out_x = madd(normal, max(lit(0) - gap, lit(0) - back), x);
+
+  real3 drag = tangentialPart(force, normal), slip = tangentialPart(out_x - carried, normal);
+  real3 wanted = madd(slip, lit(0) - mass, drag);
+  real amount = length(wanted), most = friction * pressure;
+  mask slides = amount >= most;
+  real3 total = wanted * (most / select(slides, max(amount, lit(1e-30)), lit(1)));
+  real taken = dot(drag - total, slip) * weight / max(dot(slip, slip), lit(1e-30));
+  out_x = madd(slip, lit(0) - select(slides, clamp(taken, lit(0), lit(1)), lit(1)), out_x);
+
+  real kept = max(held + min(lit(0) - gap, lit(0) - rise) * mass, lit(0));
+  real3 stuck = madd(tangentialPart(moved, normal), lit(0) - mass, drag);
+  real3 sliding = total * (kept / max(pressure, lit(1e-30)));
+  real share = min(friction * kept / max(length(stuck), lit(1e-30)), lit(1));
+  force = madd(normal, kept, select(slides, sliding, stuck * share));
+  return out_x;
+}
+
+// An edge from `inner` to x, `gap` < 0 behind the plane across `normal`, turned towards where the nearest point of that plane is:
+// its new end. Never turns by much for little.
+FN real3 turnedTowards(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
+  return madd(directionOr(madd(normal, lit(0) - gap, x) - inner, normal), edge_length, inner);
+}
+// Ends that are no deeper than this after two of these turns go all the way; deeper ones were in the body before, metres.
+FN real deepestTurn() { return lit(2e-3); }
+// The outer end x of an edge that starts at `inner`, when it is `gap` < 0 behind the plane across the unit `normal`: the edge
+// turned until the end is in the plane, or as far out as its length allows.
+FN real3 turnedOut(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
+  real3 edge = x - inner;
+  real rise = clamp((dot(edge, normal) - gap) * inverse(max(edge_length, lit(1e-12))), lit(-1), lit(1));
+  real3 across = select(abs(normal.x) < lit(0.7), makeReal3(lit(0), normal.z, lit(0) - normal.y),
+                        makeReal3(normal.y, lit(0) - normal.x, lit(0)));
+  real3 along = directionOr(tangentialPart(edge, normal), across * inverseSqrt(dot(across, across)));
+  return madd(madd(normal, rise, along * sqrt(max(lit(1) - rise * rise, lit(0)))), edge_length, inner);
 }

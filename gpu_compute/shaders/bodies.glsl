@@ -1,4 +1,5 @@
-// Contact with the bodies of a step. Needs step_input.glsl, kernels/contact.h and kernels/distance_field.h, and offsets[].
+// Contact with the bodies of a step: core/near_bodies.inl, core/body_surface.inl and core/strand_sweep.inl have the same for the
+// CPU. Needs step_input.glsl, kernels/contact.h and kernels/distance_field.h, and offsets[].
 
 // From and to: what nearBody() may be asked for, of the bodies that a strand may touch.
 uvec2 nearRange(uint strand) {
@@ -11,24 +12,23 @@ uint nearBody(uint i) { return settings.neighbourhoods == 0u ? i : near_bodies[i
 // A body at the end of a substep.
 struct SubstepBody {
   uint kind;
-  vec3 a, b;                // m
-  vec3 a_motion, b_motion;  // m, over the substep
-  vec3 spin;                // rad/s
+  vec3 a, b;          // m
+  vec3 a_motion;      // m, over the substep
+  vec3 turn;          // radians, over the substep, about a
   float radius, radius_b, friction;
-  vec4 rotation;            // of kinds that have one
+  vec4 rotation;      // of kinds that have one
   vec3 extent;
-  uint data, planes;        // of its shape in shape_words
+  uint data, planes;  // of its shape in shape_words
 };
 
 // `time`: the part of the step that has passed then, 0 to 1.
 SubstepBody bodyAt(uint index, float time) {
   Primitive p = primitives[index];
   vec3 a_step = p.a_end - p.a_begin_radius.xyz, b_step = p.b_end_radius.xyz - p.b_begin_friction.xyz;
-  float part = 1.0 / float(settings.substeps);
   vec4 rotation = p.kind < kEllipsoid ? vec4(0, 0, 0, 1) : interpolateRotation(p.rotation_begin, p.rotation_end, time);
   return SubstepBody(p.kind, madd(a_step, time, p.a_begin_radius.xyz), madd(b_step, time, p.b_begin_friction.xyz),
-                     a_step * part, b_step * part, p.angular_velocity, p.a_begin_radius.w, p.b_end_radius.w,
-                     p.b_begin_friction.w, rotation, p.extent, p.data, p.planes);
+                     a_step * (1.0 / float(settings.substeps)), p.angular_velocity * settings.substep,
+                     p.a_begin_radius.w, p.b_end_radius.w, p.b_begin_friction.w, rotation, p.extent, p.data, p.planes);
 }
 
 float shapeNumber(uint at) { return uintBitsToFloat(shape_words[at]); }
@@ -59,7 +59,7 @@ float fieldDistanceAt(SubstepBody body, vec3 x, float clear, out vec3 normal) {
   uvec3 bricks = uvec3(shape_words[at + 4u], shape_words[at + 5u], shape_words[at + 6u]);
   FieldPlace place = fieldPlace(x, shapeVector(at), cell, vec3(bricks));
   uint entry = shape_words[shape_words[at + 9u] + uint(place.brick)];
-  normal = vec3(0, 1, 0);
+  normal = vec3(0);
   if (entry == kOutsideBrick) return max(clear, band);
   bool stored = entry < kInsideBrick;
   uint from = stored ? shape_words[at + 10u] + entry * kBrickWords : shape_words[at + 11u];
@@ -78,36 +78,66 @@ float fieldDistanceAt(SubstepBody body, vec3 x, float clear, out vec3 normal) {
   return fieldDistance(place, about, cell, band, quantum, clear, normal);
 }
 
-// Pushes x out of the body and takes back slip; where it does, `normal` is the body's there. start: x before the substep;
-// clear: how far from the surface x must be, m.
-void pushOut(SubstepBody body, vec3 start, float clear, inout vec3 x, inout vec3 normal) {
-  vec3 out_normal, axis_point = body.a, axis_motion = body.a_motion;
-  float distance;
+// `clear`: m, as far as the point is to be kept from the surface.
+float surfaceAt(SubstepBody body, vec3 x, float clear, out vec3 normal) {
+  float distance, along;
   if (body.kind >= kEllipsoid) {
-    vec3 off = x - body.a;
-    float ball = body.radius + settings.hair_radius;
-    if (!(dot(off, off) < ball * ball)) return;
-    vec3 local = rotate(vec4(-body.rotation.xyz, body.rotation.w), off);
-    if (body.kind == kEllipsoid) distance = ellipsoidDistance(local, body.extent, out_normal);
-    else if (body.kind == kBox) distance = boxDistance(local, body.extent, out_normal);
-    else if (body.kind == kConvex) distance = convexDistance(body, local, out_normal);
-    else distance = fieldDistanceAt(body, local, clear, out_normal);
-    out_normal = rotate(body.rotation, out_normal);
-  } else if (body.kind == kSphere) {
-    distance = sphereDistance(x, body.a, body.radius, out_normal);
-  } else if (body.kind == kPlane) {
-    distance = planeDistance(x, body.a, body.b, out_normal);
-  } else {
-    float along;
-    if (body.kind == kCapsule) distance = capsuleDistance(x, body.a, body.b, body.radius, out_normal, along);
-    else distance = taperedCapsuleDistance(x, body.a, body.b, body.radius, body.radius_b, out_normal, along);
-    axis_point = madd(body.b - body.a, along, body.a);
-    axis_motion = madd(body.b_motion - body.a_motion, along, body.a_motion);
+    vec3 local = rotate(vec4(-body.rotation.xyz, body.rotation.w), x - body.a);
+    if (body.kind == kEllipsoid) distance = ellipsoidDistance(local, body.extent, normal);
+    else if (body.kind == kBox) distance = boxDistance(local, body.extent, normal);
+    else if (body.kind == kConvex) distance = convexDistance(body, local, normal);
+    else distance = fieldDistanceAt(body, local, clear, normal);
+    normal = rotate(body.rotation, normal);
+    return distance;
   }
-  distance -= clear;
-  if (distance < 0.0) {
-    vec3 motion = surfaceMotion(x, axis_point, axis_motion, body.spin, settings.substep);
-    x = resolveContact(x, start, motion, out_normal, distance, body.friction);
-    normal = out_normal;
+  if (body.kind == kSphere) return sphereDistance(x, body.a, body.radius, normal);
+  if (body.kind == kPlane) return planeDistance(x, body.a, body.b, normal);
+  if (body.kind == kCapsule) return capsuleDistance(x, body.a, body.b, body.radius, normal, along);
+  return taperedCapsuleDistance(x, body.a, body.b, body.radius, body.radius_b, normal, along);
+}
+
+// The body within reach that is nearest to a vertex, or that its way has met.
+struct Touch {
+  float gap;      // m, to its surface, or to the plane through where the way met it
+  vec3 normal;    // of the same
+  vec3 carried;   // m, where the surface has taken the point at which the vertex was
+  float friction;
+};
+Touch untouched(vec3 x) { return Touch(contactReach(), vec3(0), x, 0.0); }
+
+// Looks whether this body is nearer to a vertex that goes from `start` to x in the substep; see core/strand_sweep.inl.
+// `clear`: how far from the surface x must be, m.
+void meet(SubstepBody body, vec3 x, vec3 start, float clear, inout Touch nearest) {
+  const int kAdvances = 8;
+  vec3 carried = carriedBy(start, body.a, body.a_motion, body.turn);
+  vec3 way = x - carried;
+  float way2 = dot(way, way);
+  if (body.kind != kPlane) {
+    bool capsule = body.kind == kCapsule || body.kind == kTaperedCapsule;
+    vec3 half_axis = capsule ? (body.b - body.a) * 0.5 : vec3(0);
+    vec3 off = x - body.a - half_axis;
+    float thickest = body.kind == kTaperedCapsule ? max(body.radius, body.radius_b) : body.radius;
+    float ball = length(half_axis) + thickest + settings.hair_radius + contactReach();
+    if (!(dot(off, off) < ball * ball + way2)) return;
   }
+  // One loop for the distances at x, at its start and along its way: the text of surfaceAt() is long, and inlined.
+  float gap = 0.0, part = 0.0, per_way = inverseSqrt(max(way2, 1e-30));
+  vec3 normal = vec3(0), at_normal;
+  for (int i = 0; i < kAdvances + 2; ++i) {
+    float free = surfaceAt(body, i == 0 ? x : madd(way, part, carried), clear, at_normal) - clear;
+    if (i == 0) {
+      gap = free;
+      normal = at_normal;
+      if (!(gap < 0.0 || gap * gap < way2)) break;
+      continue;
+    }
+    if (i == 1 && !(free > -contactReach() && dot(at_normal, normal) < 0.5)) break;
+    if (i <= kAdvances) {
+      part = min(madd(max(free, 0.0), per_way, part), 1.0);
+    } else if (free * per_way < 0.1) {
+      gap = free + dot(at_normal, way) * (1.0 - part);
+      normal = at_normal;
+    }
+  }
+  if (gap < nearest.gap) nearest = Touch(gap, normal, carried, body.friction);
 }

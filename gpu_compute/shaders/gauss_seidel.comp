@@ -52,14 +52,12 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
 
 // clear: how far from every body the vertex must be, m.
 vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, float friction_scale, float time) {
-  vec3 normal;
+  Touch touch = untouched(x);
   uvec2 range = nearRange(strand);
-  for (uint i = range.x; i < range.y; ++i) {
-    SubstepBody body = bodyAt(nearBody(i), time);
-    body.friction *= friction_scale;
-    pushOut(body, start, clear, x, normal);
-  }
-  return x;
+  for (uint i = range.x; i < range.y; ++i) meet(bodyAt(nearBody(i), time), x, start, clear, touch);
+  if (touch.gap >= 0.0) return x;
+  vec3 force = vec3(0);
+  return resolveContact(x, touch.carried, vec3(0), touch.normal, touch.gap, touch.friction * friction_scale, 1.0, force);
 }
 
 void main() {

@@ -17,7 +17,7 @@ enum Kernel {
   kResolveContact,
   kPredictPosition,
   kNormalizeOrZero,
-  kSurfaceMotion,
+  kCarriedBy,
   kMultiply,
   kFieldPlace,
   kTrilinear,

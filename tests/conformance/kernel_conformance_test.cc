@@ -37,7 +37,7 @@ constexpr size_t kPadded = 1008;  // 16 lanes
 constexpr const char* kNames[kKernels] = {
     "solveDistance",   "solveAngular",        "rotationBetween", "rotate",         "interpolateRotation",
     "sphereDistance",  "capsuleDistance",     "planeDistance",   "resolveContact", "predictPosition",
-    "normalizeOrZero", "surfaceMotion",       "multiply",        "fieldPlace",     "trilinear",
+    "normalizeOrZero", "carriedBy",           "multiply",        "fieldPlace",     "trilinear",
     "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",    "tethered",
     "gridPlace",       "interpolated",        "splatWeight",     "macCormack",     "crowding",
     "dragNotFelt",     "taperedCapsule",      "boxDistance",     "ellipsoid",      "convexPlane",
@@ -97,8 +97,10 @@ class InputMaker {
         vector(v, 0.3f), vector(v + 3, 0.3f), unit(v + 6, 3);
         break;
       case kResolveContact:
-        vector(v, 0.3f), vector(v + 3, 0.3f), vector(v + 6, 0.01f), unit(v + 9, 3);
-        v[12] = number(-0.05f, 0.02f), v[13] = number(0, 1);
+        vector(v, 0.3f), vector(v + 6, 0.01f), unit(v + 9, 3);
+        for (int c = 0; c < 3; ++c) v[3 + c] = v[c] + number(-0.02f, 0.02f);
+        v[12] = number(-0.05f, 0.02f), v[13] = number(0, 1), v[14] = number(0.5f, 2);
+        v[15] = number(-0.01f, 0.05f);
         break;
       case kPredictPosition:
         vector(v, 0.3f), vector(v + 3, 3), vector(v + 6, 10), vector(v + 9, 10);
@@ -109,9 +111,8 @@ class InputMaker {
         for (int c = 0, exponent = static_cast<int>(number(-50, 50)); c < 3; ++c)
           v[c] = std::ldexp(v[c], exponent);
         break;
-      case kSurfaceMotion:
-        vector(v, 0.3f), vector(v + 3, 0.3f), vector(v + 6, 0.01f), vector(v + 9, 10),
-            v[12] = number(0.0001f, 0.03f);
+      case kCarriedBy:
+        vector(v, 0.3f), vector(v + 3, 0.3f), vector(v + 6, 0.01f), vector(v + 9, 0.1f);
         break;
       case kFieldPlace:  // well within a cell: on its border another rounding may choose its neighbour
         vector(v + 3, 0.3f);
@@ -229,7 +230,7 @@ Item nasty(int kernel, Item item, size_t way) {
       if (way % 3 == 2) item = {0, 0.25f, 0, 0, 0, 0, 0, 0.5f, 0, v[9]};  // on the axis
       break;
     case kResolveContact:
-      if (way % 4 == 0) v[12] = 0;
+      if (way % 4 == 0) v[12] = v[15] = 0;
       if (way % 4 == 1) v[13] = 0;
       if (way % 4 == 2) std::copy(v, v + 3, v + 3), std::fill(v + 6, v + 9, 0.0f);  // at rest
       if (way % 4 == 3) v[13] = 1000;
@@ -438,10 +439,20 @@ TEST(KernelConformance, DoubleKeepsWhatTheFormulasPromise) {
     EXPECT_NEAR(turned.y, pairs[i][4], 1e-6);
     EXPECT_NEAR(turned.z, pairs[i][5], 1e-6);
   }
-  const Item contact = {0, 0.1f, 0, 0, 0.1f, 0, 0.01f, 0, 0, 0, 1, 0, -0.02f, 0.3f};
-  const auto held = truth(kResolveContact, contact);
-  EXPECT_NEAR(held[1], 0.12, 1e-7) << "pushed out by its depth";
-  EXPECT_NEAR(held[0], 0.006, 1e-7) << "taken along by friction x depth";
+  Item contact = {0, 0.1f, 0, 0.01f, 0.12f, 0, 0, -0.02f, 0, 0, 1, 0, -0.02f, 0.3f, 0.5f, 0.02f};
+  auto sliding = truth(kResolveContact, contact);  // force: 0.02 by the normal, less `moved`: nothing
+  EXPECT_NEAR(sliding[1], 0.12, 1e-7) << "pushed out by its depth";
+  EXPECT_NEAR(sliding[0], 0.006, 1e-7) << "taken along by friction x depth";
+  EXPECT_NEAR(sliding[4], 0.04, 1e-7) << "what forces pressed is kept, by mass";
+  EXPECT_NEAR(sliding[3], 0.012, 1e-7) << "with the friction that goes with it";
+  contact[13] = 1;
+  const auto stuck = truth(kResolveContact, contact);
+  EXPECT_NEAR(stuck[0], 0.01, 1e-7) << "held";
+  EXPECT_NEAR(stuck[3], 0, 1e-7) << "its own speed stops it, no force did";
+  contact = {0, 0.1f, 0, 0, 0.099f, 0, 0, 0.0005f, 0, 0, 1, 0, 0.001f, 0.3f, 1, 0.0095f};
+  const auto lifted = truth(kResolveContact, contact);
+  EXPECT_NEAR(lifted[1], 0.0995, 1e-7) << "comes back by no more than it was moved";
+  EXPECT_NEAR(lifted[4], 0.009, 1e-7) << "and is pressed less";
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace strandcast {
 namespace {
 
-constexpr uint64_t kGoldenHash = 3155464116301798626ull;
+constexpr uint64_t kGoldenHash = 8917065663121717309ull;
 
 // Two straight strands of 9 vertices and 16 cm along x from the origin and one curled, of 6.
 StrandModel smallModel() {
@@ -359,7 +359,7 @@ TEST(Simulation, HairThatIsInItsBodyAtRestIsLetBe) {
   for (int i = 0; i < 30; ++i) simulation.step();
   EXPECT_LT(largestDistance(simulation.state(), rest), 1e-5) << "nothing pops";
   EXPECT_LT(simulation.measure().max_penetration, 1e-5);
-  parameters.gravity = Vec3(-9.81f, 0, 0);
+  parameters.gravity = Vec3(-9.81f, -1, 0);  // hair that stands upright on it would go on standing
   simulation.setParameters(parameters);
   for (int i = 0; i < 60; ++i) simulation.step();
   EXPECT_GT(largestDistance(simulation.state(), rest), 0.01) << "hair falls towards the box";

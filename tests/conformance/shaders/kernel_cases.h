@@ -59,13 +59,15 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     o.v[0] = planeDistance(in3(i, 0), in3(i, 3), in3(i, 6), normal);
     out3(o, 1, normal);
   } else if (kernel == 8) {
-    out3(o, 0, resolveContact(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13]));
+    real3 force = madd(in3(i, 9), i.v[15], in3(i, 6));
+    out3(o, 0, resolveContact(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13], i.v[14], force));
+    out3(o, 3, force);
   } else if (kernel == 9) {
     out3(o, 0, predictPosition(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13]));
   } else if (kernel == 10) {
     out3(o, 0, normalizeOrZero(in3(i, 0)));
   } else if (kernel == 11) {
-    out3(o, 0, surfaceMotion(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12]));
+    out3(o, 0, carriedBy(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9)));
   } else if (kernel == 12) {
     out4(o, multiply(in4(i, 0), in4(i, 4)));
   } else if (kernel == 13) {
