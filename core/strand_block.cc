@@ -180,7 +180,8 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
 
 template <class Scalar>
 void BlockStore<Scalar>::upload(const StrandState& state) {
-  for (const Block& block : blocks_) {
+  for (Block& block : blocks_) {
+    block.pressed = !state.contacts.empty();
     for (int lane = 0; lane < lanes_; ++lane) {
       const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
       for (int i = 0; i < block.vertices; ++i) {
@@ -242,8 +243,18 @@ void BlockStore<Scalar>::read(size_t b, int plane, std::span<Vec3> vectors) cons
 }
 
 template <class Scalar>
+void BlockStore<Scalar>::forgetContacts(Block& block) {
+  for (int i = 0; i < block.vertices; ++i)
+    std::fill_n(&number(block, kContact, i, 0), static_cast<size_t>(3) * lanes_, Scalar(0));
+  block.pressed = false;
+}
+
+template <class Scalar>
 void BlockStore<Scalar>::setInput(size_t b, const StepInput& input) {
   Block& block = blocks_[b];
+  const bool pressing = input.parameters->solver == SolverKind::kRod && !input.primitives.empty();
+  if (!pressing && block.pressed) forgetContacts(block);
+  block.pressed = pressing;
   Scalar* root = roots(block);
   for (int lane = 0; lane < lanes_; ++lane) {
     const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];

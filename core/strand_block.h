@@ -105,7 +105,7 @@ class BlockStore {
   int maxVertices() const { return max_vertices_; }
   BlockView<Scalar> block(size_t b);
   /// Copies what the step gives block b's strands into its planes: roots, where bones hold vertices,
-  /// accelerations.
+  /// accelerations. Contact forces of bodies that are gone are forgotten.
   void setInput(size_t b, const StepInput& input);
   /// Copies the positions of block b's strands out, natural order.
   void readPositions(size_t b, std::span<Vec3> positions) const { read(b, 0, positions); }
@@ -123,6 +123,7 @@ class BlockStore {
     size_t first_pin = 0, pins = 0;  ///< in pins_
     size_t acceleration = 0;         ///< index of its first scalar in accelerations_
     bool accelerated = false;
+    bool pressed = false;  ///< bodies may have left contact forces on it
   };
   static bool groomed(const Block& block) { return block.factors || block.tethers; }
   /// A vertex that is pinned to another bone than its root frame.
@@ -137,6 +138,7 @@ class BlockStore {
   Scalar* grooming(const Block& block) const;
   Scalar* bonePins(const Block& block) const;
   void read(size_t b, int plane, std::span<Vec3> out) const;
+  void forgetContacts(Block& block);
   Scalar* restDistance(const Block& block) const;
 
   int lanes_ = 1;

@@ -121,6 +121,7 @@ void GpuStrands::upload(const StrandState& state) {
   for (size_t i = 0; i < vertices_; ++i)
     packed[i] = state.contacts.empty() ? Vec4{} : vec4(state.contacts[i]);
   contacts_.write(std::span<const Vec4>(packed));
+  pressed_ = !state.contacts.empty();
   uploaded_ = state.positions;
 }
 
@@ -192,8 +193,12 @@ void GpuStrands::step(const StepInput& input) {
   if (goal && grooming_.bytes() == 0)
     grooming_ = gl::Buffer(std::span<const Vec4>(std::vector<Vec4>(vertices_, kNotGroomed)));
   bind();
+  const bool rod = input.parameters->solver == SolverKind::kRod;
+  const bool pressing = rod && !input.primitives.empty();
+  if (pressed_ && !pressing) glClearNamedBufferData(contacts_.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, nullptr);
+  pressed_ = pressing;
   timer_.begin();
-  if (input.parameters->solver == SolverKind::kRod)
+  if (rod)
     rod_.step({!input.primitives.empty(), goal}, programs_);
   else
     gauss_seidel_.step(groomed_ || goal, programs_);

@@ -39,6 +39,7 @@ class GpuStrands {
   gl::Buffer velocities_;             ///< xyz; w: StrandModel::rest_distance
   gl::Buffer frames_;                 ///< of the edge that starts at the vertex
   gl::Buffer contacts_;               ///< StrandState::contacts
+  bool pressed_ = false;              ///< some of them may not be 0
   gl::Buffer rest_local_, offsets_, guides_;
   gl::Buffer shapes_;  ///< ShapeData::words of the newest step
   uint64_t shapes_revision_ = 0;

@@ -113,6 +113,9 @@ FN real3 tangentialPart(IN(real3) force, IN(real3) normal) { return madd(normal,
 FN real contactReach() { return lit(1e-3); }
 // By how much making lengths exact may press hair into a body, metres.
 FN real contactSlack() { return lit(2e-5); }
+// The part of what forces did to a vertex in a substep by which its kept contact force follows. At rest that is nothing;
+// with all of it a blow would be answered twice, by the surface and by the force, which adds energy.
+FN real contactFollows() { return lit(0.5); }
 
 // Contact of a vertex at x: where it has to go. `force` is what the body pressed it with in the last substep, in units of
 // length x mass (force x substep^2), and has acted already; the vertex is moved by what that was too little or too much,
@@ -137,8 +140,9 @@ FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real
   real taken = dot(drag - total, slip) * weight / max(dot(slip, slip), lit(1e-30));
   out_x = madd(slip, lit(0) - select(slides, clamp(taken, lit(0), lit(1)), lit(1)), out_x);
 
-  real kept = max(held + min(lit(0) - gap, lit(0) - rise) * mass, lit(0));
-  real3 stuck = madd(tangentialPart(moved, normal), lit(0) - mass, drag);
+  real follows = contactFollows();
+  real kept = max(held + min(lit(0) - gap, lit(0) - rise * follows) * mass, lit(0));
+  real3 stuck = madd(tangentialPart(moved, normal), lit(0) - mass * follows, drag);
   real3 sliding = total * (kept / max(pressure, lit(1e-30)));
   real share = min(friction * kept / max(length(stuck), lit(1e-30)), lit(1));
   force = madd(normal, kept, select(slides, sliding, stuck * share));

@@ -298,23 +298,35 @@ void moveByForces(out vec3 moved[PER_THREAD]) {
 }
 
 #if BODIES
-SubstepBody placedBody(uint i, float time) {
-  SubstepBody body = bodyAt(nearBody(i), time);
+// Entry p of what is in registers, for loops over slots that are not to be unrolled, because the text of every body's surface
+// is in them. Indexed as usual, such arrays would go to memory.
+vec3 slot(vec3 of[PER_THREAD], int p) { return p < 2 ? (p == 0 ? of[0] : of[1]) : p == 2 ? of[2] : of[3]; }
+float slot(float of[PER_THREAD], int p) { return p < 2 ? (p == 0 ? of[0] : of[1]) : p == 2 ? of[2] : of[3]; }
+
+// The body that is nearest to the vertex of slot p at `place`.
+Touch nearestTouch(int p, vec3 place, float time) {
+  uvec2 range = nearRange(strand);
+  Touch touch = untouched(place);
+  vec3 begin = slot(x, p);
+  float clear = clearance(p);
+  for (uint i = range.x; i < range.y; ++i) {
+    SubstepBody body = bodyAt(nearBody(i), time);
 #if GROOMED
-  body.friction *= strand_grooming.x;
+    body.friction *= strand_grooming.x;
 #endif
-  return body;
+    meet(body, place, begin, clear, touch);
+  }
+  return touch;
 }
 
 // Contact of the vertices, which forces have moved by `moved` just now; the normals are kept for the length solve, which must
 // not push them back in.
 void collide(float time, vec3 moved[PER_THREAD]) {
-  uvec2 range = nearRange(strand);
   Touch touch[PER_THREAD];
-  for (int p = 0; p < PER_THREAD; ++p) touch[p] = untouched(x_new[p]);
-  for (uint i = range.x; i < range.y; ++i) {
-    SubstepBody body = placedBody(i, time);
-    for (int p = 0; p < PER_THREAD; ++p) meet(body, x_new[p], x[p], clearance(p), touch[p]);
+  for (int p = 0; p < PER_THREAD; ++p) {
+    Touch found = nearestTouch(p, slot(x_new, p), time);
+    for (int q = 0; q < PER_THREAD; ++q)
+      if (q == p) touch[q] = found;
   }
   for (int p = 0; p < PER_THREAD; ++p) {
     bool touches = touch[p].gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0;
@@ -328,45 +340,50 @@ void collide(float time, vec3 moved[PER_THREAD]) {
   }
 }
 
-// A vertex once more, where making lengths exact has placed it: nearest body, and whether it is too deep in that.
-bool tooDeep(vec3 placed, vec3 checked, int p, float time, out Touch touch) {
-  touch = untouched(placed);
-  vec3 off = placed - checked;
-  if (dot(off, off) <= contactSlack() * contactSlack() || weight(p) == 0.0) return false;
-  uvec2 range = nearRange(strand);
-  for (uint i = range.x; i < range.y; ++i) meet(placedBody(i, time), placed, x[p], clearance(p), touch);
-  return touch.gap < -contactSlack();
-}
-
 // The places of the slots' vertices, held to the side of the bodies that they were on: where one is too deep, its strand is
 // placed anew from the root, one vertex after another. `checked`: where contact left them, `direction`: of their edges.
 // Returns the place of the vertex before slot 0.
 vec3 keepOut(RootMotion root, float time, vec3 checked[PER_THREAD], vec3 direction[PER_THREAD], vec3 start,
              inout vec3 placed[PER_THREAD]) {
-  Touch touch;
+  float lengths[PER_THREAD], weights[PER_THREAD];
+  for (int p = 0; p < PER_THREAD; ++p) {
+    lengths[p] = restLength(p);
+    weights[p] = isEdge(p) ? weight(p) : -1.0;  // padding goes with the tip
+  }
   forgetNoted();
   barrier();
-  for (int p = 0; p < PER_THREAD; ++p)
-    if (isEdge(p) && tooDeep(placed[p], checked[p], p, time, touch)) noteStrand();
-  barrier();
-  bool anew = isNoted();
-  if (any_noted == 0u) return start;  // the same for the whole workgroup
-  for (int at = 0; at < THREADS; ++at) {
-    exchange_a[me].xyz = placed[kLast];
-    barrier();
-    vec3 inner = hasBefore(1) ? exchange_a[before(1)].xyz : root.position;
-    barrier();
-    if (!anew || rank != at) continue;
-    start = inner;
+  for (int at = -1; at < THREADS; ++at) {  // first all look, then one invocation after another places
+    vec3 inner = root.position;
+    if (at >= 0) {
+      exchange_a[me].xyz = placed[kLast];
+      barrier();
+      if (any_noted == 0u) return start;  // the same for the whole workgroup
+      if (hasBefore(1)) inner = exchange_a[before(1)].xyz;
+      barrier();
+      if (rank != at || !isNoted()) continue;
+      start = inner;
+    }
     for (int p = 0; p < PER_THREAD; ++p) {
-      if (weight(p) > 0.0) placed[p] = madd(direction[p], restLength(p), inner);
-      for (int round = 0; round < 3 && isEdge(p); ++round) {
-        if (!tooDeep(placed[p], checked[p], p, time, touch)) break;
+      vec3 place = slot(placed, p);
+      float edge_length = slot(lengths, p);
+      bool free = slot(weights, p) > 0.0;
+      if (at >= 0 && slot(weights, p) != 0.0) place = madd(slot(direction, p), edge_length, inner);
+      for (int round = 0; round < 3 && free; ++round) {
+        vec3 off = place - slot(checked, p);
+        if (dot(off, off) <= contactSlack() * contactSlack()) break;
+        Touch touch = nearestTouch(p, place, time);
+        if (touch.gap >= -contactSlack()) break;
+        if (at < 0) {
+          noteStrand();
+          break;
+        }
         bool last = round == 2 && touch.gap > -deepestTurn();
-        placed[p] = last ? turnedOut(placed[p], inner, touch.normal, touch.gap, restLength(p))
-                         : turnedTowards(placed[p], inner, touch.normal, touch.gap, restLength(p));
+        place = last ? turnedOut(place, inner, touch.normal, touch.gap, edge_length)
+                     : turnedTowards(place, inner, touch.normal, touch.gap, edge_length);
       }
-      inner = placed[p];
+      for (int q = 0; q < PER_THREAD; ++q)
+        if (q == p) placed[q] = place;
+      inner = place;
     }
   }
   return start;

@@ -213,8 +213,7 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
   EXPECT_LE(grazing, among_bodies / 100);
 }
 
-// Bodies of every kind, each alone, so that every strand that differs is the doing of one kind. Some vertices
-// may be as deep as they are at rest.
+// Bodies of every kind, each alone, so that every strand that differs is the doing of one kind.
 TEST_P(Conformance, OneStepWithEveryKindOfBodyAgreesWithTheOracle) {
   const bool rod = parameters_.solver == SolverKind::kRod;
   const double tolerance = rod ? kRodOneStepTolerance : kOneStepTolerance;
@@ -228,8 +227,7 @@ TEST_P(Conformance, OneStepWithEveryKindOfBodyAgreesWithTheOracle) {
   for (int kind = 0; kind < kFurtherKinds; ++kind) {
     ShapeData shapes;
     const std::vector<MovingPrimitive> bodies = {furtherBody(kind, parameters_.time_step, shapes)};
-    model.rest_distance.assign(model.vertices(), kFarFromBodies);
-    for (size_t v = 0; v < model.vertices(); v += 3) model.rest_distance[v] = -0.01f;
+    model.rest_distance = leftWhereTheyStart(from, bodies, shapes.words);
     const StepInput input{&parameters_, model.rest_roots, roots_end, bodies, {}, {}, {}, &shapes};
     const StrandState truth = oracleStep(model, from, input), mine = stepped(model, from, input);
     const std::vector<double> sensitivity = sensitivities(model, from, truth, input, substep);
@@ -290,6 +288,25 @@ TEST_P(Conformance, ListsOfNearBodiesChangeNoBit) {
     }
     EXPECT_LE(listed, one == &model ? possible / 2 : possible);
   }
+}
+
+TEST_P(Conformance, ContactForcesAreForgottenWithTheirBodies) {
+  const StrandModel model = awkwardModel(33, 23);
+  const StrandState from = restState(model, model.rest_roots);
+  const auto bodies = movingBodies(parameters_.time_step);
+  backend_->load(model, from);
+  const StepInput with{&parameters_, model.rest_roots, model.rest_roots, bodies},
+      without{&parameters_, model.rest_roots, model.rest_roots, {}};
+  const auto pressed = [&] {
+    StrandState state;
+    backend_->download(state);
+    return std::any_of(state.contacts.begin(), state.contacts.end(),
+                       [](const Vec3& force) { return force.squaredNorm() > 0; });
+  };
+  backend_->step(with);
+  EXPECT_EQ(pressed(), parameters_.solver == SolverKind::kRod);
+  backend_->step(without);
+  EXPECT_FALSE(pressed());
 }
 
 TEST_P(Conformance, UploadAndDownloadKeepEveryBit) {

@@ -97,6 +97,16 @@ std::vector<MovingPrimitive> movingBodies(float dt) {
           moved(plane, pose({0, -0.15f, 0}, 0), pose({0, -0.14f, 0}, 0.02f), dt)};
 }
 
+std::vector<float> leftWhereTheyStart(const StrandState& from, std::span<const MovingPrimitive> bodies,
+                                      std::span<const uint32_t> words) {
+  constexpr float kDeeper = 1e-3f;  // m
+  std::vector<float> distances(from.positions.size(), kFarFromBodies);
+  for (size_t v = 0; v < distances.size(); ++v)
+    for (const MovingPrimitive& body : bodies)
+      distances[v] = std::min(distances[v], signedDistance(body, from.positions[v], words) - kDeeper);
+  return distances;
+}
+
 DistanceField sampledField(const std::function<float(const Vec3&)>& distance, const Box& box, float cell,
                            float band) {
   DistanceField field;
