@@ -27,7 +27,7 @@ struct SubstepBody {
   Scalar radius, radius_b, extent[3];
   Scalar rotation[4];     // of kinds that have one
   Scalar middle[3];       // of a ball around it and what it presses; not of planes
-  Scalar ball2;           // m^2, that ball's radius squared
+  Scalar ball, ball2;     // m, m^2: that ball's radius and its square
   const uint32_t* words;  // of all shapes
   uint32_t data, planes;  // its own in them
   real friction;
@@ -47,6 +47,7 @@ inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, doubl
   const float thickest = body.kind == PrimitiveKind::kTaperedCapsule ? std::max(p.radius, p.radius_b) : p.radius;
   const real ball = length(half) + lit(thickest + hair_radius) + contactReach();
   keep(a + half, body.middle);
+  body.ball = one(ball);
   body.ball2 = one(ball * ball);
   if (body.kind >= PrimitiveKind::kEllipsoid) {
     const quat rotation = interpolateRotation(fill4(p.rotation_begin), fill4(p.rotation_end), lit(time));
@@ -91,11 +92,21 @@ inline real fieldDistanceAt(const SubstepBody& body, const real3& x, const real&
   store(place.brick, bricks);
   store(place.corner, corners);
   store(place.first_sample, cells);
+  uint32_t entries[kLanes];
   bool near = false;
   for (int lane = 0; lane < kLanes; ++lane) {
-    const uint32_t entry = body.words[grid.index + static_cast<uint32_t>(bricks[lane])];
+    entries[lane] = body.words[grid.index + static_cast<uint32_t>(bricks[lane])];
+    near = near || entries[lane] != kOutsideBrick;
+  }
+  const real3 none = makeReal3(lit(0), lit(0), lit(0));
+  const real beyond = max(clear, lit(grid.band));
+  if (!near) {  // nothing is pushed from here
+    normal = none;
+    return beyond;
+  }
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const uint32_t entry = entries[lane];
     const bool stored = entry < kInsideBrick;
-    near = near || entry != kOutsideBrick;
     side[lane] = static_cast<Scalar>(stored ? 0 : entry == kOutsideBrick ? 1 : -1);
     const uint32_t first = static_cast<uint32_t>(stored ? cells[lane] : corners[lane]);
     const uint32_t row = stored ? kBrickSide : grid.bricks[0] + 1;
@@ -106,12 +117,6 @@ inline real fieldDistanceAt(const SubstepBody& body, const real3& x, const real&
           stored ? static_cast<Scalar>(fieldSample(body.words + grid.samples + size_t{entry} * kBrickWords, n))
                  : static_cast<Scalar>(std::bit_cast<float>(body.words[grid.corners + n]));
     }
-  }
-  const real3 none = makeReal3(lit(0), lit(0), lit(0));
-  const real beyond = max(clear, lit(grid.band));
-  if (!near) {  // nothing is pushed from here
-    normal = none;
-    return beyond;
   }
   const FieldCorners at{load(values[0]), load(values[1]), load(values[2]), load(values[3]), load(values[4]),
                         load(values[5]), load(values[6]), load(values[7]), load(side)};

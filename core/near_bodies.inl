@@ -36,6 +36,17 @@ class NearBodies {
     for (size_t i = placed; i < size(); ++i) meet(place(i, *input_, time_), x, x_start, clear, touch);
     return touch;
   }
+  /// Touch::way alone; more than any where it would have to be asked for too many bodies.
+  real longestWay(const real3& x, const real3& x_start) const {
+    if (size() > kPlaced) return lit(1e9);
+    real most = lit(0);
+    for (size_t i = 0; i < size(); ++i) {
+      const SubstepBody& body = placed_[i];
+      const real3 way = x - carriedBy(x_start, spread(body.a), spread(body.a_motion), spread(body.turn));
+      most = max(most, dot(way, way));
+    }
+    return sqrt(most);
+  }
 
  private:
   static constexpr size_t kMost = 64, kPlaced = 16, kMostLanes = 64;

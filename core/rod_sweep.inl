@@ -25,6 +25,9 @@ enum RodScratch : int {
   kLengthPivot = kMargin,  // inverse pivots of lengths
   kRodScratchPlanes = 22
 };
+// Behind these, [vertex][2][lane]: Touch::room and Touch::way where the vertex is now.
+constexpr int kRoomPlane = kRodScratchPlanes;
+static_assert(kRoomPlane + 2 <= kBlockPlanes);  // as much scratch is there
 
 class RodStep {
  public:
@@ -55,9 +58,11 @@ class RodStep {
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
+    if (near_.size() > 0) forgetRoom();
     for (int substep = 0; substep < p.substeps; ++substep) {
       const double time = (substep + 1.0) / p.substeps;
       near_.place(in, time);
+      fresh_ = true;
       const RootFrame root{madd(end_.position - begin_.position, lit(time), begin_.position),
                            interpolateRotation(begin_.rotation, end_.rotation, lit(time))};
       predict(root, time);
@@ -65,7 +70,11 @@ class RodStep {
       eliminateBending();
       moveByForces();
       const mask violent = isViolent(substituteLengths());
-      if (anyTrue(violent)) pullThroughBending(violent);
+      if (anyTrue(violent)) {
+        pullThroughBending(violent);
+        if (near_.size() > 0) forgetRoom();  // they may be anywhere now
+      }
+      fresh_ = false;
       moveByPulls();
       substituteLengths();
       finish();
@@ -84,6 +93,17 @@ class RodStep {
     set(plane + 1, i, v.y);
     set(plane + 2, i, v.z);
   }
+  Scalar* roomAt(int i) const { return scratch_ + (static_cast<size_t>(n + 2) * kRoomPlane + 2 * i) * kLanes; }
+  Scalar* wayAt(int i) const { return roomAt(i) + kLanes; }
+  void forgetRoom() {
+    for (int i = 0; i < n; ++i) store(lit(-1), roomAt(i));
+  }
+  // Vertex i has moved by `way` since its room was stored.
+  void lessRoom(int i, const real& way) {
+    store(load(roomAt(i)) - way, roomAt(i));
+    store(load(wayAt(i)) + way, wayAt(i));
+  }
+  mask mayMeet(int i) const { return load(roomAt(i)) - load(wayAt(i)) <= contactReach(); }
   size_t row(int plane, int i) const { return (static_cast<size_t>(i) * kRodScratchPlanes + plane) * kLanes; }
   real state(const Scalar* planes, int plane, int i) const { return load(planes + at(plane, i)); }
   real3 state3(const Scalar* planes, int i) const { return load3(planes, i); }
@@ -120,7 +140,7 @@ class RodStep {
   class Pulls;
   void finish();
   real3 collide(int i, const real3& x, const real3& moved);
-  real3 keptOut(int i, const real3& placed, const real3& inner) const;
+  real3 keptOut(int i, const real3& placed, const real3& inner);
   real3 normalAt(int i) const { return near_.size() > 0 ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
 
   const Block& b;
@@ -141,6 +161,7 @@ class RodStep {
   quat inner_frame_;    // of the root, without the swing of this substep
   real3 tangent_old_, swing_;  // root tangent before the substep, and how it changes
   real3 jump_;          // m, unexpected motion of the root
+  bool fresh_ = true;   // contact has not been looked at in this substep
   real most_tension_;   // that is taken over from one substep to the next
 };
 
@@ -297,9 +318,18 @@ inline void RodStep::eliminateBending() {
 // Contact of vertex i at x, where forces have moved it by `moved`; the normal is kept for the length solve, which must not
 // push it back in. By itself, as keptOut(), so that sweeps of hair that is near no body stay small.
 [[gnu::noinline]] inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
-  const Touch touch = near_.nearest(i, x, state3(b.position, i));
   const real3 before = state3(b.contact, i);
+  if (fresh_) {  // seen from the bodies it comes from where the last substep has left it
+    store(lit(0), wayAt(i));
+    lessRoom(i, near_.longestWay(x, state3(b.position, i)));
+  } else {
+    lessRoom(i, length(x - get3(kNewPosition, i)));
+  }
+  if (!anyTrue(mayMeet(i) || dot(before, before) > lit(0))) return x;
+  const Touch touch = near_.nearest(i, x, state3(b.position, i));
   const mask touches = (touch.gap < lit(0) || dot(before, before) > lit(0)) && weight(i) > lit(0);
+  store(select(touches, lit(-1), touch.room), roomAt(i));
+  store(touch.way, wayAt(i));
   if (!anyTrue(touches)) return x;
   real3 force = before;
   const real3 out = resolveContact(x, touch.carried, moved, touch.normal, touch.gap, touch.friction,
@@ -312,9 +342,10 @@ inline void RodStep::eliminateBending() {
 }
 
 // Vertex i once more, where making lengths exact has placed it, from `inner` on: held to the side of the bodies it was on.
-[[gnu::noinline]] inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) const {
-  const real3 off = placed - get3(kNewPosition, i);
-  const mask moved = dot(off, off) > contactSlack() * contactSlack() && weight(i) > lit(0);
+[[gnu::noinline]] inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) {
+  const real off = length(placed - get3(kNewPosition, i));
+  lessRoom(i, off);
+  const mask moved = off > contactSlack() && weight(i) > lit(0) && mayMeet(i);
   if (!anyTrue(moved)) return placed;
   real3 x = placed;
   for (int round = 0; round < 3; ++round) {
@@ -327,6 +358,7 @@ inline void RodStep::eliminateBending() {
                                 turnedTowards(x, inner, touch.normal, touch.gap, length));
     x = select(deep, turned, x);
   }
+  lessRoom(i, length(x - placed));
   return x;
 }
 

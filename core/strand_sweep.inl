@@ -62,9 +62,12 @@ struct Touch {
   real3 normal;    // of the same
   real3 carried;   // m, where the surface has taken the point at which the vertex was
   real friction;
+  // Of all bodies:
+  real room;       // m, at most the smallest gap
+  real way;        // m, the longest way that the vertex goes seen from one of them
 };
 inline Touch untouched(const real3& x) {
-  return {contactReach(), makeReal3(lit(0), lit(0), lit(0)), x, lit(0)};
+  return {contactReach(), makeReal3(lit(0), lit(0), lit(0)), x, lit(0), lit(1e9), lit(0)};
 }
 
 // Looks whether this body is nearer to a vertex that goes from x_start to x in the substep. Seen from the body the vertex
@@ -78,13 +81,20 @@ inline void meet(const SubstepBody& body, const real3& x, const real3& x_start, 
   const real3 way = x - carried;
   const real way2 = dot(way, way);
   mask near = way2 >= lit(0);
+  nearest.way = max(nearest.way, sqrt(way2));
+  real room = lit(0);
   if (body.kind != PrimitiveKind::kPlane) {
     const real3 off = x - spread(body.middle);
     near = dot(off, off) < lit(body.ball2) + way2;
-    if (!anyTrue(near)) return;
+    room = length(off) - lit(body.ball);
+    if (!anyTrue(near)) {
+      nearest.room = min(nearest.room, room);
+      return;
+    }
   }
   SurfacePoint at = surfaceAt(body, x, clear);
   real gap = at.distance - clear;
+  nearest.room = min(nearest.room, select(near, gap, room));
   real3 normal = at.normal;
   const mask within = near && (gap < lit(0) || gap * gap < way2);
   if (anyTrue(within)) {

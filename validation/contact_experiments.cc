@@ -308,7 +308,7 @@ std::vector<std::string> namesOfEnergy() {
 // What contact adds to the energy, in parts of all that is lost: every step is also done from the same state
 // without the sphere, and where the energy is higher with it, the difference counts.
 std::vector<Case> energyOfFall(const Laboratory& laboratory) {
-  constexpr double kFalling = 3;  // s
+  constexpr double kFalling = 2;  // s
   std::vector<Case> cases;
   for (size_t i = 0; i < std::size(kEnergyFrictions); ++i) {
     ContactPrimitive ball = ballShape();

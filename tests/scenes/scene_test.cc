@@ -211,7 +211,7 @@ struct RealGroom {
   size_t strands;
 };
 
-TEST(Scenes, RealGroomsRun300StepsAndStayFinite) {
+TEST(Scenes, RealGroomsRun120StepsAndStayFinite) {
   const std::vector<RealGroom> grooms = {
       {"ponytail",
        {"tail.tfx", "side.tfx", "front_top.tfx", "back.tfx"},
@@ -236,7 +236,7 @@ TEST(Scenes, RealGroomsRun300StepsAndStayFinite) {
     options.body_cell = real.body_cell;
     const Scene scene = makeScene(options);
     EXPECT_EQ(scene.groom.strands.strands(), real.strands) << real.name;
-    const Measurement worst = run(scene, 300);
+    const Measurement worst = run(scene, 120);
     EXPECT_EQ(worst.non_finite, 0u) << real.name;
     EXPECT_LT(worst.max_penetration, real.deepest) << real.name;
     std::printf("             %s: stretch at most %.1e, penetration at most %.2e m\n", real.name,
