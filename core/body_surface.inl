@@ -108,14 +108,23 @@ inline real fieldDistanceAt(const SubstepBody& body, const real3& x, const real&
     const uint32_t entry = entries[lane];
     const bool stored = entry < kInsideBrick;
     side[lane] = static_cast<Scalar>(stored ? 0 : entry == kOutsideBrick ? 1 : -1);
-    const uint32_t first = static_cast<uint32_t>(stored ? cells[lane] : corners[lane]);
-    const uint32_t row = stored ? kBrickSide : grid.bricks[0] + 1;
-    const uint32_t slice = stored ? kBrickSide * kBrickSide : row * (grid.bricks[1] + 1);
+    if (stored) {
+      const uint32_t* brick = body.words + grid.samples + size_t{entry} * kBrickWords;
+      for (uint32_t c = 0; c < 8; c += 2) {  // two neighbours along x at a time
+        const uint32_t n =
+            static_cast<uint32_t>(cells[lane]) + (c >> 1 & 1) * kBrickSide + (c >> 2) * kBrickSide * kBrickSide;
+        uint64_t both;  // of two words; what follows a field's samples is its own too
+        std::memcpy(&both, brick + n / 2, sizeof both);
+        both >>= 16 * (n & 1);
+        values[c][lane] = static_cast<Scalar>(static_cast<int16_t>(both));
+        values[c + 1][lane] = static_cast<Scalar>(static_cast<int16_t>(both >> 16));
+      }
+      continue;
+    }
+    const uint32_t row = grid.bricks[0] + 1, slice = row * (grid.bricks[1] + 1);
     for (uint32_t c = 0; c < 8; ++c) {
-      const uint32_t n = first + (c & 1) + (c >> 1 & 1) * row + (c >> 2) * slice;
-      values[c][lane] =
-          stored ? static_cast<Scalar>(fieldSample(body.words + grid.samples + size_t{entry} * kBrickWords, n))
-                 : static_cast<Scalar>(std::bit_cast<float>(body.words[grid.corners + n]));
+      const uint32_t n = static_cast<uint32_t>(corners[lane]) + (c & 1) + (c >> 1 & 1) * row + (c >> 2) * slice;
+      values[c][lane] = static_cast<Scalar>(std::bit_cast<float>(body.words[grid.corners + n]));
     }
   }
   const FieldCorners at{load(values[0]), load(values[1]), load(values[2]), load(values[3]), load(values[4]),

@@ -443,8 +443,8 @@ TEST(KernelConformance, DoubleKeepsWhatTheFormulasPromise) {
   auto sliding = truth(kResolveContact, contact);  // force: 0.02 by the normal, less `moved`: nothing
   EXPECT_NEAR(sliding[1], 0.12, 1e-7) << "pushed out by its depth";
   EXPECT_NEAR(sliding[0], 0.006, 1e-7) << "taken along by friction x depth";
-  EXPECT_NEAR(sliding[4], 0.04, 1e-7) << "what forces pressed is kept, by mass";
-  EXPECT_NEAR(sliding[3], 0.012, 1e-7) << "with the friction that goes with it";
+  EXPECT_NEAR(sliding[4], 0.02, 1e-7) << "half of what forces pressed is kept, by mass";
+  EXPECT_NEAR(sliding[3], 0.006, 1e-7) << "with the friction that goes with it";
   contact[13] = 1;
   const auto stuck = truth(kResolveContact, contact);
   EXPECT_NEAR(stuck[0], 0.01, 1e-7) << "held";
