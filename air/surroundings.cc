@@ -86,7 +86,8 @@ class StrandSurroundings final : public Surroundings, public AirFields {
       wind_->ambient().setTime(time_);
       wind_->centreAt(head.apply(Vec3(box_.center())));
       wind_->clearSolids();
-      wind_->addSolids(input.primitives, dt);
+      wind_->addSolids(input.primitives, input.shapes ? input.shapes->words : std::span<const uint32_t>(),
+                       dt);
       wind_->advect(dt, p.mac_cormack > 0);
       wind_->diffuse(dt, static_cast<double>(p.air_viscosity));
       HairDrag<Scalar> drag;

@@ -124,23 +124,16 @@ void WindGrid<Scalar>::clearSolids() {
 }
 
 template <class Scalar>
-void WindGrid<Scalar>::addSolids(std::span<const MovingPrimitive> bodies, double seconds) {
+void WindGrid<Scalar>::addSolids(std::span<const MovingPrimitive> bodies, std::span<const uint32_t> words,
+                                 double seconds) {
   const Eigen::Vector3f low = origin(),
                         size = Eigen::Vector3f::Constant(cell_ * static_cast<float>(shape_.cells));
   for (const MovingPrimitive& body : bodies) {
     const Vec3 a(body.a_end), a_before(body.a_begin), spin(body.angular_velocity);
-    Box box(low, low + size);
-    if (body.kind != static_cast<uint32_t>(PrimitiveKind::kPlane)) {
-      Box own{Eigen::Vector3f(a)};
-      if (body.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule))
-        own.extend(Eigen::Vector3f(Vec3(body.b_end)));
-      own.min().array() -= body.radius;
-      own.max().array() += body.radius;
-      box = box.intersection(own);
-    }
+    const Box box = Box(low, low + size).intersection(sweptBox(body));
     const Vec3 motion = (a - a_before) / static_cast<float>(seconds);
     addSolid(
-        box, [&](const Vec3& point) { return signedDistance(body, point); },
+        box, [&](const Vec3& point) { return signedDistance(body, point, words); },
         [&](const Vec3& point) { return Vec3(motion + spin.cross(point - a)); });
   }
 }

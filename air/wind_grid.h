@@ -53,7 +53,8 @@ class WindGrid {
 
   /// Solids, for the next step: none, then any number.
   void clearSolids();
-  void addSolids(std::span<const MovingPrimitive> bodies, double seconds);
+  /// `words`: of their ShapeData.
+  void addSolids(std::span<const MovingPrimitive> bodies, std::span<const uint32_t> words, double seconds);
   /// Cells in `box` whose middle has a distance below 0 are solid and move with velocity(point).
   template <class Distance, class Velocity>
   void addSolid(const Box& box, const Distance& distance, const Velocity& velocity);

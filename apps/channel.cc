@@ -6,7 +6,9 @@
 #include <chrono>
 
 #include "apps/console.h"
+#include "apps/interrupt.h"
 #include "core/error.h"
+#include "scenes/field_cache.h"
 #include "transport/dds.h"
 #include "transport/in_process.h"
 #include "transport/lcm.h"
@@ -55,11 +57,21 @@ std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session
   return publisher;
 }
 
-Scene makeSceneAloud(const SceneOptions& options) {
+Scene makeSceneAloud(SceneOptions options) {
+  if (options.field_cache.empty()) {
+    try {
+      options.field_cache = defaultFieldCache();
+    } catch (const Error& error) {
+      spdlog::warn("{}; every run bakes the body anew", error.what());
+    }
+  }
   Scene scene;
   {
     ProgressBar bar;
-    scene = makeScene(options, [&](const std::string& what, double part) { bar.show(what, part); });
+    scene = makeScene(options, [&](const std::string& what, double part) {
+      bar.show(what, part);
+      return !g_interrupted.load();
+    });
   }
   for (const std::string& note : scene.notes) spdlog::info("{}: {}", scene.name, note);
   return scene;

@@ -46,7 +46,8 @@ class Stream {
   std::unique_ptr<Subscriber> remote_;
 };
 
-/// makeScene with a progress bar, its notes logged.
-Scene makeSceneAloud(const SceneOptions& options);
+/// makeScene with a progress bar and the user's cache of fields, its notes logged. Ctrl-C stops it:
+/// BakeStopped.
+Scene makeSceneAloud(SceneOptions options);
 
 }  // namespace strandcast

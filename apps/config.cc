@@ -183,19 +183,34 @@ ContactPrimitive readPrimitive(Section& section) {
       out.kind = PrimitiveKind::kCapsule;
     else if (kind == "plane")
       out.kind = PrimitiveKind::kPlane;
+    else if (kind == "tapered_capsule")
+      out.kind = PrimitiveKind::kTaperedCapsule;
+    else if (kind == "ellipsoid")
+      out.kind = PrimitiveKind::kEllipsoid;
+    else if (kind == "box")
+      out.kind = PrimitiveKind::kBox;
     else
       throw Error("unknown primitive '" + kind + "'", section.place("kind"),
-                  "choose one of sphere, capsule, plane");
+                  "choose one of sphere, capsule, tapered_capsule, ellipsoid, box, plane");
   });
   section.numbers("a", 3, [&](const std::vector<double>& v) { out.a = vector(v); });
   section.numbers("b", 3, [&](const std::vector<double>& v) { out.b = vector(v); });
   section.number("radius", 0, 10, [&](double v) { out.radius = static_cast<float>(v); });
+  section.number("radius_b", 0, 10, [&](double v) { out.radius_b = static_cast<float>(v); });
+  section.numbers("extent", 3, [&](const std::vector<double>& v) { out.extent = vector(v); });
+  section.numbers("rotation", 4, [&](const std::vector<double>& v) {
+    out.rotation = Quat(Eigen::Quaterniond(v[3], v[0], v[1], v[2]).cast<float>());
+    if (!(out.rotation.norm() > 0))
+      throw Error("a rotation is zero", section.place("rotation"), "give a quaternion, x y z w");
+    out.rotation.normalize();
+  });
   section.number("friction", 0, 10, [&](double v) { out.friction = static_cast<float>(v); });
   if (out.kind == PrimitiveKind::kPlane) {
     if (!(out.b.norm() > 0))
       throw Error("a plane's normal b is zero", section.place("b"), "give a direction");
     out.b.normalize();
   }
+  checkPrimitive(out, section.place());
   return out;
 }
 
@@ -266,6 +281,9 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   });
   root.section("body", [&](Section& body) {
     body.text("file", [&](const std::string& v) { s.scene.body = path(v); });
+    body.text("contact",
+              [&](const std::string& v) { s.scene.body_contact = bodyContactOf(v, body.place("contact")); });
+    body.number("cell", 1e-6, 1e3, [&](double v) { s.scene.body_cell = static_cast<float>(v); });
     body.number("fitted_spheres", 0, 64, [&](double v) { s.scene.body_primitives = static_cast<int>(v); });
     body.sections("primitives",
                   [&](Section& primitive) { s.scene.primitives.push_back(readPrimitive(primitive)); });

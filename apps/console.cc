@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "collision/field_bake.h"
 #include "core/error.h"
 
 namespace strandcast {
@@ -62,6 +63,9 @@ void Report::print(bool json) const {
 int runProgram(const std::function<int()>& body) {
   try {
     return body();
+  } catch (const BakeStopped&) {
+    std::fputs("stopped\n", stderr);
+    return kExitInterrupted;
   } catch (const Error& error) {
     std::fputs(fmt::format("error: {}\n", error.what()).c_str(), stderr);
   } catch (const std::exception& error) {

@@ -41,7 +41,8 @@ class Report {
   std::vector<Row> rows_;
 };
 
-/// Runs a program's body: an Error or a stray exception becomes one line on standard error and exit code 2.
+/// Runs a program's body: an Error or a stray exception becomes one line on standard error and exit code 2, a
+/// BakeStopped exit code 130.
 int runProgram(const std::function<int()>& body);
 
 }  // namespace strandcast

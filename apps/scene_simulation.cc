@@ -4,6 +4,7 @@
 
 #include "air/surroundings.h"
 #include "apps/backends.h"
+#include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
 #include "core/sag_free.h"
 
@@ -40,7 +41,7 @@ Simulation makeSimulation(const Scene& scene, const Settings& settings) {
   if (backend->takesAccelerations())
     surroundings = makeSurroundings(backend->name(), settings.threads, settings.wind_sources);
   return Simulation(modelOf(scene, settings, parameters.gravity), scene.bodies, parameters,
-                    std::move(backend), std::move(surroundings));
+                    std::move(backend), std::move(surroundings), makeTreeBroadPhase());
 }
 
 }  // namespace strandcast

@@ -106,6 +106,12 @@ UpAxis upAxisOf(const std::string& name, const std::string& where) {
   throw Error("unknown axis '" + name + "'", where, "choose one of auto, x, y, z");
 }
 
+BodyContact bodyContactOf(const std::string& name, const std::string& where) {
+  if (name == "field") return BodyContact::kField;
+  if (name == "spheres") return BodyContact::kSpheres;
+  throw Error("unknown contact '" + name + "'", where, "choose one of field, spheres");
+}
+
 void addNetworkOptions(CLI::App& app, Settings& settings) {
   app.add_option(
          "--transport", settings.transport,
@@ -146,6 +152,16 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
       ->delimiter(',');
   scene->add_option("--body", given_.scene.body,
                     "body mesh (.obj, .gltf, .glb) that the hair grows on and collides with");
+  scene
+      ->add_option(
+          "--body-contact", body_contact_,
+          "what the hair collides with: the body's baked distance field (default; kept in the cache), or "
+          "spheres fitted into it (quick, coarse)")
+      ->check(CLI::IsMember({"field", "spheres"}));
+  scene
+      ->add_option("--body-cell", given_.scene.body_cell,
+                   "edge of a cell of the distance field, m; see `strandcast bake`")
+      ->check(CLI::Range(1e-6, 1e3));
   scene
       ->add_option("--unit-meters", given_.scene.units.unit_meters,
                    "metres per unit of groom and body files; guessed if not given")
@@ -222,6 +238,8 @@ Settings SettingsOptions::over(Settings out) const {
   if (app_.count("--scene") > 0 && app_.count("--groom") == 0) out.scene.groom.clear();
   if (app_.count("--groom") > 0) out.scene.groom.assign(groom_.begin(), groom_.end());
   lay("--body", out.scene.body, given_.scene.body);
+  if (!body_contact_.empty()) out.scene.body_contact = bodyContactOf(body_contact_);
+  lay("--body-cell", out.scene.body_cell, given_.scene.body_cell);
   lay("--unit-meters", out.scene.units.unit_meters, given_.scene.units.unit_meters);
   if (app_.count("--up") > 0) out.scene.units.up = upAxisOf(up_);
   lay("--motion", out.scene.motion, given_.scene.motion);

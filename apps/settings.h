@@ -66,7 +66,7 @@ class SettingsOptions {
   CLI::App& app_;
   std::filesystem::path config_;
   Settings given_;
-  std::string up_, solver_, codec_;
+  std::string up_, solver_, codec_, body_contact_;
   double codec_error_mm_ = 0;
   bool sag_free_ = true;
   std::vector<std::string> groom_, material_, set_;
@@ -74,6 +74,9 @@ class SettingsOptions {
 
 /// "auto", "x", "y" or "z"; Error otherwise, naming `where`.
 UpAxis upAxisOf(const std::string& name, const std::string& where = "--up");
+
+/// "field" or "spheres"; Error otherwise, naming `where`.
+BodyContact bodyContactOf(const std::string& name, const std::string& where = "--body-contact");
 
 /// Adds --transport, --profile, --peers, --discovery-server, --lcm-url, --domain and --groom-id, which every
 /// program that joins a network has.

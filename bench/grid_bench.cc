@@ -73,10 +73,11 @@ Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model,
   wind.ambient().configure(parameters);
   wind.centreAt(Vec3(box.center()));
   wind.reset();
+  ShapeData shapes;
   std::vector<MovingPrimitive> bodies;
   for (const RigidBody& body : scene.bodies)
     for (const ContactPrimitive& primitive : body.primitives)
-      bodies.push_back(moved(primitive, Pose{}, Pose{}, parameters.time_step));
+      bodies.push_back(moved(primitive, Pose{}, Pose{}, parameters.time_step, shapes.add(primitive)));
   std::vector<Vec3> velocities(rest.positions.size());
   for (size_t v = 0; v < velocities.size(); ++v)
     velocities[v] = Vec3(std::sin(static_cast<float>(v)), 0.5f, std::cos(static_cast<float>(v)));
@@ -101,7 +102,7 @@ Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model,
     });
     t.time("solids", [&] {
       wind.clearSolids();
-      wind.addSolids(bodies, dt);
+      wind.addSolids(bodies, shapes.words, dt);
     });
     t.time("advect", [&] { wind.advect(dt, o.mac_cormack); });
     t.time("diffuse", [&] { wind.diffuse(dt, static_cast<double>(parameters.air_viscosity)); });

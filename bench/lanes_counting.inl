@@ -1,5 +1,5 @@
 // Lane vocabulary over one float that counts what is computed with it, as one operation each: additions, multiplications
-// (two for a fused pair), divisions and roots. Comparing, choosing and moving are not counted. Included inside a namespace.
+// (two for a fused pair), divisions and roots. Comparing, choosing, rounding and moving are not counted. Included inside a namespace.
 using Scalar = float;
 constexpr int kLanes = 1;
 using mask = bool;
@@ -21,6 +21,7 @@ inline real madd(real a, real b, real c) { return counted(std::fma(a.v, b.v, c.v
 inline real sqrt(real a) { return counted(std::sqrt(a.v)); }
 inline real inverse(real a) { return counted(1 / a.v); }
 inline real inverseSqrt(real a) { return counted(1 / std::sqrt(a.v)); }
+inline real floor(real a) { return {std::floor(a.v)}; }
 inline real abs(real a) { return {std::fabs(a.v)}; }
 inline real min(real a, real b) { return a.v < b.v ? a : b; }
 inline real max(real a, real b) { return a.v > b.v ? a : b; }

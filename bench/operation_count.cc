@@ -1,6 +1,9 @@
 #include "bench/operation_count.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "core/strand_block.h"
 
@@ -12,6 +15,7 @@ namespace kernels::counting {
 #include "kernels/rotation.h"
 #include "kernels/strand.h"
 #include "kernels/contact.h"
+#include "kernels/distance_field.h"
 #include "kernels/rod.h"
 #include "kernels/grooming.h"
 #include "kernels/end_lanes.inl"

@@ -1,7 +1,8 @@
 // strandbench step: how long a step takes, and in the same run what it computed. ms: of a step and of reading
 // its guides, by the wall; gpu ms: of a step's dispatches alone, by the GPU's own clock; of peak: the
 // operations of the step, counted, against what the same threads reach with multiply-adds alone, measured.
-// strandbench accuracy: bench/accuracy.h. strandbench grid: bench/grid_bench.h.
+// strandbench accuracy: bench/accuracy.h. strandbench grid: bench/grid_bench.h. strandbench contact:
+// bench/contact_bench.h.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -14,8 +15,10 @@
 #include "apps/backends.h"
 #include "apps/console.h"
 #include "bench/accuracy.h"
+#include "bench/contact_bench.h"
 #include "bench/grid_bench.h"
 #include "bench/operation_count.h"
+#include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
 #include "core/simulation.h"
 #include "scenes/scene.h"
@@ -56,7 +59,8 @@ Result run(const Options& o, const Scene& scene, const std::string& backend) {
   parameters.iterations = o.iterations;
   parameters.solver = solverKind(o.solver);
   Simulation simulation(sceneModel(scene), bodiesOf(o, scene), parameters,
-                        createBackend(knownBackends(), backend, o.threads, parameters.solver));
+                        createBackend(knownBackends(), backend, o.threads, parameters.solver), nullptr,
+                        makeTreeBroadPhase());
   std::vector<double> ms, gpu_ms;
   for (int step = 0; step < o.warmup + o.steps; ++step) {
     simulation.setHeadPose(scene.motion(simulation.time() + parameters.time_step));
@@ -211,12 +215,18 @@ int main(int argc, char** argv) {
   const std::function<int()> accuracy = addAccuracy(*accuracy_verb);
   CLI::App* grid_verb = app.add_subcommand("grid", "time of wind on a grid and of forces between hairs");
   const std::function<int()> grid = addGridBench(*grid_verb);
+  CLI::App* contact_verb = app.add_subcommand(
+      "contact", "cost of hair on bodies against hair without, and of baking a body's field");
+  const std::function<int()> contact = addContactBench(*contact_verb);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitBadInput;
   }
   return runProgram([&] {
-    return accuracy_verb->parsed() ? accuracy() : grid_verb->parsed() ? grid() : step(o);
+    return accuracy_verb->parsed()  ? accuracy()
+           : grid_verb->parsed()    ? grid()
+           : contact_verb->parsed() ? contact()
+                                    : step(o);
   });
 }

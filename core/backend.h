@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/broad_phase.h"
 #include "core/contact_primitive.h"
 #include "core/parameters.h"
 #include "core/strand_model.h"
@@ -24,6 +25,8 @@ struct StepInput {
   /// m/s^2 per vertex, natural order, on top of gravity and constant over the step; may be empty. See
   /// core/surroundings.h. Only for backends that take them.
   std::span<const Vec3> accelerations{};
+  const ShapeData* shapes = nullptr;    ///< of the primitives; may be null where none is convex or a field
+  const NearBodyLists* near = nullptr;  ///< of the primitives; null = any strand may touch any of them
 };
 
 /// Simulates the strands of one model. One implementation per way of computing; all keep the same state and

@@ -2,6 +2,7 @@
 // text.
 // The order matters.
 // clang-format off
+#include "core/body_surface.inl"
 #include "core/strand_sweep.inl"
 #include "core/near_bodies.inl"
 #include "core/grooming.inl"

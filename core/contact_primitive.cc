@@ -1,26 +1,153 @@
 #include "core/contact_primitive.h"
 
+#include <algorithm>
+#include <atomic>
+#include <bit>
 #include <cmath>
+#include <cstring>
+#include <limits>
 
+#include "core/broad_phase.h"
+#include "core/error.h"
 #include "kernels/scalar_float.h"
 
 namespace strandcast {
+namespace kernels::f32 {
+#include "core/body_surface.inl"
+}  // namespace kernels::f32
+
 namespace {
 
 void put(float (&out)[3], const Vec3& v) {
   for (int c = 0; c < 3; ++c) out[c] = v[c];
 }
-kernels::f32::real3 take(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+void put(float (&out)[4], const Quat& q) {
+  for (int c = 0; c < 4; ++c) out[c] = q.coeffs()[c];
+}
+
+Vec3 middleOf(const FieldGrid& grid) {
+  const Vec3 bricks = Vec3(static_cast<float>(grid.bricks[0]), static_cast<float>(grid.bricks[1]),
+                           static_cast<float>(grid.bricks[2]));
+  return Vec3(grid.origin) + 0.5f * grid.cell * kBrickCells * bricks;
+}
+
+/// Of the ball about the place that the shape turns about, with that place in the shape's own frame.
+struct Turning {
+  Vec3 middle = Vec3::Zero();
+  float radius = 0;
+};
+Turning turningOf(const ContactPrimitive& p) {
+  switch (p.kind) {
+    case PrimitiveKind::kEllipsoid:
+      return {Vec3::Zero(), p.extent.maxCoeff()};
+    case PrimitiveKind::kBox:
+      return {Vec3::Zero(), p.extent.norm()};
+    case PrimitiveKind::kConvex:
+      return {p.convex->bounds.center(), 0.5f * p.convex->bounds.diagonal().norm()};
+    case PrimitiveKind::kField: {
+      const Vec3 middle = middleOf(p.field->grid);
+      return {middle, (middle - Vec3(p.field->grid.origin)).norm()};
+    }
+    default:
+      return {};
+  }
+}
+
+uint64_t nextRevision() {
+  static std::atomic<uint64_t> newest{0};
+  return ++newest;
+}
 
 }  // namespace
 
-MovingPrimitive moved(const ContactPrimitive& primitive, const Pose& begin, const Pose& end, float dt) {
+void checkPrimitive(const ContactPrimitive& p, const std::string& where) {
+  if (!p.a.allFinite() || !p.b.allFinite() || !std::isfinite(p.radius) || !std::isfinite(p.friction) ||
+      !std::isfinite(p.radius_b) || !p.extent.allFinite() || !p.rotation.coeffs().allFinite())
+    throw Error("a body's shape is not finite", where, "check its points, sizes, rotation and friction");
+  if (p.radius < 0 || p.radius_b < 0 || p.friction < 0)
+    throw Error("a body's radius or friction is negative", where, "give 0 or more");
+  if (p.kind == PrimitiveKind::kPlane && std::fabs(p.b.norm() - 1) > 1e-3f)
+    throw Error("a plane's normal is not of unit length", where, "normalise it");
+  const bool turns = p.kind >= PrimitiveKind::kEllipsoid;
+  if (turns && std::fabs(p.rotation.norm() - 1) > 1e-3f)
+    throw Error("a body's rotation is not of unit length", where, "normalise it");
+  if ((p.kind == PrimitiveKind::kEllipsoid || p.kind == PrimitiveKind::kBox) && !(p.extent.minCoeff() > 0))
+    throw Error("a body has no extent", where, "give half axes or half edges above 0");
+  if (p.kind == PrimitiveKind::kEllipsoid && p.extent.maxCoeff() > 100 * p.extent.minCoeff())
+    throw Error("an ellipsoid's half axes differ by more than a factor of 100", where,
+                "use a box or a field for so flat a body");
+  if (p.kind == PrimitiveKind::kConvex && (p.convex == nullptr || p.convex->planes.size() < 4))
+    throw Error("a convex body has no planes", where, "make it with convexBody()");
+  if (p.kind == PrimitiveKind::kField && (p.field == nullptr || p.field->index.empty()))
+    throw Error("a body has no distance field", where, "bake it (FieldBaker)");
+}
+
+uint32_t ShapeData::add(const ContactPrimitive& primitive) {
+  const bool convex = primitive.kind == PrimitiveKind::kConvex;
+  if (!convex && primitive.kind != PrimitiveKind::kField) return 0;
+  const void* shape = convex ? static_cast<const void*>(primitive.convex.get()) : primitive.field.get();
+  for (const auto& [known, at] : known_)
+    if (known == shape) return at;
+  const size_t first = words.size();
+  const Vec3 middle = turningOf(primitive).middle;
+  if (convex) {
+    for (const std::array<float, 4>& plane : primitive.convex->planes) {
+      const float distance = plane[3] - Vec3(plane[0], plane[1], plane[2]).dot(middle);
+      for (const float number : {plane[0], plane[1], plane[2], distance})
+        words.push_back(std::bit_cast<uint32_t>(number));
+    }
+  } else {
+    const DistanceField& field = *primitive.field;
+    FieldGrid grid = field.grid;
+    put(grid.origin, Vec3(grid.origin) - middle);
+    constexpr size_t kHeader = sizeof(FieldGrid) / sizeof(uint32_t);
+    const size_t index = first + kHeader, samples = index + field.index.size(),
+                 corners = samples + field.samples.size(), end = corners + field.corners.size();
+    if (end > std::numeric_limits<uint32_t>::max())
+      throw Error("the distance fields of the bodies are too large together", std::to_string(end) + " words",
+                  "bake them with larger cells");
+    grid.index = static_cast<uint32_t>(index);
+    grid.samples = static_cast<uint32_t>(samples);
+    grid.corners = static_cast<uint32_t>(corners);
+    words.resize(end);
+    std::memcpy(words.data() + first, &grid, sizeof grid);
+    std::copy(field.index.begin(), field.index.end(), words.begin() + static_cast<ptrdiff_t>(index));
+    std::copy(field.samples.begin(), field.samples.end(), words.begin() + static_cast<ptrdiff_t>(samples));
+    std::transform(field.corners.begin(), field.corners.end(),
+                   words.begin() + static_cast<ptrdiff_t>(corners),
+                   [](float distance) { return std::bit_cast<uint32_t>(distance); });
+  }
+  known_.emplace_back(shape, static_cast<uint32_t>(first));
+  revision = nextRevision();
+  return static_cast<uint32_t>(first);
+}
+
+void ShapeData::clear() {
+  words.clear();
+  known_.clear();
+  revision = nextRevision();
+}
+
+MovingPrimitive moved(const ContactPrimitive& primitive, const Pose& begin, const Pose& end, float dt,
+                      uint32_t data) {
   MovingPrimitive out{};
   out.kind = static_cast<uint32_t>(primitive.kind);
   out.radius = primitive.radius;
+  out.radius_b = primitive.radius_b;
   out.friction = primitive.friction;
-  put(out.a_begin, begin.apply(primitive.a));
-  put(out.a_end, end.apply(primitive.a));
+  put(out.extent, primitive.extent);
+  out.data = data;
+  Vec3 a = primitive.a;
+  if (primitive.kind >= PrimitiveKind::kEllipsoid) {
+    const Turning turning = turningOf(primitive);
+    out.radius = turning.radius;
+    a += primitive.rotation * turning.middle;
+    if (primitive.convex) out.planes = static_cast<uint32_t>(primitive.convex->planes.size());
+  }
+  put(out.rotation_begin, (begin.rotation * primitive.rotation).normalized());
+  put(out.rotation_end, (end.rotation * primitive.rotation).normalized());
+  put(out.a_begin, begin.apply(a));
+  put(out.a_end, end.apply(a));
   const bool direction = primitive.kind == PrimitiveKind::kPlane;
   put(out.b_begin, direction ? begin.rotate(primitive.b) : begin.apply(primitive.b));
   put(out.b_end, direction ? end.rotate(primitive.b) : end.apply(primitive.b));
@@ -29,21 +156,26 @@ MovingPrimitive moved(const ContactPrimitive& primitive, const Pose& begin, cons
   return out;
 }
 
-float signedDistance(const MovingPrimitive& primitive, const Vec3& point) {
-  using namespace kernels::f32;
-  const real3 p{point.x(), point.y(), point.z()};
-  real3 normal;
-  real along;
-  switch (static_cast<PrimitiveKind>(primitive.kind)) {
-    case PrimitiveKind::kSphere:
-      return sphereDistance(p, take(primitive.a_end), primitive.radius, normal);
-    case PrimitiveKind::kCapsule:
-      return capsuleDistance(p, take(primitive.a_end), take(primitive.b_end), primitive.radius, normal,
-                             along);
-    case PrimitiveKind::kPlane:
-      break;
+float signedDistance(const MovingPrimitive& primitive, const Vec3& point, std::span<const uint32_t> words) {
+  const auto body = kernels::f32::bodyAt(primitive, words.data(), 1, 1, 1, 0, 1);
+  return kernels::f32::surfaceAt(body, {point.x(), point.y(), point.z()}, 0).distance;
+}
+
+Box sweptBox(const MovingPrimitive& p) {
+  const auto kind = static_cast<PrimitiveKind>(p.kind);
+  if (kind == PrimitiveKind::kPlane) {
+    return {Eigen::Vector3f::Constant(-kEndless), Eigen::Vector3f::Constant(kEndless)};
   }
-  return planeDistance(p, take(primitive.a_end), take(primitive.b_end), normal);
+  Box box(Eigen::Vector3f(p.a_begin));
+  box.extend(Eigen::Vector3f(p.a_end));
+  float radius = p.radius;
+  if (kind == PrimitiveKind::kCapsule || kind == PrimitiveKind::kTaperedCapsule) {
+    box.extend(Eigen::Vector3f(p.b_begin)).extend(Eigen::Vector3f(p.b_end));
+    if (kind == PrimitiveKind::kTaperedCapsule) radius = std::max(radius, p.radius_b);
+  }
+  box.min().array() -= radius;
+  box.max().array() += radius;
+  return box;
 }
 
 }  // namespace strandcast

@@ -10,10 +10,6 @@ namespace k = kernels::f32;
 k::real3 lanes(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 Vec3 vector(const k::real3& v) { return {v.x, v.y, v.z}; }
 
-float storedSample(const uint32_t* brick, uint32_t n) {
-  return static_cast<float>(static_cast<int16_t>(brick[n / 2] >> (16 * (n % 2))));
-}
-
 /// Trilinear interpolant of the eight numbers `get(n)`, n from `first` with these strides per axis.
 template <class Get>
 float interpolate(Get get, uint32_t first, uint32_t row, uint32_t slice, const k::real3& t,
@@ -44,7 +40,7 @@ FieldSample DistanceField::at(const Vec3& point) const {
   const uint32_t entry = index[static_cast<uint32_t>(place.brick)];
   if (entry < kInsideBrick) {
     const uint32_t* brick = samples.data() + size_t{entry} * kBrickWords;
-    const float value = interpolate([&](uint32_t n) { return storedSample(brick, n); },
+    const float value = interpolate([&](uint32_t n) { return static_cast<float>(fieldSample(brick, n)); },
                                     static_cast<uint32_t>(place.first_sample), kBrickSide,
                                     kBrickSide * kBrickSide, place.in_cell, gradient);
     out.distance = value * grid.quantum;

@@ -28,9 +28,15 @@ struct alignas(16) FieldGrid {
   uint32_t bricks[3];  ///< per axis; (bricks + 1) multiplied is at most kMaxGridBricks
   float band;          ///< m: bricks that come nearer to the surface than this are stored
   float quantum;       ///< m, one unit of a stored sample
-  float unused[3];
+  // Where the arrays of the field start in ShapeData::words; 0 in a DistanceField, which has them itself.
+  uint32_t index, samples, corners;
 };
 static_assert(sizeof(FieldGrid) == 48);
+
+/// Sample n of a brick whose words start at `brick`, in units of FieldGrid::quantum.
+inline int16_t fieldSample(const uint32_t* brick, uint32_t n) {
+  return static_cast<int16_t>(brick[n / 2] >> (16 * (n % 2)));
+}
 
 struct FieldSample {
   float distance = 0;            ///< m, negative inside

@@ -79,10 +79,17 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
         }
       }
       if (near.size() > 0) {
-        real3 normal = makeReal3(lit(0), lit(0), lit(0));
-        for (int i = 0; i < n; ++i)
-          store3(near.pushAllOut(load3(b.position, i), load3(start, i), inverseMass(b, i) > lit(0.5), normal), b.position,
-                 i);
+        const real3 zero = makeReal3(lit(0), lit(0), lit(0));
+        for (int i = 0; i < n; ++i) {
+          const real3 reached = load3(b.position, i);
+          const Touch touch = near.nearest(i, reached, load3(start, i));
+          const mask touches = touch.gap < lit(0) && inverseMass(b, i) > lit(0.5);
+          if (!anyTrue(touches)) continue;
+          real3 force = zero;
+          const real3 out =
+              resolveContact(reached, touch.carried, zero, touch.normal, touch.gap, touch.friction, lit(1), force);
+          store3(select(touches, out, reached), b.position, i);
+        }
       }
     }
 

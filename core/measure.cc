@@ -6,7 +6,7 @@
 namespace strandcast {
 
 Measurement measure(const StrandModel& model, std::span<const Vec3> positions,
-                    std::span<const MovingPrimitive> primitives) {
+                    std::span<const MovingPrimitive> primitives, std::span<const uint32_t> words) {
   Measurement out;
   double sum = 0;
   size_t edges = 0;
@@ -23,10 +23,11 @@ Measurement measure(const StrandModel& model, std::span<const Vec3> positions,
         ++edges;
         out.max_stretch = std::max(out.max_stretch, stretch);
       }
-      if (model.inverse_mass[v] > 0)
-        for (const MovingPrimitive& primitive : primitives)
-          out.max_penetration =
-              std::max<double>(out.max_penetration, -signedDistance(primitive, positions[v]));
+      if (model.inverse_mass[v] == 0) continue;
+      const double allowed = model.rest_distance.empty() ? 0 : std::min(0.0f, model.rest_distance[v]);
+      for (const MovingPrimitive& primitive : primitives)
+        out.max_penetration =
+            std::max<double>(out.max_penetration, allowed - signedDistance(primitive, positions[v], words));
     }
   }
   out.mean_stretch = edges > 0 ? sum / static_cast<double>(edges) : 0;

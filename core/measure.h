@@ -8,12 +8,15 @@ namespace strandcast {
 
 /// How well the hair keeps what it must keep.
 struct Measurement {
-  double mean_stretch = 0;     ///< mean over edges of |length / rest length - 1|
-  double max_stretch = 0;      ///< the largest of the same
-  double max_penetration = 0;  ///< m, deepest free vertex below any primitive's surface; 0 when none is
-  size_t non_finite = 0;       ///< vertices with a NaN or an infinity
+  double mean_stretch = 0;  ///< mean over edges of |length / rest length - 1|
+  double max_stretch = 0;   ///< the largest of the same
+  /// m, deepest free vertex below any primitive's surface, or below where it is at rest
+  /// (StrandModel::rest_distance) where that is deeper; 0 when none is.
+  double max_penetration = 0;
+  size_t non_finite = 0;  ///< vertices with a NaN or an infinity
 };
+/// `words`: of the primitives' ShapeData.
 Measurement measure(const StrandModel& model, std::span<const Vec3> positions,
-                    std::span<const MovingPrimitive> primitives);
+                    std::span<const MovingPrimitive> primitives, std::span<const uint32_t> words = {});
 
 }  // namespace strandcast

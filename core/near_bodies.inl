@@ -1,46 +1,71 @@
-// The bodies that the strands of a block may touch in a step: those whose swept boxes meet the block's. Included after
-// core/strand_sweep.inl.
+// The bodies that the strands of a block may touch in a step: of those that the broad phase has listed for its neighbourhood by
+// how far strands reach, the ones near where its strands are now. Included after core/strand_sweep.inl.
 class NearBodies {
  public:
-  NearBodies(const Block& b, const StepInput& input) : bodies_(input.primitives) {
-    if (bodies_.empty()) return;
+  NearBodies(const Block& b, const StepInput& input) : block_(b), bodies_(input.primitives) {
+    if (input.near != nullptr) listed_ = input.near->of(b.neighbourhood);
+    is_listed_ = input.near != nullptr;
+    if (candidates() == 0) return;
     friction_scale_ = groomingFactor(b, kFrictionScale, 0);
     all_ = !calm(b, input) || b.bone_pins != nullptr;  // a bone may pull strands anywhere
     if (all_) return;
     const Box box = reach(b, input);
-    for (size_t i = 0; i < bodies_.size(); ++i) {
-      if (!meets(bodies_[i], box)) continue;
+    for (size_t i = 0; i < candidates(); ++i) {
+      if (!meets(bodies_[candidate(i)], box)) continue;
       if (count_ == kMost) {  // then all are taken
         all_ = true;
         break;
       }
-      near_[count_++] = static_cast<uint32_t>(i);
+      near_[count_++] = candidate(i);
     }
   }
-  size_t size() const { return all_ ? bodies_.size() : count_; }
+  size_t size() const { return all_ ? candidates() : count_; }
 
-  /// To be called at the start of a substep, for pushAllOut(). `time` as of bodyAt().
+  /// To be called at the start of a substep, for nearest(). `time` as of bodyAt().
   void place(const StepInput& input, double time) {
     for (size_t i = 0; i < size() && i < kPlaced; ++i) placed_[i] = place(i, input, time);
     input_ = &input;
     time_ = time;
   }
-  /// pushOut() of every body.
-  real3 pushAllOut(real3 x, const real3& x_start, const mask& free, real3& normal) const {
-    for (size_t i = 0; i < size(); ++i)
-      x = pushOut(i < kPlaced ? placed_[i] : place(i, *input_, time_), x, x_start, free, normal);
-    return x;
+  /// Of all bodies, for vertex `v`; see meet().
+  Touch nearest(int v, const real3& x, const real3& x_start) const {
+    const real clear = clearance(v);
+    Touch touch = untouched(x);
+    const size_t placed = std::min(size(), kPlaced);
+    for (size_t i = 0; i < placed; ++i) meet(placed_[i], x, x_start, clear, touch);
+    for (size_t i = placed; i < size(); ++i) meet(place(i, *input_, time_), x, x_start, clear, touch);
+    return touch;
+  }
+  /// Touch::way alone; more than any where it would have to be asked for too many bodies.
+  real longestWay(const real3& x, const real3& x_start) const {
+    if (size() > kPlaced) return lit(1e9);
+    real most = lit(0);
+    for (size_t i = 0; i < size(); ++i) {
+      const SubstepBody& body = placed_[i];
+      const real3 way = x - carriedBy(x_start, spread(body.a), spread(body.a_motion), spread(body.turn));
+      most = max(most, dot(way, way));
+    }
+    return sqrt(most);
   }
 
  private:
   static constexpr size_t kMost = 64, kPlaced = 16, kMostLanes = 64;
 
-  const MovingPrimitive& body(size_t i) const { return bodies_[all_ ? i : near_[i]]; }
+  const MovingPrimitive& body(size_t i) const { return bodies_[all_ ? candidate(i) : near_[i]]; }
+  size_t candidates() const { return is_listed_ ? listed_.size() : bodies_.size(); }
+  uint32_t candidate(size_t i) const { return is_listed_ ? listed_[i] : static_cast<uint32_t>(i); }
+
+  // How far from every body vertex v must be: what lies deeper at rest may stay as deep.
+  real clearance(int v) const {
+    const real radius = lit(input_->parameters->hair_radius);
+    return block_.rest_distance == nullptr ? radius : min(radius, load(block_.rest_distance + size_t(v) * kLanes));
+  }
 
   SubstepBody place(size_t i, const StepInput& input, double time) const {
-    SubstepBody placed = bodyAt(body(i), input, time);
-    placed.friction = placed.friction * friction_scale_;
-    return placed;
+    const Parameters& p = *input.parameters;
+    const uint32_t* words = input.shapes != nullptr ? input.shapes->words.data() : nullptr;
+    return bodyAt(body(i), words, time, 1.0 / p.substeps, static_cast<double>(p.time_step) / p.substeps, p.hair_radius,
+                  friction_scale_);
   }
 
   // Whether the strands only move as their velocities say: no edge is stretched or stands across its frame, as after an
@@ -97,30 +122,26 @@ class NearBodies {
       for (int corner = 0; corner < 6; corner += 3)
         box.extend(Vec3(static_cast<float>(lanes[corner][lane]), static_cast<float>(lanes[corner + 1][lane]),
                         static_cast<float>(lanes[corner + 2][lane])));
-    const float radius = parameters.hair_radius;
+    const float radius = parameters.hair_radius + kContactReach;
     box.min().array() -= radius;
     box.max().array() += radius;
     return box;
   }
 
   static bool meets(const MovingPrimitive& body, const Box& box) {
-    const Vec3 a_begin = Vec3(body.a_begin), a_end = Vec3(body.a_end);
-    const Vec3 b_begin = Vec3(body.b_begin), b_end = Vec3(body.b_end);
     if (body.kind == static_cast<uint32_t>(PrimitiveKind::kPlane)) {
       auto below = [&](const Vec3& point, const Vec3& normal) {
         return (box.center() - point).dot(normal) < 0.5f * box.sizes().dot(normal.cwiseAbs());
       };
-      return below(a_begin, b_begin) || below(a_end, b_end);
+      return below(Vec3(body.a_begin), Vec3(body.b_begin)) || below(Vec3(body.a_end), Vec3(body.b_end));
     }
-    Box swept(a_begin);
-    swept.extend(a_end);
-    if (body.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule)) swept.extend(b_begin).extend(b_end);
-    swept.min().array() -= body.radius;
-    swept.max().array() += body.radius;
-    return box.intersects(swept);
+    return box.intersects(sweptBox(body));
   }
 
+  const Block& block_;
   std::span<const MovingPrimitive> bodies_;
+  std::span<const uint32_t> listed_;
+  bool is_listed_ = false;
   uint32_t near_[kMost];
   size_t count_ = 0;
   bool all_ = false;

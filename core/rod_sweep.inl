@@ -25,6 +25,9 @@ enum RodScratch : int {
   kLengthPivot = kMargin,  // inverse pivots of lengths
   kRodScratchPlanes = 22
 };
+// Behind these, [vertex][2][lane]: Touch::room and Touch::way where the vertex is now.
+constexpr int kRoomPlane = kRodScratchPlanes;
+static_assert(kRoomPlane + 2 <= kBlockPlanes);  // as much scratch is there
 
 class RodStep {
  public:
@@ -55,9 +58,11 @@ class RodStep {
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
+    if (near_.size() > 0) forgetRoom();
     for (int substep = 0; substep < p.substeps; ++substep) {
       const double time = (substep + 1.0) / p.substeps;
       near_.place(in, time);
+      fresh_ = true;
       const RootFrame root{madd(end_.position - begin_.position, lit(time), begin_.position),
                            interpolateRotation(begin_.rotation, end_.rotation, lit(time))};
       predict(root, time);
@@ -65,12 +70,18 @@ class RodStep {
       eliminateBending();
       moveByForces();
       const mask violent = isViolent(substituteLengths());
-      if (anyTrue(violent)) pullThroughBending(violent);
+      if (anyTrue(violent)) {
+        pullThroughBending(violent);
+        if (near_.size() > 0) forgetRoom();  // they may be anywhere now
+      }
+      fresh_ = false;
       moveByPulls();
       substituteLengths();
       finish();
       frame_ = root.rotation;
     }
+    if (near_.size() == 0 && !in.primitives.empty())
+      for (int i = 0; i < n; ++i) store3(makeReal3(lit(0), lit(0), lit(0)), b.contact, i);
   }
 
  private:
@@ -82,6 +93,17 @@ class RodStep {
     set(plane + 1, i, v.y);
     set(plane + 2, i, v.z);
   }
+  Scalar* roomAt(int i) const { return scratch_ + (static_cast<size_t>(n + 2) * kRoomPlane + 2 * i) * kLanes; }
+  Scalar* wayAt(int i) const { return roomAt(i) + kLanes; }
+  void forgetRoom() {
+    for (int i = 0; i < n; ++i) store(lit(-1), roomAt(i));
+  }
+  // Vertex i has moved by `way` since its room was stored.
+  void lessRoom(int i, const real& way) {
+    store(load(roomAt(i)) - way, roomAt(i));
+    store(load(wayAt(i)) + way, wayAt(i));
+  }
+  mask mayMeet(int i) const { return load(roomAt(i)) - load(wayAt(i)) <= contactReach(); }
   size_t row(int plane, int i) const { return (static_cast<size_t>(i) * kRodScratchPlanes + plane) * kLanes; }
   real state(const Scalar* planes, int plane, int i) const { return load(planes + at(plane, i)); }
   real3 state3(const Scalar* planes, int i) const { return load3(planes, i); }
@@ -117,11 +139,9 @@ class RodStep {
   class BentMoves;
   class Pulls;
   void finish();
-  real3 collide(int i, real3 x);
+  real3 collide(int i, const real3& x, const real3& moved);
+  real3 keptOut(int i, const real3& placed, const real3& inner);
   real3 normalAt(int i) const { return near_.size() > 0 ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
-  void setNormal(int i, const real3& normal) {
-    if (near_.size() > 0) set3(kNormal, i, normal);
-  }
 
   const Block& b;
   const StepInput& in;
@@ -141,6 +161,7 @@ class RodStep {
   quat inner_frame_;    // of the root, without the swing of this substep
   real3 tangent_old_, swing_;  // root tangent before the substep, and how it changes
   real3 jump_;          // m, unexpected motion of the root
+  bool fresh_ = true;   // contact has not been looked at in this substep
   real most_tension_;   // that is taken over from one substep to the next
 };
 
@@ -164,7 +185,10 @@ inline void RodStep::predict(const RootFrame& root, double time) {
       moved = select(weight(e + 1) > lit(0), moved, heldPoint(b, root, e + 1, time));
     }
     set3(kNewPosition, e + 1, moved);
-    setNormal(e + 1, makeReal3(lit(0), lit(0), lit(0)));
+    if (near_.size() > 0) {
+      set3(kNormal, e + 1, makeReal3(lit(0), lit(0), lit(0)));
+      store3(state3(b.contact, e + 1) * lit(h * h), b.contact, e + 1);
+    }
     const real3 edge = moved - get3(kNewPosition, e), old = x - before;
     const real3 advance = edge - old;
     const real il = inverseLength(e);
@@ -252,9 +276,9 @@ inline void RodStep::eliminateBending() {
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
     const real3 way = b.acceleration != nullptr ? madd(accelerationOf(b, e + 1), lit(h * h), pull) : pull;
-    const real3 total = grooming_.on()
-                            ? grooming_.pull(e + 1, way, root_, get3(kNewPosition, e + 1)) + (force - force_out)
-                            : madd(way, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
+    real3 total = grooming_.on() ? grooming_.pull(e + 1, way, root_, get3(kNewPosition, e + 1)) + (force - force_out)
+                                 : madd(way, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
+    if (near_.size() > 0) total = total + state3(b.contact, e + 1);
 
     const real il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
@@ -291,15 +315,50 @@ inline void RodStep::eliminateBending() {
   }
 }
 
-// Pushes vertex i at x out of the bodies; the normal is kept for the length solve, which must not push it back in.
-inline real3 RodStep::collide(int i, real3 x) {
-  if (near_.size() == 0) return x;
-  const mask free = weight(i) > lit(0);
-  const real3 start = state3(b.position, i);
-  real3 normal = get3(kNormal, i);
-  x = near_.pushAllOut(x, start, free, normal);
-  set3(kNormal, i, normal);
-  set(kSoftness, i, select(dot(normal, normal) > lit(0), lit(0), get(kSoftness, i)));
+// Contact of vertex i at x, where forces have moved it by `moved`; the normal is kept for the length solve, which must not
+// push it back in. By itself, as keptOut(), so that sweeps of hair that is near no body stay small.
+[[gnu::noinline]] inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
+  const real3 before = state3(b.contact, i);
+  if (fresh_) {  // seen from the bodies it comes from where the last substep has left it
+    store(lit(0), wayAt(i));
+    lessRoom(i, near_.longestWay(x, state3(b.position, i)));
+  } else {
+    lessRoom(i, length(x - get3(kNewPosition, i)));
+  }
+  if (!anyTrue(mayMeet(i) || dot(before, before) > lit(0))) return x;
+  const Touch touch = near_.nearest(i, x, state3(b.position, i));
+  const mask touches = (touch.gap < lit(0) || dot(before, before) > lit(0)) && weight(i) > lit(0);
+  store(select(touches, lit(-1), touch.room), roomAt(i));
+  store(touch.way, wayAt(i));
+  if (!anyTrue(touches)) return x;
+  real3 force = before;
+  const real3 out = resolveContact(x, touch.carried, moved, touch.normal, touch.gap, touch.friction,
+                                   select(touches, weight(i), lit(1)), force);
+  const mask presses = touches && (touch.gap < lit(0) || dot(force, force) > lit(0));
+  store3(select(touches, force, before), b.contact, i);
+  set3(kNormal, i, select(presses, touch.normal, get3(kNormal, i)));
+  set(kSoftness, i, select(presses, lit(0), get(kSoftness, i)));
+  return select(touches, out, x);
+}
+
+// Vertex i once more, where making lengths exact has placed it, from `inner` on: held to the side of the bodies it was on.
+[[gnu::noinline]] inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) {
+  const real off = length(placed - get3(kNewPosition, i));
+  lessRoom(i, off);
+  const mask moved = off > contactSlack() && weight(i) > lit(0) && mayMeet(i);
+  if (!anyTrue(moved)) return placed;
+  real3 x = placed;
+  for (int round = 0; round < 3; ++round) {
+    const Touch touch = near_.nearest(i, x, state3(b.position, i));
+    const mask deep = moved && touch.gap < lit(0) - contactSlack();
+    if (!anyTrue(deep)) break;
+    const real length = lengthOf(i - 1);
+    const mask last = deep && touch.gap > lit(0) - deepestTurn() && lit(round) > lit(1.5);
+    const real3 turned = select(last, turnedOut(x, inner, touch.normal, touch.gap, length),
+                                turnedTowards(x, inner, touch.normal, touch.gap, length));
+    x = select(deep, turned, x);
+  }
+  lessRoom(i, length(x - placed));
   return x;
 }
 
@@ -326,7 +385,8 @@ class RodStep::Pulls {
   real3 t_;
 };
 
-// From root to tip: every vertex moved to move(e), edge e before it, contact, and the elimination of the length system.
+// From root to tip: every vertex moved to move(e, by_forces), edge e before it, contact, and the elimination of the length
+// system. by_forces: how far the forces of the bending system have moved it just now, else left as it is, 0.
 template <class Move>
 void RodStep::moveAndEliminateLengths(Move move) {
   real3 x_in = root_.position, t_in = makeReal3(lit(0), lit(0), lit(0)), normal_in = t_in;
@@ -342,7 +402,9 @@ void RodStep::moveAndEliminateLengths(Move move) {
   };
   for (int e = 0; e < ne; ++e) {
     const real3 t_before = get3(kTangent, e);
-    const real3 x = collide(e + 1, move(e));
+    real3 by_forces = makeReal3(lit(0), lit(0), lit(0));
+    const real3 reached = move(e, by_forces);
+    const real3 x = near_.size() > 0 ? collide(e + 1, reached, by_forces) : reached;
     set3(kNewPosition, e + 1, x);
     const real3 edge = x - x_in;
     const real3 t = directionOr(edge, t_before);
@@ -388,8 +450,9 @@ class RodStep::BentMoves {
 
 inline void RodStep::moveByForces() {
   BentMoves moves(*this);
-  moveAndEliminateLengths([&](int e) {
-    const real3 d = moves.next(e), x = get3(kNewPosition, e + 1);
+  moveAndEliminateLengths([&](int e, real3& by_forces) {
+    by_forces = moves.next(e);
+    const real3 d = by_forces, x = get3(kNewPosition, e + 1);
     return b.pinned ? select(weight(e + 1) > lit(0), x + d, x) : x + d;
   });
 }
@@ -483,7 +546,7 @@ inline void RodStep::pullThroughBending(const mask& violent) {
 // Every vertex moved by its pulls.
 inline void RodStep::moveByPulls() {
   Pulls pulls(*this);
-  moveAndEliminateLengths([&](int e) {
+  moveAndEliminateLengths([&](int e, real3&) {
     store(pulls.tension(e), b.tension + at(0, e));
     return pulls.moved(e);
   });
@@ -501,7 +564,12 @@ inline void RodStep::finish() {
     store(pulls.tension(e) * lit(1 / (h * h)), b.tension + at(0, e));
     const real3 t = get3(kTangent, e), x = pulls.moved(e);
     const mask free = weight(e + 1) > lit(0);
+    const real3 inner = placed;
     placed = select(free, madd(directionOr(x - before, t), lengthOf(e), placed), x);
+    if (near_.size() > 0) {
+      placed = keptOut(e + 1, placed, inner);
+      store3(state3(b.contact, e + 1) * lit(1 / (h * h)), b.contact, e + 1);
+    }
     store3((placed - state3(b.position, e + 1)) * inverse_h, b.velocity, e + 1);
     store3(placed, b.position, e + 1);
     before = x;

@@ -1,6 +1,7 @@
 #include "core/simulation.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/error.h"
 #include "core/nearest_name.h"
@@ -9,36 +10,64 @@
 namespace strandcast {
 namespace {
 
-void checkPrimitive(const ContactPrimitive& primitive) {
-  if (!primitive.a.allFinite() || !primitive.b.allFinite() || !std::isfinite(primitive.radius) ||
-      !std::isfinite(primitive.friction))
-    throw Error("a body's shape is not finite", "Simulation", "check its points, radius and friction");
+/// How far from `bodies`, at rest, the vertices of the model are: StrandModel::rest_distance. What is deeper
+/// than `depths`, one per body, is held by none.
+std::vector<float> restDistances(const StrandModel& model, std::span<const MovingPrimitive> bodies,
+                                 std::span<const uint32_t> words, std::span<const float> depths) {
+  constexpr float kSlack = 2e-6f;  // m, so that rounding does not press on what is at rest
+  std::vector<float> out(model.vertices(), kFarFromBodies);
+  for (size_t s = 0; s < model.strands(); ++s)
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
+      const Vec3 point = model.restPosition(s, v);
+      for (size_t i = 0; i < bodies.size(); ++i) {
+        const float distance = signedDistance(bodies[i], point, words);
+        out[v] = std::min(out[v], distance > -depths[i] ? distance - kSlack : -kFarFromBodies);
+      }
+    }
+  return out;
 }
 
 }  // namespace
 
 Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
-                       std::unique_ptr<Backend> backend, std::unique_ptr<Surroundings> surroundings)
+                       std::unique_ptr<Backend> backend, std::unique_ptr<Surroundings> surroundings,
+                       std::unique_ptr<BroadPhase> broad_phase)
     : model_(std::move(model)),
-      bodies_(std::move(bodies)),
       parameters_(parameters),
       backend_(std::move(backend)),
       surroundings_(std::move(surroundings)),
       bones_begin_(model_.bones.size()),
       bones_end_(model_.bones.size()),
       roots_begin_(model_.rest_roots),
-      roots_end_(model_.rest_roots) {
+      roots_end_(model_.rest_roots),
+      broad_phase_(broad_phase != nullptr ? std::move(broad_phase) : makeAllPairs()),
+      order_(strandOrder(model_)),
+      bound_to_root_(order_.neighbourhoods(), true),
+      strand_boxes_(order_.neighbourhoods()) {
   checkParameters(parameters_, "Simulation");
-  for (const RigidBody& body : bodies_)
-    for (const ContactPrimitive& primitive : body.primitives) checkPrimitive(primitive);
+  std::vector<MovingPrimitive> rooted;
+  std::vector<float> depths;
+  for (RigidBody& body : bodies) {
+    bodies_.push_back(placed(std::move(body), "Simulation"));
+    const PlacedBody& added = bodies_.back();
+    if (!added.body.holds_roots) continue;
+    for (size_t i = 0; i < added.data.size(); ++i) {
+      const ContactPrimitive& primitive = added.body.primitives[i];
+      rooted.push_back(moved(primitive, added.begin, added.begin, parameters_.time_step, added.data[i]));
+      // What a field holds is to stay among its samples, away from where it knows bounds only.
+      const FieldGrid* grid = primitive.field ? &primitive.field->grid : nullptr;
+      depths.push_back(grid != nullptr ? grid->band - 2 * grid->cell : kFarFromBodies);
+    }
+  }
+  if (!rooted.empty()) model_.rest_distance = restDistances(model_, rooted, shapes_.words, depths);
   for (size_t s = 0; s < model_.strands(); ++s)
     lengths_.push_back(arcLength({model_.rest_local.data() + model_.offsets[s], model_.verticesOf(s)}));
-  size_t primitives = 0;
-  for (const RigidBody& body : bodies_) primitives += body.primitives.size();
-  primitives_.resize(primitives);
+  for (size_t s = 0; s < model_.strands(); ++s)
+    for (uint32_t v = model_.offsets[s]; v < model_.offsets[s + 1]; ++v)
+      if (model_.isBonePinned(s, v)) bound_to_root_[order_.neighbourhood_of[s]] = false;
   backend_->load(model_, restState(model_, roots_begin_));
   surrounded_ = configureSurroundings(parameters_);
-  placePrimitives();
+  reserveForBodies();
 }
 
 bool Simulation::configureSurroundings(const Parameters& parameters) {
@@ -79,6 +108,55 @@ void Simulation::setBonePose(const std::string& bone, const Pose& pose) {
   setBonePose(static_cast<size_t>(known - model_.bones.begin()), pose);
 }
 
+Simulation::PlacedBody Simulation::placed(RigidBody body, const char* where) {
+  for (const ContactPrimitive& primitive : body.primitives) checkPrimitive(primitive, where);
+  if (!body.follows_head) checkPose(body.pose, where);
+  PlacedBody out;
+  out.id = next_body_++;
+  if (!body.follows_head) out.begin = out.end = body.pose;
+  for (const ContactPrimitive& primitive : body.primitives) out.data.push_back(shapes_.add(primitive));
+  out.body = std::move(body);
+  return out;
+}
+
+const Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) const {
+  for (const PlacedBody& known : bodies_)
+    if (known.id == body) return known;
+  throw Error("there is no body " + std::to_string(body), where, "it was never added, or is removed");
+}
+Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) {
+  return const_cast<PlacedBody&>(std::as_const(*this).find(body, where));
+}
+
+BodyId Simulation::addBody(RigidBody body) {
+  bodies_.push_back(placed(std::move(body), "Simulation::addBody"));
+  reserveForBodies();
+  return bodies_.back().id;
+}
+
+void Simulation::setBodyPose(BodyId body, const Pose& pose) {
+  PlacedBody& known = find(body, "Simulation::setBodyPose");
+  if (known.body.follows_head)
+    throw Error("body " + std::to_string(body) + " follows the head", "Simulation::setBodyPose",
+                "move the head, or add the body without follows_head");
+  checkPose(pose, "Simulation::setBodyPose");
+  known.end = pose;
+}
+
+const Pose& Simulation::bodyPose(BodyId body) const {
+  const PlacedBody& known = find(body, "Simulation::bodyPose");
+  return known.body.follows_head ? bones_begin_[0] : known.begin;
+}
+
+void Simulation::removeBody(BodyId body) {
+  find(body, "Simulation::removeBody");
+  std::erase_if(bodies_, [&](const PlacedBody& known) { return known.id == body; });
+  shapes_.clear();
+  for (PlacedBody& left : bodies_)
+    for (size_t i = 0; i < left.data.size(); ++i) left.data[i] = shapes_.add(left.body.primitives[i]);
+  placePrimitives();
+}
+
 void Simulation::setParameters(const Parameters& parameters) {
   checkParameters(parameters, "Simulation::setParameters");
   surrounded_ = configureSurroundings(parameters);
@@ -90,19 +168,56 @@ void Simulation::placeRoots(const std::vector<Pose>& bones, std::vector<Pose>& r
 }
 
 void Simulation::placePrimitives() {
-  size_t next = 0;
-  for (const RigidBody& body : bodies_) {
-    const Pose begin = body.follows_head ? bones_begin_[0] : Pose{};
-    const Pose end = body.follows_head ? bones_end_[0] : Pose{};
-    for (const ContactPrimitive& primitive : body.primitives)
-      primitives_[next++] = moved(primitive, begin, end, parameters_.time_step);
+  primitives_.clear();  // keeps its memory
+  for (const PlacedBody& placed : bodies_) {
+    const bool head = placed.body.follows_head;
+    const Pose &begin = head ? bones_begin_[0] : placed.begin, &end = head ? bones_end_[0] : placed.end;
+    for (size_t i = 0; i < placed.data.size(); ++i)
+      primitives_.push_back(
+          moved(placed.body.primitives[i], begin, end, parameters_.time_step, placed.data[i]));
   }
+}
+
+void Simulation::reserveForBodies() {
+  constexpr size_t kMost = size_t{1} << 22;
+  placePrimitives();
+  body_boxes_.reserve(primitives_.size());
+  near_.offsets.reserve(order_.neighbourhoods() + 1);
+  near_.bodies.reserve(std::min(order_.neighbourhoods() * primitives_.size(), kMost));
+}
+
+void Simulation::findNearBodies() {
+  constexpr float kStretch = 1.1f;  // more than edges before a pin do
+  body_boxes_.clear();
+  for (const MovingPrimitive& primitive : primitives_) body_boxes_.push_back(sweptBox(primitive));
+  for (size_t n = 0; n < order_.neighbourhoods(); ++n) {
+    Box& box = strand_boxes_[n];
+    if (!bound_to_root_[n]) {
+      box = Box(Eigen::Vector3f::Constant(-kEndless), Eigen::Vector3f::Constant(kEndless));
+      continue;
+    }
+    box.setEmpty();
+    float longest = 0;
+    for (const uint32_t s : order_.strandsOf(n)) {
+      box.extend(Eigen::Vector3f(roots_begin_[s].position)).extend(Eigen::Vector3f(roots_end_[s].position));
+      longest = std::max(longest, lengths_[s]);
+    }
+    const float reach = kStretch * longest + parameters_.hair_radius + kContactReach;
+    box.min().array() -= reach;
+    box.max().array() += reach;
+  }
+  broad_phase_->find(body_boxes_, strand_boxes_, near_);
 }
 
 StepInput Simulation::nextInput() {
   placeRoots(bones_end_, roots_end_);
   placePrimitives();
-  return {&parameters_, roots_begin_, roots_end_, primitives_, bones_begin_, bones_end_};
+  // Strands of the rod stay within their length of their root, whatever pushes them; others may stretch.
+  const bool listed = parameters_.solver == SolverKind::kRod && !primitives_.empty();
+  if (listed) findNearBodies();
+  return {&parameters_, roots_begin_, roots_end_,
+          primitives_,  bones_begin_, bones_end_,
+          {},           &shapes_,     listed ? &near_ : nullptr};
 }
 
 void Simulation::step() {
@@ -111,6 +226,7 @@ void Simulation::step() {
   backend_->step(input);
   std::swap(roots_begin_, roots_end_);
   bones_begin_ = bones_end_;
+  for (PlacedBody& body : bodies_) body.begin = body.end;
   time_ += parameters_.time_step;
   ++steps_;
 }
@@ -132,6 +248,7 @@ StrandState Simulation::restNow() const {
 
 void Simulation::reset() {
   bones_end_ = bones_begin_;
+  for (PlacedBody& body : bodies_) body.end = body.begin;
   placePrimitives();
   backend_->upload(restNow());
   if (surroundings_) surroundings_->reset();
@@ -158,6 +275,7 @@ size_t Simulation::resetBroken() {
       state.velocities[v] = rest.velocities[v];
       state.frames[v] = rest.frames[v];
       state.tensions[v] = rest.tensions[v];
+      state.contacts[v].setZero();
     }
   }
   backend_->upload(state);
@@ -170,7 +288,8 @@ void Simulation::teleport(const Pose& head) {
   backend_->download(state);
   const Pose carry = head * bones_begin_[0].inverse();
   for (Vec3& position : state.positions) position = carry.apply(position);
-  for (Vec3& velocity : state.velocities) velocity = carry.rotate(velocity);
+  for (std::vector<Vec3>* plane : {&state.velocities, &state.contacts})
+    for (Vec3& vector : *plane) vector = carry.rotate(vector);
   for (Quat& frame : state.frames) frame = (carry.rotation * frame).normalized();
   for (Pose& bone : bones_begin_) {
     bone = carry * bone;
@@ -184,7 +303,9 @@ void Simulation::teleport(const Pose& head) {
   if (surroundings_) surroundings_->reset();
 }
 
-Measurement Simulation::measure() { return strandcast::measure(model_, guides(), primitives_); }
+Measurement Simulation::measure() {
+  return strandcast::measure(model_, guides(), primitives_, shapes_.words);
+}
 
 StrandState Simulation::state() {
   StrandState state;

@@ -5,6 +5,7 @@
 
 #include "core/backend.h"
 #include "core/measure.h"
+#include "core/strand_order.h"
 #include "core/surroundings.h"
 
 namespace strandcast {
@@ -12,20 +13,29 @@ namespace strandcast {
 /// A body: shapes that share one rigid motion.
 struct RigidBody {
   std::vector<ContactPrimitive> primitives;
-  bool follows_head = false;  ///< moves with the head pose; else stays where it is
+  bool follows_head = false;  ///< moves with the head pose; else as it is told
+  /// Hair grows on it: what of the hair is in it at rest may stay as deep, in every body (see
+  /// StrandModel::rest_distance). Only of the bodies that a Simulation is made with.
+  bool holds_roots = false;
+  Pose pose{};  ///< where it is; of a body that follows the head unused
 };
+
+/// A body of a Simulation, as long as it is there. Never given to another one.
+using BodyId = uint64_t;
 
 /// Runs one groom on one backend: fixed steps, prescribed head motion, bodies, parameters.
 /// The groom's roots and the bodies that follow the head move rigidly with the head pose, what the model has
 /// pinned to other bones with theirs.
-/// What is not finite is refused at the door: setHeadPose, setBonePose, teleport, setParameters and the
-/// constructor throw Error on it and leave the simulation as it was.
+/// What is not finite is refused at the door: setHeadPose, setBonePose, addBody, setBodyPose, teleport,
+/// setParameters and the constructor throw Error on it and leave the simulation as it was.
 class Simulation {
  public:
   /// `backend` and `surroundings` are empty-handed: the simulation loads the model into them. Error where the
-  /// parameters ask for surroundings and there are none, or the backend does not take them.
+  /// parameters ask for surroundings and there are none, or the backend does not take them. `broad_phase`:
+  /// null = makeAllPairs().
   Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
-             std::unique_ptr<Backend> backend, std::unique_ptr<Surroundings> surroundings = nullptr);
+             std::unique_ptr<Backend> backend, std::unique_ptr<Surroundings> surroundings = nullptr,
+             std::unique_ptr<BroadPhase> broad_phase = nullptr);
 
   /// Where the head is to be at the end of the next step. Motion in between is interpolated. Error: see
   /// checkPose.
@@ -36,6 +46,18 @@ class Simulation {
   void setBonePose(size_t bone, const Pose& pose);
   void setBonePose(const std::string& bone, const Pose& pose);
   const Pose& bonePose(size_t bone) const { return bones_begin_[bone]; }
+  /// Another body from the next step on, at its pose; hair that is in it then is pushed out. Error: see
+  /// checkPrimitive and checkPose. The bodies that the simulation was made with have the ids 0, 1, ...
+  BodyId addBody(RigidBody body);
+  /// Where a body is to be at the end of the next step, from where it was told to be before. Error on an
+  /// unknown body, on one that follows the head, and as checkPose.
+  void setBodyPose(BodyId body, const Pose& pose);
+  /// Where it is now. Error on an unknown body.
+  const Pose& bodyPose(BodyId body) const;
+  /// Error on an unknown body.
+  void removeBody(BodyId body);
+  size_t bodies() const { return bodies_.size(); }
+
   /// Error: see checkParameters and the constructor.
   void setParameters(const Parameters& parameters);
   const Parameters& parameters() const { return parameters_; }
@@ -66,15 +88,32 @@ class Simulation {
   StrandState state();
 
  private:
+  struct PlacedBody {
+    BodyId id;
+    RigidBody body;
+    Pose begin, end;             ///< of the next step; not of one that follows the head
+    std::vector<uint32_t> data;  ///< of its primitives, in shapes_
+  };
+
   void placeRoots(const std::vector<Pose>& bones, std::vector<Pose>& roots) const;
   void placePrimitives();
+  const PlacedBody& find(BodyId body, const char* where) const;
+  PlacedBody& find(BodyId body, const char* where);
+  /// So that steps need not allocate.
+  void reserveForBodies();
+  /// Fills near_ from where roots and bodies are in the next step.
+  void findNearBodies();
+  /// What is kept of a new body; throws Error.
+  PlacedBody placed(RigidBody body, const char* where);
   /// The rest shape where roots and bones are now, at rest.
   StrandState restNow() const;
   /// Readies surroundings and backend for settings that need them; says whether they do. Throws Error.
   bool configureSurroundings(const Parameters& parameters);
 
   StrandModel model_;
-  std::vector<RigidBody> bodies_;
+  std::vector<PlacedBody> bodies_;
+  BodyId next_body_ = 0;
+  ShapeData shapes_;
   Parameters parameters_;
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<Surroundings> surroundings_;
@@ -83,6 +122,11 @@ class Simulation {
   std::vector<Pose> roots_begin_, roots_end_;
   std::vector<float> lengths_;  ///< of strands at rest, m
   std::vector<MovingPrimitive> primitives_;
+  std::unique_ptr<BroadPhase> broad_phase_;
+  StrandOrder order_;
+  std::vector<bool> bound_to_root_;  ///< per neighbourhood: no bone but that of their roots holds its strands
+  std::vector<Box> body_boxes_, strand_boxes_;
+  NearBodyLists near_;
   double time_ = 0;
   uint64_t steps_ = 0;
 };

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <utility>
+
+#include "core/strand_order.h"
 
 namespace strandcast {
 namespace {
@@ -23,25 +25,11 @@ enum Plane {
   kTwist = 24,
   kMass = 25,
   kWeight = 26,
+  kContact = 27,
 };
-static_assert(kWeight + 1 == kBlockPlanes);
+static_assert(kContact + 3 == kBlockPlanes);
 
 constexpr float kAlike = 2e-6f;  // relative, of lengths and of masses that count as equal
-
-/// Places of the roots along a Z-order curve (Morton 1966) through their box: neighbours on it are neighbours
-/// on the head.
-std::vector<uint32_t> mortonCodes(const std::vector<Pose>& roots) {
-  Box box;
-  for (const Pose& root : roots) box.extend(root.position);
-  const float cell = std::max(box.sizes().maxCoeff(), 1e-6f) / 1023;
-  std::vector<uint32_t> codes(roots.size());
-  for (size_t s = 0; s < roots.size(); ++s)
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto place = static_cast<uint32_t>((roots[s].position[axis] - box.min()[axis]) / cell);
-      for (int bit = 0; bit < 10; ++bit) codes[s] |= (place >> bit & 1u) << (3 * bit + axis);
-    }
-  return codes;
-}
 
 }  // namespace
 
@@ -82,18 +70,21 @@ Scalar* BlockStore<Scalar>::bonePins(const Block& block) const {
 }
 
 template <class Scalar>
+Scalar* BlockStore<Scalar>::restDistance(const Block& block) const {
+  const int planes_before = block.pins > 0 ? kBonePinPlanes : 0;
+  return bonePins(block) + static_cast<size_t>(planes_before) * block.vertices * lanes_;
+}
+
+template <class Scalar>
 void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
   lanes_ = lanes;
   offsets_ = model.offsets;
   blocks_.clear();
   pins_.clear();
   max_vertices_ = 0;
-  order_.resize(model.strands());
-  std::iota(order_.begin(), order_.end(), 0u);
-  const std::vector<uint32_t> place = mortonCodes(model.rest_roots);
-  std::stable_sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) {
-    return std::pair(model.verticesOf(a), place[a]) < std::pair(model.verticesOf(b), place[b]);
-  });
+  rest_distance_ = !model.rest_distance.empty();
+  StrandOrder order = strandOrder(model);
+  order_ = std::move(order.strands);
   size_t memory = 0, accelerations = 0;
   for (size_t first = 0; first < order_.size();) {
     const int vertices = static_cast<int>(model.verticesOf(order_[first]));
@@ -106,7 +97,8 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
       factors = factors || model.hasFactors(order_[first + i]);
       tethers = tethers || model.hasTethers(order_[first + i]);
     }
-    blocks_.push_back({vertices, false, true, factors, tethers, first, count, memory, pins_.size()});
+    blocks_.push_back({vertices, false, true, factors, tethers, first, count, memory,
+                       order.neighbourhood_of[order_[first]], pins_.size()});
     Block& block = blocks_.back();
     for (int lane = 0; lane < lanes; ++lane) {
       const uint32_t strand = order_[first + std::min<size_t>(lane, count - 1)];
@@ -117,8 +109,8 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
       }
     }
     block.pins = pins_.size() - block.first_pin;
-    const int planes_of_vertex =
-        kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) + (block.pins > 0 ? kBonePinPlanes : 0);
+    const int planes_of_vertex = kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) +
+                                 (block.pins > 0 ? kBonePinPlanes : 0) + (rest_distance_ ? 1 : 0);
     memory += static_cast<size_t>(planes_of_vertex * vertices + kRootPlanes) * lanes;
     memory = (memory + 15) / 16 * 16;
     block.acceleration = accelerations;
@@ -155,6 +147,9 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
         put(kMass, pinned ? kPinnedMass : model.mass[v]);
         put(kWeight, pinned ? 0.0f : 1 / model.mass[v]);
         if (i > 0) block.pinned = block.pinned || pinned;
+        if (rest_distance_)
+          restDistance(block)[static_cast<size_t>(i) * lanes_ + lane] =
+              static_cast<Scalar>(model.rest_distance[v]);
         if (groomed(block)) {
           Scalar* factors = grooming(block) + static_cast<size_t>(i) * kGroomingPlanes * lanes_ + lane;
           factors[kAirDragScale * lanes_] = static_cast<Scalar>(model.air_drag_scale[v]);
@@ -186,7 +181,8 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
 
 template <class Scalar>
 void BlockStore<Scalar>::upload(const StrandState& state) {
-  for (const Block& block : blocks_) {
+  for (Block& block : blocks_) {
+    block.pressed = !state.contacts.empty();
     for (int lane = 0; lane < lanes_; ++lane) {
       const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
       for (int i = 0; i < block.vertices; ++i) {
@@ -202,6 +198,9 @@ void BlockStore<Scalar>::upload(const StrandState& state) {
           number(block, kFrame + c, i, lane) = static_cast<Scalar>(frame.coeffs()[c]);
         number(block, kTension, i, lane) =
             state.tensions.empty() ? Scalar(0) : static_cast<Scalar>(state.tensions[v]);
+        for (int c = 0; c < 3; ++c)
+          number(block, kContact + c, i, lane) =
+              state.contacts.empty() ? Scalar(0) : static_cast<Scalar>(state.contacts[v][c]);
       }
     }
   }
@@ -213,6 +212,7 @@ void BlockStore<Scalar>::download(StrandState& state) const {
   state.velocities.resize(offsets_.back());
   state.frames.resize(offsets_.back());
   state.tensions.resize(offsets_.back());
+  state.contacts.resize(offsets_.back());
   for (size_t b = 0; b < blocks_.size(); ++b) {
     const Block& block = blocks_[b];
     readPositions(b, state.positions);
@@ -225,6 +225,7 @@ void BlockStore<Scalar>::download(StrandState& state) const {
         for (int c = 0; c < 3; ++c) state.velocities[first + i][c] = get(kVelocity + c);
         for (int c = 0; c < 4; ++c) state.frames[first + i].coeffs()[c] = get(kFrame + c);
         state.tensions[first + i] = get(kTension);
+        for (int c = 0; c < 3; ++c) state.contacts[first + i][c] = get(kContact + c);
       }
     }
   }
@@ -243,8 +244,18 @@ void BlockStore<Scalar>::read(size_t b, int plane, std::span<Vec3> vectors) cons
 }
 
 template <class Scalar>
+void BlockStore<Scalar>::forgetContacts(Block& block) {
+  for (int i = 0; i < block.vertices; ++i)
+    std::fill_n(&number(block, kContact, i, 0), static_cast<size_t>(3) * lanes_, Scalar(0));
+  block.pressed = false;
+}
+
+template <class Scalar>
 void BlockStore<Scalar>::setInput(size_t b, const StepInput& input) {
   Block& block = blocks_[b];
+  const bool pressing = input.parameters->solver == SolverKind::kRod && !input.primitives.empty();
+  if (!pressing && block.pressed) forgetContacts(block);
+  block.pressed = pressing;
   Scalar* root = roots(block);
   for (int lane = 0; lane < lanes_; ++lane) {
     const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
@@ -290,6 +301,7 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           planes(block, kInverseMass),
           planes(block, kFrame),
           planes(block, kTension),
+          planes(block, kContact),
           planes(block, kRestStrain),
           planes(block, kInverseLength),
           planes(block, kBend),
@@ -300,7 +312,9 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           block.pins > 0 ? bonePins(block) : nullptr,
           block.factors,
           groomed(block) ? grooming(block) : nullptr,
-          block.accelerated ? accelerations_.data() + block.acceleration : nullptr};
+          block.accelerated ? accelerations_.data() + block.acceleration : nullptr,
+          rest_distance_ ? restDistance(block) : nullptr,
+          block.neighbourhood};
 }
 
 template class BlockStore<float>;

@@ -21,7 +21,7 @@ struct CacheLineAllocator {
   bool operator==(const CacheLineAllocator&) const { return true; }
 };
 
-constexpr int kBlockPlanes = 27;  ///< numbers per vertex
+constexpr int kBlockPlanes = 30;  ///< numbers per vertex
 
 /// One block: [vertex][plane][lane] for what is per vertex, so that a sweep along the strands is one stream
 /// through memory; [plane][lane] for the roots. A lane is a strand; the loop runs along it. Lanes past the
@@ -40,6 +40,7 @@ struct BlockView {
   // Of the rod: edge (i, i + 1) and the joint before it at row i. See StrandModel for units.
   Scalar* frame;              ///< 4 planes, x y z w, world
   Scalar* tension;            ///< 1 plane
+  Scalar* contact;            ///< 3 planes, of vertices
   const Scalar* rest_strain;  ///< 3 planes
   const Scalar*
       inverse_length;    ///< 1 plane, 1/m, bounded where an edge is much shorter than its strand's mean
@@ -48,10 +49,12 @@ struct BlockView {
   const Scalar* mass;    ///< 1 plane, of vertices; large where pinned
   const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
-  const Scalar* bone_pins;     ///< [vertex][kBonePinPlanes][lane]; null where there is none
-  bool factors;                ///< some factor of the strands is not 1
-  const Scalar* grooming;      ///< [vertex][kGroomingPlanes][lane]; null where there is none
-  const Scalar* acceleration;  ///< [vertex][3][lane], m/s^2; null where StepInput has none
+  const Scalar* bone_pins;      ///< [vertex][kBonePinPlanes][lane]; null where there is none
+  bool factors;                 ///< some factor of the strands is not 1
+  const Scalar* grooming;       ///< [vertex][kGroomingPlanes][lane]; null where there is none
+  const Scalar* acceleration;   ///< [vertex][3][lane], m/s^2; null where StepInput has none
+  const Scalar* rest_distance;  ///< [vertex][lane], m, see StrandModel; null where there is none
+  uint32_t neighbourhood;       ///< of StrandOrder, of all its strands
 };
 
 constexpr int kRootPlanes = 14;
@@ -87,8 +90,8 @@ constexpr size_t blockScratch(int vertices, int lanes) {
   return solverScratch(vertices, lanes) + static_cast<size_t>(kGroomingRows) * vertices * lanes;
 }
 
-/// The working store of the CPU backends: strands sorted by vertex count and by where their roots are, cut
-/// into blocks of `lanes` strands of equal count. A block is contiguous, small enough to stay in the near
+/// The working store of the CPU backends: strands in the order of StrandOrder, cut into blocks of `lanes`
+/// strands of equal count. A block is contiguous, small enough to stay in the near
 /// caches through all substeps of a step.
 template <class Scalar>
 class BlockStore {
@@ -102,7 +105,7 @@ class BlockStore {
   int maxVertices() const { return max_vertices_; }
   BlockView<Scalar> block(size_t b);
   /// Copies what the step gives block b's strands into its planes: roots, where bones hold vertices,
-  /// accelerations.
+  /// accelerations. Contact forces of bodies that are gone are forgotten.
   void setInput(size_t b, const StepInput& input);
   /// Room for accelerations, before the first setInput() with some.
   void expectAccelerations() { accelerations_.resize(acceleration_numbers_); }
@@ -118,9 +121,11 @@ class BlockStore {
     size_t first;                    ///< in order_
     size_t count;                    ///< strands, at most lanes_
     size_t memory;                   ///< index of its first scalar in memory_
+    uint32_t neighbourhood;          ///< of StrandOrder
     size_t first_pin = 0, pins = 0;  ///< in pins_
     size_t acceleration = 0;         ///< index of its first scalar in accelerations_
     bool accelerated = false;
+    bool pressed = false;  ///< bodies may have left contact forces on it
   };
   static bool groomed(const Block& block) { return block.factors || block.tethers; }
   /// A vertex that is pinned to another bone than its root frame.
@@ -135,12 +140,15 @@ class BlockStore {
   Scalar* grooming(const Block& block) const;
   Scalar* bonePins(const Block& block) const;
   void read(size_t b, int plane, std::span<Vec3> out) const;
+  void forgetContacts(Block& block);
+  Scalar* restDistance(const Block& block) const;
 
   int lanes_ = 1;
   int max_vertices_ = 0;
+  bool rest_distance_ = false;  ///< the model has them
   std::vector<Block> blocks_;
   std::vector<BonePin> pins_;
-  std::vector<uint32_t> order_;    ///< strands, by vertex count
+  std::vector<uint32_t> order_;    ///< strands, as StrandOrder has them
   std::vector<uint32_t> offsets_;  ///< of the model
   mutable std::vector<Scalar, CacheLineAllocator<Scalar>> memory_;
   std::vector<Scalar, CacheLineAllocator<Scalar>> accelerations_;  ///< empty until expected

@@ -9,7 +9,8 @@
 
 namespace strandcast {
 
-constexpr float kNoTether = 1e9f;  ///< m
+constexpr float kNoTether = 1e9f;       ///< m
+constexpr float kFarFromBodies = 1e9f;  ///< m
 
 /// What does not change while strands move: the rest shape and who is pinned. Natural order (see StrandSet).
 struct StrandModel {
@@ -36,6 +37,11 @@ struct StrandModel {
   std::vector<float> damping_scale, friction_scale;  ///< per strand
   std::vector<float> tether;                         ///< per vertex, m from the root; kNoTether = none
 
+  /// Per vertex, m: how far from the bodies that it grows on it is at rest, negative inside. Every body lets
+  /// it come as near, or as deep, where that is less than the hair's radius: roots in the skin are not pushed
+  /// out. -kFarFromBodies: no body holds it. Empty = all are kFarFromBodies.
+  std::vector<float> rest_distance;
+
   // What pinned vertices move with. A bone's pose is its motion since the groom's rest, as the head's is.
   std::vector<std::string> bones{"head"};  ///< at least the head, which is the first
   std::vector<uint16_t> root_bones;        ///< per strand, of its root frame; empty = the head
@@ -61,14 +67,15 @@ struct StrandModel {
   size_t verticesOf(size_t strand) const { return offsets[strand + 1] - offsets[strand]; }
 };
 
-/// What moves. Natural order. `frames` and `tensions` are the rod's; they may be empty where only the others
-/// matter: a step then starts from untwisted frames and no tension.
+/// What moves. Natural order. `frames`, `tensions` and `contacts` are the rod's; they may be empty where only
+/// the others matter: a step then starts from untwisted frames, no tension and no contact.
 struct StrandState {
   std::vector<Vec3> positions;   ///< per vertex, metres, world
   std::vector<Vec3> velocities;  ///< per vertex, m/s, world
   std::vector<Quat> frames;      ///< per edge (i, i + 1), world; z is the edge's direction
   std::vector<float>
       tensions;  ///< per edge, tension / reference mass, m/s^2; what the next substep starts from
+  std::vector<Vec3> contacts;  ///< per vertex, force of the bodies / reference mass, m/s^2, world; likewise
 };
 
 /// Builds a model from rest strands. Strands must have 2 to 128 vertices and edges of positive length

@@ -14,7 +14,6 @@ inline void store3(const real3& value, Scalar* planes, int i) {
   store(value.y, planes + at(1, i));
   store(value.z, planes + at(2, i));
 }
-inline real3 fill3(const float* v) { return {lit(v[0]), lit(v[1]), lit(v[2])}; }
 inline real3 fill3(const Vec3& v) { return fill3(v.data()); }
 
 // Of BlockView::grooming, where there is none a factor of 1.
@@ -57,60 +56,67 @@ inline real3 heldPoint(const Block& b, const RootFrame& root, int i, double time
   return select(load(row) > lit(0.5), madd(place(kHeldEnd) - begin, lit(time), begin), by_root);
 }
 
-// A body at the end of a substep; `time` is the part of the step that has passed then, 0 to 1.
-struct SubstepBody {
-  uint32_t kind;
-  real3 a, b;                // m
-  real3 a_motion, b_motion;  // m, over the substep
-  real3 spin;                // rad/s
-  real radius, friction, substep, hair_radius;
-  real3 middle;              // of a ball around it, with the hair's radius; not of planes
-  real ball2;                // m^2, that ball's radius squared
+// The body within reach that is nearest to a vertex, or that its way has met.
+struct Touch {
+  real gap;        // m, to its surface, or to the plane through where the way met it
+  real3 normal;    // of the same
+  real3 carried;   // m, where the surface has taken the point at which the vertex was
+  real friction;
+  // Of all bodies:
+  real room;       // m, at most the smallest gap
+  real way;        // m, the longest way that the vertex goes seen from one of them
 };
-inline SubstepBody bodyAt(const MovingPrimitive& p, const StepInput& input, double time) {
-  const real part = lit(1.0 / input.parameters->substeps);
-  const real3 a_step = fill3(p.a_end) - fill3(p.a_begin), b_step = fill3(p.b_end) - fill3(p.b_begin);
-  const real3 a = madd(a_step, lit(time), fill3(p.a_begin)), b = madd(b_step, lit(time), fill3(p.b_begin));
-  const bool capsule = p.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule);
-  const real3 half = capsule ? (b - a) * lit(0.5) : makeReal3(lit(0), lit(0), lit(0));
-  const real ball = length(half) + lit(p.radius + input.parameters->hair_radius);
-  return {p.kind,
-          a,
-          b,
-          a_step * part,
-          b_step * part,
-          fill3(p.angular_velocity),
-          lit(p.radius),
-          lit(p.friction),
-          lit(static_cast<double>(input.parameters->time_step) / input.parameters->substeps),
-          lit(input.parameters->hair_radius),
-          a + half,
-          ball * ball};
+inline Touch untouched(const real3& x) {
+  return {contactReach(), makeReal3(lit(0), lit(0), lit(0)), x, lit(0), lit(1e9), lit(0)};
 }
 
-// Pushes x out of the body where `free` holds and takes back slip; then `normal` is the body's there. Vectors of lanes
-// that the body does not touch are left as they are. x_start: position at the start of the substep.
-inline real3 pushOut(const SubstepBody& body, const real3& x, const real3& x_start, const mask& free, real3& normal) {
-  real3 out, axis_point = body.a, axis_motion = body.a_motion;
-  real distance;
-  if (body.kind != static_cast<uint32_t>(PrimitiveKind::kPlane)) {
-    const real3 off = x - body.middle;
-    if (!anyTrue(dot(off, off) < body.ball2)) return x;
+// Looks whether this body is nearer to a vertex that goes from x_start to x in the substep. Seen from the body the vertex
+// comes from where the surface has taken x_start. If the normal there and at x are alike, the nearest point of the surface is
+// the way out; if not, the way may lead through the body, and distances tell how far it is free (conservative advancement,
+// Mirtich 1996): where that ends, the plane along the surface bounds the vertex. It has all of a convex body behind it.
+// `clear`: how far from the surface x must be, m, at most the hair's radius.
+inline void meet(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, Touch& nearest) {
+  constexpr int kAdvances = 8;
+  const real3 carried = carriedBy(x_start, spread(body.a), spread(body.a_motion), spread(body.turn));
+  const real3 way = x - carried;
+  const real way2 = dot(way, way);
+  mask near = way2 >= lit(0);
+  nearest.way = max(nearest.way, sqrt(way2));
+  real room = lit(0);
+  if (body.kind != PrimitiveKind::kPlane) {
+    const real3 off = x - spread(body.middle);
+    near = dot(off, off) < lit(body.ball2) + way2;
+    room = length(off) - lit(body.ball);
+    if (!anyTrue(near)) {
+      nearest.room = min(nearest.room, room);
+      return;
+    }
   }
-  if (body.kind == static_cast<uint32_t>(PrimitiveKind::kSphere)) {
-    distance = sphereDistance(x, body.a, body.radius, out);
-  } else if (body.kind == static_cast<uint32_t>(PrimitiveKind::kCapsule)) {
-    real along;
-    distance = capsuleDistance(x, body.a, body.b, body.radius, out, along);
-    axis_point = madd(body.b - body.a, along, body.a);
-    axis_motion = madd(body.b_motion - body.a_motion, along, body.a_motion);
-  } else {
-    distance = planeDistance(x, body.a, body.b, out);
+  SurfacePoint at = surfaceAt(body, x, clear);
+  real gap = at.distance - clear;
+  nearest.room = min(nearest.room, select(near, gap, room));
+  real3 normal = at.normal;
+  const mask within = near && (gap < lit(0) || gap * gap < way2);
+  if (anyTrue(within)) {
+    at = surfaceAt(body, carried, clear);
+    const mask from_outside = at.distance - clear > lit(0) - contactReach();
+    const mask across = within && from_outside && dot(at.normal, normal) < lit(0.5);
+    if (anyTrue(across)) {
+      const real per_way = inverseSqrt(max(way2, lit(1e-30)));
+      real part = lit(0);
+      for (int i = 0; i < kAdvances; ++i) {
+        part = min(madd(max(at.distance - clear, lit(0)), per_way, part), lit(1));
+        at = surfaceAt(body, madd(way, part, carried), clear);
+      }
+      const real free = at.distance - clear;
+      const mask met = across && free * per_way < lit(0.1);
+      gap = select(met, free + dot(at.normal, way) * (lit(1) - part), gap);
+      normal = select(met, at.normal, normal);
+    }
   }
-  const mask touches = (distance - body.hair_radius < lit(0)) && free;
-  if (!anyTrue(touches)) return x;
-  const real3 motion = surfaceMotion(x, axis_point, axis_motion, body.spin, body.substep);
-  const real3 outside = resolveContact(x, x_start, motion, out, distance - body.hair_radius, body.friction);
-  normal = select(touches, out, normal);
-  return select(touches, outside, x);
+  const mask nearer = near && gap < nearest.gap;
+  nearest.gap = select(nearer, gap, nearest.gap);
+  nearest.normal = select(nearer, normal, nearest.normal);
+  nearest.carried = select(nearer, carried, nearest.carried);
+  nearest.friction = select(nearer, body.friction, nearest.friction);
 }

@@ -23,8 +23,9 @@ struct Settings {
   uint32_t primitive_count;
   uint32_t strand_count;
   uint32_t bone_count;
+  uint32_t neighbourhoods;
 };
-static_assert(sizeof(Settings) == 88);
+static_assert(sizeof(Settings) == 92);
 static_assert(sizeof(Pose) == 28);  // the shader reads poses as 7 floats: position, rotation x y z w
 
 Settings settingsOf(const StepInput& input);

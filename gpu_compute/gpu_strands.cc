@@ -5,11 +5,13 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/strand_order.h"
 
 namespace strandcast::gpu {
 namespace {
 
-constexpr size_t kFirstPrimitives = 256;  // what a step may bring before the ring is made anew, larger
+// What a step may bring before the ring is made anew, larger.
+constexpr UploadRing::Counts kFirstCounts = {256, 4096};
 
 using Vec4 = std::array<float, 4>;
 
@@ -27,6 +29,14 @@ std::vector<Vec4> packRestLocal(const StrandModel& model) {
       packed[v] = model.isBonePinned(s, v)
                       ? vec4(model.restPosition(s, v), -1 - static_cast<float>(model.pin_bones[v]))
                       : vec4(model.rest_local[v], model.inverse_mass[v]);
+  return packed;
+}
+
+/// Of shaders/strand_offsets.glsl.
+std::vector<uint32_t> packOffsets(const StrandModel& model) {
+  std::vector<uint32_t> packed = model.offsets;
+  const StrandOrder order = strandOrder(model);
+  packed.insert(packed.end(), order.neighbourhood_of.begin(), order.neighbourhood_of.end());
   return packed;
 }
 
@@ -74,16 +84,19 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
       strands_(model.strands()),
       bones_(model.bones.size()),
       model_offsets_(model.offsets),
+      rest_distance_(model.rest_distance),
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
       frames_(storage<Vec4>(vertices_)),
+      contacts_(storage<Vec4>(vertices_)),
       rest_local_(std::span<const Vec4>(packRestLocal(model))),
-      offsets_(std::span<const uint32_t>(model.offsets)),
+      offsets_(std::span<const uint32_t>(packOffsets(model))),
       guides_(storage<Vec3>(vertices_)),
+      shapes_(storage<uint32_t>(1)),
       groomed_(!model.damping_scale.empty()),
       gauss_seidel_(model),
       rod_(model),
-      uploads_(std::in_place, strands_, bones_, kFirstPrimitives),
+      uploads_(std::in_place, strands_, bones_, kFirstCounts),
       readback_(vertices_) {
   if (groomed_) grooming_ = gl::Buffer(std::span<const Vec4>(packGrooming(model)));
   if (glGetError() == GL_OUT_OF_MEMORY)
@@ -97,13 +110,18 @@ void GpuStrands::upload(const StrandState& state) {
   if (!state.tensions.empty())
     forEdges(model_offsets_, [&](uint32_t edge, uint32_t end) { packed[end][3] = state.tensions[edge]; });
   positions_.write(std::span<const Vec4>(packed));
-  for (size_t i = 0; i < vertices_; ++i) packed[i] = vec4(state.velocities[i]);
+  for (size_t i = 0; i < vertices_; ++i)
+    packed[i] = vec4(state.velocities[i], rest_distance_.empty() ? kFarFromBodies : rest_distance_[i]);
   velocities_.write(std::span<const Vec4>(packed));
   for (size_t i = 0; i < vertices_; ++i) {
     const Quat frame = state.frames.empty() ? Quat(Quat::Identity()) : state.frames[i];
     packed[i] = {frame.x(), frame.y(), frame.z(), frame.w()};
   }
   frames_.write(std::span<const Vec4>(packed));
+  for (size_t i = 0; i < vertices_; ++i)
+    packed[i] = state.contacts.empty() ? Vec4{} : vec4(state.contacts[i]);
+  contacts_.write(std::span<const Vec4>(packed));
+  pressed_ = !state.contacts.empty();
   uploaded_ = state.positions;
 }
 
@@ -123,6 +141,8 @@ void GpuStrands::download(StrandState& state) const {
   forEdges(model_offsets_, [&](uint32_t edge, uint32_t end) { state.tensions[edge] = packed[end][3]; });
   read(velocities_);
   unpack(state.velocities);
+  read(contacts_);
+  unpack(state.contacts);
   read(frames_);
   state.frames.resize(vertices_);
   for (size_t i = 0; i < vertices_; ++i)
@@ -136,28 +156,51 @@ void GpuStrands::bind() const {
   offsets_.bindStorage(4);
   guides_.bindStorage(8);
   frames_.bindStorage(9);
+  contacts_.bindStorage(3);  // of the rod; gauss_seidel has its own there
   if (grooming_.bytes() > 0) grooming_.bindStorage(13);
+  shapes_.bindStorage(14);
+}
+
+void GpuStrands::takeShapes(const ShapeData* shapes) {
+  if (shapes == nullptr || shapes->words.empty() || shapes->revision == shapes_revision_) return;
+  GLint64 limit = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
+  const size_t bytes = shapes->words.size() * sizeof(uint32_t);
+  if (bytes > static_cast<uint64_t>(limit))
+    throw Error("the shapes of the bodies do not fit this GPU's buffers", fmt::format("{} bytes", bytes),
+                "bake their distance fields with larger cells, or use --backend simd");
+  discardErrors();
+  shapes_ = gl::Buffer(std::span<const uint32_t>(shapes->words));
+  if (glGetError() == GL_OUT_OF_MEMORY)
+    throw Error("the shapes of the bodies do not fit the GPU's memory", fmt::format("{} bytes", bytes),
+                "bake their distance fields with larger cells, or use --backend simd");
+  shapes_revision_ = shapes->revision;
 }
 
 void GpuStrands::step(const StepInput& input) {
   uploaded_.clear();
   if (vertices_ == 0) return;
-  if (!uploads_->holds(input.primitives.size())) {  // more bodies than ever before
+  const UploadRing::Counts wanted = UploadRing::countsOf(input), has = uploads_->capacity();
+  if (wanted.primitives > has.primitives || wanted.near > has.near) {  // more than ever before
     glFinish();
-    uploads_.emplace(strands_, bones_, 2 * input.primitives.size());
+    uploads_.emplace(strands_, bones_,
+                     UploadRing::Counts{std::max(has.primitives, 2 * wanted.primitives),
+                                        std::max(has.near, 2 * wanted.near)});
   }
+  takeShapes(input.shapes);
   uploads_->write(input);
   const bool goal = input.parameters->goal_rate > 0;
   if (goal && grooming_.bytes() == 0)
     grooming_ = gl::Buffer(std::span<const Vec4>(std::vector<Vec4>(vertices_, kNotGroomed)));
-  const bool accelerated = !input.accelerations.empty() && accelerations_.bytes() > 0;
-  if (accelerated) {
-    accelerations_.write(input.accelerations);
-    accelerations_.bindStorage(14);
-  }
+  const bool accelerated = !input.accelerations.empty();
+  if (accelerated) guides_.write(input.accelerations);
   bind();
+  const bool rod = input.parameters->solver == SolverKind::kRod;
+  const bool pressing = rod && !input.primitives.empty();
+  if (pressed_ && !pressing) glClearNamedBufferData(contacts_.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, nullptr);
+  pressed_ = pressing;
   timer_.begin();
-  if (input.parameters->solver == SolverKind::kRod)
+  if (rod)
     rod_.step({!input.primitives.empty(), goal, accelerated}, programs_);
   else
     gauss_seidel_.step(groomed_ || goal, accelerated, programs_);
@@ -169,8 +212,6 @@ void GpuStrands::step(const StepInput& input) {
 }
 
 void GpuStrands::expectAccelerations() {
-  if (accelerations_.bytes() > 0) return;
-  accelerations_ = storage<Vec3>(vertices_);
   velocities_packed_.resize(vertices_);
   velocities_read_.resize(vertices_);
 }

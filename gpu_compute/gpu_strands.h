@@ -20,9 +20,9 @@ class GpuStrands {
   void upload(const StrandState& state);
   void download(StrandState& state) const;
   /// The first step with a solver, and its first with bodies or a goal pull, compile; that may throw Error.
-  /// No other one does, nor allocates, unless there are more bodies than ever before.
+  /// No other one does, nor allocates, unless there are more bodies than ever before or other shapes.
   void step(const StepInput& input);
-  /// Room for accelerations and velocities(), before the first step that has some.
+  /// Room for velocities(), before the first step that has some.
   void expectAccelerations();
   /// Velocities now, natural order, valid until the next call. Waits for pending steps.
   std::span<const Vec3> velocities();
@@ -34,17 +34,23 @@ class GpuStrands {
 
  private:
   void bind() const;
+  void takeShapes(const ShapeData* shapes);
 
   ProgramCache& programs_;
   size_t vertices_, strands_, bones_;
   std::vector<uint32_t> model_offsets_;
-  gl::Buffer positions_;   ///< xyz; w: tension of the edge that ends at the vertex
-  gl::Buffer velocities_;  ///< xyz
-  gl::Buffer frames_;      ///< of the edge that starts at the vertex
-  gl::Buffer rest_local_, offsets_, guides_;
-  gl::Buffer grooming_;       ///< see shaders/grooming.glsl; empty until needed
-  gl::Buffer accelerations_;  ///< 3 per vertex; empty until expected
-  bool groomed_;              ///< strands have tethers or factors
+  std::vector<float> rest_distance_;  ///< of the model
+  gl::Buffer positions_;              ///< xyz; w: tension of the edge that ends at the vertex
+  gl::Buffer velocities_;             ///< xyz; w: StrandModel::rest_distance
+  gl::Buffer frames_;                 ///< of the edge that starts at the vertex
+  gl::Buffer contacts_;               ///< StrandState::contacts
+  bool pressed_ = false;              ///< some of them may not be 0
+  gl::Buffer rest_local_, offsets_;
+  gl::Buffer guides_;  ///< see shaders/step_input.glsl
+  gl::Buffer shapes_;  ///< ShapeData::words of the newest step
+  uint64_t shapes_revision_ = 0;
+  gl::Buffer grooming_;  ///< see shaders/grooming.glsl; empty until needed
+  bool groomed_;         ///< strands have tethers or factors
   GaussSeidelStrands gauss_seidel_;
   RodStrands rod_;
   std::optional<UploadRing> uploads_;  ///< never empty

@@ -41,10 +41,16 @@ void Fence::wait() {
   sync_ = nullptr;
 }
 
-UploadRing::UploadRing(size_t strands, size_t bones, size_t primitives)
-    : primitives_(primitives),
+UploadRing::Counts UploadRing::countsOf(const StepInput& input) {
+  return {input.primitives.size(),
+          input.near != nullptr ? input.near->offsets.size() + input.near->bodies.size() : 0};
+}
+
+UploadRing::UploadRing(size_t strands, size_t bones, const Counts& capacity)
+    : capacity_(capacity),
       primitives_at_(aligned(sizeof(Settings))),
-      roots_at_(primitives_at_ + aligned(std::max<size_t>(primitives, 1) * sizeof(MovingPrimitive))),
+      near_at_(primitives_at_ + aligned(std::max<size_t>(capacity.primitives, 1) * sizeof(MovingPrimitive))),
+      roots_at_(near_at_ + aligned(std::max<size_t>(capacity.near, 1) * sizeof(uint32_t))),
       roots_bytes_(2 * strands * sizeof(Pose)),
       bones_bytes_(2 * bones * sizeof(Pose)) {
   for (size_t i = 0; i < kSlots; ++i) {
@@ -62,6 +68,13 @@ void UploadRing::write(const StepInput& input) {
   std::memcpy(memory, &settings, sizeof settings);
   if (!input.primitives.empty())
     std::memcpy(memory + primitives_at_, input.primitives.data(), input.primitives.size_bytes());
+  if (input.near != nullptr) {
+    const NearBodyLists& near = *input.near;
+    char* lists = memory + near_at_;
+    std::memcpy(lists, near.offsets.data(), near.offsets.size() * sizeof(uint32_t));
+    lists += near.offsets.size() * sizeof(uint32_t);
+    if (!near.bodies.empty()) std::memcpy(lists, near.bodies.data(), near.bodies.size() * sizeof(uint32_t));
+  }
   char* roots = memory + roots_at_;
   std::memcpy(roots, static_cast<const void*>(input.roots_begin.data()), roots_bytes_ / 2);
   std::memcpy(roots + roots_bytes_ / 2, static_cast<const void*>(input.roots_end.data()), roots_bytes_ / 2);
@@ -79,6 +92,8 @@ void UploadRing::write(const StepInput& input) {
   glBindBufferRange(
       GL_SHADER_STORAGE_BUFFER, 7, id, static_cast<GLintptr>(primitives_at_),
       static_cast<GLsizeiptr>(std::max<size_t>(input.primitives.size(), 1) * sizeof(MovingPrimitive)));
+  glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 15, id, static_cast<GLintptr>(near_at_),
+                    static_cast<GLsizeiptr>(std::max<size_t>(countsOf(input).near, 1) * sizeof(uint32_t)));
 }
 
 Readback::Readback(size_t vertices) : vertices_(vertices) {

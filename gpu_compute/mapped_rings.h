@@ -21,14 +21,19 @@ class Fence {
   GLsync sync_ = nullptr;
 };
 
-/// What a step is told (settings, bodies, roots, bones), in memory that the GPU reads while the CPU writes
-/// the next.
+/// What a step is told (settings, bodies, lists of near bodies, roots, bones), in memory that the GPU reads
+/// while the CPU writes the next.
 class UploadRing {
  public:
-  UploadRing(size_t strands, size_t bones, size_t primitives);
+  /// What differs from step to step.
+  struct Counts {
+    size_t primitives, near;  ///< near: words of the lists
+  };
+  static Counts countsOf(const StepInput& input);
 
-  /// Whether a step with so many primitives fits.
-  bool holds(size_t primitives) const { return primitives <= primitives_; }
+  UploadRing(size_t strands, size_t bones, const Counts& capacity);
+
+  const Counts& capacity() const { return capacity_; }
   /// Takes the next slot, waiting while the GPU may still read it, copies `input` and binds the shader's
   /// blocks to it.
   void write(const StepInput& input);
@@ -37,7 +42,8 @@ class UploadRing {
 
  private:
   static constexpr size_t kSlots = 3;
-  size_t primitives_, primitives_at_, roots_at_;  ///< capacity; bytes from the start of a slot
+  Counts capacity_;
+  size_t primitives_at_, near_at_, roots_at_;  ///< bytes from the start of a slot
   size_t roots_bytes_, bones_bytes_;
   std::array<gl::Buffer, kSlots> buffers_;
   std::array<char*, kSlots> memory_{};

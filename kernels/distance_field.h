@@ -69,3 +69,29 @@ FN real distanceOutsideGrid(IN(real3) outside, IN(real) band, OUT(real3) normal)
   normal = normalizeOrZero(outside);
   return band + length(outside);
 }
+
+// What a field stores about a point: in bricks near the surface (`side` 0) samples at the corners of its cell, in units of
+// `quantum`; in others, and beyond the grid, distances at the corners of its brick (m), with the side that they are on.
+struct FieldCorners {
+  real v000, v100, v010, v110, v001, v101, v011, v111;
+  real side;
+};
+
+// Signed distance and unit normal for contact. Inside, beyond the band, it is never farther from 0 than the true one, so that
+// a push does not overshoot; outside, where it is only a lower bound, it is at least `clear`, so that nothing is pushed.
+FN real fieldDistance(IN(FieldPlace) place, IN(FieldCorners) at, IN(real) cell, IN(real) band, IN(real) quantum,
+                      IN(real) clear, OUT(real3) normal) {
+  mask stored = abs(at.side) < lit(0.5);
+  real3 gradient;
+  real value = trilinear(at.v000, at.v100, at.v010, at.v110, at.v001, at.v101, at.v011, at.v111,
+                         select(stored, place.in_cell, place.in_brick), gradient);
+  real far = farDistance(value, place.in_brick, cell * lit(8), at.side, band);
+  real3 beyond;
+  real outside = distanceOutsideGrid(place.outside, band, beyond);
+  mask in_grid = dot(place.outside, place.outside) < lit(1e-30);
+  real3 way = normalizeOrZero(select(in_grid, gradient, beyond));
+  normal = select(dot(way, way) > lit(0.5), way, makeReal3(lit(0), lit(1), lit(0)));
+  far = select(in_grid, far, outside);
+  far = select(far > lit(0), max(far, clear), far);
+  return select(stored && in_grid, value * quantum, far);
+}

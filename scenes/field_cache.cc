@@ -50,4 +50,29 @@ void FieldCache::keep(uint64_t key, const DistanceField& field) const {
               "name another folder with --cache");
 }
 
+SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache* cache,
+                   const BakeProgress& progress) {
+  const FieldOptions resolved = resolveFieldOptions(mesh, options);
+  const uint64_t key = fieldKey(mesh, resolved);
+  const auto note = [](const DistanceField& field, const char* how) {
+    return fmt::format("the body's distance field: {} bricks, cells of {:.3g} mm, {:.1f} MiB, {}",
+                       field.storedBricks(), 1e3 * field.grid.cell,
+                       static_cast<double>(field.bytes()) / (1 << 20), how);
+  };
+  if (cache != nullptr)
+    if (std::optional<DistanceField> found = cache->find(key)) {
+      const std::string text = note(*found, "found in the cache");
+      return {std::move(*found), text};
+    }
+  FieldBaker baker(mesh, resolved, {}, progress);
+  DistanceField field = baker.bake(progress);
+  std::string text = note(field, "baked");
+  try {
+    if (cache != nullptr) cache->keep(key, field);
+  } catch (const Error& error) {
+    text += fmt::format(" ({})", error.what());
+  }
+  return {std::move(field), std::move(text)};
+}
+
 }  // namespace strandcast

@@ -2,7 +2,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
+#include "collision/field_bake.h"
 #include "core/distance_field.h"
 
 namespace strandcast {
@@ -25,5 +27,15 @@ class FieldCache {
 
   std::filesystem::path folder_;
 };
+
+/// A field for a scene, and where it came from.
+struct SceneField {
+  DistanceField field;
+  std::string note;  ///< a line for people
+};
+/// From the cache, or baked and kept there; null = no cache. That it cannot be kept is told in the note.
+/// Throws Error as FieldBaker does; BakeStopped.
+SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache* cache,
+                   const BakeProgress& progress);
 
 }  // namespace strandcast

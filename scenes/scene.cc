@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
+#include "collision/field_bake.h"
 #include "collision/mesh_query.h"
 #include "collision/primitive_fit.h"
 #include "core/error.h"
 #include "groom/clean.h"
 #include "groom/mesh_file.h"
 #include "groom/procedural_body.h"
+#include "scenes/field_cache.h"
 
 namespace strandcast {
 namespace {
@@ -63,7 +66,7 @@ const NamedScene& namedScene(const std::string& name) {
 }
 
 void report(const Progress& progress, const std::string& what, double part) {
-  if (progress) progress(what, part);
+  if (progress && !progress(what, part)) throw BakeStopped();
 }
 
 Scene makeProceduralScene(const SceneOptions& options, const Progress& progress) {
@@ -119,6 +122,56 @@ void keepOutOfRestingHair(const StrandSet& strands, float hair_radius,
   std::erase_if(spheres, [](const ContactPrimitive& sphere) { return sphere.radius < kSmallest; });
 }
 
+void fillBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
+  report(progress, "fitting spheres into the body", 0.6);
+  PrimitiveFitOptions fit;
+  fit.max_primitives = options.body_primitives;
+  RigidBody body{fitSpheres(scene.body, fit), true};
+  keepOutOfRestingHair(scene.groom.strands, scene.parameters.hair_radius, body.primitives);
+  if (body.primitives.empty())
+    scene.notes.push_back("the body mesh encloses no volume: hair will not collide with it");
+  else
+    scene.notes.push_back(fmt::format("{} spheres stand for the body in collisions", body.primitives.size()));
+  scene.bodies.push_back(std::move(body));
+}
+
+void bakeBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
+  constexpr double kFrom = 0.45, kTo = 0.95;  // of the scene's progress
+  FieldOptions field;
+  field.hair_radius = scene.parameters.hair_radius;
+  field.cell = options.body_cell;
+  std::optional<FieldCache> cache;
+  if (!options.field_cache.empty()) cache.emplace(options.field_cache);
+  SceneField baked =
+      fieldOf(scene.body, field, cache ? &*cache : nullptr, [&](const std::string& what, double part) {
+        return !progress || progress("the body's distance field: " + what, kFrom + part * (kTo - kFrom));
+      });
+  scene.notes.push_back(std::move(baked.note));
+  ContactPrimitive shape;
+  shape.kind = PrimitiveKind::kField;
+  shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
+  scene.bodies.push_back({{std::move(shape)}, true, true});
+}
+
+/// How much of the hair is in the body at rest.
+void noteHairInBody(const StrandSet& strands, const DistanceField& field, std::vector<std::string>& notes) {
+  size_t inside = 0, free = 0;
+  float deepest = 0;
+  for (size_t s = 0; s < strands.strands(); ++s)
+    for (size_t i = 1; i < strands.verticesOf(s); ++i) {
+      if (strands.isPinned(s, i)) continue;
+      const float distance = field.at(strands.strand(s)[i]).distance;
+      ++free;
+      inside += distance < 0;
+      deepest = std::min(deepest, distance);
+    }
+  if (inside > 0)
+    notes.push_back(
+        fmt::format("{:.1f} % of the hair's vertices are in the body at rest, {:.1f} mm at most: "
+                    "they may stay as deep",
+                    100.0 * static_cast<double>(inside) / static_cast<double>(free), -1e3 * deepest));
+}
+
 void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
   report(progress, "reading the body", 0.2);
   scene.body = loadMesh(options.body, options.units);
@@ -132,16 +185,10 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
   const RootBinding binding = bindRoots(scene.groom.strands, scalp);
   scene.notes.push_back(fmt::format("roots are {:.1f} mm off the body on average, {:.1f} mm at most",
                                     1000 * binding.mean_distance, 1000 * binding.max_distance));
-  report(progress, "fitting spheres into the body", 0.6);
-  PrimitiveFitOptions fit;
-  fit.max_primitives = options.body_primitives;
-  RigidBody body{fitSpheres(scene.body, fit), true};
-  keepOutOfRestingHair(scene.groom.strands, scene.parameters.hair_radius, body.primitives);
-  if (body.primitives.empty())
-    scene.notes.push_back("the body mesh encloses no volume: hair will not collide with it");
+  if (options.body_contact == BodyContact::kField)
+    bakeBody(options, progress, scene);
   else
-    scene.notes.push_back(fmt::format("{} spheres stand for the body in collisions", body.primitives.size()));
-  scene.bodies.push_back(std::move(body));
+    fillBody(options, progress, scene);
 }
 
 Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
@@ -157,7 +204,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   if (!options.body.empty()) fitBody(resolved, progress, scene);
   StrandSet& strands = scene.groom.strands;
   if (options.strands > 0 && static_cast<size_t>(options.strands) < strands.strands()) {
-    report(progress, "choosing guides", 0.7);
+    report(progress, "choosing guides", 0.97);
     strands = subset(strands, chooseGuides(strands, static_cast<size_t>(options.strands)));
   }
   if (options.vertices > 0) {
@@ -165,6 +212,9 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
     scene.groom.report.resampled = strands.strands();
   }
   noteReport(scene.groom.report, scene.notes);
+  for (const RigidBody& body : scene.bodies)
+    for (const ContactPrimitive& shape : body.primitives)
+      if (shape.field) noteHairInBody(strands, *shape.field, scene.notes);
 
   // The joint of head and neck is about 8 cm below the middle of the roots.
   for (size_t s = 0; s < strands.strands(); ++s)

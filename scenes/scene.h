@@ -13,6 +13,12 @@
 
 namespace strandcast {
 
+/// What stands for a body mesh in collisions.
+enum class BodyContact {
+  kField,   ///< its signed distance field: the body as it is
+  kSpheres  ///< spheres fitted into it, shrunk out of the hair at rest: quick to make, coarse
+};
+
 /// What a scene is made from: a named procedural scene, or groom files with an optional body.
 struct SceneOptions {
   std::string name = "straight";             ///< one of sceneList(); used when `groom` is empty
@@ -25,9 +31,12 @@ struct SceneOptions {
   int vertices = 0;  ///< per strand; 0 = as they are
   float length = 0;  ///< m, procedural only; 0 = the scene's own
   std::vector<ContactPrimitive> primitives;  ///< further shapes, which move with the head
-  int body_primitives = 24;                  ///< at most, fitted into a body mesh
-  std::vector<MaterialRule> materials;       ///< what the hair of its parts is made of
-  std::vector<PinRule> pins;                 ///< what of its parts moves with bones
+  BodyContact body_contact = BodyContact::kField;
+  float body_cell = 0;                  ///< m, of the field; 0 = defaultFieldCell
+  std::filesystem::path field_cache;    ///< folder of baked fields; empty = every time anew
+  int body_primitives = 24;             ///< spheres at most, fitted into a body mesh
+  std::vector<MaterialRule> materials;  ///< what the hair of its parts is made of
+  std::vector<PinRule> pins;            ///< what of its parts moves with bones
 };
 
 /// All that a simulation and a renderer need, made once and shared by daemon, tests and benchmarks.
@@ -52,13 +61,13 @@ struct SceneInfo {
 };
 const std::vector<SceneInfo>& sceneList();
 
-/// Tells how far a long job has come: what it does now, and the part done, 0 to 1.
-using Progress = std::function<void(const std::string& what, double part)>;
+/// Tells how far a long job has come: what it does now, and the part done, 0 to 1; false stops it.
+using Progress = std::function<bool(const std::string& what, double part)>;
 
 /// The strands of a scene with their materials and pins, as they are made: not sag-free. Throws Error.
 StrandModel sceneModel(const Scene& scene);
 
-/// Throws Error on bad input.
+/// Throws Error on bad input, BakeStopped when `progress` says so.
 Scene makeScene(const SceneOptions& options, const Progress& progress = {});
 
 }  // namespace strandcast

@@ -1,7 +1,10 @@
 // Compiled once per instruction set: Highway's foreach_target includes this file again for each.
 #include "simd/simd_kernels.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "simd/simd_targets.h"
 #undef HWY_TARGET_INCLUDE

@@ -183,7 +183,7 @@ std::vector<Case> sphere(const Laboratory& laboratory) {
   for (int step = 0; step < kSettling + kWatching; ++step) {
     laboratory.checkStopped();
     grid.clearSolids();
-    grid.addSolids({&body, 1}, kStep);
+    grid.addSolids({&body, 1}, {}, kStep);
     grid.advect(kStep, false);
     grid.project();
     outflow = worse(outflow, grid.largestOutflow() / grid.fastest());
@@ -247,7 +247,7 @@ std::vector<Case> hairDrier(const Laboratory& laboratory) {
   drier.speed = 8;
   drier.rate = 100;
   const StrandModel model = headOfHair(500, 0.15, 15, 2);
-  Simulation simulation = laboratory.simulation(model, parameters, {headBody()}, {drier});
+  Simulation simulation = laboratory.simulation(model, {headBody()}, parameters, {drier});
   const std::vector<Vec3> rest(simulation.guides().begin(), simulation.guides().end());
   double squares[2] = {}, counts[2] = {};  // in the wind, in the lee
   laboratory.advance(simulation, kSeconds, [&] {

@@ -17,5 +17,8 @@ void addMotionExperiments(std::vector<Experiment>& experiments);      ///< a sha
 void addGuardExperiments(std::vector<Experiment>& experiments);       ///< abuse
 void addAirExperiments(std::vector<Experiment>& experiments);         ///< the wind grid; a strand in the wind
 void addVolumeExperiments(std::vector<Experiment>& experiments);      ///< forces between hairs
+void addFrictionExperiments(std::vector<Experiment>& experiments);    ///< stick-slip, slope, capstan
+void addContactExperiments(std::vector<Experiment>& experiments);     ///< penetration, rest, energy
+void addTunnelExperiments(std::vector<Experiment>& experiments);      ///< fast plates
 
 }  // namespace strandcast

@@ -15,8 +15,12 @@ Parameters Laboratory::parameters(double rate, float air_drag) const {
   return parameters;
 }
 
-Simulation Laboratory::simulation(StrandModel model, const Parameters& parameters,
-                                  std::vector<RigidBody> bodies, std::vector<WindSource> sources) const {
+Simulation Laboratory::simulation(StrandModel model, const Parameters& parameters) const {
+  return simulation(std::move(model), {}, parameters);
+}
+
+Simulation Laboratory::simulation(StrandModel model, std::vector<RigidBody> bodies,
+                                  const Parameters& parameters, std::vector<WindSource> sources) const {
   std::unique_ptr<Backend> backend = backend_();
   std::unique_ptr<Surroundings> surroundings;
   if (needsSurroundings(parameters) || !sources.empty())

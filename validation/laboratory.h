@@ -21,7 +21,8 @@ class Laboratory {
   /// One substep per step, `rate` steps per second.
   Parameters parameters(double rate, float air_drag) const;
   /// With surroundings where the parameters or sources of wind ask for them.
-  Simulation simulation(StrandModel model, const Parameters& parameters, std::vector<RigidBody> bodies = {},
+  Simulation simulation(StrandModel model, const Parameters& parameters) const;
+  Simulation simulation(StrandModel model, std::vector<RigidBody> bodies, const Parameters& parameters,
                         std::vector<WindSource> sources = {}) const;
   std::string backendName() const { return backend_()->name(); }
   /// Throws Stopped where the experiment is to be given up.

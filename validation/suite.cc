@@ -22,7 +22,12 @@ const std::vector<Suite>& validationSuites() {
     addAirExperiments(air.experiments);
     Suite volume{"volume", "forces between hairs: volume, momentum, rest", {}};
     addVolumeExperiments(volume.experiments);
-    return std::vector<Suite>{cantilever, physics, air, volume};
+    Suite contact{"contact", "friction, penetration, rest and energy of hair on bodies", {}};
+    addFrictionExperiments(contact.experiments);
+    addContactExperiments(contact.experiments);
+    Suite tunnel{"tunnel", "strands swept by a thin plate at 10 m/s", {}};
+    addTunnelExperiments(tunnel.experiments);
+    return std::vector<Suite>{cantilever, physics, air, volume, contact, tunnel};
   }();
   return suites;
 }

@@ -21,7 +21,7 @@ struct Suite {
   std::vector<Experiment> experiments;
 };
 
-/// "cantilever", "physics", "air" and "volume".
+/// "cantilever", "physics", "air", "volume", "contact" and "tunnel".
 const std::vector<Suite>& validationSuites();
 /// Error on an unknown name.
 const Suite& validationSuite(const std::string& name);

@@ -63,7 +63,7 @@ std::vector<Case> fullHead(const Laboratory& laboratory) {
       Parameters parameters = parametersOf(laboratory, on ? kStiffness : 0, kFriction, 2);
       parameters.time_step = static_cast<float>(1 / rate);
       parameters.substeps = static_cast<int>(240 / rate);
-      Simulation simulation = laboratory.simulation(headOfHair(1000, 0.2, 23, 2), parameters, {headBody()});
+      Simulation simulation = laboratory.simulation(headOfHair(1000, 0.2, 23, 2), {headBody()}, parameters);
       const double rest = volumeOf(simulation.guides());
       laboratory.advance(simulation, 5);
       kept[on ? 1 : 0] = 100 * volumeOf(simulation.guides()) / rest;

@@ -10,7 +10,9 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/rotation.h"
 #include "kernels/strand.h"
 #include "kernels/contact.h"
+#include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
+#include "gpu_compute/shaders/strand_offsets.glsl"
 #include "gpu_compute/shaders/bodies.glsl"
 #if GROOMED
 #include "kernels/grooming.h"
@@ -18,12 +20,10 @@ layout(local_size_x = WORKGROUP) in;
 #endif
 
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };             // xyz; w is the rod's
-layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };           // xyz
+layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };           // xyz; w: rest distance from bodies
 layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };   // xyz, inverse mass; see bonePoint
 layout(std430, binding = 3) readonly buffer RestEdge { vec4 rest_edge[]; };     // xyz, rest length
-layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };        // first vertex of each strand
 layout(std430, binding = 5) readonly buffer Order { uint order[]; };            // strands by group
-layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };        // 3 per vertex
 layout(location = 0) uniform uint first_strand;  // of this group, in order[]
 layout(location = 1) uniform uint strands_in_group;
 
@@ -50,14 +50,14 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
   return frame;
 }
 
-vec3 resolveContacts(vec3 x, vec3 start, float friction_scale, float time) {
-  vec3 normal;
-  for (uint i = 0u; i < settings.primitive_count; ++i) {
-    SubstepBody body = bodyAt(i, time);
-    body.friction *= friction_scale;
-    pushOut(body, start, x, normal);
-  }
-  return x;
+// clear: how far from every body the vertex must be, m.
+vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, float friction_scale, float time) {
+  Touch touch = untouched(x);
+  uvec2 range = nearRange(strand);
+  for (uint i = range.x; i < range.y; ++i) meet(bodyAt(nearBody(i), time), x, start, clear, touch);
+  if (touch.gap >= 0.0) return x;
+  vec3 force = vec3(0);
+  return resolveContact(x, touch.carried, vec3(0), touch.normal, touch.gap, touch.friction * friction_scale, 1.0, force);
 }
 
 void main() {
@@ -76,6 +76,7 @@ void main() {
   bool has_edge = k + 1 < vertices;
 
   vec3 x = positions[vertex].xyz, v = velocities[vertex].xyz;
+  float clear = min(settings.hair_radius, velocities[vertex].w);
   vec4 local = rest_local[vertex], edge = rest_edge[vertex];
   float inverse_mass = max(local.w, 0.0);
 #if GROOMED
@@ -134,7 +135,7 @@ void main() {
 #if GROOMED
       if (inverse_mass > 0.5) x = tethered(x, shared_position[me - uint(k)].xyz, grooming[vertex].z);
 #endif
-      if (inverse_mass > 0.5) x = resolveContacts(x, start, friction_scale, time);
+      if (inverse_mass > 0.5) x = resolveContacts(strand, x, start, clear, friction_scale, time);
       shared_position[me] = vec4(x, inverse_mass);
       barrier();
     }

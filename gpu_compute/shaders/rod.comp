@@ -14,8 +14,10 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/lanes_glsl.h"
 #include "kernels/rotation.h"
 #include "kernels/contact.h"
+#include "kernels/distance_field.h"
 #include "kernels/rod.h"
 #include "gpu_compute/shaders/step_input.glsl"
+#include "gpu_compute/shaders/strand_offsets.glsl"
 #if GROOMED
 #include "kernels/grooming.h"
 #include "gpu_compute/shaders/grooming.glsl"
@@ -44,6 +46,8 @@ vec3 across;
 vec3 force[PER_THREAD];             // m
 float pull[PER_THREAD], pull_in, pull_out;  // m, of edges; in: before slot 0, out: after the last slot
 #if BODIES
+layout(std430, binding = 3) buffer Contacts { vec4 contacts[]; };  // xyz: StrandState::contacts
+vec3 pressing[PER_THREAD];            // m: the same x substep^2
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
 #define NORMAL(p) normals[p]
 #define NORMAL_IN normal_in
@@ -261,6 +265,9 @@ void makeBending(RootMotion root) {
 #else
     vec3 total = madd(pulled, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - outer);
 #endif
+#if BODIES
+    total += pressing[p];
+#endif
     force[p] = isEdge(p) ? total : vec3(0);
     float own = mass(p) + bendOwn(stiffness[p], stiffness[p + 1], stiffness[p + 2], il[p], il[p + 1]);
     diagonal[p] = isEdge(p) ? own + edge_stiffness[p] + edge_stiffness[p + 1] : 1.0;
@@ -286,8 +293,7 @@ void solveBending(out vec3 moved[PER_THREAD]) {
 #endif
 }
 
-void moveByForces() {
-  vec3 moved[PER_THREAD];
+void moveByForces(out vec3 moved[PER_THREAD]) {
   solveBending(moved);
   for (int p = 0; p < PER_THREAD; ++p) {
 #if PINNED
@@ -298,18 +304,95 @@ void moveByForces() {
 }
 
 #if BODIES
-// Pushes vertices out of the bodies; the normals are kept for the length solve, which must not push them back in.
-void collide(float time) {
-  for (uint i = 0u; i < settings.primitive_count; ++i) {
-    SubstepBody body = bodyAt(i, time);
+// Entry p of what is in registers, for loops over slots that are not to be unrolled, because the text of every body's surface
+// is in them. Indexed as usual, such arrays would go to memory.
+vec3 slot(vec3 of[PER_THREAD], int p) { return p < 2 ? (p == 0 ? of[0] : of[1]) : p == 2 ? of[2] : of[3]; }
+float slot(float of[PER_THREAD], int p) { return p < 2 ? (p == 0 ? of[0] : of[1]) : p == 2 ? of[2] : of[3]; }
+
+// The body that is nearest to the vertex of slot p at `place`.
+Touch nearestTouch(int p, vec3 place, float time) {
+  uvec2 range = nearRange(strand);
+  Touch touch = untouched(place);
+  vec3 begin = slot(x, p);
+  float clear = clearance(p);
+  for (uint i = range.x; i < range.y; ++i) {
+    SubstepBody body = bodyAt(nearBody(i), time);
 #if GROOMED
     body.friction *= strand_grooming.x;
 #endif
-    for (int p = 0; p < PER_THREAD; ++p)
-      if (weight(p) > 0.0) pushOut(body, x[p], x_new[p], normals[p]);
+    meet(body, place, begin, clear, touch);
   }
-  for (int p = 0; p < PER_THREAD; ++p)
-    if (dot(normals[p], normals[p]) > 0.0) softness[p] = 0.0;
+  return touch;
+}
+
+// Contact of the vertices, which forces have moved by `moved` just now; the normals are kept for the length solve, which must
+// not push them back in.
+void collide(float time, vec3 moved[PER_THREAD]) {
+  Touch touch[PER_THREAD];
+  for (int p = 0; p < PER_THREAD; ++p) {
+    Touch found = nearestTouch(p, slot(x_new, p), time);
+    for (int q = 0; q < PER_THREAD; ++q)
+      if (q == p) touch[q] = found;
+  }
+  for (int p = 0; p < PER_THREAD; ++p) {
+    bool touches = touch[p].gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0;
+    if (!touches || weight(p) == 0.0) continue;
+    x_new[p] = resolveContact(x_new[p], touch[p].carried, moved[p], touch[p].normal, touch[p].gap, touch[p].friction,
+                              weight(p), pressing[p]);
+    if (touch[p].gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0) {
+      normals[p] = touch[p].normal;
+      softness[p] = 0.0;
+    }
+  }
+}
+
+// The places of the slots' vertices, held to the side of the bodies that they were on: where one is too deep, its strand is
+// placed anew from the root, one vertex after another. `checked`: where contact left them, `direction`: of their edges.
+// Returns the place of the vertex before slot 0.
+vec3 keepOut(RootMotion root, float time, vec3 checked[PER_THREAD], vec3 direction[PER_THREAD], vec3 start,
+             inout vec3 placed[PER_THREAD]) {
+  float lengths[PER_THREAD], weights[PER_THREAD];
+  for (int p = 0; p < PER_THREAD; ++p) {
+    lengths[p] = restLength(p);
+    weights[p] = isEdge(p) ? weight(p) : -1.0;  // padding goes with the tip
+  }
+  forgetNoted();
+  barrier();
+  for (int at = -1; at < THREADS; ++at) {  // first all look, then one invocation after another places
+    vec3 inner = root.position;
+    if (at >= 0) {
+      exchange_a[me].xyz = placed[kLast];
+      barrier();
+      if (any_noted == 0u) return start;  // the same for the whole workgroup
+      if (hasBefore(1)) inner = exchange_a[before(1)].xyz;
+      barrier();
+      if (rank != at || !isNoted()) continue;
+      start = inner;
+    }
+    for (int p = 0; p < PER_THREAD; ++p) {
+      vec3 place = slot(placed, p);
+      float edge_length = slot(lengths, p);
+      bool free = slot(weights, p) > 0.0;
+      if (at >= 0 && slot(weights, p) != 0.0) place = madd(slot(direction, p), edge_length, inner);
+      for (int round = 0; round < 3 && free; ++round) {
+        vec3 off = place - slot(checked, p);
+        if (dot(off, off) <= contactSlack() * contactSlack()) break;
+        Touch touch = nearestTouch(p, place, time);
+        if (touch.gap >= -contactSlack()) break;
+        if (at < 0) {
+          noteStrand();
+          break;
+        }
+        bool last = round == 2 && touch.gap > -deepestTurn();
+        place = last ? turnedOut(place, inner, touch.normal, touch.gap, edge_length)
+                     : turnedTowards(place, inner, touch.normal, touch.gap, edge_length);
+      }
+      for (int q = 0; q < PER_THREAD; ++q)
+        if (q == p) placed[q] = place;
+      inner = place;
+    }
+  }
+  return start;
 }
 #endif
 
@@ -335,12 +418,10 @@ void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD],
   }
 }
 
-shared uint violent_strand[WORKGROUP];  // at the first invocation of each strand
-
 // The pulls of one Newton step towards the rest lengths. Returns whether they are violent for this strand.
 bool solveLengths(RootMotion root) {
   for (int p = 1; p < PER_THREAD; ++p) tangent[p] = directionOr(x_new[p] - x_new[p - 1], tangent[p]);
-  if (rank == 0) violent_strand[me] = 0u;
+  forgetNoted();
   exchange_a[me] = vec4(x_new[kLast], softness[kLast]);
   exchange_b[me] = vec4(tangent[kLast], x_new[0].x);
 #if BODIES
@@ -377,11 +458,11 @@ bool solveLengths(RootMotion root) {
     if (isEdge(p)) most = max(most, violence(pull[p], w_in, weight(p), inverseLength(p)));
     w_in = weight(p);
   }
-  if (isViolent(most)) violent_strand[me - uint(rank)] = 1u;
+  if (isViolent(most)) noteStrand();
   exchange_d[me] = pull[0];
   barrier();
   pull_out = hasAfter(1) ? exchange_d[after(1)] : 0.0;
-  bool violent = violent_strand[me - uint(rank)] != 0u;
+  bool violent = isNoted();
   barrier();
   return violent;
 }
@@ -481,13 +562,16 @@ void moveByPulls() {
 }
 
 // Exact lengths along the directions found, from the root or the last pinned vertex on: a scan. Then velocities.
-void finish(RootMotion root) {
+// `checked`: where contact left the vertices.
+void finish(RootMotion root, float time, vec3 checked[PER_THREAD]) {
+  vec3 direction[PER_THREAD];
   vec3 along[PER_THREAD];  // from the root, or from the vertex before slot 0
   bool anchored[PER_THREAD];
   vec3 sum = vec3(0), inner = x_new_in;
   bool fixed_here = false;
   for (int p = 0; p < PER_THREAD; ++p) {
-    sum = madd(directionOr(x_new[p] - inner, tangent[p]), restLength(p), sum);
+    direction[p] = directionOr(x_new[p] - inner, tangent[p]);
+    sum = madd(direction[p], restLength(p), sum);
 #if PINNED
     if (weight(p) == 0.0) {
       sum = x_new[p] - root.position;
@@ -522,17 +606,26 @@ void finish(RootMotion root) {
 #endif
 #endif
   vec3 start = root.position + offset;
+  vec3 placed[PER_THREAD];
+  for (int p = 0; p < PER_THREAD; ++p) placed[p] = along[p] + (anchored[p] ? root.position : start);
+#if BODIES
+  start = keepOut(root, time, checked, direction, start, placed);
+#endif
   v_in = (start - x_in) * settings.per_substep;
   x_in = start;
   for (int p = 0; p < PER_THREAD; ++p) {
-    vec3 placed = along[p] + (anchored[p] ? root.position : start);
-    v[p] = (placed - x[p]) * settings.per_substep;
-    x[p] = placed;
+    v[p] = (placed[p] - x[p]) * settings.per_substep;
+    x[p] = placed[p];
   }
 }
 
 void main() {
   loadStrand();
+#if BODIES
+  for (int p = 0; p < PER_THREAD; ++p)
+    pressing[p] = contacts[root_vertex + uint(min(rank * PER_THREAD + p, edges - 1)) + 1u].xyz *
+                  (settings.substep * settings.substep);
+#endif
 #if VIOLENT
   const bool wanted = exists && positions[root_vertex].w != 0.0;
   if (!anyStrand(wanted)) return;
@@ -552,8 +645,9 @@ void main() {
 #endif
     bool violent;
     for (int iteration = 0; iteration < 2; ++iteration) {
+      vec3 by_forces[PER_THREAD];
       if (iteration == 0) {
-        moveByForces();
+        moveByForces(by_forces);
       } else {
 #if VIOLENT
         if (anyStrand(violent)) pullThroughBending(violent);
@@ -561,19 +655,29 @@ void main() {
         ever_violent = ever_violent || violent;
 #endif
         moveByPulls();
+        for (int p = 0; p < PER_THREAD; ++p) by_forces[p] = vec3(0);
       }
 #if BODIES
-      collide(timeAfter(substep));
+      collide(timeAfter(substep), by_forces);
 #endif
       violent = solveLengths(root);
     }
+    vec3 checked[PER_THREAD] = x_new;
     moveByPulls();
-    finish(root);
+    finish(root, timeAfter(substep), checked);
   }
 #if VIOLENT
-  if (wanted) storeStrand();
+  const bool done = wanted;
 #else
   if (exists && rank == 0) positions[root_vertex].w = ever_violent ? 1.0 : 0.0;  // the mark
-  if (exists && !ever_violent) storeStrand();
+  const bool done = exists && !ever_violent;
+#endif
+  if (!done) return;
+  storeStrand();
+#if BODIES
+  for (int p = 0; p < PER_THREAD; ++p)
+    if (isEdge(p))
+      contacts[root_vertex + uint(rank * PER_THREAD + p) + 1u] =
+          vec4(pressing[p] * (settings.per_substep * settings.per_substep), 0);
 #endif
 }

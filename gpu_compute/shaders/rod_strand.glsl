@@ -3,11 +3,9 @@
 // they repeat its tip, without length and stiffness. Needs strand_threads.glsl, step_input.glsl and kernels/rod.h.
 
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here, of a root: see VIOLENT
-layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz
+layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz; w: rest distance from bodies, m
 layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
-layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };      // first vertex of each strand
 layout(std430, binding = 5) readonly buffer Order { uint order[]; };          // strands by group
-layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };      // 3 per vertex
 layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // of the edge that starts at the vertex
 layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // rest strain, bend
 layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };     // length, twist; mass, weight of its end
@@ -159,6 +157,11 @@ void loadStrand() {
 #endif
 }
 
+// How far from every body the vertex of slot p must be: what lies deeper at rest may stay as deep.
+float clearance(int p) {
+  return min(settings.hair_radius, velocities[root_vertex + uint(min(rank * PER_THREAD + p + 1, edges))].w);
+}
+
 void storeGuide(uint vertex, vec3 position) {
   guides[vertex * 3u] = position.x;
   guides[vertex * 3u + 1u] = position.y;
@@ -175,7 +178,7 @@ void storeStrand() {
     if (!isEdge(p)) continue;
     uint at = root_vertex + uint(rank * PER_THREAD + p);
     positions[at + 1u] = vec4(x[p], tension[p] * settings.per_substep * settings.per_substep);
-    velocities[at + 1u] = vec4(v[p], 0);
+    velocities[at + 1u].xyz = v[p];
     frames[at] = frame[p];
     storeGuide(at + 1u, x[p]);
   }

@@ -6,9 +6,17 @@ struct Primitive {  // core/contact_primitive.h
   vec3 a_end;
   uint kind;
   vec4 b_begin_friction;
-  vec4 b_end;
-  vec4 angular_velocity;
+  vec4 b_end_radius;
+  vec3 angular_velocity;
+  uint data;
+  vec4 rotation_begin;
+  vec4 rotation_end;
+  vec3 extent;
+  uint planes;
 };
+const uint kSphere = 0u, kCapsule = 1u, kPlane = 2u, kTaperedCapsule = 3u, kEllipsoid = 4u, kBox = 5u, kConvex = 6u,
+           kField = 7u;
+const uint kBrickSide = 9u, kBrickWords = 365u, kOutsideBrick = 0xFFFFFFFFu, kInsideBrick = 0xFFFFFFFEu;
 
 layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   vec4 gravity;
@@ -27,15 +35,21 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   uint primitive_count;
   uint strand_count;
   uint bone_count;
+  uint neighbourhoods;  // with lists of near bodies; 0 = every strand may touch every body
 } settings;
 // 7 per pose: of strands at the beginning, then at the end; of bones at the beginning, then at the end.
 layout(std430, binding = 6) readonly buffer Roots { float roots[]; };
 layout(std430, binding = 7) readonly buffer Primitives { Primitive primitives[]; };
+layout(std430, binding = 14) readonly buffer Shapes { uint shape_words[]; };
+// Where the list of each neighbourhood starts (one more than there are), then the lists.
+layout(std430, binding = 15) readonly buffer Near { uint near_bodies[]; };
+// 3 per vertex. What the step gives: positions. ACCELERATED: what is told until then, accelerations in m/s^2; a buffer of
+// their own would be one more than every driver takes.
+layout(std430, binding = 8) buffer Guides { float guides[]; };
 
 #if ACCELERATED
-layout(std430, binding = 14) readonly buffer Accelerations { float accelerations[]; };  // m/s^2, 3 per vertex
 vec3 accelerationOf(uint vertex) {
-  return vec3(accelerations[3u * vertex], accelerations[3u * vertex + 1u], accelerations[3u * vertex + 2u]);
+  return vec3(guides[3u * vertex], guides[3u * vertex + 1u], guides[3u * vertex + 2u]);
 }
 #endif
 

@@ -29,7 +29,7 @@ MovingPrimitive ball(const Vec3& middle, float radius, const Vec3& motion = Vec3
 void blowPast(Grid& grid, const MovingPrimitive& body, int steps, bool mac_cormack = false) {
   for (int step = 0; step < steps; ++step) {
     grid.clearSolids();
-    grid.addSolids({&body, 1}, kStep);
+    grid.addSolids({&body, 1}, {}, kStep);
     grid.advect(kStep, mac_cormack);
     grid.diffuse(kStep, 1e-3);
     grid.project();
@@ -130,7 +130,7 @@ TEST(WindGrid, DoubleAgreesWithFloat) {
     any.reset();
     for (int step = 0; step < 5; ++step) {
       any.clearSolids();
-      any.addSolids({&body, 1}, kStep);
+      any.addSolids({&body, 1}, {}, kStep);
       any.advect(kStep, false);
       any.project();
     }

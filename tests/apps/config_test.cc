@@ -26,6 +26,8 @@ strands = 500
 vertices = 16
 [body]
 file = "head.obj"
+contact = "spheres"
+cell = 0.003
 fitted_spheres = 12
 [[body.primitives]]
 kind = "capsule"
@@ -33,6 +35,10 @@ a = [0, 1, 0]
 b = [0, 2, 0]
 radius = 0.1
 friction = 0.5
+[[body.primitives]]
+kind = "ellipsoid"
+extent = [0.1, 0.2, 0.1]
+rotation = [0, 0, 2, 0]
 [[material]]
 youngs_modulus = 3e9
 [[material]]
@@ -89,7 +95,12 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(s.scene.vertices, 16);
   EXPECT_EQ(s.scene.body, "some/head.obj");
   EXPECT_EQ(s.scene.body_primitives, 12);
-  ASSERT_EQ(s.scene.primitives.size(), 1u);
+  EXPECT_EQ(s.scene.body_contact, BodyContact::kSpheres);
+  EXPECT_FLOAT_EQ(s.scene.body_cell, 0.003f);
+  ASSERT_EQ(s.scene.primitives.size(), 2u);
+  EXPECT_EQ(s.scene.primitives[1].kind, PrimitiveKind::kEllipsoid);
+  EXPECT_FLOAT_EQ(s.scene.primitives[1].extent.y(), 0.2f);
+  EXPECT_FLOAT_EQ(s.scene.primitives[1].rotation.z(), 1) << "made of unit length";
   EXPECT_EQ(s.scene.primitives[0].kind, PrimitiveKind::kCapsule);
   EXPECT_FLOAT_EQ(s.scene.primitives[0].b.y(), 2);
   ASSERT_EQ(s.scene.materials.size(), 2u);
@@ -157,6 +168,9 @@ TEST(Config, WrongTypesAndRangesAreRefused) {
                            "[parameters]\nsubsteps = 2.5",
                            "[parameters]\nsubsteps = 0",
                            "[[body.primitives]]\nkind = \"torus\"",
+                           "[[body.primitives]]\nkind = \"box\"",
+                           "[[body.primitives]]\nkind = \"box\"\nextent = [1, 1, 1]\nrotation = [0, 0, 0, 0]",
+                           "[body]\ncontact = \"cage\"",
                            "[[body.primitives]]\nkind = \"plane\"\nb = [0, 0, 0]",
                            "[parameters]\ngravity = [0, inf, 0]",
                            "[parameters]\ngravity = [[0, -9], 0]",

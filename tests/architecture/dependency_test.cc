@@ -25,7 +25,7 @@ const std::map<std::string, Folders> kAllowed = {
     {"collision", {"core", "kernels"}},
     {"groom", {"core", "kernels"}},
     {"scenes", {"core", "kernels", "collision", "groom"}},
-    {"validation", {"core", "kernels", "air"}},
+    {"validation", {"core", "kernels", "air", "collision"}},
     {"transport", {"core", "kernels"}},
     {"render", {"core", "kernels", "groom", "transport", "gl"}},
 };

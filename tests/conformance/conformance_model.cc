@@ -97,6 +97,89 @@ std::vector<MovingPrimitive> movingBodies(float dt) {
           moved(plane, pose({0, -0.15f, 0}, 0), pose({0, -0.14f, 0}, 0.02f), dt)};
 }
 
+std::vector<float> leftWhereTheyStart(const StrandState& from, std::span<const MovingPrimitive> bodies,
+                                      std::span<const uint32_t> words) {
+  constexpr float kDeeper = 1e-3f;  // m
+  std::vector<float> distances(from.positions.size(), kFarFromBodies);
+  for (size_t v = 0; v < distances.size(); ++v)
+    for (const MovingPrimitive& body : bodies)
+      distances[v] = std::min(distances[v], signedDistance(body, from.positions[v], words) - kDeeper);
+  return distances;
+}
+
+DistanceField sampledField(const std::function<float(const Vec3&)>& distance, const Box& box, float cell,
+                           float band) {
+  DistanceField field;
+  FieldGrid& grid = field.grid;
+  const float brick = cell * kBrickCells, diagonal = std::sqrt(3.0f) * brick;
+  grid.cell = cell;
+  grid.band = band;
+  grid.quantum = (band + cell + diagonal) / 32767;
+  for (int c = 0; c < 3; ++c) {
+    grid.bricks[c] = static_cast<uint32_t>(std::ceil((box.sizes()[c] + 2 * band) / brick));
+    grid.origin[c] = box.center()[c] - 0.5f * brick * static_cast<float>(grid.bricks[c]);
+  }
+  const auto at = [&](uint32_t i, uint32_t j, uint32_t k) { return distance(samplePosition(grid, i, j, k)); };
+  for (uint32_t z = 0; z < grid.bricks[2]; ++z)
+    for (uint32_t y = 0; y < grid.bricks[1]; ++y)
+      for (uint32_t x = 0; x < grid.bricks[0]; ++x) {
+        const uint32_t i = kBrickCells * x, j = kBrickCells * y, k = kBrickCells * z;
+        const float middle = at(i + kBrickCells / 2, j + kBrickCells / 2, k + kBrickCells / 2);
+        if (std::fabs(middle) > band + diagonal / 2) {
+          field.index.push_back(middle < 0 ? kInsideBrick : kOutsideBrick);
+          continue;
+        }
+        field.index.push_back(static_cast<uint32_t>(field.storedBricks()));
+        const size_t first = field.samples.size();
+        field.samples.resize(first + kBrickWords);
+        for (uint32_t n = 0; n < kBrickSamples; ++n) {
+          const float exact =
+              at(i + n % kBrickSide, j + n / kBrickSide % kBrickSide, k + n / kBrickSide / kBrickSide);
+          const auto stored = static_cast<uint16_t>(static_cast<int16_t>(std::lround(exact / grid.quantum)));
+          field.samples[first + n / 2] |= uint32_t{stored} << (16 * (n % 2));
+        }
+      }
+  for (uint32_t z = 0; z <= grid.bricks[2]; ++z)
+    for (uint32_t y = 0; y <= grid.bricks[1]; ++y)
+      for (uint32_t x = 0; x <= grid.bricks[0]; ++x)
+        field.corners.push_back(at(kBrickCells * x, kBrickCells * y, kBrickCells * z));
+  return field;
+}
+
+MovingPrimitive furtherBody(int kind, float dt, ShapeData& shapes) {
+  ContactPrimitive body;
+  body.friction = 0.4f;
+  body.rotation = Quat(Eigen::AngleAxisf(0.5f, Eigen::Vector3f(3, -1, 1).normalized()));
+  body.kind = static_cast<PrimitiveKind>(static_cast<uint32_t>(PrimitiveKind::kTaperedCapsule) + kind);
+  body.a = Vec3(-0.06f, 0, 0);
+  body.b = Vec3(0.08f, 0.04f, 0.02f);
+  body.radius = 0.03f;
+  body.radius_b = 0.07f;
+  body.extent = Vec3(0.1f, 0.05f, 0.07f);
+  if (body.kind == PrimitiveKind::kConvex) {
+    TriangleMesh wedge;
+    wedge.positions = {{-0.1f, -0.05f, -0.07f}, {0.1f, -0.05f, -0.07f}, {0.1f, -0.05f, 0.07f},
+                       {-0.1f, -0.05f, 0.07f},  {0, 0.06f, -0.05f},     {0, 0.06f, 0.05f}};
+    wedge.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 4, 1}, {3, 2, 5},
+                       {0, 3, 5}, {0, 5, 4}, {1, 4, 5}, {1, 5, 2}};
+    body.convex = std::make_shared<ConvexBody>(convexBody(wedge));
+  }
+  if (body.kind == PrimitiveKind::kField) {
+    const Vec3 hole(0, 0.03f, 0);  // a ring: not convex
+    const auto ring = [&](const Vec3& p) {
+      const float round = std::hypot(p.x() - hole.x(), p.z() - hole.z()) - 0.08f;
+      return std::hypot(round, p.y() - hole.y()) - 0.04f;
+    };
+    const Box box(Eigen::Vector3f(-0.12f, -0.01f, -0.12f), Eigen::Vector3f(0.12f, 0.07f, 0.12f));
+    body.field = std::make_shared<DistanceField>(sampledField(ring, box, 0.005f, 0.012f));
+  }
+  const uint32_t data = shapes.add(body);
+  auto pose = [](Vec3 position, float angle) {
+    return Pose{position, Quat(Eigen::AngleAxisf(angle, Eigen::Vector3f(1, 2, 3).normalized()))};
+  };
+  return moved(body, pose({0.02f, 0.02f, 0}, 0.1f), pose({0.01f, 0.03f, 0}, -0.1f), dt, data);
+}
+
 std::vector<Pose> movedRoots(const StrandModel& model) {
   const Vec3 middle(0, -0.1f, 0);
   const Quat turn(Eigen::AngleAxisf(0.3f, Eigen::Vector3f(0.2f, 1, 0.1f).normalized()));

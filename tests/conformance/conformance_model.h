@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <random>
 #include <vector>
 
@@ -29,6 +30,20 @@ StrandState disturbedState(const StrandModel& model, uint32_t seed);
 /// A sphere, a capsule and a plane that the hair of awkwardModel lies in, all moving and turning, with
 /// friction.
 std::vector<MovingPrimitive> movingBodies(float dt);
+
+/// One body of each kind that movingBodies has not (by number, 0 to kFurtherKinds - 1), moving and turning,
+/// that the hair of awkwardModel lies in. What it needs is added to `shapes`.
+constexpr int kFurtherKinds = 5;
+MovingPrimitive furtherBody(int kind, float dt, ShapeData& shapes);
+
+/// StrandModel::rest_distance for which what is in a body at the start may stay a millimetre deeper. Hair that has to leave a
+/// body centimetres thick turns on the last bit of where it is.
+std::vector<float> leftWhereTheyStart(const StrandState& from, std::span<const MovingPrimitive> bodies,
+                                      std::span<const uint32_t> words = {});
+
+/// The signed distance field of a function that is one, in cells of `cell`, with bricks stored within `band`.
+DistanceField sampledField(const std::function<float(const Vec3&)>& distance, const Box& box, float cell,
+                           float band);
 
 /// Every root of `model` moved by 2 cm and turned by 0.3 rad about an axis through the middle of the head.
 std::vector<Pose> movedRoots(const StrandModel& model);

@@ -17,7 +17,7 @@ enum Kernel {
   kResolveContact,
   kPredictPosition,
   kNormalizeOrZero,
-  kSurfaceMotion,
+  kCarriedBy,
   kMultiply,
   kFieldPlace,
   kTrilinear,
@@ -33,6 +33,11 @@ enum Kernel {
   kCrowding,
   kDragNotFelt,
   kHeldCrowding,
+  kTaperedCapsuleDistance,
+  kBoxDistance,
+  kEllipsoidDistance,
+  kConvexPlane,
+  kFieldDistance,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

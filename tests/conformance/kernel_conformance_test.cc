@@ -37,10 +37,11 @@ constexpr size_t kPadded = 1008;  // 16 lanes
 constexpr const char* kNames[kKernels] = {
     "solveDistance",   "solveAngular",        "rotationBetween", "rotate",         "interpolateRotation",
     "sphereDistance",  "capsuleDistance",     "planeDistance",   "resolveContact", "predictPosition",
-    "normalizeOrZero", "surfaceMotion",       "multiply",        "fieldPlace",     "trilinear",
+    "normalizeOrZero", "carriedBy",           "multiply",        "fieldPlace",     "trilinear",
     "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",    "tethered",
     "gridPlace",       "interpolated",        "splatWeight",     "macCormack",     "crowding",
-    "dragNotFelt",     "heldCrowding"};
+    "dragNotFelt",     "heldCrowding",        "taperedCapsule",  "boxDistance",    "ellipsoid",
+    "convexPlane",     "fieldDistance"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -96,8 +97,10 @@ class InputMaker {
         vector(v, 0.3f), vector(v + 3, 0.3f), unit(v + 6, 3);
         break;
       case kResolveContact:
-        vector(v, 0.3f), vector(v + 3, 0.3f), vector(v + 6, 0.01f), unit(v + 9, 3);
-        v[12] = number(-0.05f, 0.02f), v[13] = number(0, 1);
+        vector(v, 0.3f), vector(v + 6, 0.01f), unit(v + 9, 3);
+        for (int c = 0; c < 3; ++c) v[3 + c] = v[c] + number(-0.02f, 0.02f);
+        v[12] = number(-0.05f, 0.02f), v[13] = number(0, 1), v[14] = number(0.5f, 2);
+        v[15] = number(-0.01f, 0.05f);
         break;
       case kPredictPosition:
         vector(v, 0.3f), vector(v + 3, 3), vector(v + 6, 10), vector(v + 9, 10);
@@ -108,9 +111,8 @@ class InputMaker {
         for (int c = 0, exponent = static_cast<int>(number(-50, 50)); c < 3; ++c)
           v[c] = std::ldexp(v[c], exponent);
         break;
-      case kSurfaceMotion:
-        vector(v, 0.3f), vector(v + 3, 0.3f), vector(v + 6, 0.01f), vector(v + 9, 10),
-            v[12] = number(0.0001f, 0.03f);
+      case kCarriedBy:
+        vector(v, 0.3f), vector(v + 3, 0.3f), vector(v + 6, 0.01f), vector(v + 9, 0.1f);
         break;
       case kFieldPlace:  // well within a cell: on its border another rounding may choose its neighbour
         vector(v + 3, 0.3f);
@@ -167,6 +169,31 @@ class InputMaker {
         v[0] = number(0, 2), v[1] = number(0.5f, 2), v[2] = number(0.5f, 2), v[3] = number(0, 10);
         v[4] = number(0, 1), v[5] = number(1, 3);
         break;
+      case kTaperedCapsuleDistance:
+        vector(v, 0.3f), vector(v + 3, 0.3f);
+        unit(v + 6, 3);
+        for (int c = 0; c < 3; ++c) v[6 + c] = v[3 + c] + 0.2f * v[6 + c];
+        v[9] = number(0.01f, 0.1f), v[10] = number(0.01f, 0.1f);
+        break;
+      case kBoxDistance:
+        vector(v, 0.3f);
+        for (int c = 3; c < 6; ++c) v[c] = number(0.05f, 0.2f);
+        break;
+      case kEllipsoidDistance:
+        vector(v, 0.3f);
+        for (int c = 3; c < 6; ++c) v[c] = number(0.05f, 0.2f);
+        break;
+      case kConvexPlane:
+        vector(v, 0.3f), unit(v + 3, 3), v[6] = number(-0.2f, 0.2f), v[7] = number(-0.3f, 0.3f),
+                                         unit(v + 8, 3);
+        break;
+      case kFieldDistance:
+        for (int c = 0; c < 8; ++c)
+          v[c] = number(0, 10) + 10 * static_cast<float>((c & 1) + 2 * (c >> 1 & 1) + 3 * (c >> 2));
+        for (int c = 8; c < 11; ++c) v[c] = 0.01f * (std::floor(number(0, 8)) + number(0.1f, 0.9f));
+        v[11] = std::floor(number(-1, 2)), v[12] = number(0.02f, 0.05f), v[13] = 0.01f,
+        v[14] = number(0, 0.01f);
+        break;
     }
     return item;
   }
@@ -207,7 +234,7 @@ Item nasty(int kernel, Item item, size_t way) {
       if (way % 3 == 2) item = {0, 0.25f, 0, 0, 0, 0, 0, 0.5f, 0, v[9]};  // on the axis
       break;
     case kResolveContact:
-      if (way % 4 == 0) v[12] = 0;
+      if (way % 4 == 0) v[12] = v[15] = 0;
       if (way % 4 == 1) v[13] = 0;
       if (way % 4 == 2) std::copy(v, v + 3, v + 3), std::fill(v + 6, v + 9, 0.0f);  // at rest
       if (way % 4 == 3) v[13] = 1000;
@@ -255,6 +282,25 @@ Item nasty(int kernel, Item item, size_t way) {
       if (way % 3 == 1) v[0] = v[5];
       if (way % 3 == 2) v[0] = 0;
       break;
+    case kTaperedCapsuleDistance:
+      if (way % 4 == 0) v[10] = v[9];                                            // a capsule
+      if (way % 4 == 1) v[9] = 0.5f;                                             // one ball in the other
+      if (way % 4 == 2) v[10] = 0.5f;                                            // the other in the one
+      if (way % 4 == 3) item = {0, 0.25f, 0, 0, 0, 0, 0, 0.5f, 0, v[9], v[10]};  // on the axis
+      break;
+    case kBoxDistance:
+      if (way % 2 == 0) std::fill(v, v + 3, 0.0f);  // in the middle
+      if (way % 2 == 1) v[0] = 0.3f, std::fill(v + 1, v + 3, 0.0f);
+      break;
+    case kEllipsoidDistance:
+      if (way % 3 == 0) v[3] = v[4] = v[5];            // a sphere
+      if (way % 3 == 1) v[way % 2] = 0, v[5] = 0.01f;  // flat; on a plane of symmetry
+      if (way % 3 == 2) v[1] = v[2] = 0, v[0] = 0.3f;  // on an axis
+      break;
+    case kFieldDistance:
+      if (way % 2 == 0) std::fill(v, v + 8, v[0]);                      // no way out
+      if (way % 2 == 1) v[8 + way % 3] += way % 4 == 1 ? 1.0f : -1.0f;  // beyond the grid
+      break;
     default:
       break;
   }
@@ -283,6 +329,11 @@ double condition(int kernel, const Item& item, double distance_out) {
     const double parent = distance(v, v + 6);
     return parent > 0 ? std::max(1.0, norm(v + 12, 3) / parent) : 1;
   }
+  if (kernel == kTaperedCapsuleDistance)  // directions from a near axis, and the slope of the cone
+    return std::max(1.0, norm(v, 3) / std::max(1e-3, distance_out + std::min(v[9], v[10]))) *
+           distance(v, v + 3) / distance(v + 3, v + 6) * 4;
+  if (kernel == kEllipsoidDistance)  // curvature of the surface
+    return std::pow(*std::max_element(v + 3, v + 6) / *std::min_element(v + 3, v + 6), 2);
   if (kernel == kSphereDistance ||
       kernel == kCapsuleDistance) {  // directions from a near centre, along a short axis
     const double from_axis = distance_out + (kernel == kSphereDistance ? v[6] : v[9]);
@@ -397,10 +448,20 @@ TEST(KernelConformance, DoubleKeepsWhatTheFormulasPromise) {
     EXPECT_NEAR(turned.y, pairs[i][4], 1e-6);
     EXPECT_NEAR(turned.z, pairs[i][5], 1e-6);
   }
-  const Item contact = {0, 0.1f, 0, 0, 0.1f, 0, 0.01f, 0, 0, 0, 1, 0, -0.02f, 0.3f};
-  const auto held = truth(kResolveContact, contact);
-  EXPECT_NEAR(held[1], 0.12, 1e-7) << "pushed out by its depth";
-  EXPECT_NEAR(held[0], 0.006, 1e-7) << "taken along by friction x depth";
+  Item contact = {0, 0.1f, 0, 0.01f, 0.12f, 0, 0, -0.02f, 0, 0, 1, 0, -0.02f, 0.3f, 0.5f, 0.02f};
+  auto sliding = truth(kResolveContact, contact);  // force: 0.02 by the normal, less `moved`: nothing
+  EXPECT_NEAR(sliding[1], 0.12, 1e-7) << "pushed out by its depth";
+  EXPECT_NEAR(sliding[0], 0.006, 1e-7) << "taken along by friction x depth";
+  EXPECT_NEAR(sliding[4], 0.02, 1e-7) << "half of what forces pressed is kept, by mass";
+  EXPECT_NEAR(sliding[3], 0.006, 1e-7) << "with the friction that goes with it";
+  contact[13] = 1;
+  const auto stuck = truth(kResolveContact, contact);
+  EXPECT_NEAR(stuck[0], 0.01, 1e-7) << "held";
+  EXPECT_NEAR(stuck[3], 0, 1e-7) << "its own speed stops it, no force did";
+  contact = {0, 0.1f, 0, 0, 0.099f, 0, 0, 0.0005f, 0, 0, 1, 0, 0.001f, 0.3f, 1, 0.0095f};
+  const auto lifted = truth(kResolveContact, contact);
+  EXPECT_NEAR(lifted[1], 0.0995, 1e-7) << "comes back by no more than it was moved";
+  EXPECT_NEAR(lifted[4], 0.009, 1e-7) << "and is pressed less";
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ TEST(DistanceField, TheInterpolantIsTrilinearAndItsGradientExact) {
 // Three bricks in a row, the middle one stored, of the distance to a plane across them.
 DistanceField planeField() {
   DistanceField field;
-  field.grid = {{-0.012f, 0, 0}, 0.001f, {3, 1, 1}, 0.003f, 1e-6f, {}};
+  field.grid = {{-0.012f, 0, 0}, 0.001f, {3, 1, 1}, 0.003f, 1e-6f, 0, 0, 0};
   field.index = {kInsideBrick, 0, kOutsideBrick};
   field.samples.resize(kBrickWords);
   for (uint32_t n = 0; n < kBrickSamples; ++n) {

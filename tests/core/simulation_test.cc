@@ -10,7 +10,7 @@
 namespace strandcast {
 namespace {
 
-constexpr uint64_t kGoldenHash = 3155464116301798626ull;
+constexpr uint64_t kGoldenHash = 8917065663121717309ull;
 
 // Two straight strands of 9 vertices and 16 cm along x from the origin and one curled, of 6.
 StrandModel smallModel() {
@@ -261,6 +261,109 @@ TEST(Simulation, ParametersOutOfRangeAreRefused) {
   EXPECT_THROW(makeSimulation(bad), Error);
   const ContactPrimitive ball{PrimitiveKind::kSphere, Vec3(0, nan, 0), Vec3::UnitY(), 0.1f, 0.3f};
   EXPECT_THROW(makeSimulation(Parameters(), {{{ball}, true}}), Error);
+}
+
+RigidBody floorAt(float height) {
+  RigidBody floor{{{PrimitiveKind::kBox, Vec3(0, -0.5f, 0), Vec3::UnitY(), 0, 0.8f}}};
+  floor.primitives[0].extent = Vec3(1, 0.5f, 1);
+  floor.pose.position.y() = height;
+  return floor;
+}
+
+TEST(Simulation, BodiesComeMoveAndGo) {
+  Parameters parameters;
+  parameters.solver = SolverKind::kRod;
+  Simulation simulation = makeSimulation(parameters);
+  const BodyId far = simulation.addBody(floorAt(-3));
+  const BodyId floor = simulation.addBody(floorAt(-0.05f));
+  for (int i = 0; i < 120; ++i) simulation.step();
+  EXPECT_LT(simulation.measure().max_penetration, 1e-4);
+  EXPECT_NEAR(simulation.guides()[8].y(), -0.05f, 2e-4) << "the tip lies on the floor";
+  simulation.removeBody(far);
+  EXPECT_EQ(simulation.bodies(), 1u);
+  for (int i = 1; i <= 10; ++i) {
+    simulation.setBodyPose(floor, {Vec3(0, -0.05f + 0.002f * i, 0), Quat::Identity()});
+    simulation.step();
+  }
+  EXPECT_FLOAT_EQ(simulation.bodyPose(floor).position.y(), -0.03f);
+  EXPECT_GT(simulation.guides()[8].y(), -0.0301f) << "it lifts the tip";
+  simulation.removeBody(floor);
+  for (int i = 0; i < 60; ++i) simulation.step();
+  EXPECT_LT(simulation.guides()[8].y(), -0.1f) << "and nothing holds it any more";
+  EXPECT_NE(simulation.addBody(floorAt(-1)), floor);
+}
+
+TEST(Simulation, ABodyThatStaysDoesTheSameWhateverElseIsAddedAndRemoved) {
+  const auto run = [](bool others) {
+    Simulation simulation = makeSimulation(Parameters(), {floorAt(-0.03f)});
+    for (int i = 0; i < 20; ++i) {
+      BodyId other = 0;
+      if (others) other = simulation.addBody(floorAt(-9));
+      simulation.step();
+      if (others) simulation.removeBody(other);
+    }
+    return stateHash(simulation.state());
+  };
+  EXPECT_EQ(run(true), run(false));
+}
+
+TEST(Simulation, UnknownBodiesAndBadPosesAreRefused) {
+  const auto refused = [](auto call, const char* what) {
+    RigidBody head = floorAt(-2);
+    head.follows_head = true;
+    Simulation simulation = makeSimulation(Parameters(), {head, floorAt(-1)});
+    const uint64_t before = stateHash(simulation.state());
+    try {
+      call(simulation);
+      ADD_FAILURE() << what;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(simulation.bodies(), 2u);
+    EXPECT_EQ(stateHash(simulation.state()), before);
+  };
+  const Pose nowhere{Vec3(0, std::numeric_limits<float>::quiet_NaN(), 0), Quat::Identity()};
+  refused([](Simulation& s) { s.setBodyPose(2, Pose()); }, "no body 2: Simulation::setBodyPose");
+  refused([](Simulation& s) { s.setBodyPose(0, Pose()); }, "follows the head");
+  refused([&](Simulation& s) { s.setBodyPose(1, nowhere); }, "Simulation::setBodyPose");
+  refused([](Simulation& s) { s.removeBody(7); }, "no body 7: Simulation::removeBody");
+  refused([](Simulation& s) { s.bodyPose(7); }, "no body 7: Simulation::bodyPose");
+  refused(
+      [&](Simulation& s) {
+        RigidBody bad = floorAt(0);
+        bad.pose = nowhere;
+        s.addBody(bad);
+      },
+      "Simulation::addBody");
+  refused(
+      [&](Simulation& s) {
+        RigidBody bad = floorAt(0);
+        bad.primitives[0].extent.setZero();
+        s.addBody(bad);
+      },
+      "no extent: Simulation::addBody");
+}
+
+// The strands start 3 cm in a box and leave it: they stay as they are, and what is farther in than at rest is
+// pushed back.
+TEST(Simulation, HairThatIsInItsBodyAtRestIsLetBe) {
+  RigidBody scalp{{{PrimitiveKind::kBox, Vec3(-0.47f, 0, 0), Vec3::UnitY(), 0, 0.3f}}, true, true};
+  scalp.primitives[0].extent = Vec3(0.5f, 0.5f, 0.5f);
+  Parameters parameters;
+  parameters.solver = SolverKind::kRod;
+  parameters.gravity.setZero();
+  Simulation simulation = makeSimulation(parameters, {scalp});
+  const StrandState rest = simulation.state();
+  EXPECT_LT(simulation.model().rest_distance[0], -0.03f + 1e-5f);
+  EXPECT_GT(simulation.model().rest_distance[8], 0.1f);
+  for (int i = 0; i < 30; ++i) simulation.step();
+  EXPECT_LT(largestDistance(simulation.state(), rest), 1e-5) << "nothing pops";
+  EXPECT_LT(simulation.measure().max_penetration, 1e-5);
+  parameters.gravity = Vec3(-9.81f, -1, 0);  // hair that stands upright on it would go on standing
+  simulation.setParameters(parameters);
+  for (int i = 0; i < 60; ++i) simulation.step();
+  EXPECT_GT(largestDistance(simulation.state(), rest), 0.01) << "hair falls towards the box";
+  EXPECT_LT(simulation.measure().max_penetration, 1e-3) << "and not farther into it";
 }
 
 }  // namespace

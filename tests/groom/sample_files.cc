@@ -147,7 +147,7 @@ Bytes gltf() {
 
 DistanceField field() {
   DistanceField field;
-  field.grid = {{0, 0, 0}, 0.001f, {3, 1, 2}, 0.003f, 1e-6f, {}};
+  field.grid = {{0, 0, 0}, 0.001f, {3, 1, 2}, 0.003f, 1e-6f, 0, 0, 0};
   const auto distance = [](const Vec3& p) { return (p - Vec3(0.012f, 0.004f, 0.004f)).norm() - 0.005f; };
   for (uint32_t brick = 0; brick < 6; ++brick) {
     const bool stored = brick == 1 || brick == 4;

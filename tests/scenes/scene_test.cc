@@ -2,10 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
 
+#include "collision/field_bake.h"
 #include "core/error.h"
+#include "core/sag_free.h"
 #include "simd/simd_backend.h"
+#include "tests/collision/shapes.h"
+#include "tests/groom/scratch_folder.h"
 #include "tests/real_data.h"
 
 namespace strandcast {
@@ -87,20 +94,135 @@ TEST(Scenes, UnknownNamesAreErrorsThatListTheKnownOnes) {
   }
 }
 
+// A ball of 10 cm, and hair that starts 4 mm in it and stands out; one strand goes through the ball and out
+// again.
+class BallScene : public testing::Test {
+ protected:
+  BallScene() {
+    const TriangleMesh ball = shapes::sphere(0.1f, 3);
+    std::ofstream body(folder_ / "ball.obj");
+    for (const Vec3& p : ball.positions) body << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+    for (const auto& t : ball.triangles)
+      body << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+    std::ofstream hair(folder_ / "hair.obj");
+    for (int s = 0; s < kStrands; ++s) {
+      const float turn = 2.4f * static_cast<float>(s), up = 0.02f * static_cast<float>(s);
+      const Vec3 out = Vec3(std::cos(turn), up, std::sin(turn)).normalized();
+      for (int i = 0; i < kVertices; ++i) {
+        const float along = 0.01f * static_cast<float>(i);
+        const Vec3 p = s == 0 ? Vec3(0.11f - along, 0.09f, 0) : Vec3((0.096f + along) * out);
+        hair << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+      }
+      hair << 'l';
+      for (int i = 0; i < kVertices; ++i) hair << ' ' << s * kVertices + i + 1;
+      hair << '\n';
+    }
+    options_.groom = {folder_ / "hair.obj"};
+    options_.body = folder_ / "ball.obj";
+    options_.units.unit_meters = 1;
+    options_.units.up = UpAxis::kY;
+    options_.body_cell = 0.004f;
+    options_.field_cache = folder_ / "fields";
+  }
+
+  bool noted(const Scene& scene, const std::string& text) {
+    return std::any_of(scene.notes.begin(), scene.notes.end(),
+                       [&](const std::string& note) { return note.find(text) != std::string::npos; });
+  }
+
+  static constexpr int kStrands = 60, kVertices = 12;
+  ScratchFolder folder_;
+  SceneOptions options_;
+};
+
+TEST_F(BallScene, HairThatStartsInTheBodyNeitherPopsNorSinksIn) {
+  const Scene scene = makeScene(options_);
+  ASSERT_EQ(scene.bodies.size(), 1u);
+  EXPECT_EQ(scene.bodies[0].primitives[0].kind, PrimitiveKind::kField);
+  EXPECT_TRUE(noted(scene, "may stay as deep"));
+  StrandModel model = sceneModel(scene);
+  Parameters parameters = scene.parameters;
+  parameters.solver = SolverKind::kRod;
+  makeSagFree(model, parameters.gravity);
+  Simulation simulation(std::move(model), scene.bodies, parameters, makeSimdBackend());
+  const StrandState start = simulation.state();
+  size_t in_body = 0;
+  for (const float distance : simulation.model().rest_distance) in_body += distance < 0;
+  EXPECT_GE(in_body, size_t{kStrands}) << "all roots";
+  double moved = 0;
+  for (int i = 0; i < 60; ++i) {
+    simulation.step();
+    for (size_t v = 0; v < start.positions.size(); ++v)
+      moved = std::max<double>(moved, (simulation.guides()[v] - start.positions[v]).norm());
+  }
+  EXPECT_LT(moved, 1e-4) << "nothing pops";
+  Measurement worst;
+  double swung = 0;
+  const HeadMotion shake = headMotion("shake", scene.head_pivot);
+  for (int i = 0; i < 180; ++i) {
+    simulation.setHeadPose(shake((i + 1) * parameters.time_step));
+    simulation.step();
+    worst.max_penetration = std::max(worst.max_penetration, simulation.measure().max_penetration);
+    const Pose back = simulation.headPose().inverse();
+    for (size_t v = 0; v < start.positions.size(); ++v)
+      swung = std::max<double>(swung, (back.apply(simulation.guides()[v]) - start.positions[v]).norm());
+  }
+  EXPECT_GT(swung, 0.02) << "the hair is thrown about";
+  EXPECT_LT(worst.max_penetration, 1e-3);
+}
+
+TEST_F(BallScene, TheFieldIsBakedOnceAndSpheresStandInForIt) {
+  EXPECT_TRUE(noted(makeScene(options_), "MiB, baked"));
+  EXPECT_TRUE(noted(makeScene(options_), "MiB, found in the cache"));
+  options_.body_cell = 0.005f;
+  EXPECT_TRUE(noted(makeScene(options_), "MiB, baked")) << "another field";
+  options_.body_contact = BodyContact::kSpheres;
+  const Scene scene = makeScene(options_);
+  ASSERT_EQ(scene.bodies.size(), 1u);
+  for (const ContactPrimitive& sphere : scene.bodies[0].primitives)
+    EXPECT_EQ(sphere.kind, PrimitiveKind::kSphere);
+  EXPECT_FALSE(scene.bodies[0].holds_roots);
+}
+
+TEST_F(BallScene, ProgressGoesForwardAndStopsTheBake) {
+  double last = 0;
+  std::string all;
+  makeScene(options_, [&](const std::string& what, double part) {
+    EXPECT_GE(part, last) << what;
+    last = part;
+    all += what + "\n";
+    return true;
+  });
+  EXPECT_EQ(last, 1);
+  EXPECT_NE(all.find("the body's distance field: "), std::string::npos) << all;
+  options_.body_cell = 0.003f;
+  EXPECT_THROW(makeScene(options_, [](const std::string&, double part) { return part < 0.6; }), BakeStopped);
+}
+
 struct RealGroom {
   const char* name;
   std::vector<const char*> files;
   const char* body;
   float unit;
+  float body_cell;  ///< m: coarse, so that it is baked in seconds
+  /// m, below the surface or below where it is at rest. The bear has short hair that lies as a whole
+  /// centimetres in the skin, where normals turn within a cell.
+  double deepest;
   size_t strands;
 };
 
-TEST(Scenes, RealGroomsRun300StepsAndStayFinite) {
+TEST(Scenes, RealGroomsRun120StepsAndStayFinite) {
   const std::vector<RealGroom> grooms = {
-      {"ponytail", {"tail.tfx", "side.tfx", "front_top.tfx", "back.tfx"}, "ponytail_body.obj", 0.0025f, 4933},
-      {"sintel", {"sintel_hair_16pts.tfx"}, "sintel-collider.obj", 1, 11400},
-      {"bear", {"bear.tfx"}, "bear_body.obj", 0.01f, 48113 - 270},
-      {"curls", {"frame_00.obj"}, nullptr, 0.01f, 98}};
+      {"ponytail",
+       {"tail.tfx", "side.tfx", "front_top.tfx", "back.tfx"},
+       "ponytail_body.obj",
+       0.0025f,
+       0.005f,
+       1e-3,
+       4933},
+      {"sintel", {"sintel_hair_16pts.tfx"}, "sintel-collider.obj", 1, 0.003f, 1e-3, 11400},
+      {"bear", {"bear.tfx"}, "bear_body.obj", 0.01f, 0.012f, 6e-3, 48113 - 270},
+      {"curls", {"frame_00.obj"}, nullptr, 0.01f, 0, 1e-3, 98}};
   for (const RealGroom& real : grooms) {
     const std::filesystem::path folder = dataFolder() / real.name;
     if (!std::filesystem::exists(folder)) {
@@ -111,11 +233,12 @@ TEST(Scenes, RealGroomsRun300StepsAndStayFinite) {
     for (const char* file : real.files) options.groom.push_back(folder / file);
     if (real.body != nullptr) options.body = folder / real.body;
     options.units.unit_meters = real.unit;
+    options.body_cell = real.body_cell;
     const Scene scene = makeScene(options);
     EXPECT_EQ(scene.groom.strands.strands(), real.strands) << real.name;
-    const Measurement worst = run(scene, 300);
+    const Measurement worst = run(scene, 120);
     EXPECT_EQ(worst.non_finite, 0u) << real.name;
-    EXPECT_LT(worst.max_penetration, 1e-3) << real.name;
+    EXPECT_LT(worst.max_penetration, real.deepest) << real.name;
     std::printf("             %s: stretch at most %.1e, penetration at most %.2e m\n", real.name,
                 worst.max_stretch, worst.max_penetration);
   }

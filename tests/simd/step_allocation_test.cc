@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <new>
 
 #include "air/surroundings.h"
+#include "collision/tree_broad_phase.h"
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
 #include "tests/conformance/conformance_model.h"
@@ -68,6 +70,32 @@ void expectNoAllocation(std::unique_ptr<Backend> backend) {
     ASSERT_EQ(simulation.guides().size(), simulation.model().vertices());
   }
   EXPECT_EQ(allocations - before, 0u) << device;
+}
+
+TEST(StepAllocation, ManyBodiesThatMoveAllocateNothing) {
+  Parameters parameters;
+  parameters.solver = SolverKind::kRod;
+  Simulation simulation(awkwardModel(65, 91), {}, parameters, makeReferenceBackend(), nullptr,
+                        makeTreeBroadPhase());
+  std::vector<BodyId> bodies;
+  const auto place = [](size_t i, int step) {
+    const float turn = 0.1f * static_cast<float>(i) + 0.2f * static_cast<float>(step);
+    return Pose{Vec3(0.5f * std::cos(turn), 0.002f * static_cast<float>(i), 0.5f * std::sin(turn)),
+                Quat::Identity()};
+  };
+  for (size_t i = 0; i < 100; ++i)
+    bodies.push_back(
+        simulation.addBody({{{PrimitiveKind::kCapsule, Vec3::Zero(), Vec3(0.1f, 0, 0), 0.05f, 0.3f}},
+                            false,
+                            false,
+                            place(i, 0)}));
+  simulation.step();
+  const size_t before = allocations;
+  for (int step = 1; step <= 10; ++step) {
+    for (size_t i = 0; i < bodies.size(); ++i) simulation.setBodyPose(bodies[i], place(i, step));
+    simulation.step();
+  }
+  EXPECT_EQ(allocations - before, 0u);
 }
 
 TEST(StepAllocation, TheCounterCounts) {

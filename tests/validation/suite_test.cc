@@ -35,7 +35,7 @@ TEST(Suites, CasesAreNamedOnceAndAsListed) {
     std::set<std::string> names;
     for (const Experiment& experiment : suite.experiments)
       for (const std::string& name : experiment.cases) EXPECT_TRUE(names.insert(name).second) << name;
-    EXPECT_GE(names.size(), suite.name == "volume" ? 7u : 15u) << suite.name;
+    EXPECT_GE(names.size(), suite.name == "volume" ? 7u : suite.name == "tunnel" ? 6u : 15u) << suite.name;
   }
   const Suite& physics = validationSuite("physics");
   const Experiment& first = physics.experiments.front();
@@ -51,6 +51,20 @@ TEST(Suites, TheRodPassesTheCantileverAtEveryWeight) {
     if (c.name.find("agree") == std::string::npos) {
       EXPECT_TRUE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
     }
+}
+
+// Friction, rest and energy; what takes longer is left to `strandcast validate contact`.
+TEST(Suites, TheRodPassesContact) {
+  for (const char* only : {"slope", "capstan", "energy", "dropped on a sphere"})
+    for (const Case& c : runSuite(validationSuite("contact"), reference(SolverKind::kRod), only)) {
+      EXPECT_TRUE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
+    }
+}
+
+TEST(Suites, NoStrandPassesThroughAFastPlate) {
+  for (const Case& c : runSuite(validationSuite("tunnel"), reference(SolverKind::kRod), "tilt=0")) {
+    EXPECT_EQ(c.measured, 0) << c.name;
+  }
 }
 
 // The suite must tell a wrong answer from a right one: the other solver sags as its sweeps have it.

@@ -59,13 +59,15 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     o.v[0] = planeDistance(in3(i, 0), in3(i, 3), in3(i, 6), normal);
     out3(o, 1, normal);
   } else if (kernel == 8) {
-    out3(o, 0, resolveContact(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13]));
+    real3 force = madd(in3(i, 9), i.v[15], in3(i, 6));
+    out3(o, 0, resolveContact(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13], i.v[14], force));
+    out3(o, 3, force);
   } else if (kernel == 9) {
     out3(o, 0, predictPosition(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13]));
   } else if (kernel == 10) {
     out3(o, 0, normalizeOrZero(in3(i, 0)));
   } else if (kernel == 11) {
-    out3(o, 0, surfaceMotion(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12]));
+    out3(o, 0, carriedBy(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9)));
   } else if (kernel == 12) {
     out4(o, multiply(in4(i, 0), in4(i, 4)));
   } else if (kernel == 13) {
@@ -108,6 +110,41 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     out3(o, 0, dragNotFelt(in3(i, 0), in3(i, 3), i.v[6], i.v[7]));
   } else if (kernel == 26) {
     o.v[0] = heldCrowding(i.v[0], i.v[1], i.v[2], i.v[3], i.v[4], i.v[5]);
+  } else if (kernel == 27) {
+    real3 normal;
+    real along;
+    o.v[0] = taperedCapsuleDistance(in3(i, 0), in3(i, 3), in3(i, 6), i.v[9], i.v[10], normal, along);
+    out3(o, 1, normal);
+    o.v[4] = along;
+  } else if (kernel == 28) {
+    real3 normal;
+    o.v[0] = boxDistance(in3(i, 0), in3(i, 3), normal);
+    out3(o, 1, normal);
+  } else if (kernel == 29) {
+    real3 normal;
+    o.v[0] = ellipsoidDistance(in3(i, 0), in3(i, 3), normal);
+    out3(o, 1, normal);
+  } else if (kernel == 30) {
+    real nearest = i.v[7];
+    real3 normal = in3(i, 8);
+    convexPlane(in3(i, 0), in3(i, 3), i.v[6], nearest, normal);
+    o.v[0] = nearest;
+    out3(o, 1, normal);
+  } else if (kernel == 31) {
+    FieldPlace place = fieldPlace(in3(i, 8), makeReal3(lit(0), lit(0), lit(0)), lit(0.01), makeReal3(lit(1), lit(1), lit(1)));
+    FieldCorners at;
+    at.v000 = i.v[0];
+    at.v100 = i.v[1];
+    at.v010 = i.v[2];
+    at.v110 = i.v[3];
+    at.v001 = i.v[4];
+    at.v101 = i.v[5];
+    at.v011 = i.v[6];
+    at.v111 = i.v[7];
+    at.side = i.v[11];
+    real3 normal;
+    o.v[0] = fieldDistance(place, at, lit(0.01), i.v[12], i.v[13], i.v[14], normal);
+    out3(o, 1, normal);
   }
   return o;
 }
