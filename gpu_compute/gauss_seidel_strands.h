@@ -17,7 +17,7 @@ class GaussSeidelStrands {
 
  private:
   StrandGroups groups_;  ///< key: invocations per strand
-  gl::Buffer rest_edge_;
+  gl::Buffer order_, rest_edge_;
   /// Of groups_, without and with grooming; empty until first needed.
   std::array<std::vector<const gl::Program*>, 2> programs_;
 };

@@ -153,12 +153,11 @@ void GpuStrands::step(const StepInput& input) {
   bind();
   timer_.begin();
   if (input.parameters->solver == SolverKind::kRod)
-    rod_.step({!input.primitives.empty(), goal}, programs_);
+    rod_.step({!input.primitives.empty(), goal, input.parameters->damping_time > 0}, programs_);
   else
     gauss_seidel_.step(groomed_ || goal, programs_);
   timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-  uploads_->finish();
   readback_.copyFrom(guides_);
   glFlush();
 }
