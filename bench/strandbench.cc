@@ -31,6 +31,7 @@ struct Options {
   std::string backend = "auto", scene = "straight", solver = "rod", bodies = "none";
   int strands = 2000, vertices = 32, substeps = 4, iterations = 6, threads = 0, warmup = 20, steps = 60;
   uint64_t seed = 1;
+  std::optional<float> damping_time;  // s
   bool json = false, csv = false;
 };
 
@@ -58,6 +59,7 @@ Result run(const Options& o, const Scene& scene, const std::string& backend) {
   parameters.substeps = o.substeps;
   parameters.iterations = o.iterations;
   parameters.solver = solverKind(o.solver);
+  if (o.damping_time) parameters.damping_time = *o.damping_time;
   Simulation simulation(sceneModel(scene), bodiesOf(o, scene), parameters,
                         createBackend(knownBackends(), backend, o.threads, parameters.solver), nullptr,
                         makeTreeBroadPhase());
@@ -203,6 +205,9 @@ int main(int argc, char** argv) {
   verb->add_option("--vertices", o.vertices, "per strand")->check(CLI::Range(2, 128))->capture_default_str();
   verb->add_option("--substeps", o.substeps)->check(CLI::Range(1, 64))->capture_default_str();
   verb->add_option("--iterations", o.iterations)->check(CLI::Range(1, 64))->capture_default_str();
+  verb->add_option("--damping", o.damping_time,
+                   "s, internal damping time of the rod; the scene's own if not given")
+      ->check(CLI::Range(0.0, 1.0));
   verb->add_option("--threads", o.threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
   verb->add_option("--steps", o.steps, "steps timed, after a warm-up")
       ->check(CLI::Range(1, 100000))

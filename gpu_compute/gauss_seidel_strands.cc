@@ -39,7 +39,9 @@ std::vector<uint32_t> threadsPerStrand(const StrandModel& model) {
 }  // namespace
 
 GaussSeidelStrands::GaussSeidelStrands(const StrandModel& model)
-    : groups_(threadsPerStrand(model)), rest_edge_(std::span<const Vec4>(packRestEdges(model))) {}
+    : groups_(threadsPerStrand(model)),
+      order_(groups_.order()),
+      rest_edge_(std::span<const Vec4>(packRestEdges(model))) {}
 
 void GaussSeidelStrands::step(bool groomed, bool accelerated, ProgramCache& programs) {
   auto workgroup = [](const StrandGroup& group) { return std::max(32u, group.key); };
@@ -52,7 +54,7 @@ void GaussSeidelStrands::step(bool groomed, bool accelerated, ProgramCache& prog
               "#define THREADS {}\n#define WORKGROUP {}\n#define GROOMED {}\n#define ACCELERATED {}\n",
               group.key, workgroup(group), groomed ? 1 : 0, accelerated ? 1 : 0)));
   rest_edge_.bindStorage(3);
-  groups_.order().bindStorage(5);
+  order_.bindStorage(5);
   for (size_t g = 0; g < mine.size(); ++g) {
     const StrandGroup& group = groups_.groups()[g];
     dispatch(*mine[g], group, workgroup(group) / group.key);

@@ -16,7 +16,7 @@ class GaussSeidelStrands {
 
  private:
   StrandGroups groups_;  ///< key: invocations per strand
-  gl::Buffer rest_edge_;
+  gl::Buffer order_, rest_edge_;
   /// Of groups_, by grooming and acceleration; empty until first needed.
   std::array<std::vector<const gl::Program*>, 4> programs_;
 };

@@ -201,12 +201,11 @@ void GpuStrands::step(const StepInput& input) {
   pressed_ = pressing;
   timer_.begin();
   if (rod)
-    rod_.step({!input.primitives.empty(), goal, accelerated}, programs_);
+    rod_.step({!input.primitives.empty(), goal, accelerated, input.parameters->damping_time > 0}, programs_);
   else
     gauss_seidel_.step(groomed_ || goal, accelerated, programs_);
   timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-  uploads_->finish();
   readback_.copyFrom(guides_);
   glFlush();
 }

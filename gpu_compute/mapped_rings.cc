@@ -52,10 +52,10 @@ UploadRing::UploadRing(size_t strands, size_t bones, const Counts& capacity)
       near_at_(primitives_at_ + aligned(std::max<size_t>(capacity.primitives, 1) * sizeof(MovingPrimitive))),
       roots_at_(near_at_ + aligned(std::max<size_t>(capacity.near, 1) * sizeof(uint32_t))),
       roots_bytes_(2 * strands * sizeof(Pose)),
-      bones_bytes_(2 * bones * sizeof(Pose)) {
+      bones_bytes_(2 * bones * sizeof(Pose)),
+      on_gpu_(roots_at_ + std::max<size_t>(roots_bytes_ + bones_bytes_, 16), nullptr, 0) {
   for (size_t i = 0; i < kSlots; ++i) {
-    buffers_[i] =
-        gl::Buffer(roots_at_ + std::max<size_t>(roots_bytes_ + bones_bytes_, 16), nullptr, kWritten);
+    buffers_[i] = gl::Buffer(on_gpu_.bytes(), nullptr, kWritten);
     memory_[i] = static_cast<char*>(map(buffers_[i], kWritten));
   }
 }
@@ -84,7 +84,9 @@ void UploadRing::write(const StepInput& input) {
     std::memcpy(bones + bones_bytes_ / 2, static_cast<const void*>(input.bones_end.data()), bones_bytes_ / 2);
   }
 
-  const GLuint id = buffers_[slot_].id();
+  const GLuint id = on_gpu_.id();
+  glCopyNamedBufferSubData(buffers_[slot_].id(), id, 0, 0, static_cast<GLsizeiptr>(on_gpu_.bytes()));
+  fences_[slot_].set();
   constexpr GLsizeiptr kBlock = (sizeof(Settings) + 15) / 16 * 16;  // as std140 rounds it up
   glBindBufferRange(GL_UNIFORM_BUFFER, 0, id, 0, kBlock);
   glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 6, id, static_cast<GLintptr>(roots_at_),

@@ -21,8 +21,8 @@ class Fence {
   GLsync sync_ = nullptr;
 };
 
-/// What a step is told (settings, bodies, lists of near bodies, roots, bones), in memory that the GPU reads
-/// while the CPU writes the next.
+/// What a step is told (settings, bodies, lists of near bodies, roots, bones): the CPU writes the next while the GPU still copies
+/// the last to its own memory, from which the shaders read it.
 class UploadRing {
  public:
   /// What differs from step to step.
@@ -35,16 +35,15 @@ class UploadRing {
 
   const Counts& capacity() const { return capacity_; }
   /// Takes the next slot, waiting while the GPU may still read it, copies `input` and binds the shader's
-  /// blocks to it.
+  /// blocks to the GPU's copy of it.
   void write(const StepInput& input);
-  /// Marks the slot as in use by the commands given so far.
-  void finish() { fences_[slot_].set(); }
 
  private:
   static constexpr size_t kSlots = 3;
   Counts capacity_;
   size_t primitives_at_, near_at_, roots_at_;  ///< bytes from the start of a slot
   size_t roots_bytes_, bones_bytes_;
+  gl::Buffer on_gpu_;
   std::array<gl::Buffer, kSlots> buffers_;
   std::array<char*, kSlots> memory_{};
   std::array<Fence, kSlots> fences_;

@@ -89,9 +89,23 @@ std::vector<uint32_t> keysOf(const StrandModel& model) {
   return keys;
 }
 
+// A dispatch of violent strands when there are none yet: see shaders/rod_strand.glsl.
+constexpr std::array<GLuint, 4> kNobody = {0, 1, 1, 0};
+
+// Whether a workgroup is one subgroup whose invocations can read each other's registers.
+bool canShuffle() {
+  if (!epoxy_has_gl_extension("GL_KHR_shader_subgroup")) return false;
+  GLint size = 0, stages = 0, features = 0;
+  glGetIntegerv(GL_SUBGROUP_SIZE_KHR, &size);
+  glGetIntegerv(GL_SUBGROUP_SUPPORTED_STAGES_KHR, &stages);
+  glGetIntegerv(GL_SUBGROUP_SUPPORTED_FEATURES_KHR, &features);
+  return size >= static_cast<GLint>(kWorkgroup) && (stages & GL_COMPUTE_SHADER_BIT) != 0 &&
+         (features & GL_SUBGROUP_FEATURE_SHUFFLE_BIT_KHR) != 0;
+}
+
 }  // namespace
 
-RodStrands::RodStrands(const StrandModel& model) : groups_(keysOf(model)) {
+RodStrands::RodStrands(const StrandModel& model) : groups_(keysOf(model)), shuffled_(canShuffle()) {
   std::vector<Vec4> joints(model.vertices()), edges(model.vertices());
   std::vector<StrandRest> strands(model.strands());
   for (uint32_t s = 0; s < model.strands(); ++s) {
@@ -104,6 +118,9 @@ RodStrands::RodStrands(const StrandModel& model) : groups_(keysOf(model)) {
                   pinned ? 0.0f : 1 / model.mass[v + 1]};
     }
   }
+  std::vector<uint32_t> work(dispatchAt(groups_.groups().size()) + model.strands());
+  std::copy(groups_.order().begin(), groups_.order().end(), work.begin());
+  work_ = gl::Buffer(std::span<const uint32_t>(work));
   joints_ = gl::Buffer(std::span<const Vec4>(joints));
   edges_ = gl::Buffer(std::span<const Vec4>(edges));
   strands_ = gl::Buffer(std::span<const StrandRest>(strands));
@@ -125,29 +142,48 @@ RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, bool violent,
     const bool groomed = needs.goal || (key & kGroomed) != 0;
     out.push_back(&programs.get(
         "rod.comp", shaders::kRodComp,
-        fmt::format("#define THREADS {}\n#define EDGES {}\n#define UNIFORM {}\n#define PINNED {}\n#define "
-                    "BODIES {}\n#define GROOMED {}\n#define VIOLENT {}\n#define ACCELERATED {}\n",
-                    threadsOf(key), edges_of_[g], (key & kGeneral) == 0 && !groomed ? 1 : 0,
-                    (key & kPinned) != 0 ? 1 : 0, needs.bodies ? 1 : 0, groomed ? 1 : 0, violent ? 1 : 0,
-                    needs.accelerated ? 1 : 0)));
+        fmt::format(
+            "#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n#define PINNED {:d}\n#define "
+            "BODIES {:d}\n#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define "
+            "SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
+            threadsOf(key), edges_of_[g], (key & kGeneral) == 0 && !groomed, (key & kPinned) != 0,
+            needs.bodies, groomed, needs.damping, violent, shuffled_, needs.accelerated)));
   }
   return out;
 }
 
 void RodStrands::step(const Needs& needs, ProgramCache& programs) {
-  Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0)];
+  Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
+                             (needs.damping ? 8 : 0)];
   if (mine.calm.empty()) mine = {compile(needs, false, programs), compile(needs, true, programs)};
-  groups_.order().bindStorage(5);
+  work_.bindStorage(5);
   joints_.bindStorage(10);
   edges_.bindStorage(11);
   strands_.bindStorage(12);
-  for (const GroupPrograms* pass : {&mine.calm, &mine.violent}) {
-    for (size_t g = 0; g < pass->size(); ++g) {
-      const StrandGroup& group = groups_.groups()[g];
-      dispatch(*(*pass)[g], group, kWorkgroup / threadsOf(group.key));
-    }
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  const std::span<const StrandGroup> groups = groups_.groups();
+  glClearNamedBufferSubData(work_.id(), GL_RGBA32UI, static_cast<GLintptr>(dispatchAt(0) * sizeof(uint32_t)),
+                            static_cast<GLsizeiptr>(groups.size() * sizeof(kNobody)), GL_RGBA_INTEGER,
+                            GL_UNSIGNED_INT, kNobody.data());
+  for (size_t g = 0; g < groups.size(); ++g) {
+    mine.calm[g]->use();
+    placeWork(g);
+    dispatch(*mine.calm[g], groups[g], kWorkgroup / threadsOf(groups[g].key));
   }
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
+  for (size_t g = 0; g < groups.size(); ++g) {
+    mine.violent[g]->use();
+    placeWork(g);
+    glDispatchComputeIndirect(static_cast<GLintptr>(dispatchAt(g) * sizeof(uint32_t)));
+  }
+}
+
+size_t RodStrands::dispatchAt(size_t group) const { return (groups_.order().size() + 3) / 4 * 4 + 4 * group; }
+
+void RodStrands::placeWork(size_t group) const {
+  const size_t lists = dispatchAt(groups_.groups().size());
+  glUniform1ui(2, static_cast<GLuint>(dispatchAt(group)));
+  glUniform1ui(3, static_cast<GLuint>(lists + groups_.groups()[group].first));
 }
 
 }  // namespace strandcast::gpu

@@ -16,6 +16,7 @@ class RodStrands {
     bool bodies;       ///< there are some
     bool goal;         ///< all strands are pulled towards their goals
     bool accelerated;  ///< StepInput::accelerations
+    bool damping;      ///< there is internal damping
   };
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs
   /// compiles.
@@ -24,14 +25,17 @@ class RodStrands {
  private:
   using GroupPrograms = std::vector<const gl::Program*>;
   GroupPrograms compile(const Needs& needs, bool violent, ProgramCache& programs) const;
+  size_t dispatchAt(size_t group) const;  ///< in work_, in 4 bytes: of its violent strands
+  void placeWork(size_t group) const;
 
   StrandGroups groups_;             ///< key: see rod_strands.cc
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
-  gl::Buffer joints_, edges_, strands_;
+  gl::Buffer work_, joints_, edges_, strands_;
+  const bool shuffled_;
   struct Programs {
     GroupPrograms calm, violent;
   };
-  std::array<Programs, 8> programs_;  ///< by needs; empty until first needed
+  std::array<Programs, 16> programs_;  ///< by needs; empty until first needed
 };
 
 }  // namespace strandcast::gpu

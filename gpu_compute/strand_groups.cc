@@ -21,7 +21,6 @@ const gl::Program& ProgramCache::get(const char* name, const char* text, const s
 StrandGroups::StrandGroups(std::span<const uint32_t> keys) : order_(keys.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
   std::stable_sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) { return keys[a] < keys[b]; });
-  order_buffer_ = gl::Buffer(std::span<const uint32_t>(order_));
   for (uint32_t i = 0; i < order_.size(); ++i) {
     const uint32_t own = keys[order_[i]];
     if (groups_.empty() || groups_.back().key != own) groups_.push_back({own, i, 0});

@@ -37,13 +37,12 @@ class StrandGroups {
   std::span<const uint32_t> strandsOf(const StrandGroup& group) const {
     return {order_.data() + group.first, group.count};
   }
-  /// Strands by group, for the shaders' binding 5.
-  const gl::Buffer& order() const { return order_buffer_; }
+  /// Strands by group.
+  std::span<const uint32_t> order() const { return order_; }
 
  private:
   std::vector<uint32_t> order_;
   std::vector<StrandGroup> groups_;
-  gl::Buffer order_buffer_;
 };
 
 /// Dispatches `program`, which has `per_workgroup` strands in a workgroup, over a group.

@@ -38,24 +38,24 @@ vec3 symmetricNT(vec4 a, vec4 b) {
 void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
   for (int doubling = 0; doubling < kDoublings; ++doubling) {
     int distance = 1 << doubling;
-    exchange_a[me] = vec4(inverseOf(d), c.x);
-    exchange_b[me] = vec4(f0, c.y);
-    exchange_c[me] = vec4(f1, c.z);
-    exchange_d[me] = c.w;
-    barrier();
+    send_a(vec4(inverseOf(d), c.x));
+    send_b(vec4(f0, c.y));
+    send_c(vec4(f1, c.z));
+    send_d(c.w);
+    rendezvous();
     uint inner = before(distance), outer = after(distance);
-    vec4 a = exchange_a[inner], b = exchange_b[inner], e = exchange_c[inner];
-    float w = exchange_d[inner];
+    vec4 a = received_a(inner), b = received_b(inner), e = received_c(inner);
+    float w = received_d(inner);
     vec4 from = timesSymmetric(c, a.xyz);
     d -= symmetricNT(from, c);
     f0 -= b.xyz * from.x + e.xyz * from.y;
     f1 -= b.xyz * from.z + e.xyz * from.w;
     c = -product(from, vec4(a.w, b.w, e.w, w));
-    a = exchange_a[outer];
-    b = exchange_b[outer];
-    e = exchange_c[outer];
-    w = exchange_d[outer];
-    barrier();
+    a = received_a(outer);
+    b = received_b(outer);
+    e = received_c(outer);
+    w = received_d(outer);
+    rendezvous();
     vec4 up = hasAfter(distance) ? vec4(a.w, e.w, b.w, w) : vec4(0);
     from = timesSymmetric(up, a.xyz);
     d -= symmetricNT(from, up);
@@ -79,13 +79,13 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
   vec3 before0 = vec3(0), before1 = vec3(0);
 #if THREADS > 1
   vec3 folded = symmetricTN(coupling, to_before);
-  exchange_a[me] = vec4(y0 * coupling.x + y1 * coupling.z, folded.x);
-  exchange_b[me] = vec4(y0 * coupling.y + y1 * coupling.w, folded.y);
-  exchange_d[me] = folded.z;
-  barrier();
-  vec4 a = exchange_a[after(1)], b = exchange_b[after(1)];
-  float w = exchange_d[after(1)];
-  barrier();
+  send_a(vec4(y0 * coupling.x + y1 * coupling.z, folded.x));
+  send_b(vec4(y0 * coupling.y + y1 * coupling.w, folded.y));
+  send_d(folded.z);
+  rendezvous();
+  vec4 a = received_a(after(1)), b = received_b(after(1));
+  float w = received_d(after(1));
+  rendezvous();
   if (hasAfter(1)) {
     d -= vec3(a.w, b.w, w);
     f0 -= a.xyz;
@@ -97,12 +97,12 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
   f[2] = f0 * inverse.x + f1 * inverse.y;
   f[3] = f0 * inverse.y + f1 * inverse.z;
 #if THREADS > 1
-  exchange_a[me].xyz = f[2];
-  exchange_b[me].xyz = f[3];
-  barrier();
-  before0 = exchange_a[before(1)].xyz;
-  before1 = exchange_b[before(1)].xyz;
-  barrier();
+  send_a(vec4(f[2], 0));
+  send_b(vec4(f[3], 0));
+  rendezvous();
+  before0 = received_a(before(1)).xyz;
+  before1 = received_b(before(1)).xyz;
+  rendezvous();
   if (!hasBefore(1)) before0 = before1 = vec3(0);
 #endif
   f[0] = y0 - (before0 * to_before.x + before1 * to_before.y) - (f[2] * to_outer.x + f[3] * to_outer.y);
@@ -113,14 +113,14 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
 void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD - 2], vec3 across,
               vec3 x[PER_THREAD], inout vec3 f[PER_THREAD]) {
   vec3 onto_before = x[0] * across.x;
-  exchange_a[me] = vec4(x[2], onto_before.x);
-  exchange_b[me] = vec4(x[3], onto_before.y);
-  exchange_c[me] = vec4(x[0] * across.y + x[1] * across.z, onto_before.z);
-  barrier();
-  vec3 before0 = exchange_a[before(1)].xyz, before1 = exchange_b[before(1)].xyz;
-  vec3 onto0 = vec3(exchange_a[after(1)].w, exchange_b[after(1)].w, exchange_c[after(1)].w);
-  vec3 onto1 = exchange_c[after(1)].xyz;
-  barrier();
+  send_a(vec4(x[2], onto_before.x));
+  send_b(vec4(x[3], onto_before.y));
+  send_c(vec4(x[0] * across.y + x[1] * across.z, onto_before.z));
+  rendezvous();
+  vec3 before0 = received_a(before(1)).xyz, before1 = received_b(before(1)).xyz;
+  vec3 onto0 = vec3(received_a(after(1)).w, received_b(after(1)).w, received_c(after(1)).w);
+  vec3 onto1 = received_c(after(1)).xyz;
+  rendezvous();
   if (hasBefore(1)) {
     f[0] -= before0 * across.x + before1 * across.y;
     f[1] -= before1 * across.z;

@@ -1,13 +1,19 @@
 #version 450
-// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 GROOMED=1 VIOLENT=0 ACCELERATED=0 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 GROOMED=0 VIOLENT=1 ACCELERATED=1 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 GROOMED=1 VIOLENT=1 ACCELERATED=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 GROOMED=0 VIOLENT=0 ACCELERATED=0
+#if SHUFFLED
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#endif
+// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 GROOMED=1 DAMPED=1 VIOLENT=0 SHUFFLED=0 ACCELERATED=0 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 GROOMED=0 DAMPED=0 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 GROOMED=1 DAMPED=1 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 GROOMED=0 DAMPED=0 VIOLENT=0 SHUFFLED=0 ACCELERATED=0
 // One step of strands as inextensible rods, all substeps in one dispatch: core/rod_sweep.inl with the state in registers,
 // four edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
 // become: own slots by elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
 // PINNED: more vertices than the roots are. BODIES: there are some. GROOMED: there is a goal pull, or strands have
 // factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
+// DAMPED: there is internal damping.
 // VIOLENT: what violent motion takes would double the registers of every strand. So a step is two dispatches: 0 does calm
-// strands and marks the others, 1 does the whole step of those that are marked.
+// strands and lists the others, 1 does the whole step of those.
+// SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 #define WORKGROUP 32
 layout(local_size_x = WORKGROUP) in;
 
@@ -80,8 +86,12 @@ vec3 newEdge(int p) { return x_new[p] - (p > 0 ? x_new[max(p - 1, 0)] : x_new_in
 // In which the forces of the edge of slot p act, while x_new are the inertial points. With internal damping, frames and
 // tangents are ahead of the motion by the damping time.
 vec3 forceDirection(int p) {
+#if DAMPED
   float ahead = DAMPING_TIME * settings.per_substep;
   return madd(newEdge(p) - oldEdge(p), -ahead * inverseLength(p), tangent[p]);
+#else
+  return tangent[p];
+#endif
 }
 
 // The kept tension of the edge of slot p, its tangent between the old edge and the inertial one, its frame carried along.
@@ -92,8 +102,12 @@ float predictEdge(int p, vec3 unit_in) {
   vec3 edge = newEdge(p), old = oldEdge(p), advance = edge - old;
   tension[p] = min(keptTension(tension[p], advance * il, bend(p), il, dt2), most_tension);
   float blend = timeBlend(advance * il, old * il - unit_in, bend(p) * il * il * dt2 * weight(p));
-  float ahead = DAMPING_TIME * settings.per_substep;
-  tangent[p] = directionOr(madd(advance, ahead - blend, edge), frameTangent(frame[p]));
+#if DAMPED
+  float ahead = DAMPING_TIME * settings.per_substep - blend;
+#else
+  float ahead = -blend;
+#endif
+  tangent[p] = directionOr(madd(advance, ahead, edge), frameTangent(frame[p]));
   frame[p] = transportTo(frame[p], tangent[p]);
   return blend;
 }
@@ -107,16 +121,20 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
     x_new[p] = inertialPoint(x[p], v[p], KEEP(p), weight(p), vertex, root);
   }
   for (int p = 1; p < PER_THREAD; ++p) blend[p] = predictEdge(p, oldEdge(p - 1) * inverseLength(p - 1));
-  exchange_a[me] = frame[kLast];
   vec3 direction = forceDirection(kLast);
-  exchange_b[me] = vec4(tangent[kLast], direction.x);
-  exchange_c[me] = vec4(oldEdge(kLast) * inverseLength(kLast), direction.y);
-  exchange_d[me] = direction.z;
-  barrier();
-  vec4 frame_in = exchange_a[before(1)];
-  vec4 b = exchange_b[before(1)], c = exchange_c[before(1)];
-  direction_in = vec3(b.w, c.w, exchange_d[before(1)]);
-  barrier();
+  send_a(frame[kLast]);
+  send_b(vec4(tangent[kLast], direction.x));
+  send_c(vec4(oldEdge(kLast) * inverseLength(kLast), direction.y));
+#if DAMPED
+  send_d(direction.z);
+#endif
+  rendezvous();
+  vec4 frame_in = received_a(before(1));
+  vec4 b = received_b(before(1)), c = received_c(before(1));
+#if DAMPED
+  direction_in = vec3(b.w, c.w, received_d(before(1)));
+#endif
+  rendezvous();
   tangent_in = b.xyz;
   vec3 unit_in = c.xyz;
   if (!hasBefore(1)) {
@@ -127,7 +145,8 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
   return frame_in;
 }
 
-// What joints and edges put into the bending matrix; the frames twisted to where the torques balance; then the moments.
+// What joints and edges put into the bending matrix; the frames twisted to where the torques balance; then the moments, and
+// in place of the tangents the directions in which forces act.
 void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   vec3 strain[PER_THREAD];
   float margin[PER_THREAD + 1];
@@ -161,13 +180,13 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   }
   if (!hasBefore(1)) lower[0] = 0.0;
 
-  exchange_a[me].xyz = vec3(stiffness[0], stiffness[1], margin[0]);
-  exchange_b[me] = vec4(tangent[0], own_first);
-  exchange_c[me] = vec4(tangent[1], torque_first);
-  barrier();
-  vec3 a = exchange_a[after(1)].xyz;
-  vec4 b = exchange_b[after(1)], c = exchange_c[after(1)];
-  barrier();
+  send_a(vec4(stiffness[0], stiffness[1], margin[0], 0));
+  send_b(vec4(tangent[0], own_first));
+  send_c(vec4(tangent[1], torque_first));
+  rendezvous();
+  vec3 a = received_a(after(1)).xyz;
+  vec4 b = received_b(after(1)), c = received_c(after(1));
+  rendezvous();
   vec3 tangent_out2 = c.xyz;
   tangent_out = b.xyz;
   if (!hasAfter(1)) {
@@ -182,13 +201,12 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   for (int p = 0; p < PER_THREAD; ++p) {
     float il = inverseLength(p);
     edge_stiffness[p] = edgeMatrixStiffness(margin[p] + margin[p + 1], il, tension[p], blend[p]);
-    int vertex = rank * PER_THREAD + p;
     vec3 t_in2 = p > 0 ? tangent[max(p - 1, 0)] : hasBefore(1) ? tangent_in : tangent[0];
     vec3 t_out = p < kLast ? tangent[min(p + 1, kLast)] : tangent_out;
     vec3 t_out2 = p < kLast - 1 ? tangent[min(p + 2, kLast)] : p < kLast ? tangent_out : tangent_out2;
-    if (vertex + 2 >= edges) t_out2 = t_out;
+    if (isLast(p, 2)) t_out2 = t_out;
     float soft = curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2);
-    softness[p] = vertex + 1 >= edges ? 0.0 : soft;
+    softness[p] = isLast(p, 1) ? 0.0 : soft;
     if (!isEdge(p)) {
       slack[p] = 1.0;
       lower[p] = turn[p] = 0.0;
@@ -204,24 +222,23 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     inner = frame[p] = twistFrame(frame[p], turn[p]);
     turn_in = turn[p];
   }
-  if (settings.damping_time > 0.0) {
-    t_in = hasBefore(1) ? tangent_in : vec3(0);
-    vec3 inner_direction = direction_in;
-    for (int p = 0; p < PER_THREAD; ++p) {
-      vec3 direction = forceDirection(p);
-      moment[p] = turnedBack(moment[p], t_in, inner_direction, tangent[p], direction);
-      t_in = tangent[p];
-      inner_direction = direction;
-    }
+#if DAMPED
+  t_in = hasBefore(1) ? tangent_in : vec3(0);
+  vec3 inner_direction = direction_in;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    vec3 direction = forceDirection(p);
+    moment[p] = turnedBack(moment[p], t_in, inner_direction, tangent[p], direction);
+    t_in = tangent[p];
+    tangent[p] = inner_direction = direction;
   }
+#endif
 }
 
 // What the edge of slot p pushes its outer vertex with (x dt^2, m), while x_new are the inertial points.
 vec3 edgeForce(int p, RootMotion root) {
   const float dt2 = settings.substep * settings.substep;
   float il = inverseLength(p);
-  vec3 direction = forceDirection(p);
-  vec3 pushed = cross(moment[p + 1] - moment[p], direction) * (il * dt2) - direction * tension[p];
+  vec3 pushed = cross(moment[p + 1] - moment[p], tangent[p]) * (il * dt2) - tangent[p] * tension[p];
   if (p == 0 && rank == 0) pushed += root.swing * (stiffness[0] * il);
   return pushed;
 }
@@ -229,12 +246,12 @@ vec3 edgeForce(int p, RootMotion root) {
 void makeBending(RootMotion root) {
   vec3 force_out;
   force[0] = edgeForce(0, root);
-  exchange_a[me] = vec4(force[0], edge_stiffness[0]);
-  exchange_b[me].xyz = moment[0];
-  barrier();
-  vec4 a = exchange_a[after(1)];
-  vec3 b = exchange_b[after(1)].xyz;
-  barrier();
+  send_a(vec4(force[0], edge_stiffness[0]));
+  send_b(vec4(moment[0], 0));
+  rendezvous();
+  vec4 a = received_a(after(1));
+  vec3 b = received_b(after(1)).xyz;
+  rendezvous();
   if (!hasAfter(1)) {
     a = vec4(0);
     b = vec3(0);
@@ -346,6 +363,8 @@ void collide(float time, vec3 moved[PER_THREAD]) {
   }
 }
 
+shared vec3 last_placed[WORKGROUP];
+
 // The places of the slots' vertices, held to the side of the bodies that they were on: where one is too deep, its strand is
 // placed anew from the root, one vertex after another. `checked`: where contact left them, `direction`: of their edges.
 // Returns the place of the vertex before slot 0.
@@ -361,10 +380,10 @@ vec3 keepOut(RootMotion root, float time, vec3 checked[PER_THREAD], vec3 directi
   for (int at = -1; at < THREADS; ++at) {  // first all look, then one invocation after another places
     vec3 inner = root.position;
     if (at >= 0) {
-      exchange_a[me].xyz = placed[kLast];
+      last_placed[me] = placed[kLast];
       barrier();
       if (any_noted == 0u) return start;  // the same for the whole workgroup
-      if (hasBefore(1)) inner = exchange_a[before(1)].xyz;
+      if (hasBefore(1)) inner = last_placed[before(1)];
       barrier();
       if (rank != at || !isNoted()) continue;
       start = inner;
@@ -418,27 +437,26 @@ void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD],
   }
 }
 
-// The pulls of one Newton step towards the rest lengths. Returns whether they are violent for this strand.
-bool solveLengths(RootMotion root) {
+// The pulls of one Newton step towards the rest lengths.
+void solveLengths(RootMotion root) {
   for (int p = 1; p < PER_THREAD; ++p) tangent[p] = directionOr(x_new[p] - x_new[p - 1], tangent[p]);
-  forgetNoted();
-  exchange_a[me] = vec4(x_new[kLast], softness[kLast]);
-  exchange_b[me] = vec4(tangent[kLast], x_new[0].x);
+  send_a(vec4(x_new[kLast], softness[kLast]));
+  send_b(vec4(tangent[kLast], x_new[0].x));
 #if BODIES
-  exchange_c[me] = vec4(normals[kLast], x_new[0].y);
+  send_c(vec4(normals[kLast], x_new[0].y));
 #else
-  exchange_c[me].w = x_new[0].y;
+  send_c(vec4(0, 0, 0, x_new[0].y));
 #endif
-  exchange_d[me] = x_new[0].z;
-  barrier();
-  x_new_in = exchange_a[before(1)].xyz;
-  softness_in = exchange_a[before(1)].w;
-  tangent_in = exchange_b[before(1)].xyz;
+  send_d(x_new[0].z);
+  rendezvous();
+  x_new_in = received_a(before(1)).xyz;
+  softness_in = received_a(before(1)).w;
+  tangent_in = received_b(before(1)).xyz;
 #if BODIES
-  normal_in = exchange_c[before(1)].xyz;
+  normal_in = received_c(before(1)).xyz;
 #endif
-  vec3 x_new_out = vec3(exchange_b[after(1)].w, exchange_c[after(1)].w, exchange_d[after(1)]);
-  barrier();
+  vec3 x_new_out = vec3(received_b(after(1)).w, received_c(after(1)).w, received_d(after(1)));
+  rendezvous();
   if (!hasBefore(1)) {
     x_new_in = root.position;
     softness_in = 0.0;
@@ -453,18 +471,21 @@ bool solveLengths(RootMotion root) {
   lengthRows(slack, lower, pivot, pull);
   diagonalToSlack(slack, lower);
   pull_in = solveTridiagonal(slack, lower, pivot, pull);
+  send_d(pull[0]);
+  rendezvous();
+  pull_out = received_d(after(1));
+  rendezvous();
+  if (!hasAfter(1)) pull_out = 0.0;
+}
+
+// How violent the most violent of this invocation's pulls is.
+float mostViolence() {
   float most = 0.0, w_in = hasBefore(1) ? weight_in : 0.0;
   for (int p = 0; p < PER_THREAD; ++p) {
     if (isEdge(p)) most = max(most, violence(pull[p], w_in, weight(p), inverseLength(p)));
     w_in = weight(p);
   }
-  if (isViolent(most)) noteStrand();
-  exchange_d[me] = pull[0];
-  barrier();
-  pull_out = hasAfter(1) ? exchange_d[after(1)] : 0.0;
-  bool violent = isNoted();
-  barrier();
-  return violent;
+  return most;
 }
 
 // What the pulls push the vertex of slot p with, where it gives way with this softness.
@@ -473,18 +494,20 @@ vec3 pushOn(int p, float soft) {
   return pushOfPulls(tangent[p], pull[p], t_out, p < kLast ? pull[min(p + 1, kLast)] : pull_out, NORMAL(p), soft);
 }
 
-#if VIOLENT
-shared uint any_strand;
+// Whether the pulls of any invocation of the strand are.
+bool isViolentStrand(float most) { return strandSum(isViolent(most) ? 1.0 : 0.0) > 0.0; }
 
-// Whether this holds for any strand of the workgroup.
+#if VIOLENT
+// Whether this, which all invocations of a strand agree on, holds for any strand of the workgroup.
 bool anyStrand(bool own) {
-  if (me == 0u) any_strand = 0u;
-  barrier();
-  if (own) any_strand = 1u;
-  barrier();
-  bool any = any_strand != 0u;
-  barrier();
-  return any;
+  float strands = own ? 1.0 : 0.0;
+  for (uint distance = uint(THREADS); distance < uint(WORKGROUP); distance *= 2u) {
+    send_d(strands);
+    rendezvous();
+    strands += received_d(me ^ distance);
+    rendezvous();
+  }
+  return strands > 0.0;
 }
 
 // The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the second
@@ -507,18 +530,20 @@ void pullThroughBending(bool violent) {
   float kept = 0.0;  // of the last direction
   for (int iteration = 1; iteration <= kPullIterations; ++iteration) {
     for (int p = 0; p < PER_THREAD; ++p) pull[p] = conjugate[p] = madd(conjugate[p], kept, pull[p]);
-    exchange_d[me] = pull[0];
-    barrier();
-    pull_out = hasAfter(1) ? exchange_d[after(1)] : 0.0;
-    barrier();
+    send_d(pull[0]);
+    rendezvous();
+    pull_out = received_d(after(1));
+    rendezvous();
+    if (!hasAfter(1)) pull_out = 0.0;
     for (int p = 0; p < PER_THREAD; ++p) force[p] = isEdge(p) && weight(p) > 0.0 ? pushOn(p, 0.0) : vec3(0);
     vec3 moved[PER_THREAD];
     solveBending(moved);
     for (int p = 0; p < PER_THREAD; ++p) moved[p] = weight(p) > 0.0 ? alongSurface(moved[p], NORMAL(p)) : vec3(0);
-    exchange_a[me].xyz = moved[kLast];
-    barrier();
-    vec3 moved_in = hasBefore(1) ? exchange_a[before(1)].xyz : vec3(0);
-    barrier();
+    send_a(vec4(moved[kLast], 0));
+    rendezvous();
+    vec3 moved_in = received_a(before(1)).xyz;
+    if (!hasBefore(1)) moved_in = vec3(0);
+    rendezvous();
     float shortened[PER_THREAD];
     float curvature = 0.0;
     for (int p = 0; p < PER_THREAD; ++p) {
@@ -586,20 +611,20 @@ void finish(RootMotion root, float time, vec3 checked[PER_THREAD]) {
 #if THREADS > 1
   for (int doubling = 0; doubling < kDoublings; ++doubling) {
     int distance = 1 << doubling;
-    exchange_a[me] = vec4(sum, fixed_here ? 1 : 0);
-    barrier();
-    vec4 other = exchange_a[before(distance)];
-    barrier();
+    send_a(vec4(sum, fixed_here ? 1 : 0));
+    rendezvous();
+    vec4 other = received_a(before(distance));
+    rendezvous();
     if (hasBefore(distance) && !fixed_here) {
       sum += other.xyz;
       fixed_here = other.w > 0.5;
     }
   }
 #if PINNED
-  exchange_a[me].xyz = sum;
-  barrier();
-  offset = exchange_a[before(1)].xyz;
-  barrier();
+  send_a(vec4(sum, 0));
+  rendezvous();
+  offset = received_a(before(1)).xyz;
+  rendezvous();
   if (!hasBefore(1)) offset = vec3(0);
 #else
   offset = sum - along[kLast];
@@ -619,19 +644,40 @@ void finish(RootMotion root, float time, vec3 checked[PER_THREAD]) {
   }
 }
 
-void main() {
-  loadStrand();
 #if BODIES
+void loadContacts() {
   for (int p = 0; p < PER_THREAD; ++p)
     pressing[p] = contacts[root_vertex + uint(min(rank * PER_THREAD + p, edges - 1)) + 1u].xyz *
                   (settings.substep * settings.substep);
+}
 #endif
-#if VIOLENT
-  const bool wanted = exists && positions[root_vertex].w != 0.0;
-  if (!anyStrand(wanted)) return;
-#else
-  bool ever_violent = false;
+
+void store() {
+  storeStrand();
+#if BODIES
+  for (int p = 0; p < PER_THREAD; ++p)
+    if (isEdge(p))
+      contacts[root_vertex + uint(rank * PER_THREAD + p) + 1u] =
+          vec4(pressing[p] * (settings.per_substep * settings.per_substep), 0);
 #endif
+}
+
+#if !VIOLENT
+// Lists the strand for the dispatch of the violent ones, which gets a workgroup more for every kStrands of them.
+void listViolent() {
+  uint at = atomicAdd(work[violent_dispatch + 3u], 1u);
+  work[violent_list + at] = strand;
+  if (at % kStrands == 0u && at / kStrands < kMostWorkgroups) atomicAdd(work[violent_dispatch], 1u);
+}
+#endif
+
+// The step of kStrands strands, from number `first` of the `count` that stand in work[] from `list` on.
+void stepStrands(uint list, uint first, uint count) {
+  loadStrand(list, first, count);
+#if BODIES
+  loadContacts();
+#endif
+  float most = 0.0;  // violence of this invocation yet
   for (int substep = 0; substep < int(settings.substeps); ++substep) {
     int ahead = substep % THREADS;
     if (ahead == 0) placeRoots(substep);
@@ -643,41 +689,44 @@ void main() {
 #if BODIES
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
 #endif
-    bool violent;
-    for (int iteration = 0; iteration < 2; ++iteration) {
-      vec3 by_forces[PER_THREAD];
-      if (iteration == 0) {
-        moveByForces(by_forces);
-      } else {
-#if VIOLENT
-        if (anyStrand(violent)) pullThroughBending(violent);
-#else
-        ever_violent = ever_violent || violent;
-#endif
-        moveByPulls();
-        for (int p = 0; p < PER_THREAD; ++p) by_forces[p] = vec3(0);
-      }
+    vec3 by_forces[PER_THREAD];
+    moveByForces(by_forces);
 #if BODIES
-      collide(timeAfter(substep), by_forces);
+    collide(timeAfter(substep), by_forces);
+    for (int p = 0; p < PER_THREAD; ++p) by_forces[p] = vec3(0);
 #endif
-      violent = solveLengths(root);
-    }
+    solveLengths(root);
+#if VIOLENT
+    bool violent = isViolentStrand(mostViolence());
+    if (anyStrand(violent)) pullThroughBending(violent);
+#else
+    most = max(most, mostViolence());
+#endif
+    moveByPulls();
+#if BODIES
+    collide(timeAfter(substep), by_forces);
+#endif
+    solveLengths(root);
     vec3 checked[PER_THREAD] = x_new;
     moveByPulls();
     finish(root, timeAfter(substep), checked);
   }
 #if VIOLENT
-  const bool done = wanted;
+  if (exists) store();
 #else
-  if (exists && rank == 0) positions[root_vertex].w = ever_violent ? 1.0 : 0.0;  // the mark
-  const bool done = exists && !ever_violent;
+  bool violent = isViolentStrand(most);
+  if (exists && !violent) store();
+  if (exists && violent && rank == 0) listViolent();
 #endif
-  if (!done) return;
-  storeStrand();
-#if BODIES
-  for (int p = 0; p < PER_THREAD; ++p)
-    if (isEdge(p))
-      contacts[root_vertex + uint(rank * PER_THREAD + p) + 1u] =
-          vec4(pressing[p] * (settings.per_substep * settings.per_substep), 0);
+}
+
+void main() {
+#if VIOLENT
+  const uint count = work[violent_dispatch + 3u];
+  for (uint first = gl_WorkGroupID.x * kStrands; first < count; first += gl_NumWorkGroups.x * kStrands)
+    stepStrands(violent_list, first, count);
+#else
+  uint workgroup = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  stepStrands(first_strand, workgroup * kStrands, strands_in_group);
 #endif
 }

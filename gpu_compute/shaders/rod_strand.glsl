@@ -2,10 +2,12 @@
 // edge and the vertex at the edge's end with the number PER_THREAD rank + p. Slots past the strand's last edge are padding:
 // they repeat its tip, without length and stiffness. Needs strand_threads.glsl, step_input.glsl and kernels/rod.h.
 
-layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here, of a root: see VIOLENT
+layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz; w: rest distance from bodies, m
 layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
-layout(std430, binding = 5) readonly buffer Order { uint order[]; };          // strands by group
+// Strands by group; for each group 4 numbers for its dispatch of violent strands: workgroups in x, y, z, and how many
+// strands; their lists, which start where the groups do.
+layout(std430, binding = 5) buffer Work { uint work[]; };
 layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // of the edge that starts at the vertex
 layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // rest strain, bend
 layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };     // length, twist; mass, weight of its end
@@ -18,8 +20,13 @@ struct StrandRest {      // gpu_compute/rod_strands.cc
   float arc_length;      // m
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
-layout(location = 0) uniform uint first_strand;  // of this group, in order[]
+// Of this group; places in work[].
+layout(location = 0) uniform uint first_strand;
 layout(location = 1) uniform uint strands_in_group;
+layout(location = 2) uniform uint violent_dispatch;
+layout(location = 3) uniform uint violent_list;
+const uint kStrands = uint(WORKGROUP / THREADS);  // of a workgroup
+const uint kMostWorkgroups = 65535u;              // in x, that every driver takes
 
 uint strand, root_vertex;
 StrandRest rest;
@@ -44,6 +51,15 @@ bool isEdge(int p) {
   return p < EDGES - (THREADS - 1) * PER_THREAD || hasAfter(1);  // padding is in the last invocation only
 #else
   return rank * PER_THREAD + p < edges;
+#endif
+}
+
+// Whether the edge of slot p is one of the last `count` (1 or 2) of its strand, or padding.
+bool isLast(int p, int count) {
+#if EDGES > (THREADS - 1) * PER_THREAD + 2
+  return p >= EDGES - count - (THREADS - 1) * PER_THREAD && !hasAfter(1);  // they are in the last invocation only
+#else
+  return rank * PER_THREAD + p + count >= edges;
 #endif
 }
 
@@ -89,8 +105,15 @@ const float weight_in = 1.0;
 float restLength(int p) { return isEdge(p) ? rest.edge_length : 0.0; }
 float inverseLength(int p) { return rest.inverse_length; }
 float twist(int p) { return bends[p] * rest.twist_per_bend; }
+#if EDGES > 0
+float tip_mass, tip_weight;  // of the slot that is the strand's tip in the last invocation that has edges
+const int kTip = (EDGES - 1) % PER_THREAD;
+float mass(int p) { return p == kTip ? tip_mass : 1.0; }
+float weight(int p) { return p == kTip ? tip_weight : 1.0; }
+#else
 float mass(int p) { return isTip(p) ? 0.5 : 1.0; }
 float weight(int p) { return isTip(p) ? 2.0 : 1.0; }
+#endif
 float inverseLengthIn() { return rest.inverse_length; }
 float inverseLengthOut() { return rest.inverse_length; }
 #else
@@ -109,19 +132,22 @@ float inverseLengthOut() { return inverse_length_out; }
 #endif
 float bend(int p) { return bends[p]; }
 
-void loadStrand() {
-  me = gl_LocalInvocationID.x;
-  rank = int(me) % THREADS;
-  uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-  uint slot = group * uint(WORKGROUP / THREADS) + me / uint(THREADS);
-  exists = slot < strands_in_group;
-  strand = order[first_strand + min(slot, strands_in_group - 1u)];
+// The strand of this invocation; arguments: see stepStrands.
+void loadStrand(uint list, uint first, uint count) {
+  placeInvocation();
+  uint number = first + me / uint(THREADS);
+  exists = number < count;
+  strand = work[list + min(number, count - 1u)];
+  root_vertex = offsets[strand];
   rest = strand_rest[strand];
   most_tension =
       tensionBound(rest.free_mass, rest.arc_length, length(settings.gravity.xyz), settings.substep * settings.substep);
-  root_vertex = offsets[strand];
 #if EDGES == 0
   edges = int(offsets[strand + 1u] - root_vertex) - 1;
+#endif
+#if UNIFORM && EDGES > 0
+  tip_mass = isTip(kTip) ? 0.5 : 1.0;
+  tip_weight = isTip(kTip) ? 2.0 : 1.0;
 #endif
   for (int p = 0; p < PER_THREAD; ++p) {
     uint at = root_vertex + uint(min(rank * PER_THREAD + p, edges - 1));

@@ -23,6 +23,7 @@ float timeAfter(int substep) { return float(substep + 1) / float(settings.subste
 
 // For the substeps from `first` on.
 void placeRoots(int first) {
+  barrier();  // nobody reads those before any more
   int substep = first + rank;
   if (substep < int(settings.substeps)) {
     Pose begin = rootPose(strand), end = rootPose(settings.strand_count + strand);

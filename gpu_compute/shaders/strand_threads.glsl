@@ -1,24 +1,79 @@
-// A strand spread over THREADS neighbouring invocations of a workgroup, PER_THREAD edges each, and the memory through which
-// they pass values: write own entry, barrier, read a neighbour's, barrier. With one bank of memory and 32 invocations the
-// second barrier costs less than a second bank would: on NVIDIA a GL program gets some 64 KB of shared memory per
-// multiprocessor, so 4 KB per 32 invocations is what the whole shader may use before fewer of them run at once.
+// A strand spread over THREADS neighbouring invocations of a workgroup, PER_THREAD edges each, and how they pass values: send
+// own ones, rendezvous, receive those of another, rendezvous. All must do so together, and receive outside of conditions.
+// SHUFFLED: from register to register. Else through shared memory: with one bank of it and 32 invocations the second barrier
+// costs less than a second bank would. On NVIDIA a GL program gets some 64 KB of it per multiprocessor, so 4 KB per 32
+// invocations is what the whole shader may use before fewer of them run at once.
 #define PER_THREAD 4
 const int kLast = PER_THREAD - 1;
 
 uint me;   // this invocation in its workgroup
 int rank;  // and in its strand, from the root
 
+#if SHUFFLED
+vec4 sent_a, sent_b, sent_c;
+float sent_d;
+void send_a(vec4 value) { sent_a = value; }
+void send_b(vec4 value) { sent_b = value; }
+void send_c(vec4 value) { sent_c = value; }
+void send_d(float value) { sent_d = value; }
+vec4 received_a(uint from) { return subgroupShuffle(sent_a, from); }
+vec4 received_b(uint from) { return subgroupShuffle(sent_b, from); }
+vec4 received_c(uint from) { return subgroupShuffle(sent_c, from); }
+float received_d(uint from) { return subgroupShuffle(sent_d, from); }
+void rendezvous() {}
+#else
 shared vec4 exchange_a[WORKGROUP];
 shared vec4 exchange_b[WORKGROUP];
 shared vec4 exchange_c[WORKGROUP];
 shared float exchange_d[WORKGROUP];
+void send_a(vec4 value) { exchange_a[me] = value; }
+void send_b(vec4 value) { exchange_b[me] = value; }
+void send_c(vec4 value) { exchange_c[me] = value; }
+void send_d(float value) { exchange_d[me] = value; }
+// Through global variables: a local one that is used once Mesa may move, and with it the read, past the rendezvous after it
+// (opt_tree_grafting), where it reads what others send next.
+vec4 got_a, got_b, got_c;
+float got_d;
+vec4 received_a(uint from) {
+  got_a = exchange_a[from];
+  return got_a;
+}
+vec4 received_b(uint from) {
+  got_b = exchange_b[from];
+  return got_b;
+}
+vec4 received_c(uint from) {
+  got_c = exchange_c[from];
+  return got_c;
+}
+float received_d(uint from) {
+  got_d = exchange_d[from];
+  return got_d;
+}
+void rendezvous() { barrier(); }
+#endif
 
 // Neighbours towards the root and the tip. Past the ends of the strand it is this invocation itself, so that nothing, not
 // even a NaN, is ever read from another strand; callers select what holds there.
-uint before(int distance) { return rank >= distance ? me - uint(distance) : me; }
-uint after(int distance) { return rank + distance < THREADS ? me + uint(distance) : me; }
-bool hasBefore(int distance) { return rank >= distance; }
-bool hasAfter(int distance) { return rank + distance < THREADS; }
+uint rootward, tipward;  // those at distance 1, which are wanted most
+bool has_rootward, has_tipward;
+uint before(int distance) { return distance == 1 ? rootward : rank >= distance ? me - uint(distance) : me; }
+uint after(int distance) { return distance == 1 ? tipward : rank + distance < THREADS ? me + uint(distance) : me; }
+bool hasBefore(int distance) { return distance == 1 ? has_rootward : rank >= distance; }
+bool hasAfter(int distance) { return distance == 1 ? has_tipward : rank + distance < THREADS; }
+
+void placeInvocation() {
+#if SHUFFLED
+  me = gl_SubgroupInvocationID;
+#else
+  me = gl_LocalInvocationID.x;
+#endif
+  rank = int(me) % THREADS;
+  has_rootward = rank >= 1;
+  has_tipward = rank + 1 < THREADS;
+  rootward = has_rootward ? me - 1u : me;
+  tipward = has_tipward ? me + 1u : me;
+}
 
 // Doublings from 1 to THREADS.
 #if THREADS == 1
@@ -48,10 +103,10 @@ bool isNoted() { return noted[me - uint(rank)] != 0u; }
 // The sum over the strand's invocations, the same bits in each of them.
 float strandSum(float value) {
   for (int doubling = 0; doubling < kDoublings; ++doubling) {
-    exchange_d[me] = value;
-    barrier();
-    value += exchange_d[me ^ (1u << doubling)];
-    barrier();
+    send_d(value);
+    rendezvous();
+    value += received_d(me ^ (1u << doubling));
+    rendezvous();
   }
   return value;
 }

@@ -35,10 +35,10 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
   solved /= max(slack + abs(coupling), pivot[kLast]);
 #else
   const float least = 0.1 * pivot[kLast];
-  exchange_a[me] = vec4(slack_before - abs(lower[0]), value_before, coupling, 0);
-  barrier();
-  vec3 folded = exchange_a[after(1)].xyz;
-  barrier();
+  send_a(vec4(slack_before - abs(lower[0]), value_before, coupling, 0));
+  rendezvous();
+  vec3 folded = received_a(after(1)).xyz;
+  rendezvous();
   if (!hasAfter(1)) folded = vec3(0);
   slack += folded.x;
   solved += folded.y;
@@ -46,12 +46,12 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
   for (int doubling = 0; doubling < kDoublings; ++doubling) {
     int distance = 1 << doubling;
     float inverse = 1.0 / max(slack + abs(coupling) + abs(up), least);
-    exchange_a[me] = vec4(coupling, up, inverse, solved);
-    exchange_d[me] = slack * inverse;
-    barrier();
-    vec4 inner = exchange_a[before(distance)], outer = exchange_a[after(distance)];
-    float inner_slack = exchange_d[before(distance)], outer_slack = exchange_d[after(distance)];
-    barrier();
+    send_a(vec4(coupling, up, inverse, solved));
+    send_d(slack * inverse);
+    rendezvous();
+    vec4 inner = received_a(before(distance)), outer = received_a(after(distance));
+    float inner_slack = received_d(before(distance)), outer_slack = received_d(after(distance));
+    rendezvous();
     float from_inner = coupling * inner.z, from_outer = up * outer.z;
     slack += abs(coupling) * inner_slack + abs(up) * outer_slack;
     solved -= from_inner * inner.w + from_outer * outer.w;
@@ -59,10 +59,10 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
     up = -from_outer * outer.y;
   }
   solved /= max(slack, least);
-  exchange_d[me] = solved;
-  barrier();
-  solved_before = exchange_d[before(1)];
-  barrier();
+  send_d(solved);
+  rendezvous();
+  solved_before = received_d(before(1));
+  rendezvous();
   if (!hasBefore(1)) solved_before = 0.0;
 #endif
   value[kLast] = solved;
