@@ -53,20 +53,6 @@ TEST(Suites, TheRodPassesTheCantileverAtEveryWeight) {
     }
 }
 
-// Friction, rest and energy; what takes longer is left to `strandcast validate contact`.
-TEST(Suites, TheRodPassesContact) {
-  for (const char* only : {"slope", "capstan", "energy", "dropped on a sphere"})
-    for (const Case& c : runSuite(validationSuite("contact"), reference(SolverKind::kRod), only)) {
-      EXPECT_TRUE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
-    }
-}
-
-TEST(Suites, NoStrandPassesThroughAFastPlate) {
-  for (const Case& c : runSuite(validationSuite("tunnel"), reference(SolverKind::kRod), "tilt=0")) {
-    EXPECT_EQ(c.measured, 0) << c.name;
-  }
-}
-
 // The suite must tell a wrong answer from a right one: the other solver sags as its sweeps have it.
 TEST(Suites, GaussSeidelFailsTheCantilever) {
   const std::vector<Case> cases =
