@@ -11,6 +11,7 @@
 
 #include "apps/scene_simulation.h"
 #include "core/error.h"
+#include "transport/answers.h"
 
 namespace strandcast {
 namespace {
@@ -122,14 +123,9 @@ void Daemon::apply(const Command& command) {
 }
 
 void Daemon::obey(const Command& command) {
-  status_.last_command = command.id;
-  status_.last_command_error.clear();
-  try {
-    apply(command);
-  } catch (const Error& error) {
-    status_.last_command_error = error.what();
-    spdlog::warn("refused: {}", error.what());
-  }
+  answerCommand(
+      command, [&] { apply(command); }, status_);
+  if (!status_.last_command_error.empty()) spdlog::warn("refused: {}", status_.last_command_error);
   publisher_.publishStatus(status_);  // the answer; its measured numbers are those of the last look
 }
 

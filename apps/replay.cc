@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "core/error.h"
+#include "transport/answers.h"
 #include "transport/frame_queue.h"
 
 namespace strandcast {
@@ -73,13 +74,8 @@ void Replay::apply(const Command& command) {
 }
 
 void Replay::obey(const Command& command) {
-  status_.last_command = command.id;
-  status_.last_command_error.clear();
-  try {
-    apply(command);
-  } catch (const Error& error) {
-    status_.last_command_error = error.what();
-  }
+  answerCommand(
+      command, [&] { apply(command); }, status_);
   publisher_.publishStatus(status_);
 }
 

@@ -21,8 +21,8 @@ class Fence {
   GLsync sync_ = nullptr;
 };
 
-/// What a step is told (settings, bodies, lists of near bodies, roots, bones): the CPU writes the next while the GPU still copies
-/// the last to its own memory, from which the shaders read it.
+/// What a step is told (settings, bodies, lists of near bodies, roots, bones): the CPU writes the next while
+/// the GPU still copies the last to its own memory, from which the shaders read it.
 class UploadRing {
  public:
   /// What differs from step to step.

@@ -165,25 +165,24 @@ void RodStrands::step(const Needs& needs, ProgramCache& programs) {
                             static_cast<GLsizeiptr>(groups.size() * sizeof(kNobody)), GL_RGBA_INTEGER,
                             GL_UNSIGNED_INT, kNobody.data());
   for (size_t g = 0; g < groups.size(); ++g) {
-    mine.calm[g]->use();
-    placeWork(g);
+    placeWork(*mine.calm[g], g);
     dispatch(*mine.calm[g], groups[g], kWorkgroup / threadsOf(groups[g].key));
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
   for (size_t g = 0; g < groups.size(); ++g) {
+    placeWork(*mine.violent[g], g);
     mine.violent[g]->use();
-    placeWork(g);
     glDispatchComputeIndirect(static_cast<GLintptr>(dispatchAt(g) * sizeof(uint32_t)));
   }
 }
 
 size_t RodStrands::dispatchAt(size_t group) const { return (groups_.order().size() + 3) / 4 * 4 + 4 * group; }
 
-void RodStrands::placeWork(size_t group) const {
+void RodStrands::placeWork(const gl::Program& program, size_t group) const {
   const size_t lists = dispatchAt(groups_.groups().size());
-  glUniform1ui(2, static_cast<GLuint>(dispatchAt(group)));
-  glUniform1ui(3, static_cast<GLuint>(lists + groups_.groups()[group].first));
+  glProgramUniform1ui(program.id(), 2, static_cast<GLuint>(dispatchAt(group)));
+  glProgramUniform1ui(program.id(), 3, static_cast<GLuint>(lists + groups_.groups()[group].first));
 }
 
 }  // namespace strandcast::gpu

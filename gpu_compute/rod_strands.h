@@ -26,7 +26,8 @@ class RodStrands {
   using GroupPrograms = std::vector<const gl::Program*>;
   GroupPrograms compile(const Needs& needs, bool violent, ProgramCache& programs) const;
   size_t dispatchAt(size_t group) const;  ///< in work_, in 4 bytes: of its violent strands
-  void placeWork(size_t group) const;
+  /// Tells the program where in work_ the group's violent strands go.
+  void placeWork(const gl::Program& program, size_t group) const;
 
   StrandGroups groups_;             ///< key: see rod_strands.cc
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ

@@ -7,9 +7,22 @@
 #include <optional>
 #include <string>
 
+#include "core/error.h"
 #include "transport/messages.h"
 
 namespace strandcast {
+
+/// Carries out a command by `apply`, which throws Error where it refuses, and answers it in `status`.
+template <class Apply>
+void answerCommand(const Command& command, const Apply& apply, Status& status) {
+  status.last_command = command.id;
+  status.last_command_error.clear();
+  try {
+    apply();
+  } catch (const Error& error) {
+    status.last_command_error = error.what();
+  }
+}
 
 /// What daemons answered to the newest commands: kept when their next status, or their end, comes before
 /// anyone has looked. Thread-safe.

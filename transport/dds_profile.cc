@@ -1,6 +1,6 @@
 #include <array>
 
-#include "core/error.h"
+#include "core/named_entry.h"
 #include "transport/dds.h"
 
 namespace strandcast {
@@ -18,12 +18,7 @@ constexpr std::array<DdsProfileInfo, 3> kProfiles = {{
 std::span<const DdsProfileInfo> ddsProfileList() { return kProfiles; }
 
 DdsProfile ddsProfileNamed(const std::string& name, const std::string& where) {
-  std::string names;
-  for (const DdsProfileInfo& info : kProfiles) {
-    if (name == info.name) return info.profile;
-    names += (names.empty() ? "" : ", ") + std::string(info.name);
-  }
-  throw Error("unknown profile '" + name + "'", where, "choose one of " + names);
+  return namedEntry(kProfiles, "profile", name, where).profile;
 }
 
 }  // namespace strandcast

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/error.h"
+#include "core/named_entry.h"
 
 namespace strandcast {
 namespace {
@@ -30,12 +31,7 @@ const char* nameOf(Codec codec) {
 }
 
 Codec codecNamed(const std::string& name, const std::string& where) {
-  std::string names;
-  for (const CodecInfo& info : kCodecs) {
-    if (name == info.name) return info.codec;
-    names += (names.empty() ? "" : ", ") + std::string(info.name);
-  }
-  throw Error("unknown codec '" + name + "'", where, "choose one of " + names);
+  return namedEntry(kCodecs, "codec", name, where).codec;
 }
 
 void checkCodecOptions(const CodecOptions& options, const std::string& where) {
