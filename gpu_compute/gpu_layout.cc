@@ -23,7 +23,7 @@ Settings settingsOf(const StepInput& input) {
   s.goal_rate = p.goal_rate;
   s.substeps = static_cast<uint32_t>(p.substeps);
   s.iterations = static_cast<uint32_t>(p.iterations);
-  s.primitive_count = static_cast<uint32_t>(input.primitives.size());
+  s.body_count = static_cast<uint32_t>(input.primitives.size());
   s.strand_count = static_cast<uint32_t>(input.roots_begin.size());
   s.bone_count = static_cast<uint32_t>(input.bones_begin.size());
   s.neighbourhoods = input.near != nullptr ? static_cast<uint32_t>(input.near->offsets.size()) - 1 : 0;

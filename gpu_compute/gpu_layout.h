@@ -20,7 +20,7 @@ struct Settings {
   float goal_rate;     ///< 1/s
   uint32_t substeps;
   uint32_t iterations;
-  uint32_t primitive_count;
+  uint32_t body_count;
   uint32_t strand_count;
   uint32_t bone_count;
   uint32_t neighbourhoods;

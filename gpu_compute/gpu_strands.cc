@@ -11,7 +11,7 @@ namespace strandcast::gpu {
 namespace {
 
 // What a step may bring before the ring is made anew, larger.
-constexpr UploadRing::Counts kFirstCounts = {256, 4096};
+constexpr UploadRing::Counts kFirstCounts = {512, 4096};
 
 using Vec4 = std::array<float, 4>;
 
@@ -69,6 +69,10 @@ void checkFits(size_t vertices) {
     throw Error(fmt::format("{} vertices are too many for this GPU's buffers", vertices),
                 reinterpret_cast<const char*>(glGetString(GL_RENDERER)),
                 "use fewer strands or --backend simd");
+}
+
+bool turns(const MovingPrimitive& body) {
+  return body.kind >= static_cast<uint32_t>(PrimitiveKind::kEllipsoid);
 }
 
 void discardErrors() {
@@ -181,11 +185,11 @@ void GpuStrands::step(const StepInput& input) {
   uploaded_.clear();
   if (vertices_ == 0) return;
   const UploadRing::Counts wanted = UploadRing::countsOf(input), has = uploads_->capacity();
-  if (wanted.primitives > has.primitives || wanted.near > has.near) {  // more than ever before
+  if (wanted.bodies > has.bodies || wanted.near > has.near) {  // more than ever before
     glFinish();
-    uploads_.emplace(strands_, bones_,
-                     UploadRing::Counts{std::max(has.primitives, 2 * wanted.primitives),
-                                        std::max(has.near, 2 * wanted.near)});
+    uploads_.emplace(
+        strands_, bones_,
+        UploadRing::Counts{std::max(has.bodies, 2 * wanted.bodies), std::max(has.near, 2 * wanted.near)});
   }
   takeShapes(input.shapes);
   uploads_->write(input);
@@ -201,7 +205,12 @@ void GpuStrands::step(const StepInput& input) {
   pressed_ = pressing;
   timer_.begin();
   if (rod)
-    rod_.step({!input.primitives.empty(), goal, accelerated, input.parameters->damping_time > 0}, programs_);
+    rod_.step({.bodies = !input.primitives.empty(),
+               .turning = std::any_of(input.primitives.begin(), input.primitives.end(), turns),
+               .goal = goal,
+               .accelerated = accelerated,
+               .damping = input.parameters->damping_time > 0},
+              programs_);
   else
     gauss_seidel_.step(groomed_ || goal, accelerated, programs_);
   timer_.end();

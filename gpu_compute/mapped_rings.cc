@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "gpu_compute/placed_bodies.h"
 
 namespace strandcast::gpu {
 namespace {
@@ -42,14 +43,14 @@ void Fence::wait() {
 }
 
 UploadRing::Counts UploadRing::countsOf(const StepInput& input) {
-  return {input.primitives.size(),
+  return {input.primitives.size() * static_cast<size_t>(input.parameters->substeps),
           input.near != nullptr ? input.near->offsets.size() + input.near->bodies.size() : 0};
 }
 
 UploadRing::UploadRing(size_t strands, size_t bones, const Counts& capacity)
     : capacity_(capacity),
-      primitives_at_(aligned(sizeof(Settings))),
-      near_at_(primitives_at_ + aligned(std::max<size_t>(capacity.primitives, 1) * sizeof(MovingPrimitive))),
+      bodies_at_(aligned(sizeof(Settings))),
+      near_at_(bodies_at_ + aligned(std::max<size_t>(capacity.bodies, 1) * sizeof(PlacedBody))),
       roots_at_(near_at_ + aligned(std::max<size_t>(capacity.near, 1) * sizeof(uint32_t))),
       roots_bytes_(2 * strands * sizeof(Pose)),
       bones_bytes_(2 * bones * sizeof(Pose)),
@@ -66,8 +67,7 @@ void UploadRing::write(const StepInput& input) {
   char* memory = memory_[slot_];
   const Settings settings = settingsOf(input);
   std::memcpy(memory, &settings, sizeof settings);
-  if (!input.primitives.empty())
-    std::memcpy(memory + primitives_at_, input.primitives.data(), input.primitives.size_bytes());
+  placeBodies(input, reinterpret_cast<PlacedBody*>(memory + bodies_at_));
   if (input.near != nullptr) {
     const NearBodyLists& near = *input.near;
     char* lists = memory + near_at_;
@@ -92,8 +92,8 @@ void UploadRing::write(const StepInput& input) {
   glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 6, id, static_cast<GLintptr>(roots_at_),
                     static_cast<GLsizeiptr>(roots_bytes_ + bones_bytes_));
   glBindBufferRange(
-      GL_SHADER_STORAGE_BUFFER, 7, id, static_cast<GLintptr>(primitives_at_),
-      static_cast<GLsizeiptr>(std::max<size_t>(input.primitives.size(), 1) * sizeof(MovingPrimitive)));
+      GL_SHADER_STORAGE_BUFFER, 7, id, static_cast<GLintptr>(bodies_at_),
+      static_cast<GLsizeiptr>(std::max<size_t>(countsOf(input).bodies, 1) * sizeof(PlacedBody)));
   glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 15, id, static_cast<GLintptr>(near_at_),
                     static_cast<GLsizeiptr>(std::max<size_t>(countsOf(input).near, 1) * sizeof(uint32_t)));
 }

@@ -27,7 +27,7 @@ class UploadRing {
  public:
   /// What differs from step to step.
   struct Counts {
-    size_t primitives, near;  ///< near: words of the lists
+    size_t bodies, near;  ///< bodies: in all substeps; near: words of the lists
   };
   static Counts countsOf(const StepInput& input);
 
@@ -41,7 +41,7 @@ class UploadRing {
  private:
   static constexpr size_t kSlots = 3;
   Counts capacity_;
-  size_t primitives_at_, near_at_, roots_at_;  ///< bytes from the start of a slot
+  size_t bodies_at_, near_at_, roots_at_;  ///< bytes from the start of a slot
   size_t roots_bytes_, bones_bytes_;
   gl::Buffer on_gpu_;
   std::array<gl::Buffer, kSlots> buffers_;

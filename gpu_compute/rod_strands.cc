@@ -144,17 +144,18 @@ RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, bool violent,
         "rod.comp", shaders::kRodComp,
         fmt::format(
             "#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n#define PINNED {:d}\n#define "
-            "BODIES {:d}\n#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define "
+            "BODIES {:d}\n#define TURNING {:d}\n#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT "
+            "{:d}\n#define "
             "SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
             threadsOf(key), edges_of_[g], (key & kGeneral) == 0 && !groomed, (key & kPinned) != 0,
-            needs.bodies, groomed, needs.damping, violent, shuffled_, needs.accelerated)));
+            needs.bodies, needs.turning, groomed, needs.damping, violent, shuffled_, needs.accelerated)));
   }
   return out;
 }
 
 void RodStrands::step(const Needs& needs, ProgramCache& programs) {
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
-                             (needs.damping ? 8 : 0)];
+                             (needs.damping ? 8 : 0) + (needs.turning ? 16 : 0)];
   if (mine.calm.empty()) mine = {compile(needs, false, programs), compile(needs, true, programs)};
   work_.bindStorage(5);
   joints_.bindStorage(10);

@@ -14,6 +14,7 @@ class RodStrands {
   /// What the programs of a step are chosen by.
   struct Needs {
     bool bodies;       ///< there are some
+    bool turning;      ///< some of them of kinds with a rotation
     bool goal;         ///< all strands are pulled towards their goals
     bool accelerated;  ///< StepInput::accelerations
     bool damping;      ///< there is internal damping
@@ -36,7 +37,7 @@ class RodStrands {
   struct Programs {
     GroupPrograms calm, violent;
   };
-  std::array<Programs, 16> programs_;  ///< by needs; empty until first needed
+  std::array<Programs, 32> programs_;  ///< by needs; empty until first needed
 };
 
 }  // namespace strandcast::gpu

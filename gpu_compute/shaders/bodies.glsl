@@ -1,40 +1,22 @@
 // Contact with the bodies of a step: core/near_bodies.inl, core/body_surface.inl and core/strand_sweep.inl have the same for the
-// CPU. Needs step_input.glsl, kernels/contact.h and kernels/distance_field.h, and offsets[].
+// CPU. Needs step_input.glsl, kernels/contact.h and kernels/distance_field.h, and offsets[]. TURNING: with kinds that have a rotation.
 
 // From and to: what nearBody() may be asked for, of the bodies that a strand may touch.
 uvec2 nearRange(uint strand) {
-  if (settings.neighbourhoods == 0u) return uvec2(0u, settings.primitive_count);
+  if (settings.neighbourhoods == 0u) return uvec2(0u, settings.body_count);
   uint neighbourhood = offsets[settings.strand_count + 1u + strand];
   return settings.neighbourhoods + 1u + uvec2(near_bodies[neighbourhood], near_bodies[neighbourhood + 1u]);
 }
 uint nearBody(uint i) { return settings.neighbourhoods == 0u ? i : near_bodies[i]; }
 
-// A body at the end of a substep.
-struct SubstepBody {
-  uint kind;
-  vec3 a, b;          // m
-  vec3 a_motion;      // m, over the substep
-  vec3 turn;          // radians, over the substep, about a
-  float radius, radius_b, friction;
-  vec4 rotation;      // of kinds that have one
-  vec3 extent;
-  uint data, planes;  // of its shape in shape_words
-};
+// The body with this number at the end of a substep.
+PlacedBody bodyAt(uint index, int substep) { return bodies[uint(substep) * settings.body_count + index]; }
 
-// `time`: the part of the step that has passed then, 0 to 1.
-SubstepBody bodyAt(uint index, float time) {
-  Primitive p = primitives[index];
-  vec3 a_step = p.a_end - p.a_begin_radius.xyz, b_step = p.b_end_radius.xyz - p.b_begin_friction.xyz;
-  vec4 rotation = p.kind < kEllipsoid ? vec4(0, 0, 0, 1) : interpolateRotation(p.rotation_begin, p.rotation_end, time);
-  return SubstepBody(p.kind, madd(a_step, time, p.a_begin_radius.xyz), madd(b_step, time, p.b_begin_friction.xyz),
-                     a_step * (1.0 / float(settings.substeps)), p.angular_velocity * settings.substep,
-                     p.a_begin_radius.w, p.b_end_radius.w, p.b_begin_friction.w, rotation, p.extent, p.data, p.planes);
-}
-
+#if TURNING
 float shapeNumber(uint at) { return uintBitsToFloat(shape_words[at]); }
 vec3 shapeVector(uint at) { return vec3(shapeNumber(at), shapeNumber(at + 1u), shapeNumber(at + 2u)); }
 
-float convexDistance(SubstepBody body, vec3 x, out vec3 normal) {
+float convexDistance(PlacedBody body, vec3 x, out vec3 normal) {
   float nearest = -1e9;
   normal = vec3(0, 1, 0);
   for (uint i = 0u; i < body.planes; ++i) {
@@ -53,7 +35,7 @@ float fieldNumber(bool stored, uint at, uint n) {
 }
 
 // core/body_surface.inl, fieldDistanceAt; core/distance_field.h has the layout.
-float fieldDistanceAt(SubstepBody body, vec3 x, float clear, out vec3 normal) {
+float fieldDistanceAt(PlacedBody body, vec3 x, float clear, out vec3 normal) {
   uint at = body.data;
   float cell = shapeNumber(at + 3u), band = shapeNumber(at + 7u), quantum = shapeNumber(at + 8u);
   uvec3 bricks = uvec3(shape_words[at + 4u], shape_words[at + 5u], shape_words[at + 6u]);
@@ -77,10 +59,12 @@ float fieldDistanceAt(SubstepBody body, vec3 x, float clear, out vec3 normal) {
   about.side = stored ? 0.0 : -1.0;
   return fieldDistance(place, about, cell, band, quantum, clear, normal);
 }
+#endif
 
 // `clear`: m, as far as the point is to be kept from the surface.
-float surfaceAt(SubstepBody body, vec3 x, float clear, out vec3 normal) {
+float surfaceAt(PlacedBody body, vec3 x, float clear, out vec3 normal) {
   float distance, along;
+#if TURNING
   if (body.kind >= kEllipsoid) {
     vec3 local = rotate(vec4(-body.rotation.xyz, body.rotation.w), x - body.a);
     if (body.kind == kEllipsoid) distance = ellipsoidDistance(local, body.extent, normal);
@@ -90,6 +74,7 @@ float surfaceAt(SubstepBody body, vec3 x, float clear, out vec3 normal) {
     normal = rotate(body.rotation, normal);
     return distance;
   }
+#endif
   if (body.kind == kSphere) return sphereDistance(x, body.a, body.radius, normal);
   if (body.kind == kPlane) return planeDistance(x, body.a, body.b, normal);
   if (body.kind == kCapsule) return capsuleDistance(x, body.a, body.b, body.radius, normal, along);
@@ -107,19 +92,13 @@ Touch untouched(vec3 x) { return Touch(contactReach(), vec3(0), x, 0.0); }
 
 // Looks whether this body is nearer to a vertex that goes from `start` to x in the substep; see core/strand_sweep.inl.
 // `clear`: how far from the surface x must be, m.
-void meet(SubstepBody body, vec3 x, vec3 start, float clear, inout Touch nearest) {
+void meet(PlacedBody body, vec3 x, vec3 start, float clear, inout Touch nearest) {
   const int kAdvances = 8;
   vec3 carried = carriedBy(start, body.a, body.a_motion, body.turn);
   vec3 way = x - carried;
   float way2 = dot(way, way);
-  if (body.kind != kPlane) {
-    bool capsule = body.kind == kCapsule || body.kind == kTaperedCapsule;
-    vec3 half_axis = capsule ? (body.b - body.a) * 0.5 : vec3(0);
-    vec3 off = x - body.a - half_axis;
-    float thickest = body.kind == kTaperedCapsule ? max(body.radius, body.radius_b) : body.radius;
-    float ball = length(half_axis) + thickest + settings.hair_radius + contactReach();
-    if (!(dot(off, off) < ball * ball + way2)) return;
-  }
+  vec3 off = x - body.middle;
+  if (!(dot(off, off) < body.ball * body.ball + way2)) return;
   // One loop for the distances at x, at its start and along its way: the text of surfaceAt() is long, and inlined.
   float gap = 0.0, part = 0.0, per_way = inverseSqrt(max(way2, 1e-30));
   vec3 normal = vec3(0), at_normal;

@@ -13,6 +13,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/strand_offsets.glsl"
+#define TURNING 1
 #include "gpu_compute/shaders/bodies.glsl"
 #if GROOMED
 #include "kernels/grooming.h"
@@ -51,10 +52,10 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
 }
 
 // clear: how far from every body the vertex must be, m.
-vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, float friction_scale, float time) {
+vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, float friction_scale, int substep) {
   Touch touch = untouched(x);
   uvec2 range = nearRange(strand);
-  for (uint i = range.x; i < range.y; ++i) meet(bodyAt(nearBody(i), time), x, start, clear, touch);
+  for (uint i = range.x; i < range.y; ++i) meet(bodyAt(nearBody(i), substep), x, start, clear, touch);
   if (touch.gap >= 0.0) return x;
   vec3 force = vec3(0);
   return resolveContact(x, touch.carried, vec3(0), touch.normal, touch.gap, touch.friction * friction_scale, 1.0, force);
@@ -135,7 +136,7 @@ void main() {
 #if GROOMED
       if (inverse_mass > 0.5) x = tethered(x, shared_position[me - uint(k)].xyz, grooming[vertex].z);
 #endif
-      if (inverse_mass > 0.5) x = resolveContacts(strand, x, start, clear, friction_scale, time);
+      if (inverse_mass > 0.5) x = resolveContacts(strand, x, start, clear, friction_scale, int(substep));
       shared_position[me] = vec4(x, inverse_mass);
       barrier();
     }

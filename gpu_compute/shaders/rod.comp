@@ -3,14 +3,14 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 GROOMED=1 DAMPED=1 VIOLENT=0 SHUFFLED=0 ACCELERATED=0 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 GROOMED=0 DAMPED=0 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 GROOMED=1 DAMPED=1 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 GROOMED=0 DAMPED=0 VIOLENT=0 SHUFFLED=0 ACCELERATED=0
+// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=1 GROOMED=1 DAMPED=1 VIOLENT=0 SHUFFLED=0 ACCELERATED=0 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 SHUFFLED=0 ACCELERATED=0
 // One step of strands as inextensible rods, all substeps in one dispatch: core/rod_sweep.inl with the state in registers,
 // four edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
 // become: own slots by elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
-// PINNED: more vertices than the roots are. BODIES: there are some. GROOMED: there is a goal pull, or strands have
-// factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
-// DAMPED: there is internal damping.
+// PINNED: more vertices than the roots are. BODIES: there are some; TURNING: of kinds with a rotation too, whose surfaces are
+// much text. GROOMED: there is a goal pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every
+// vertex has an acceleration of its own. DAMPED: there is internal damping.
 // VIOLENT: what violent motion takes would double the registers of every strand. So a step is two dispatches: 0 does calm
 // strands and lists the others, 1 does the whole step of those.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
@@ -51,6 +51,7 @@ float diagonal[PER_THREAD], first[PER_THREAD - 1], second[PER_THREAD - 2];
 vec3 across;
 vec3 force[PER_THREAD];             // m
 float pull[PER_THREAD], pull_in, pull_out;  // m, of edges; in: before slot 0, out: after the last slot
+float most;                         // violence of this invocation, of all substeps yet
 #if BODIES
 layout(std430, binding = 3) buffer Contacts { vec4 contacts[]; };  // xyz: StrandState::contacts
 vec3 pressing[PER_THREAD];            // m: the same x substep^2
@@ -389,12 +390,12 @@ void solveLengths(RootMotion root) {
 
 // How violent the most violent of this invocation's pulls is.
 float mostViolence() {
-  float most = 0.0, w_in = hasBefore(1) ? weight_in : 0.0;
+  float greatest = 0.0, w_in = hasBefore(1) ? weight_in : 0.0;
   for (int p = 0; p < PER_THREAD; ++p) {
-    if (isEdge(p)) most = max(most, violence(pull[p], w_in, weight(p), inverseLength(p)));
+    if (isEdge(p)) greatest = max(greatest, violence(pull[p], w_in, weight(p), inverseLength(p)));
     w_in = weight(p);
   }
-  return most;
+  return greatest;
 }
 
 // What the pulls push the vertex of slot p with, where it gives way with this softness.
@@ -404,7 +405,7 @@ vec3 pushOn(int p, float soft) {
 }
 
 // Whether the pulls of any invocation of the strand are.
-bool isViolentStrand(float most) { return strandSum(isViolent(most) ? 1.0 : 0.0) > 0.0; }
+bool isViolentStrand(float own) { return strandSum(isViolent(own) ? 1.0 : 0.0) > 0.0; }
 
 #if VIOLENT
 // Whether this, which all invocations of a strand agree on, holds for any strand of the workgroup.
@@ -481,6 +482,11 @@ void pullThroughBending(bool violent) {
   pull_in = calm_in;
   pull_out = calm_out;
 }
+
+void pullIfViolent() {
+  bool violent = isViolentStrand(mostViolence());
+  if (anyStrand(violent)) pullThroughBending(violent);
+}
 #endif
 
 // Every vertex moved by its pulls.
@@ -496,8 +502,12 @@ void moveByPulls() {
 }
 
 // Exact lengths along the directions found, from the root or the last pinned vertex on: a scan. Then velocities.
+#if BODIES
 // `checked`: where contact left the vertices.
-void finish(RootMotion root, float time, vec3 checked[PER_THREAD]) {
+void finish(RootMotion root, int substep, vec3 checked[PER_THREAD]) {
+#else
+void finish(RootMotion root) {
+#endif
   vec3 direction[PER_THREAD];
   vec3 along[PER_THREAD];  // from the root, or from the vertex before slot 0
   bool anchored[PER_THREAD];
@@ -542,8 +552,11 @@ void finish(RootMotion root, float time, vec3 checked[PER_THREAD]) {
   vec3 start = root.position + offset;
   vec3 placed[PER_THREAD];
   for (int p = 0; p < PER_THREAD; ++p) placed[p] = along[p] + (anchored[p] ? root.position : start);
-#if BODIES
-  start = keepOut(root, time, checked, direction, start, placed);
+#if BODIES && VIOLENT
+  start = keepOut(root, substep, checked, direction, start, placed);
+#elif BODIES
+  for (int p = 0; p < PER_THREAD; ++p)
+    if (maySink(p, checked[p], placed[p])) most = 1.0;  // violent, whatever its pulls are
 #endif
   v_in = (start - x_in) * settings.per_substep;
   x_in = start;
@@ -572,10 +585,11 @@ void listViolent() {
 // The step of kStrands strands, from number `first` of the `count` that stand in work[] from `list` on.
 void stepStrands(uint list, uint first, uint count) {
   loadStrand(list, first, count);
+  most = 0.0;
 #if BODIES
   loadContacts();
+  const int passes = settings.substeps > 0u ? 2 : 0;  // of lengths; compilers would unroll a 2
 #endif
-  float most = 0.0;  // violence of this invocation yet
   for (int substep = 0; substep < int(settings.substeps); ++substep) {
     int ahead = substep % THREADS;
     if (ahead == 0) placeRoots(substep);
@@ -584,30 +598,36 @@ void stepStrands(uint list, uint first, uint count) {
     vec4 frame_in = predict(root, blend);
     solveTwist(frame_in, blend);
     makeBending(root);
+    vec3 moved[PER_THREAD];  // by forces
+    moveByForces(moved);
 #if BODIES
+    vec3 checked[PER_THREAD];  // where contact leaves the vertices
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
+    for (int pass = 0; pass < passes; ++pass) {
+      collide(substep, moved);
+      for (int p = 0; p < PER_THREAD; ++p) moved[p] = vec3(0);
+      solveLengths(root);
+#if VIOLENT
+      if (pass == 0) pullIfViolent();
+#else
+      if (pass == 0) most = max(most, mostViolence());
 #endif
-    vec3 by_forces[PER_THREAD];
-    moveByForces(by_forces);
-#if BODIES
-    collide(timeAfter(substep), by_forces);
-    for (int p = 0; p < PER_THREAD; ++p) by_forces[p] = vec3(0);
-#endif
+      checked = x_new;
+      moveByPulls();
+    }
+    finish(root, substep, checked);
+#else
     solveLengths(root);
 #if VIOLENT
-    bool violent = isViolentStrand(mostViolence());
-    if (anyStrand(violent)) pullThroughBending(violent);
+    pullIfViolent();
 #else
     most = max(most, mostViolence());
 #endif
     moveByPulls();
-#if BODIES
-    collide(timeAfter(substep), by_forces);
-#endif
     solveLengths(root);
-    vec3 checked[PER_THREAD] = x_new;
     moveByPulls();
-    finish(root, timeAfter(substep), checked);
+    finish(root);
+#endif
   }
 #if VIOLENT
   if (exists) store();

@@ -1,6 +1,14 @@
 // Contact of a strand of the rod with the bodies of a step: its part of rod.comp.
 
+uvec2 near_range;           // what nearBody() may be asked for
+float weights[PER_THREAD];  // of vertices
+#if !VIOLENT
+float room[PER_THREAD];     // m, from where contact has left a vertex to the nearest body; 0 where it presses
+#endif
+
 void loadContacts() {
+  near_range = nearRange(strand);
+  for (int p = 0; p < PER_THREAD; ++p) weights[p] = isEdge(p) ? weight(p) : 0.0;
   for (int p = 0; p < PER_THREAD; ++p)
     pressing[p] = contacts[root_vertex + uint(min(rank * PER_THREAD + p, edges - 1)) + 1u].xyz *
                   (settings.substep * settings.substep);
@@ -19,54 +27,70 @@ vec3 slot(vec3 of[PER_THREAD], int p) { return p < 2 ? (p == 0 ? of[0] : of[1]) 
 float slot(float of[PER_THREAD], int p) { return p < 2 ? (p == 0 ? of[0] : of[1]) : p == 2 ? of[2] : of[3]; }
 
 // The body that is nearest to the vertex of slot p at `place`.
-Touch nearestTouch(int p, vec3 place, float time) {
-  uvec2 range = nearRange(strand);
+Touch nearestTouch(int p, vec3 place, int substep) {
   Touch touch = untouched(place);
   vec3 begin = slot(x, p);
   float clear = clearance(p);
-  for (uint i = range.x; i < range.y; ++i) {
-    SubstepBody body = bodyAt(nearBody(i), time);
+  for (uint i = near_range.x; i < near_range.y; ++i) meet(bodyAt(nearBody(i), substep), place, begin, clear, touch);
 #if GROOMED
-    body.friction *= strand_grooming.x;
+  touch.friction *= strand_grooming.x;
 #endif
-    meet(body, place, begin, clear, touch);
-  }
   return touch;
 }
 
 // Contact of the vertices, which forces have moved by `moved` just now; the normals are kept for the length solve, which must
 // not push them back in.
-void collide(float time, vec3 moved[PER_THREAD]) {
-  Touch touch[PER_THREAD];
-  for (int p = 0; p < PER_THREAD; ++p) {
-    Touch found = nearestTouch(p, slot(x_new, p), time);
-    for (int q = 0; q < PER_THREAD; ++q)
-      if (q == p) touch[q] = found;
+void collide(int substep, vec3 moved[PER_THREAD]) {
+  if (near_range.x == near_range.y) {
+    for (int p = 0; p < PER_THREAD; ++p) pressing[p] = vec3(0);
+    return;
   }
   for (int p = 0; p < PER_THREAD; ++p) {
-    bool touches = touch[p].gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0;
-    if (!touches || weight(p) == 0.0) continue;
-    x_new[p] = resolveContact(x_new[p], touch[p].carried, moved[p], touch[p].normal, touch[p].gap, touch[p].friction,
-                              weight(p), pressing[p]);
-    if (touch[p].gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0) {
-      normals[p] = touch[p].normal;
-      softness[p] = 0.0;
+    vec3 place = slot(x_new, p), force = slot(pressing, p);
+    float free_weight = slot(weights, p);
+    Touch touch = nearestTouch(p, place, substep);
+    bool touches = (touch.gap < 0.0 || dot(force, force) > 0.0) && free_weight != 0.0;
+    vec3 normal = slot(normals, p);
+    float soft = slot(softness, p);
+    if (touches) {
+      place = resolveContact(place, touch.carried, slot(moved, p), touch.normal, touch.gap, touch.friction, free_weight, force);
+      if (touch.gap < 0.0 || dot(force, force) > 0.0) {
+        normal = touch.normal;
+        soft = 0.0;
+      }
+    }
+    for (int q = 0; q < PER_THREAD; ++q) {
+      if (q != p) continue;
+      x_new[q] = place;
+      pressing[q] = force;
+      normals[q] = normal;
+      softness[q] = soft;
+#if !VIOLENT
+      room[q] = touches ? 0.0 : touch.gap;
+#endif
     }
   }
 }
 
+#if !VIOLENT
+// Whether making lengths exact may have pressed the vertex of slot p into a body, from `checked` to `placed`: its normal may
+// turn by as much as 14 degrees on the way.
+bool maySink(int p, vec3 checked, vec3 placed) {
+  vec3 way = placed - checked;
+  float off = length(way);
+  float depth = room[p] > 0.0 ? off - room[p] : 0.25 * off - dot(way, normals[p]);
+  return off > contactSlack() && depth > contactSlack() && weights[p] > 0.0;
+}
+#else
 shared vec3 last_placed[WORKGROUP];
 
 // The places of the slots' vertices, held to the side of the bodies that they were on: where one is too deep, its strand is
 // placed anew from the root, one vertex after another. `checked`: where contact left them, `direction`: of their edges.
 // Returns the place of the vertex before slot 0.
-vec3 keepOut(RootMotion root, float time, vec3 checked[PER_THREAD], vec3 direction[PER_THREAD], vec3 start,
+vec3 keepOut(RootMotion root, int substep, vec3 checked[PER_THREAD], vec3 direction[PER_THREAD], vec3 start,
              inout vec3 placed[PER_THREAD]) {
-  float lengths[PER_THREAD], weights[PER_THREAD];
-  for (int p = 0; p < PER_THREAD; ++p) {
-    lengths[p] = restLength(p);
-    weights[p] = isEdge(p) ? weight(p) : -1.0;  // padding goes with the tip
-  }
+  float lengths[PER_THREAD];
+  for (int p = 0; p < PER_THREAD; ++p) lengths[p] = restLength(p);
   forgetNoted();
   barrier();
   for (int at = -1; at < THREADS; ++at) {  // first all look, then one invocation after another places
@@ -84,11 +108,11 @@ vec3 keepOut(RootMotion root, float time, vec3 checked[PER_THREAD], vec3 directi
       vec3 place = slot(placed, p);
       float edge_length = slot(lengths, p);
       bool free = slot(weights, p) > 0.0;
-      if (at >= 0 && slot(weights, p) != 0.0) place = madd(slot(direction, p), edge_length, inner);
+      if (at >= 0 && (free || rank * PER_THREAD + p >= edges)) place = madd(slot(direction, p), edge_length, inner);
       for (int round = 0; round < 3 && free; ++round) {
         vec3 off = place - slot(checked, p);
         if (dot(off, off) <= contactSlack() * contactSlack()) break;
-        Touch touch = nearestTouch(p, place, time);
+        Touch touch = nearestTouch(p, place, substep);
         if (touch.gap >= -contactSlack()) break;
         if (at < 0) {
           noteStrand();
@@ -105,3 +129,4 @@ vec3 keepOut(RootMotion root, float time, vec3 checked[PER_THREAD], vec3 directi
   }
   return start;
 }
+#endif

@@ -1,17 +1,20 @@
 // What a step is told: settings, poses of roots and bones, and bodies, in the slot of the upload ring that is bound for it.
 // Needs kernels/rotation.h.
 
-struct Primitive {  // core/contact_primitive.h
-  vec4 a_begin_radius;
-  vec3 a_end;
+struct PlacedBody {  // gpu_compute/placed_bodies.h
+  vec3 middle;
+  float ball;
+  vec3 a;
+  float radius;
+  vec3 b;
+  float radius_b;
+  vec3 a_motion;
+  float friction;
+  vec3 turn;
   uint kind;
-  vec4 b_begin_friction;
-  vec4 b_end_radius;
-  vec3 angular_velocity;
-  uint data;
-  vec4 rotation_begin;
-  vec4 rotation_end;
+  vec4 rotation;
   vec3 extent;
+  uint data;
   uint planes;
 };
 const uint kSphere = 0u, kCapsule = 1u, kPlane = 2u, kTaperedCapsule = 3u, kEllipsoid = 4u, kBox = 5u, kConvex = 6u,
@@ -32,14 +35,15 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   float goal_rate;      // 1/s
   uint substeps;
   uint iterations;
-  uint primitive_count;
+  uint body_count;
   uint strand_count;
   uint bone_count;
   uint neighbourhoods;  // with lists of near bodies; 0 = every strand may touch every body
 } settings;
 // 7 per pose: of strands at the beginning, then at the end; of bones at the beginning, then at the end.
 layout(std430, binding = 6) readonly buffer Roots { float roots[]; };
-layout(std430, binding = 7) readonly buffer Primitives { Primitive primitives[]; };
+// body_count at the end of the first substep, then of the next, and so on.
+layout(std430, binding = 7) readonly buffer Bodies { PlacedBody bodies[]; };
 layout(std430, binding = 14) readonly buffer Shapes { uint shape_words[]; };
 // Where the list of each neighbourhood starts (one more than there are), then the lists.
 layout(std430, binding = 15) readonly buffer Near { uint near_bodies[]; };

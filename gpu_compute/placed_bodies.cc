@@ -1,0 +1,57 @@
+#include "gpu_compute/placed_bodies.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "kernels/scalar_float.h"
+
+namespace strandcast {
+namespace kernels::f32 {
+#include "core/body_surface.inl"
+}  // namespace kernels::f32
+
+namespace gpu {
+namespace {
+
+constexpr float kEverywhere = 1e18f;  // m; its square is a float too
+
+template <class To, class From, size_t n>
+void put(To (&to)[n], const From (&from)[n]) {
+  std::copy(from, from + n, to);
+}
+
+}  // namespace
+
+void placeBodies(const StepInput& input, PlacedBody* out) {
+  const Parameters& p = *input.parameters;
+  for (int substep = 0; substep < p.substeps; ++substep) {
+    const double time = (substep + 1.0) / p.substeps;
+    for (const MovingPrimitive& primitive : input.primitives) {
+      const kernels::f32::SubstepBody at =
+          kernels::f32::bodyAt(primitive, nullptr, time, 1.0 / p.substeps,
+                               static_cast<double>(p.time_step) / p.substeps, p.hair_radius, 1.0f);
+      PlacedBody body{};
+      put(body.middle, at.middle);
+      body.ball = at.kind == PrimitiveKind::kPlane ? kEverywhere : at.ball;
+      put(body.a, at.a);
+      body.radius = at.radius;
+      put(body.b, at.b);
+      body.radius_b = at.radius_b;
+      put(body.a_motion, at.a_motion);
+      body.friction = at.friction;
+      put(body.turn, at.turn);
+      body.kind = primitive.kind;
+      if (at.kind >= PrimitiveKind::kEllipsoid) put(body.rotation, at.rotation);
+      put(body.extent, at.extent);
+      body.data = at.data;
+      body.planes = at.planes;
+      *out++ = body;
+    }
+  }
+}
+
+}  // namespace gpu
+}  // namespace strandcast

@@ -1,0 +1,32 @@
+#pragma once
+#include <cstdint>
+
+#include "core/backend.h"
+
+namespace strandcast::gpu {
+
+/// A body at the end of a substep, of shaders/bodies.glsl, std430: what core/body_surface.inl works out for
+/// the CPU.
+struct alignas(16) PlacedBody {
+  float middle[3];
+  float ball;  ///< m, of a ball about the middle that holds the body and what it presses; beyond everything
+               ///< for planes
+  float a[3];
+  float radius;
+  float b[3];
+  float radius_b;
+  float a_motion[3];  ///< m, over the substep
+  float friction;
+  float turn[3];  ///< radians, over the substep, about a
+  uint32_t kind;
+  float rotation[4];  ///< x y z w
+  float extent[3];
+  uint32_t data;
+  uint32_t planes;
+};
+static_assert(sizeof(PlacedBody) == 128);
+
+/// Writes every body of the step at the end of its first substep, then of the next, and so on.
+void placeBodies(const StepInput& input, PlacedBody* out);
+
+}  // namespace strandcast::gpu
