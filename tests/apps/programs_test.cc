@@ -18,6 +18,7 @@
 
 #include "groom/distance_field_file.h"
 #include "groom/groom_file.h"
+#include "tests/transport/dds_domain.h"
 
 namespace strandcast {
 namespace {
@@ -43,7 +44,7 @@ class Programs : public ::testing::Test {
               ("strandcast_programs_" + std::to_string(getpid()) + "_" +
                ::testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::create_directories(folder_);
-    domain_ = std::to_string(100 + getpid() % 100);
+    domain_ = std::to_string(testDomain(0));
   }
   void TearDown() override {
     for (const pid_t child : running_) kill(child, SIGKILL);

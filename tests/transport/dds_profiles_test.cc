@@ -84,7 +84,7 @@ TEST(DdsProfiles, ADiscoveryServerBringsThemTogether) {
   namespace dds = eprosima::fastdds::dds;
   namespace rtps = eprosima::fastrtps::rtps;
   const int domain = testDomain(2);
-  const auto port = static_cast<uint16_t>(20000 + getpid() % 20000);
+  const auto port = static_cast<uint16_t>(firstPort(domain) + 245);  // participants have those up to 239
   dds::DomainParticipantQos qos;
   auto& builtin = qos.wire_protocol().builtin;
   builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;

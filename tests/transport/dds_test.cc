@@ -192,10 +192,10 @@ TEST_F(Dds, ADiscoveryPortHeldByAnotherProgramIsNamed) {
   const int holder = socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<uint16_t>(7400 + 250 * domain));
+  address.sin_port = htons(static_cast<uint16_t>(firstPort(domain)));
   ASSERT_EQ(bind(holder, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
   const std::string message = errorOf([&] { makeDdsSubscriber({domain, 1, 0, {}}); });
-  EXPECT_NE(message.find("UDP port " + std::to_string(7400 + 250 * domain) + " is in use"), std::string::npos)
+  EXPECT_NE(message.find("UDP port " + std::to_string(firstPort(domain)) + " is in use"), std::string::npos)
       << message;
   EXPECT_NE(message.find("--domain"), std::string::npos) << message;
   close(holder);
