@@ -309,6 +309,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
       ddsProfileNamed(v, transport.place("profile"));
       s.profile = v;
     });
+    transport.text("keys", [&](const std::string& v) { s.keys = path(v); });
     transport.texts("peers", [&](const std::string& v) { s.peers.push_back(v); });
     transport.text("discovery_server", [&](const std::string& v) { s.discovery_server = v; });
     transport.text("lcm_url", [&](const std::string& v) { s.lcm_url = v; });

@@ -127,6 +127,10 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
   }
   app.add_option("--profile", settings.profile, profiles)->check(CLI::IsMember(names))->capture_default_str();
   app.add_option(
+      "--keys", settings.keys,
+      "with --profile secure: folder with the keys and permissions of this program, e.g. KEYS/daemon "
+      "or KEYS/renderer of `strandcast keys KEYS`");
+  app.add_option(
          "--peers", settings.peers,
          "addresses of machines to look on, separated by commas, where multicast does not reach (DDS)")
       ->delimiter(',');
@@ -255,6 +259,7 @@ Settings SettingsOptions::over(Settings out) const {
   lay("--duration", out.duration, given_.duration);
   lay("--transport", out.transport, given_.transport);
   lay("--profile", out.profile, given_.profile);
+  lay("--keys", out.keys, given_.keys);
   lay("--peers", out.peers, given_.peers);
   lay("--discovery-server", out.discovery_server, given_.discovery_server);
   lay("--lcm-url", out.lcm_url, given_.lcm_url);

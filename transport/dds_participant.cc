@@ -20,6 +20,7 @@
 
 #include "core/error.h"
 #include "transport/chunks.h"
+#include "transport/security/key_folder.h"
 
 namespace strandcast {
 
@@ -52,14 +53,30 @@ constexpr uint32_t kLocalPeers = 16;
 class FewErrors final : public dds::LogConsumer {
  public:
   void Consume(const dds::Log::Entry& entry) override {
-    if (entry.kind != dds::Log::Kind::Error || shown_ == kShown) return;
+    if (entry.kind != dds::Log::Kind::Error || shown_ == kShown || is_muted) return;
     std::fprintf(stderr, "Fast DDS: %s%s\n", entry.message.c_str(),
                  ++shown_ == kShown ? " (further messages of Fast DDS are not shown)" : "");
   }
+  static inline std::atomic<bool> is_muted{false};
 
  private:
   static constexpr int kShown = 8;
   int shown_ = 0;
+};
+
+/// No errors while it lives; the log is written by a thread of its own.
+class Silence {
+ public:
+  explicit Silence(bool applies) {
+    dds::Log::Flush();
+    FewErrors::is_muted = applies;
+  }
+  ~Silence() {
+    dds::Log::Flush();
+    FewErrors::is_muted = false;
+  }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
 };
 
 void limitLogging() {
@@ -140,6 +157,25 @@ int32_t freshId(int domain) {
   return kFirstFreshId + (getpid() + made++) % (lastFreshId(domain) - kFirstFreshId + 1);
 }
 
+/// OMG DDS Security 1.1 with its built-in plugins: PKI-DH, Access-Permissions, AES-GCM-GMAC.
+void secure(const std::filesystem::path& keys, eprosima::fastrtps::rtps::PropertyPolicy& policy) {
+  const auto set = [&](const char* name, const std::string& value) {
+    policy.properties().emplace_back(std::string("dds.sec.") + name, value);
+  };
+  const auto file = [&](const char* name) {
+    return "file://" + (std::filesystem::absolute(keys) / name).string();
+  };
+  set("auth.plugin", "builtin.PKI-DH");
+  set("auth.builtin.PKI-DH.identity_ca", file(kIdentityCa));
+  set("auth.builtin.PKI-DH.identity_certificate", file(kCertificate));
+  set("auth.builtin.PKI-DH.private_key", file(kPrivateKey));
+  set("access.plugin", "builtin.Access-Permissions");
+  set("access.builtin.Access-Permissions.permissions_ca", file(kPermissionsCa));
+  set("access.builtin.Access-Permissions.governance", file(kGovernance));
+  set("access.builtin.Access-Permissions.permissions", file(kPermissions));
+  set("crypto.plugin", "builtin.AES-GCM-GMAC");
+}
+
 dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
   const int domain = network.domain;
   dds::DomainParticipantQos qos;
@@ -157,6 +193,8 @@ dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
     udp->maxInitialPeersRange = static_cast<uint32_t>(lastFreshId(domain) + 1);
     qos.wire_protocol().participant_id = freshId(domain);
   }
+
+  if (!network.keys.empty()) secure(network.keys, qos.properties());
 
   auto& builtin = qos.wire_protocol().builtin;
   auto& discovery = builtin.discovery_config;
@@ -209,12 +247,33 @@ void setCommon(Qos& qos, const TopicProfile& profile) {
 
 }  // namespace
 
-DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id) : domain_(network.domain) {
+DdsNetwork::DdsNetwork(const DdsOptions& options)
+    : domain(options.domain),
+      uses_shared_memory(options.profile == DdsProfile::kLocal),
+      peers(options.peers),
+      discovery_server(options.discovery_server),
+      keys(options.keys) {
+  const bool is_secure = options.profile == DdsProfile::kSecure;
+  if (is_secure && keys.empty()) {
+    throw Error("the profile needs keys", "--profile secure",
+                "give --keys KEYS/daemon or KEYS/renderer; `strandcast keys KEYS` makes some for tests");
+  }
+  if (!is_secure && !keys.empty())
+    throw Error("keys are used by one profile alone", "--keys", "give --profile secure too");
+  if (is_secure && !discovery_server.empty()) {
+    throw Error("a discovery server has no keys", "--profile secure with --discovery-server",
+                "give the addresses of the other machines by --peers");
+  }
+}
+
+DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id)
+    : domain_(network.domain), keys_(network.keys) {
   const int domain = network.domain;
   if (domain < 0 || domain > kMaxDomain) {
     throw Error("the DDS domain is out of range", std::to_string(domain), "choose 0 to 232");
   }
   limitLogging();
+  if (!keys_.empty()) checkKeyFolder(keys_);
   checkInterfaces(domain);
   checkDiscoveryPort(domain);
   for (int tries = network.uses_shared_memory ? kFreshTries : 1; !participant_ && tries > 0; --tries) {
@@ -249,6 +308,12 @@ void DdsParticipant::fail(const std::string& what) {
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
     participant_ = nullptr;
   }
+  if (!keys_.empty()) {
+    throw Error(
+        what + " with these keys", keys_.string(),
+        "see the messages of Fast DDS above: are permissions.p7s for the subject of cert.pem, this domain "
+        "and this groom, and for what this program does?");
+  }
   throw Error(what, domainName(domain_), "see the messages of Fast DDS above, or choose another --domain");
 }
 
@@ -268,6 +333,13 @@ dds::Topic* DdsParticipant::topic(const TopicProfile& profile, dds::TopicDataTyp
 
 dds::DataWriter* DdsParticipant::createWriter(const TopicProfile& profile, dds::TopicDataType* type,
                                               dds::DataWriterListener* listener, uint32_t strength) {
+  dds::DataWriter* const writer = makeWriter(profile, type, listener, strength);
+  if (!writer) fail(std::string("no writer of ") + profile.name + " can be made");
+  return writer;
+}
+
+dds::DataWriter* DdsParticipant::makeWriter(const TopicProfile& profile, dds::TopicDataType* type,
+                                            dds::DataWriterListener* listener, uint32_t strength) {
   dds::DataWriterQos qos;
   setCommon(qos, profile);
   if (profile.is_exclusive) qos.ownership_strength().value = strength;
@@ -283,9 +355,20 @@ dds::DataWriter* DdsParticipant::createWriter(const TopicProfile& profile, dds::
   times.nackResponseDelay = {0, 0};
   times.nackSupressionDuration = {0, 0};
   dds::Publisher* publisher = profile.is_per_groom ? groom_publisher_ : common_publisher_;
-  dds::DataWriter* writer = publisher->create_datawriter(topic(profile, type), qos, listener,
-                                                         dds::StatusMask::publication_matched());
-  if (!writer) fail(std::string("no writer of ") + profile.name + " can be made");
+  return publisher->create_datawriter(topic(profile, type), qos, listener,
+                                      dds::StatusMask::publication_matched());
+}
+
+dds::DataWriter* DdsParticipant::createWriterIfPermitted(const TopicProfile& profile,
+                                                         dds::TopicDataType* type,
+                                                         dds::DataWriterListener* listener) {
+  dds::DataWriter* writer = nullptr;
+  {
+    // That permissions do not say so is no error here, but Fast DDS writes several.
+    const Silence silence(!keys_.empty());
+    writer = makeWriter(profile, type, listener, 0);
+  }
+  if (!writer && keys_.empty()) fail(std::string("no writer of ") + profile.name + " can be made");
   return writer;
 }
 

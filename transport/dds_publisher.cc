@@ -23,9 +23,7 @@ class DdsPublisher final : public Publisher {
         command_listener_([this](v2::Command& wire, const auto&) { receive(wire); }),
         status_listener_([this](v2::Status& wire, const auto& writer) { hear(wire, writer); },
                          [this](const auto& writer) { others_.remove(writer); }),
-        participant_(
-            {options.domain, options.profile == DdsProfile::kLocal, options.peers, options.discovery_server},
-            options.groom_id) {
+        participant_(DdsNetwork(options), options.groom_id) {
     participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
     participant_.createReader(kCommandTopic, new CommandType, &command_listener_);
     status_writer_ = participant_.createWriter(kStatusTopic, new StatusType, nullptr);

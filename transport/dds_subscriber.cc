@@ -34,7 +34,7 @@ class DdsSubscriber final : public Subscriber {
         guide_listener_([this](v2::GuideChunk& wire, const auto&) { receive(wire); }),
         status_listener_([this](v2::Status& wire, const auto& writer) { receive(wire, writer); },
                          [this](const auto& writer) { statuses_.remove(writer); }) {
-    join(options.profile == DdsProfile::kLocal);
+    join(DdsNetwork(options));
     if (options.profile == DdsProfile::kLocal) watchdog_ = std::thread([this] { watch(); });
   }
 
@@ -62,8 +62,14 @@ class DdsSubscriber final : public Subscriber {
   }
   std::vector<Status> allStatuses() const override { return statuses_.all(); }
 
+  bool mayCommand() const override { return options_.keys.empty() || command_writer_ != nullptr; }
+
   void send(const Command& command) override {
     checkCommand(command, options_.groom_id);
+    if (!mayCommand()) {
+      throw Error("these keys do not permit commands", options_.keys.string(),
+                  "use those of a renderer: see `strandcast keys --help`");
+    }
     const std::string where =
         "groom " + std::to_string(options_.groom_id) + " in DDS domain " + std::to_string(options_.domain);
     const char* const remedy = "start strandcastd, or check --domain and the groom id";
@@ -104,16 +110,14 @@ class DdsSubscriber final : public Subscriber {
   }
 
  private:
-  void join(bool uses_shared_memory) {
-    participant_.emplace(
-        DdsNetwork{options_.domain, uses_shared_memory, options_.peers, options_.discovery_server},
-        options_.groom_id);
+  void join(const DdsNetwork& network) {
+    participant_.emplace(network, options_.groom_id);
     participant_->createReader(kGroomTopic, new GroomChunkType, &groom_listener_);
     participant_->createReader(kBodiesTopic, new BodyChunkType, &body_listener_);
     participant_->createReader(kGuidesTopic, new GuideChunkType, &guide_listener_,
                                options_.profile != DdsProfile::kBestEffort);
     participant_->createReader(kStatusTopic, new StatusType, &status_listener_);
-    command_writer_ = participant_->createWriter(kCommandTopic, new CommandType, &daemons_);
+    command_writer_ = participant_->createWriterIfPermitted(kCommandTopic, new CommandType, &daemons_);
   }
 
   /// Whether there is a daemon that casts, as far as its status gets here, and none of its chunks has come
@@ -136,8 +140,10 @@ class DdsSubscriber final : public Subscriber {
       command_writer_ = nullptr;
       participant_.reset();
       statuses_.clear();
+      DdsNetwork network(options_);
+      network.uses_shared_memory = false;
       try {
-        join(false);
+        join(network);
         return;
       } catch (const Error&) {  // the network is gone, perhaps not for good
       }

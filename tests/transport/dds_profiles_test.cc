@@ -65,10 +65,11 @@ TEST(DdsProfiles, AnyTwoUnderstandEachOther) {
 
 TEST(DdsProfiles, ReadersKilledOnSharedMemoryComeBack) {
   const std::string domain = std::to_string(testDomain(1));
-  Peer publisher({"cast_local", domain, "60"});
+  const PeerSetting local("STRANDCAST_PEER_PROFILE", "local");
+  Peer publisher({"cast", domain, "60"});
   std::string all;
   for (int round = 0; round < 5; ++round) {
-    Peer reader({"read_local", domain, "60", "0"});
+    Peer reader({"read", domain, "60", "0"});
     ASSERT_TRUE(reader.waitFor("first_frame")) << round << reader.text();
     const double ms = reader.results().at("first_frame_after_ms");
     EXPECT_LE(ms, 3000) << "the watchdog goes back to UDP";

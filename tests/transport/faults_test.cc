@@ -24,13 +24,6 @@ int numberFrom(const char* variable, int otherwise) {
   return text != nullptr ? std::atoi(text) : otherwise;
 }
 
-/// Peers made while it lives lose datagrams.
-class Loss {
- public:
-  explicit Loss(const char* rate) { setenv("STRANDCAST_PEER_LOSS", rate, 1); }
-  ~Loss() { unsetenv("STRANDCAST_PEER_LOSS"); }
-};
-
 class Faults : public testing::Test {
  protected:
   void SetUp() override {
@@ -140,7 +133,7 @@ TEST_F(Faults, AStandbyTakesOverWithinHalfASecond) {
 
 TEST_F(Faults, LostDatagramsAreRepairedByDds) {
   for (const char* rate : {"0.01", "0.05"}) {
-    const Loss loss(rate);
+    const PeerSetting loss("STRANDCAST_PEER_LOSS", rate);
     const int test = rate[3] == '1' ? 5 : 6;
     Peer publisher({"cast", domain(test), "3.5"});
     Peer reader({"read", domain(test), "3", "0"});
@@ -158,7 +151,7 @@ TEST(LcmFaults, LostDatagramsCostOnlyTheirStrands) {
   std::string reason;
   if (!lcmAvailable(&reason)) GTEST_SKIP() << reason;
   const std::string domain = std::to_string(testDomain(7));
-  const Loss loss("0.05");
+  const PeerSetting loss("STRANDCAST_PEER_LOSS", "0.05");
   Peer publisher({"cast_lcm", domain, "4"});
   Peer reader({"read_lcm", domain, "3", "0"});
   const Results read = reader.finish();

@@ -51,7 +51,7 @@ TEST(RogueWriter, BadSamplesOnEveryTopicDoNoHarm) {
   publisher->announce(groom, sampleBody(20));
   ASSERT_TRUE(subscriber->waitForGroom(std::chrono::milliseconds(5000)));
 
-  DdsParticipant rogue({domain}, 1);
+  DdsParticipant rogue(DdsNetwork(domain), 1);
   MatchCounter matches[5];
   eprosima::fastdds::dds::DataWriter* writers[] = {
       rogue.createWriter(kGroomTopic, new RawType("strandcast::v2::GroomChunk"), &matches[0]),
