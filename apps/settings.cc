@@ -212,7 +212,9 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
                  "mm; no guide vertex is received further from where it was (default 0.01)")
       ->check(CLI::Range(0.001, 1.0));
   app.add_option("--key-interval", given_.codec.key_interval,
-                 "frames between key frames of the temporal codec: a reader that joins waits that long")
+                 "frames from one that stands alone to the next in the temporal codec: a reader that joins "
+                 "or misses one "
+                 "waits that long")
       ->check(CLI::Range(1u, kMaxKeyInterval))
       ->capture_default_str();
 }
