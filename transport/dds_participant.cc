@@ -39,7 +39,7 @@ namespace {
 constexpr int kMaxDomain = 232;                        // the last one whose ports fit 16 bits
 constexpr uint32_t kSocketBuffer = 4 << 20;            // with the default, bursts of a frame are lost
 constexpr int kFirstFreshId = 20, kLastFreshId = 114;  // of participants; their ports are within the domain's
-constexpr int kFreshTries = 8;                         // another program may have the number
+constexpr int kFreshTries = 8;                         // another program may take the number meanwhile
 /// Six of the largest frames that a network of MTU 1500 takes well, and more for one machine. With the
 /// default of half a megabyte most frames are lost.
 constexpr uint32_t kSharedSegment = 64 << 20;
@@ -103,21 +103,27 @@ void checkInterfaces(int domain) {
   if (!any) throw Error("no IPv4 network interface is up", domainName(domain), "ip link set lo up");
 }
 
-/// Fast DDS binds this port shared (SO_REUSEADDR) and, when that fails, goes on without being found by
-/// others.
-void checkDiscoveryPort(int domain) {
+/// 0, or why (errno) this UDP port cannot be had. One that is `shared` may be held by others that share it.
+int causeAgainstPort(int port, bool shared) {
   const int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (probe < 0) throw Error(std::string("no UDP socket: ") + std::strerror(errno), domainName(domain), "");
-  const int on = 1;
+  if (probe < 0) return errno;
+  const int on = shared ? 1 : 0;
   setsockopt(probe, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(discoveryPort(domain));
+  address.sin_port = htons(static_cast<uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_ANY);
   const int result = bind(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address);
-  const int cause = errno;
+  const int cause = result == 0 ? 0 : errno;
   close(probe);
-  if (result == 0) return;
+  return cause;
+}
+
+/// Fast DDS binds this port shared (SO_REUSEADDR) and, when that fails, goes on without being found by
+/// others.
+void checkDiscoveryPort(int domain) {
+  const int cause = causeAgainstPort(discoveryPort(domain), true);
+  if (cause == 0) return;
   const std::string port = "UDP port " + std::to_string(discoveryPort(domain));
   if (cause == EADDRINUSE) {
     throw Error(port + " is in use by a program that does not share it", domainName(domain),
@@ -151,10 +157,18 @@ rtps::Locator_t serverLocator(const std::string& text) {
 int lastFreshId(int domain) { return std::min(kLastFreshId, (65535 - 11 - discoveryPort(domain)) / 2); }
 
 /// Where a participant of the same number was killed, its ports in shared memory take nothing for seconds.
-/// Programs that follow each other have different numbers.
+/// Programs that follow each other have different numbers, and programs that run at once, whose UDP ports
+/// tell of them. (Fast DDS notices a number that is taken within the process alone.)
 int32_t freshId(int domain) {
   static std::atomic<int> made{0};
-  return kFirstFreshId + (getpid() + made++) % (lastFreshId(domain) - kFirstFreshId + 1);
+  const int numbers = lastFreshId(domain) - kFirstFreshId + 1;
+  int32_t id = 0;
+  for (int tries = 0; tries < numbers; ++tries) {
+    id = kFirstFreshId + (getpid() + made++) % numbers;
+    const int port = discoveryPort(domain) + 10 + 2 * id;
+    if (causeAgainstPort(port, false) == 0 && causeAgainstPort(port + 1, false) == 0) break;
+  }
+  return id;
 }
 
 /// OMG DDS Security 1.1 with its built-in plugins: PKI-DH, Access-Permissions, AES-GCM-GMAC.
