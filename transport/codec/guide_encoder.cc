@@ -235,7 +235,8 @@ void GuideEncoder::encodeTangents(const GuideFrame& frame, const StrandRun& run,
                                   GuideChunk& chunk) {
   TangentHistory* const own = histories_.empty() ? nullptr : &histories_[index];
   const TangentHistory* history = nullptr;
-  if (own && own->frame != 0 && own->frame < frame.frame) {
+  // A gap in the numbers: others were casting, or readers may have changed.
+  if (own && own->frame != 0 && own->frame + 1 == frame.frame) {
     // Each chunk stands alone at a time of its own, so that frames are about equally large.
     const uint64_t phase = frame.frame + uint64_t{index} * options_.key_interval / runs_.size();
     if (phase % options_.key_interval != 0) history = own;
