@@ -52,7 +52,7 @@ HWY_INLINE void addFixed(quads::real value, int32_t* node) {
 }
 // The same of a node and the next one along x, which get the shares `low` and `high`.
 HWY_INLINE void addShares(quads::real value, Scalar low, Scalar high, int32_t* node) {
-#if HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE2 || !HWY_ARCH_X86
+#if !HWY_ARCH_X86 || HWY_MAX_BYTES < 32
   addFixed(quads::fixedPoint(value * quads::fill(low)), node);
   addFixed(quads::fixedPoint(value * quads::fill(high)), node + 4);
 #else

@@ -17,12 +17,17 @@ namespace strandcast {
 namespace {
 
 DdsOptions ddsOptions(const Settings& settings, uint64_t session) {
-  return {settings.domain, settings.groom_id,        session,
-          settings.codec,  settings.claim,           ddsProfileNamed(settings.profile, "--profile"),
-          settings.peers,  settings.discovery_server};
+  return {settings.domain, settings.groom_id,
+          session,         settings.codec,
+          settings.claim,  ddsProfileNamed(settings.profile, "--profile"),
+          settings.peers,  settings.discovery_server,
+          settings.keys};
 }
 
 LcmOptions lcmOptions(const Settings& settings, uint64_t session) {
+  if (ddsProfileNamed(settings.profile, "--profile") == DdsProfile::kSecure || !settings.keys.empty())
+    throw Error("LCM has no security", "--transport lcm with --profile secure or --keys",
+                "use --transport dds");
   return {settings.lcm_url.empty() ? lcmUrl(settings.domain) : settings.lcm_url, settings.groom_id, session,
           settings.codec};
 }

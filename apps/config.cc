@@ -7,6 +7,7 @@
 #define TOML_ASSERT_ASSUME(condition) TOML_ASSERT(condition)
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <toml++/toml.h>
 #include <cmath>
 #include <fstream>
@@ -309,6 +310,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
       ddsProfileNamed(v, transport.place("profile"));
       s.profile = v;
     });
+    transport.text("keys", [&](const std::string& v) { s.keys = path(v); });
     transport.texts("peers", [&](const std::string& v) { s.peers.push_back(v); });
     transport.text("discovery_server", [&](const std::string& v) { s.discovery_server = v; });
     transport.text("lcm_url", [&](const std::string& v) { s.lcm_url = v; });
@@ -331,9 +333,45 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   });
 }
 
+/// Where the string whose opening quote is at `at` ends; where its line does when it is not closed.
+size_t endOfString(const std::string& text, size_t at) {
+  const std::string quote(text.compare(at, 3, std::string(3, text[at])) == 0 ? 3 : 1, text[at]);
+  for (size_t i = at + quote.size(); i < text.size(); ++i) {
+    if (text[i] == '\\' && quote[0] == '"') {
+      ++i;
+    } else if (text.compare(i, quote.size(), quote) == 0) {
+      return i + quote.size();
+    } else if (text[i] == '\n' && quote.size() == 1) {
+      return i;
+    }
+  }
+  return text.size();
+}
+
+/// TOML has other characters than ASCII in strings and comments alone; behind a value, toml++ 3.0 runs into code
+/// that it calls unreachable.
+void refuseBareUnicode(const std::string& text, const std::string& name) {
+  const std::string byte_order_mark = "\xef\xbb\xbf";
+  int line = 1;
+  for (size_t i = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0; i < text.size();) {
+    const char c = text[i];
+    if (static_cast<unsigned char>(c) >= 0x80) {
+      throw Error("not valid TOML: a character that is not ASCII", fmt::format("{} line {}", name, line),
+                  "put names and paths that have one in quotes");
+    }
+    const size_t end = c == '#'                ? std::min(text.find('\n', i), text.size())
+                       : c == '"' || c == '\'' ? endOfString(text, i)
+                                               : i + 1;
+    line += static_cast<int>(std::count(text.begin() + static_cast<ptrdiff_t>(i),
+                                        text.begin() + static_cast<ptrdiff_t>(end), '\n'));
+    i = end;
+  }
+}
+
 }  // namespace
 
 void readConfigText(const std::string& text, const std::string& name, Settings& settings) {
+  refuseBareUnicode(text, name);
   try {
     const toml::table table = toml::parse(text, name);
     Section root(table, "", name);

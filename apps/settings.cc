@@ -127,6 +127,10 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
   }
   app.add_option("--profile", settings.profile, profiles)->check(CLI::IsMember(names))->capture_default_str();
   app.add_option(
+      "--keys", settings.keys,
+      "with --profile secure: folder with the keys and permissions of this program, e.g. KEYS/daemon "
+      "or KEYS/renderer of `strandcast keys KEYS`");
+  app.add_option(
          "--peers", settings.peers,
          "addresses of machines to look on, separated by commas, where multicast does not reach (DDS)")
       ->delimiter(',');
@@ -208,7 +212,9 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
                  "mm; no guide vertex is received further from where it was (default 0.01)")
       ->check(CLI::Range(0.001, 1.0));
   app.add_option("--key-interval", given_.codec.key_interval,
-                 "frames between key frames of the temporal codec: a reader that joins waits that long")
+                 "frames from one that stands alone to the next in the temporal codec: a reader that joins "
+                 "or misses one "
+                 "waits that long")
       ->check(CLI::Range(1u, kMaxKeyInterval))
       ->capture_default_str();
 }
@@ -255,6 +261,7 @@ Settings SettingsOptions::over(Settings out) const {
   lay("--duration", out.duration, given_.duration);
   lay("--transport", out.transport, given_.transport);
   lay("--profile", out.profile, given_.profile);
+  lay("--keys", out.keys, given_.keys);
   lay("--peers", out.peers, given_.peers);
   lay("--discovery-server", out.discovery_server, given_.discovery_server);
   lay("--lcm-url", out.lcm_url, given_.lcm_url);

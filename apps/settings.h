@@ -36,6 +36,7 @@ struct Settings {
   std::string profile = "reliable-lan";  ///< of ddsProfileList()
   std::vector<std::string> peers;        ///< IPv4 addresses; DDS
   std::string discovery_server;          ///< "ADDRESS:PORT"; DDS
+  std::filesystem::path keys;            ///< of the profile "secure"
   std::optional<uint32_t> claim;         ///< strength among daemons that share the groom (DDS)
   CodecOptions codec;                    ///< of the frames that are cast
   double rate = 60;                      ///< frames published per second
@@ -78,8 +79,8 @@ UpAxis upAxisOf(const std::string& name, const std::string& where = "--up");
 /// "field" or "spheres"; Error otherwise, naming `where`.
 BodyContact bodyContactOf(const std::string& name, const std::string& where = "--body-contact");
 
-/// Adds --transport, --profile, --peers, --discovery-server, --lcm-url, --domain and --groom-id, which every
-/// program that joins a network has.
+/// Adds --transport, --profile, --keys, --peers, --discovery-server, --lcm-url, --domain and --groom-id,
+/// which every program that joins a network has.
 void addNetworkOptions(CLI::App& app, Settings& settings);
 
 /// The text of a configuration file of at most 1 MiB. Throws Error.

@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   add("record", "Write what a daemon casts into a file", addRecord);
   add("replay", "Cast a recording again, check it, or repeat its simulation", addReplay);
   add("ctl", "Steer a running daemon", addCtl);
+  add("keys", "Make the keys of a network where only known programs take part", addKeys);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

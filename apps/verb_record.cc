@@ -105,8 +105,8 @@ Verb addRecord(CLI::App& app) {
       ->check(CLI::Range(0.0, 1e6));
   app.add_option(
          "--codec", o->codec,
-         "how frames are written. delta16: about 3 bytes per vertex; oct12: smallest; float32: bit for bit")
-      ->check(CLI::IsMember({"float32", "delta16", "oct12", "oct16"}))
+         "how frames are written. delta16: about 3 bytes per vertex; tangent: smallest; float32: bit for bit")
+      ->check(CLI::IsMember({"float32", "delta16", "oct12", "oct16", "tangent"}))
       ->capture_default_str();
   app.add_option("--codec-error", o->codec_error_mm, "mm; no vertex is written further from where it was")
       ->check(CLI::Range(0.001, 1.0))

@@ -148,7 +148,7 @@ Verb addReplay(CLI::App& app) {
                "the hash of every frame")
       ->excludes(check);
   app.add_option("--codec", o->codec, "how frames are written for the network: see strandcastd --help")
-      ->check(CLI::IsMember({"float32", "delta16", "oct12", "oct16", "temporal"}))
+      ->check(CLI::IsMember({"float32", "delta16", "oct12", "oct16", "tangent", "temporal"}))
       ->capture_default_str();
   app.add_flag("--json", o->json, "print the closing summary as one JSON object");
   addNetworkOptions(app, o->settings);

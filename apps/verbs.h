@@ -19,6 +19,7 @@ Verb addCompare(CLI::App& app);
 Verb addView(CLI::App& app);
 Verb addValidate(CLI::App& app);
 Verb addCtl(CLI::App& app);
+Verb addKeys(CLI::App& app);
 Verb addRecord(CLI::App& app);
 Verb addReplay(CLI::App& app);
 

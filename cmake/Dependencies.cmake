@@ -12,6 +12,7 @@ find_package(CLI11 QUIET)
 find_package(tomlplusplus REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(PNG REQUIRED)
+find_package(OpenSSL REQUIRED)
 find_package(GTest REQUIRED)
 find_package(tinyobjloader REQUIRED)
 

@@ -13,16 +13,22 @@ namespace strandcast {
 /// transport; the fields are described in idl/strandcast.idl. Numbers of a chunk that came from outside are
 /// worth nothing until an assembler (transport/assembler.h) has checked them.
 
-inline constexpr size_t kMaxChunkBytes = 60000;        ///< of arrays in one chunk
-inline constexpr uint32_t kMaxChunks = 4096;           ///< of one message
-inline constexpr size_t kMaxWireVertices = 3500;       ///< of a strand, which is not divided between chunks
-inline constexpr size_t kMaxTextBytes = 255;           ///< of every name on the wire
+inline constexpr size_t kMaxChunkBytes = 60000;   ///< of arrays in one chunk
+inline constexpr uint32_t kMaxChunks = 4096;      ///< of one message
+inline constexpr size_t kMaxWireVertices = 3500;  ///< of a strand, which is not divided between chunks
+inline constexpr size_t kMaxTextBytes = 255;      ///< of every name on the wire
 
 /// Cut to what the wire takes.
 inline std::string shortened(const std::string& text) { return text.substr(0, kMaxTextBytes); }
 
 /// How GuideChunk::payload holds positions: docs/wire.md.
-enum class Encoding : uint32_t { kFloat32 = 0, kDelta16 = 1, kOctahedral12 = 2, kOctahedral16 = 3 };
+enum class Encoding : uint32_t {
+  kFloat32 = 0,
+  kDelta16 = 1,
+  kOctahedral12 = 2,
+  kOctahedral16 = 3,
+  kTangent = 4
+};
 
 struct GroomChunk {
   enum Arrays : uint32_t { kPinned = 1, kRadii = 2, kUvs = 4, kParts = 8 };

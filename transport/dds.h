@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,12 +12,13 @@
 
 namespace strandcast {
 
-/// How a reader or a daemon is carried. Any two find and understand each other.
+/// How a reader or a daemon is carried. Any two but kSecure find and understand each other.
 enum class DdsProfile {
   kReliableLan,  ///< UDP; what is lost is repaired
   kBestEffort,   ///< UDP; of a reader: frames are not repaired, their lost strands are concealed
-  kLocal  ///< shared memory within a machine, UDP to others. A reader that gets nothing through it goes
-          ///< back to UDP
+  kLocal,  ///< shared memory within a machine, UDP to others. A reader that gets nothing through it goes
+           ///< back to UDP
+  kSecure  ///< UDP; encrypted, and every program is known and does what it may. These find no others
 };
 struct DdsProfileInfo {
   DdsProfile profile;
@@ -41,6 +43,8 @@ struct DdsOptions {
   /// "ADDRESS:PORT" of a discovery server (`fastdds discovery -i 0 -l ADDRESS -p PORT`), in place of
   /// multicast; empty = none.
   std::string discovery_server = {};
+  /// kSecure only: this program's keys and permissions, as checkKeyFolder() accepts them.
+  std::filesystem::path keys = {};
 };
 
 /// Whether this build has DDS, and why not.
@@ -52,7 +56,8 @@ bool ddsAvailable(std::string* reason = nullptr);
 /// net.core.rmem_max >= 4194304 on the reader's machine to survive bursts without repair.
 ///
 /// Both throw Error when an option is out of range or the participant cannot be made: domain out of range, no
-/// network interface, a discovery port held by a program that does not share it.
+/// network interface, a discovery port held by a program that does not share it, keys that are missing, out
+/// of force or do not fit. A subscriber whose permissions are to read alone throws Error from send().
 std::unique_ptr<Publisher> makeDdsPublisher(const DdsOptions& options);
 std::unique_ptr<Subscriber> makeDdsSubscriber(const DdsOptions& options);
 

@@ -20,6 +20,7 @@
 
 #include "core/error.h"
 #include "transport/chunks.h"
+#include "transport/security/key_folder.h"
 
 namespace strandcast {
 
@@ -38,7 +39,7 @@ namespace {
 constexpr int kMaxDomain = 232;                        // the last one whose ports fit 16 bits
 constexpr uint32_t kSocketBuffer = 4 << 20;            // with the default, bursts of a frame are lost
 constexpr int kFirstFreshId = 20, kLastFreshId = 114;  // of participants; their ports are within the domain's
-constexpr int kFreshTries = 8;                         // another program may have the number
+constexpr int kFreshTries = 8;                         // another program may take the number meanwhile
 /// Six of the largest frames that a network of MTU 1500 takes well, and more for one machine. With the
 /// default of half a megabyte most frames are lost.
 constexpr uint32_t kSharedSegment = 64 << 20;
@@ -52,14 +53,30 @@ constexpr uint32_t kLocalPeers = 16;
 class FewErrors final : public dds::LogConsumer {
  public:
   void Consume(const dds::Log::Entry& entry) override {
-    if (entry.kind != dds::Log::Kind::Error || shown_ == kShown) return;
+    if (entry.kind != dds::Log::Kind::Error || shown_ == kShown || is_muted) return;
     std::fprintf(stderr, "Fast DDS: %s%s\n", entry.message.c_str(),
                  ++shown_ == kShown ? " (further messages of Fast DDS are not shown)" : "");
   }
+  static inline std::atomic<bool> is_muted{false};
 
  private:
   static constexpr int kShown = 8;
   int shown_ = 0;
+};
+
+/// No errors while it lives; the log is written by a thread of its own.
+class Silence {
+ public:
+  explicit Silence(bool applies) {
+    dds::Log::Flush();
+    FewErrors::is_muted = applies;
+  }
+  ~Silence() {
+    dds::Log::Flush();
+    FewErrors::is_muted = false;
+  }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
 };
 
 void limitLogging() {
@@ -86,21 +103,27 @@ void checkInterfaces(int domain) {
   if (!any) throw Error("no IPv4 network interface is up", domainName(domain), "ip link set lo up");
 }
 
-/// Fast DDS binds this port shared (SO_REUSEADDR) and, when that fails, goes on without being found by
-/// others.
-void checkDiscoveryPort(int domain) {
+/// 0, or why (errno) this UDP port cannot be had. One that is `shared` may be held by others that share it.
+int causeAgainstPort(int port, bool shared) {
   const int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (probe < 0) throw Error(std::string("no UDP socket: ") + std::strerror(errno), domainName(domain), "");
-  const int on = 1;
+  if (probe < 0) return errno;
+  const int on = shared ? 1 : 0;
   setsockopt(probe, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(discoveryPort(domain));
+  address.sin_port = htons(static_cast<uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_ANY);
   const int result = bind(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address);
-  const int cause = errno;
+  const int cause = result == 0 ? 0 : errno;
   close(probe);
-  if (result == 0) return;
+  return cause;
+}
+
+/// Fast DDS binds this port shared (SO_REUSEADDR) and, when that fails, goes on without being found by
+/// others.
+void checkDiscoveryPort(int domain) {
+  const int cause = causeAgainstPort(discoveryPort(domain), true);
+  if (cause == 0) return;
   const std::string port = "UDP port " + std::to_string(discoveryPort(domain));
   if (cause == EADDRINUSE) {
     throw Error(port + " is in use by a program that does not share it", domainName(domain),
@@ -134,10 +157,37 @@ rtps::Locator_t serverLocator(const std::string& text) {
 int lastFreshId(int domain) { return std::min(kLastFreshId, (65535 - 11 - discoveryPort(domain)) / 2); }
 
 /// Where a participant of the same number was killed, its ports in shared memory take nothing for seconds.
-/// Programs that follow each other have different numbers.
+/// Programs that follow each other have different numbers, and programs that run at once, whose UDP ports
+/// tell of them. (Fast DDS notices a number that is taken within the process alone.)
 int32_t freshId(int domain) {
   static std::atomic<int> made{0};
-  return kFirstFreshId + (getpid() + made++) % (lastFreshId(domain) - kFirstFreshId + 1);
+  const int numbers = lastFreshId(domain) - kFirstFreshId + 1;
+  int32_t id = 0;
+  for (int tries = 0; tries < numbers; ++tries) {
+    id = kFirstFreshId + (getpid() + made++) % numbers;
+    const int port = discoveryPort(domain) + 10 + 2 * id;
+    if (causeAgainstPort(port, false) == 0 && causeAgainstPort(port + 1, false) == 0) break;
+  }
+  return id;
+}
+
+/// OMG DDS Security 1.1 with its built-in plugins: PKI-DH, Access-Permissions, AES-GCM-GMAC.
+void secure(const std::filesystem::path& keys, eprosima::fastrtps::rtps::PropertyPolicy& policy) {
+  const auto set = [&](const char* name, const std::string& value) {
+    policy.properties().emplace_back(std::string("dds.sec.") + name, value);
+  };
+  const auto file = [&](const char* name) {
+    return "file://" + (std::filesystem::absolute(keys) / name).string();
+  };
+  set("auth.plugin", "builtin.PKI-DH");
+  set("auth.builtin.PKI-DH.identity_ca", file(kIdentityCa));
+  set("auth.builtin.PKI-DH.identity_certificate", file(kCertificate));
+  set("auth.builtin.PKI-DH.private_key", file(kPrivateKey));
+  set("access.plugin", "builtin.Access-Permissions");
+  set("access.builtin.Access-Permissions.permissions_ca", file(kPermissionsCa));
+  set("access.builtin.Access-Permissions.governance", file(kGovernance));
+  set("access.builtin.Access-Permissions.permissions", file(kPermissions));
+  set("crypto.plugin", "builtin.AES-GCM-GMAC");
 }
 
 dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
@@ -157,6 +207,8 @@ dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
     udp->maxInitialPeersRange = static_cast<uint32_t>(lastFreshId(domain) + 1);
     qos.wire_protocol().participant_id = freshId(domain);
   }
+
+  if (!network.keys.empty()) secure(network.keys, qos.properties());
 
   auto& builtin = qos.wire_protocol().builtin;
   auto& discovery = builtin.discovery_config;
@@ -209,12 +261,33 @@ void setCommon(Qos& qos, const TopicProfile& profile) {
 
 }  // namespace
 
-DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id) : domain_(network.domain) {
+DdsNetwork::DdsNetwork(const DdsOptions& options)
+    : domain(options.domain),
+      uses_shared_memory(options.profile == DdsProfile::kLocal),
+      peers(options.peers),
+      discovery_server(options.discovery_server),
+      keys(options.keys) {
+  const bool is_secure = options.profile == DdsProfile::kSecure;
+  if (is_secure && keys.empty()) {
+    throw Error("the profile needs keys", "--profile secure",
+                "give --keys KEYS/daemon or KEYS/renderer; `strandcast keys KEYS` makes some for tests");
+  }
+  if (!is_secure && !keys.empty())
+    throw Error("keys are used by one profile alone", "--keys", "give --profile secure too");
+  if (is_secure && !discovery_server.empty()) {
+    throw Error("a discovery server has no keys", "--profile secure with --discovery-server",
+                "give the addresses of the other machines by --peers");
+  }
+}
+
+DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id)
+    : domain_(network.domain), keys_(network.keys) {
   const int domain = network.domain;
   if (domain < 0 || domain > kMaxDomain) {
     throw Error("the DDS domain is out of range", std::to_string(domain), "choose 0 to 232");
   }
   limitLogging();
+  if (!keys_.empty()) checkKeyFolder(keys_);
   checkInterfaces(domain);
   checkDiscoveryPort(domain);
   for (int tries = network.uses_shared_memory ? kFreshTries : 1; !participant_ && tries > 0; --tries) {
@@ -249,6 +322,12 @@ void DdsParticipant::fail(const std::string& what) {
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
     participant_ = nullptr;
   }
+  if (!keys_.empty()) {
+    throw Error(
+        what + " with these keys", keys_.string(),
+        "see the messages of Fast DDS above: are permissions.p7s for the subject of cert.pem, this domain "
+        "and this groom, and for what this program does?");
+  }
   throw Error(what, domainName(domain_), "see the messages of Fast DDS above, or choose another --domain");
 }
 
@@ -268,6 +347,13 @@ dds::Topic* DdsParticipant::topic(const TopicProfile& profile, dds::TopicDataTyp
 
 dds::DataWriter* DdsParticipant::createWriter(const TopicProfile& profile, dds::TopicDataType* type,
                                               dds::DataWriterListener* listener, uint32_t strength) {
+  dds::DataWriter* const writer = makeWriter(profile, type, listener, strength);
+  if (!writer) fail(std::string("no writer of ") + profile.name + " can be made");
+  return writer;
+}
+
+dds::DataWriter* DdsParticipant::makeWriter(const TopicProfile& profile, dds::TopicDataType* type,
+                                            dds::DataWriterListener* listener, uint32_t strength) {
   dds::DataWriterQos qos;
   setCommon(qos, profile);
   if (profile.is_exclusive) qos.ownership_strength().value = strength;
@@ -283,9 +369,20 @@ dds::DataWriter* DdsParticipant::createWriter(const TopicProfile& profile, dds::
   times.nackResponseDelay = {0, 0};
   times.nackSupressionDuration = {0, 0};
   dds::Publisher* publisher = profile.is_per_groom ? groom_publisher_ : common_publisher_;
-  dds::DataWriter* writer = publisher->create_datawriter(topic(profile, type), qos, listener,
-                                                         dds::StatusMask::publication_matched());
-  if (!writer) fail(std::string("no writer of ") + profile.name + " can be made");
+  return publisher->create_datawriter(topic(profile, type), qos, listener,
+                                      dds::StatusMask::publication_matched());
+}
+
+dds::DataWriter* DdsParticipant::createWriterIfPermitted(const TopicProfile& profile,
+                                                         dds::TopicDataType* type,
+                                                         dds::DataWriterListener* listener) {
+  dds::DataWriter* writer = nullptr;
+  {
+    // That permissions do not say so is no error here, but Fast DDS writes several.
+    const Silence silence(!keys_.empty());
+    writer = makeWriter(profile, type, listener, 0);
+  }
+  if (!writer && keys_.empty()) fail(std::string("no writer of ") + profile.name + " can be made");
   return writer;
 }
 

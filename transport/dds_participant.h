@@ -10,11 +10,13 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
+#include <filesystem>
 #include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
 
+#include "transport/dds.h"
 #include "transport/status_board.h"
 
 namespace strandcast {
@@ -36,6 +38,11 @@ struct DdsNetwork {
   bool uses_shared_memory = false;
   std::vector<std::string> peers = {};  // IPv4 addresses
   std::string discovery_server = {};    // "ADDRESS:PORT" or empty
+  std::filesystem::path keys = {};      // folder, or empty: not secured
+
+  explicit DdsNetwork(int of_domain) : domain(of_domain) {}
+  /// Throws Error where options do not go together.
+  explicit DdsNetwork(const DdsOptions& options);
 };
 
 /// A participant of the domain with what hangs on it; taken down as a whole.
@@ -53,17 +60,26 @@ class DdsParticipant {
                                                    eprosima::fastdds::dds::TopicDataType* type,
                                                    eprosima::fastdds::dds::DataWriterListener* listener,
                                                    uint32_t strength = 0);
+  /// The same; null where the participant has keys that do not permit it.
+  eprosima::fastdds::dds::DataWriter* createWriterIfPermitted(
+      const TopicProfile& profile, eprosima::fastdds::dds::TopicDataType* type,
+      eprosima::fastdds::dds::DataWriterListener* listener);
   eprosima::fastdds::dds::DataReader* createReader(const TopicProfile& profile,
                                                    eprosima::fastdds::dds::TopicDataType* type,
                                                    eprosima::fastdds::dds::DataReaderListener* listener,
                                                    bool is_reliable = true);
 
  private:
+  eprosima::fastdds::dds::DataWriter* makeWriter(const TopicProfile& profile,
+                                                 eprosima::fastdds::dds::TopicDataType* type,
+                                                 eprosima::fastdds::dds::DataWriterListener* listener,
+                                                 uint32_t strength);
   eprosima::fastdds::dds::Topic* topic(const TopicProfile& profile,
                                        eprosima::fastdds::dds::TopicDataType* type);
   [[noreturn]] void fail(const std::string& what);
 
   const int domain_;
+  const std::filesystem::path keys_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
   eprosima::fastdds::dds::Publisher* groom_publisher_ = nullptr;   // in the groom's partition
   eprosima::fastdds::dds::Publisher* common_publisher_ = nullptr;  // in none

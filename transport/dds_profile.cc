@@ -6,11 +6,13 @@
 namespace strandcast {
 namespace {
 
-constexpr std::array<DdsProfileInfo, 3> kProfiles = {{
+constexpr std::array<DdsProfileInfo, 4> kProfiles = {{
     {DdsProfile::kReliableLan, "reliable-lan", "UDP, what is lost is repaired"},
     {DdsProfile::kBestEffort, "best-effort",
      "UDP; a reader's frames are not repaired, their lost strands are concealed: least delay"},
     {DdsProfile::kLocal, "local", "shared memory within one machine, UDP to others"},
+    {DdsProfile::kSecure, "secure",
+     "UDP, encrypted, among programs that have --keys and do what these permit; others hear nothing"},
 }};
 
 }  // namespace

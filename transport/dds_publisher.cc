@@ -20,12 +20,10 @@ class DdsPublisher final : public Publisher {
   explicit DdsPublisher(const DdsOptions& options)
       : options_(options),
         announced_(options.groom_id, options.session, options.codec),
-        command_listener_([this](v2::Command& wire, const auto&) { receive(wire); }),
-        status_listener_([this](v2::Status& wire, const auto& writer) { hear(wire, writer); },
+        command_listener_([this](v3::Command& wire, const auto&) { receive(wire); }),
+        status_listener_([this](v3::Status& wire, const auto& writer) { hear(wire, writer); },
                          [this](const auto& writer) { others_.remove(writer); }),
-        participant_(
-            {options.domain, options.profile == DdsProfile::kLocal, options.peers, options.discovery_server},
-            options.groom_id) {
+        participant_(DdsNetwork(options), options.groom_id) {
     participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
     participant_.createReader(kCommandTopic, new CommandType, &command_listener_);
     status_writer_ = participant_.createWriter(kStatusTopic, new StatusType, nullptr);
@@ -59,7 +57,7 @@ class DdsPublisher final : public Publisher {
 
   void publishStatus(const Status& status) override {
     if (claim_ && claim_->turn() == 0) return;
-    v2::Status sample;
+    v3::Status sample;
     toWire(status, sample);
     sample.groom_id(options_.groom_id);
     sample.session(options_.session);
@@ -77,8 +75,8 @@ class DdsPublisher final : public Publisher {
 
  private:
   void write(AnnouncedGroom::Chunks chunks) {
-    groom_chunks_ = replace<v2::GroomChunk>(*groom_writer_, std::move(chunks.groom), groom_chunks_);
-    body_chunks_ = replace<v2::BodyChunk>(*body_writer_, std::move(chunks.body), body_chunks_);
+    groom_chunks_ = replace<v3::GroomChunk>(*groom_writer_, std::move(chunks.groom), groom_chunks_);
+    body_chunks_ = replace<v3::BodyChunk>(*body_writer_, std::move(chunks.body), body_chunks_);
   }
 
   /// Of daemons that share a groom: whether it is this one's turn. Late readers are to find the groom of that
@@ -113,7 +111,7 @@ class DdsPublisher final : public Publisher {
     return count;
   }
 
-  void receive(const v2::Command& wire) {
+  void receive(const v3::Command& wire) {
     Command command;
     fromWire(wire, command);
     if (command.groom_id != options_.groom_id || wire.name().size() > kMaxTextBytes || !isSound(command))
@@ -121,7 +119,7 @@ class DdsPublisher final : public Publisher {
     commands_.push(std::move(command));
   }
 
-  void hear(const v2::Status& wire, const StatusBoard::WriterId& writer) {
+  void hear(const v3::Status& wire, const StatusBoard::WriterId& writer) {
     if (wire.groom_id() != options_.groom_id || wire.session() == options_.session) return;
     Status status;
     fromWire(wire, status);
@@ -135,11 +133,11 @@ class DdsPublisher final : public Publisher {
   uint32_t groom_chunks_ = 0, body_chunks_ = 0;
   AnnouncedGroom::Chunks shared_;  // for when it is this one's turn
   uint64_t announced_turn_ = 0;    // of DdsClaim::turn()
-  v2::GuideChunk guide_sample_;
+  v3::GuideChunk guide_sample_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter readers_;
-  TakingListener<v2::Command> command_listener_;
-  TakingListener<v2::Status> status_listener_;
+  TakingListener<v3::Command> command_listener_;
+  TakingListener<v3::Status> status_listener_;
   std::optional<DdsClaim> claim_;
   DdsParticipant participant_;
   dds::DataWriter* status_writer_ = nullptr;

@@ -5,12 +5,10 @@
 #include <utility>
 
 #include "core/error.h"
-#include "transport/answers.h"
-#include "transport/assembler.h"
 #include "transport/chunks.h"
 #include "transport/dds.h"
 #include "transport/dds_participant.h"
-#include "transport/frame_queue.h"
+#include "transport/receiving_subscriber.h"
 #include "transport/wire_type_support.h"
 #include "transport/wire_types.h"
 
@@ -22,19 +20,17 @@ namespace dds = eprosima::fastdds::dds;
 constexpr std::chrono::milliseconds kAnswerTime{2000}, kWatchPeriod{400};
 constexpr int kPatience = 2;  // looks without a chunk; a daemon's status comes twice a second
 
-class DdsSubscriber final : public Subscriber {
+class DdsSubscriber final : public ReceivingSubscriber {
  public:
   explicit DdsSubscriber(const DdsOptions& options)
-      : options_(options),
-        grooms_(options.groom_id),
-        bodies_(options.groom_id),
-        frames_(options.profile == DdsProfile::kBestEffort),
-        groom_listener_([this](v2::GroomChunk& wire, const auto&) { receive(wire); }),
-        body_listener_([this](v2::BodyChunk& wire, const auto&) { receive(wire); }),
-        guide_listener_([this](v2::GuideChunk& wire, const auto&) { receive(wire); }),
-        status_listener_([this](v2::Status& wire, const auto& writer) { receive(wire, writer); },
+      : ReceivingSubscriber(options.groom_id, options.profile == DdsProfile::kBestEffort),
+        options_(options),
+        groom_listener_([this](v3::GroomChunk& wire, const auto&) { receive(wire); }),
+        body_listener_([this](v3::BodyChunk& wire, const auto&) { receive(wire); }),
+        guide_listener_([this](v3::GuideChunk& wire, const auto&) { receive(wire); }),
+        status_listener_([this](v3::Status& wire, const auto& writer) { receive(wire, writer); },
                          [this](const auto& writer) { statuses_.remove(writer); }) {
-    join(options.profile == DdsProfile::kLocal);
+    join(DdsNetwork(options));
     if (options.profile == DdsProfile::kLocal) watchdog_ = std::thread([this] { watch(); });
   }
 
@@ -48,22 +44,14 @@ class DdsSubscriber final : public Subscriber {
     participant_.reset();  // and with it the threads that call the listeners
   }
 
-  std::shared_ptr<const GroomDescription> groom() const override { return queue_.groom(); }
-  std::shared_ptr<const BodyDescription> body() const override { return queue_.body(); }
-  std::shared_ptr<const GuideFrame> frame() const override { return queue_.frame(); }
-  std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout) override {
-    return queue_.waitForFrame(after, timeout);
-  }
-  bool waitForGroom(std::chrono::milliseconds timeout) override { return queue_.waitForGroom(timeout); }
-
-  std::optional<Status> status() const override {
-    const auto groom = queue_.groom();
-    return statuses_.ofGroom(options_.groom_id, groom ? groom->session : 0);
-  }
-  std::vector<Status> allStatuses() const override { return statuses_.all(); }
+  bool mayCommand() const override { return options_.keys.empty() || command_writer_ != nullptr; }
 
   void send(const Command& command) override {
     checkCommand(command, options_.groom_id);
+    if (!mayCommand()) {
+      throw Error("these keys do not permit commands", options_.keys.string(),
+                  "use those of a renderer: see `strandcast keys --help`");
+    }
     const std::string where =
         "groom " + std::to_string(options_.groom_id) + " in DDS domain " + std::to_string(options_.domain);
     const char* const remedy = "start strandcastd, or check --domain and the groom id";
@@ -75,7 +63,7 @@ class DdsSubscriber final : public Subscriber {
         throw Error("no daemon answers", where, remedy);
     }
     const std::lock_guard lock(send_mutex_);
-    v2::Command sample;
+    v3::Command sample;
     toWire(command, sample);
     sample.groom_id(options_.groom_id);
     if (!command_writer_ || !command_writer_->write(&sample))
@@ -88,32 +76,15 @@ class DdsSubscriber final : public Subscriber {
     }
   }
 
-  std::optional<std::string> waitForAnswer(uint64_t command, std::chrono::milliseconds timeout) override {
-    return answers_.wait(command, timeout);
-  }
-
-  ReceiveStatistics statistics() const override {
-    ReceiveStatistics statistics;
-    {
-      const std::lock_guard lock(assembly_mutex_);
-      statistics = frames_.statistics();
-      statistics.chunks_rejected += grooms_.chunksRejected() + bodies_.chunksRejected();
-    }
-    queue_.addLatencies(statistics);
-    return statistics;
-  }
-
  private:
-  void join(bool uses_shared_memory) {
-    participant_.emplace(
-        DdsNetwork{options_.domain, uses_shared_memory, options_.peers, options_.discovery_server},
-        options_.groom_id);
+  void join(const DdsNetwork& network) {
+    participant_.emplace(network, options_.groom_id);
     participant_->createReader(kGroomTopic, new GroomChunkType, &groom_listener_);
     participant_->createReader(kBodiesTopic, new BodyChunkType, &body_listener_);
     participant_->createReader(kGuidesTopic, new GuideChunkType, &guide_listener_,
                                options_.profile != DdsProfile::kBestEffort);
     participant_->createReader(kStatusTopic, new StatusType, &status_listener_);
-    command_writer_ = participant_->createWriter(kCommandTopic, new CommandType, &daemons_);
+    command_writer_ = participant_->createWriterIfPermitted(kCommandTopic, new CommandType, &daemons_);
   }
 
   /// Whether there is a daemon that casts, as far as its status gets here, and none of its chunks has come
@@ -136,67 +107,52 @@ class DdsSubscriber final : public Subscriber {
       command_writer_ = nullptr;
       participant_.reset();
       statuses_.clear();
+      DdsNetwork network(options_);
+      network.uses_shared_memory = false;
       try {
-        join(false);
+        join(network);
         return;
       } catch (const Error&) {  // the network is gone, perhaps not for good
       }
     }
   }
 
-  void receive(v2::GroomChunk& wire) {
+  using ReceivingSubscriber::receive;
+  void receive(v3::GroomChunk& wire) {
     GroomChunk chunk;
     fromWire(wire, chunk);
-    const std::lock_guard lock(assembly_mutex_);
-    const auto groom = grooms_.add(std::move(chunk));
-    if (groom && queue_.setGroom(groom)) frames_.setGroom(groom);
+    receive(std::move(chunk));
   }
 
-  void receive(v2::BodyChunk& wire) {
+  void receive(v3::BodyChunk& wire) {
     BodyChunk chunk;
     fromWire(wire, chunk);
-    const std::lock_guard lock(assembly_mutex_);
-    if (auto body = bodies_.add(std::move(chunk))) queue_.setBody(std::move(body));
+    receive(std::move(chunk));
   }
 
-  void receive(v2::GuideChunk& wire) {
-    const std::lock_guard lock(assembly_mutex_);
+  void receive(v3::GuideChunk& wire) {
     ++chunks_;
-    fromWire(wire, guide_chunk_);
-    push(frames_.add(guide_chunk_));
-    if (options_.profile == DdsProfile::kBestEffort) push(frames_.concealOverdue());
+    receiveGuides([&](GuideChunk& chunk) {
+      fromWire(wire, chunk);
+      return true;
+    });
   }
 
-  void push(std::shared_ptr<const GuideFrame> frame) {
-    if (!frame) return;
-    const uint64_t publish_time = frame->publish_time;
-    queue_.push(std::move(frame), latencyMs(publish_time));
-  }
-
-  void receive(const v2::Status& wire, const StatusBoard::WriterId& writer) {
+  void receive(const v3::Status& wire, const StatusBoard::WriterId& writer) {
     Status status;
     fromWire(wire, status);
-    if (status.groom_id == options_.groom_id) answers_.post(status);
-    statuses_.post(writer, std::move(status));
+    receive(std::move(status), writer);
   }
 
   const DdsOptions options_;
-  FrameQueue queue_;
-  StatusBoard statuses_;
-  Answers answers_;
-  mutable std::mutex assembly_mutex_;
-  GroomAssembler grooms_;
-  BodyAssembler bodies_;
-  GuideAssembler frames_;
-  GuideChunk guide_chunk_;
   std::atomic<uint64_t> chunks_{0};  // of guides, received
   std::mutex send_mutex_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter daemons_;
-  TakingListener<v2::GroomChunk> groom_listener_;
-  TakingListener<v2::BodyChunk> body_listener_;
-  TakingListener<v2::GuideChunk> guide_listener_;
-  TakingListener<v2::Status> status_listener_;
+  TakingListener<v3::GroomChunk> groom_listener_;
+  TakingListener<v3::BodyChunk> body_listener_;
+  TakingListener<v3::GuideChunk> guide_listener_;
+  TakingListener<v3::Status> status_listener_;
   std::optional<DdsParticipant> participant_;
   dds::DataWriter* command_writer_ = nullptr;
 

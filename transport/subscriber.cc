@@ -15,7 +15,7 @@ std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
       const std::optional<std::string> answer = subscriber.waitForAnswer(command.id, kSendAgain);
       if (answer || gives_up()) return answer;
     } catch (const Error&) {
-      if (gives_up()) throw;
+      if (!subscriber.mayCommand() || gives_up()) throw;
     }
   }
 }

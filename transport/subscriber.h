@@ -56,11 +56,13 @@ class Subscriber {
   virtual std::optional<Status> status() const = 0;
   /// Newest status of every live daemon on the network.
   virtual std::vector<Status> allStatuses() const = 0;
+  /// Whether this program is permitted to (DDS, profile `secure`).
+  virtual bool mayCommand() const { return true; }
   /// Sends a command to the daemon of `command.groom_id` 's groom, which is this subscriber's (0 stands for
   /// it). Blocks until the daemon's machine has it (over LCM: until it is sent), and the daemon's answer can
   /// be heard. The command may be lost, and the daemon may end before it obeys: ask() sends until there is an
-  /// answer. Throws Error when no daemon of that groom answers within 2 s, when `id` is 0, or when the
-  /// command is longer than the wire takes.
+  /// answer. Throws Error when no daemon of that groom answers within 2 s, when `id` is 0, when the
+  /// command is longer than the wire takes, or without mayCommand().
   virtual void send(const Command& command) = 0;
   /// The daemon's answer to the command of this id: empty text when it was carried out, the reason when it
   /// was refused, nothing on timeout. The newest 256 answers are kept, also when the daemon has ended.

@@ -20,11 +20,11 @@ class GuardedType final : public Generated {
   }
 };
 
-using GroomChunkType = GuardedType<v2::GroomChunkPubSubType>;
-using BodyChunkType = GuardedType<v2::BodyChunkPubSubType>;
-using GuideChunkType = GuardedType<v2::GuideChunkPubSubType>;
-using CommandType = GuardedType<v2::CommandPubSubType>;
-using ClaimType = GuardedType<v2::ClaimPubSubType>;
-using StatusType = GuardedType<v2::StatusPubSubType>;
+using GroomChunkType = GuardedType<v3::GroomChunkPubSubType>;
+using BodyChunkType = GuardedType<v3::BodyChunkPubSubType>;
+using GuideChunkType = GuardedType<v3::GuideChunkPubSubType>;
+using CommandType = GuardedType<v3::CommandPubSubType>;
+using ClaimType = GuardedType<v3::ClaimPubSubType>;
+using StatusType = GuardedType<v3::StatusPubSubType>;
 
 }  // namespace strandcast

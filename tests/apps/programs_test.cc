@@ -18,6 +18,7 @@
 
 #include "groom/distance_field_file.h"
 #include "groom/groom_file.h"
+#include "tests/transport/dds_domain.h"
 
 namespace strandcast {
 namespace {
@@ -43,7 +44,7 @@ class Programs : public ::testing::Test {
               ("strandcast_programs_" + std::to_string(getpid()) + "_" +
                ::testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::create_directories(folder_);
-    domain_ = std::to_string(100 + getpid() % 100);
+    domain_ = std::to_string(testDomain(0));
   }
   void TearDown() override {
     for (const pid_t child : running_) kill(child, SIGKILL);
@@ -90,7 +91,7 @@ class Programs : public ::testing::Test {
 TEST_F(Programs, HelpTeachesAndExitsWithZero) {
   for (const char* words :
        {" --help", " info --help", " convert --help", " bake --help", " render --help", " compare --help",
-        " ctl --help", " record --help", " replay --help", " validate --help"}) {
+        " ctl --help", " record --help", " replay --help", " keys --help", " validate --help"}) {
     const Outcome r = run(program_ + words);
     EXPECT_EQ(r.exit_code, 0) << words << r.err;
     EXPECT_GT(r.out.size(), 200u) << words;
@@ -127,6 +128,11 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
         program_ + " validate cantilever --solver magic --backend reference",
         program_ + " convert " + (folder_ / "empty.tfx").string() + " " + (folder_ / "x.hair").string(),
         daemon_ + " --config " + (folder_ / "bad.toml").string(),
+        program_ + " keys " + folder_.string(),
+        program_ + " ctl stop --keys " + folder_.string(),
+        program_ + " ctl stop --profile secure",
+        program_ + " ctl stop --profile secure --transport lcm",
+        program_ + " ctl stop --profile secure --keys " + folder_.string(),
         daemon_ + " --scene bald",
         daemon_ + " --groom " + (folder_ / "short.tfx").string(),
         daemon_ + " --set air_drag=fast",

@@ -40,7 +40,8 @@ struct Confined {
 const std::vector<Confined> kConfined = {
     {{"fcl"}, "FCL", {"collision"}},
     {{"fastdds", "fastrtps", "fastcdr"}, "DDS", {"transport"}},
-    {{"lcm", "strandcast_v2"}, "LCM", {"transport"}},
+    {{"lcm", "strandcast_v3"}, "LCM", {"transport"}},
+    {{"openssl"}, "OpenSSL", {"transport"}},
     {{"epoxy", "GL", "EGL", "GLES2", "GLES3", "KHR"}, "GL", {"gl", "gpu_compute", "render", "apps"}},
 };
 

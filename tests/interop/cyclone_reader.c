@@ -18,9 +18,9 @@
 
 enum { kMaxChunks = 4096, kTake = 64, kFramesUnderWay = 64 };
 
-typedef strandcast_v2_GroomChunk GroomChunk;
-typedef strandcast_v2_GuideChunk GuideChunk;
-typedef strandcast_v2_Status Status;
+typedef strandcast_v3_GroomChunk GroomChunk;
+typedef strandcast_v3_GuideChunk GuideChunk;
+typedef strandcast_v3_Status Status;
 
 static dds_entity_t checked(dds_entity_t entity, const char* what) {
   if (entity < 0) {
@@ -62,7 +62,7 @@ static dds_entity_t command_writer_in(dds_entity_t participant, const char* part
   const dds_entity_t publisher = checked(dds_create_publisher(participant, qos, NULL), "publisher");
   dds_delete_qos(qos);
   const dds_entity_t topic =
-      checked(dds_create_topic(participant, &strandcast_v2_Command_desc, "strandcast/command", NULL, NULL),
+      checked(dds_create_topic(participant, &strandcast_v3_Command_desc, "strandcast/command", NULL, NULL),
               "command");
   qos = reliable(64, true);
   const dds_entity_t writer = checked(dds_create_writer(publisher, topic, qos, NULL), "command");
@@ -95,7 +95,7 @@ static bool take_groom(dds_entity_t reader, uint32_t* strands, uint32_t* vertice
 }
 
 static bool is_as_sent(const GuideChunk* chunk) {
-  if (chunk->encoding != strandcast_v2_ENCODING_FLOAT32 || chunk->payload._length != 12 * chunk->vertex_count)
+  if (chunk->encoding != strandcast_v3_ENCODING_FLOAT32 || chunk->payload._length != 12 * chunk->vertex_count)
     return false;
   for (uint32_t v = 0; v < chunk->vertex_count; ++v) {
     float position[3];
@@ -155,11 +155,11 @@ int main(int argc, char** argv) {
       checked(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
   const dds_entity_t subscriber = subscriber_in(participant, "groom1");
   const dds_entity_t groom =
-      reader_of(participant, subscriber, &strandcast_v2_GroomChunk_desc, "strandcast/groom", 1, true);
+      reader_of(participant, subscriber, &strandcast_v3_GroomChunk_desc, "strandcast/groom", 1, true);
   const dds_entity_t guides =
-      reader_of(participant, subscriber, &strandcast_v2_GuideChunk_desc, "strandcast/guides", 4, false);
+      reader_of(participant, subscriber, &strandcast_v3_GuideChunk_desc, "strandcast/guides", 4, false);
   const dds_entity_t status =
-      reader_of(participant, participant, &strandcast_v2_Status_desc, "strandcast/status", 1, true);
+      reader_of(participant, participant, &strandcast_v3_Status_desc, "strandcast/status", 1, true);
   const dds_entity_t writer = command_writer_in(participant, "groom1");
 
   const dds_time_t start = dds_time(), end = start + DDS_SECS(15);
@@ -175,7 +175,7 @@ int main(int argc, char** argv) {
       if (dds_time() - asked > DDS_MSECS(500) && !has_answer) {
         asked = dds_time();
         double values[] = {3, 0, 0};
-        strandcast_v2_Command command = {.id = id, .groom_id = 1, .kind = 0, .name = "wind"};
+        strandcast_v3_Command command = {.id = id, .groom_id = 1, .kind = 0, .name = "wind"};
         command.values._buffer = values;
         command.values._length = command.values._maximum = 3;
         checked(dds_write(writer, &command), "write");

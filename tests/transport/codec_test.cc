@@ -10,6 +10,7 @@
 #include "payload_fuzz.h"
 #include "tests/error_of.h"
 #include "transport/assembler.h"
+#include "transport/codec/bit_stream.h"
 #include "transport/codec/guide_decoder.h"
 #include "transport/codec/guide_encoder.h"
 #include "transport/codec/octahedral.h"
@@ -86,7 +87,8 @@ TEST(Codec, EveryCodecKeepsItsErrorAndSize) {
                             {Codec::kDelta16, 4.0},
                             {Codec::kOctahedral12, 4.0},
                             {Codec::kOctahedral16, 5.0},
-                            {Codec::kTemporal, 2.5}}) {
+                            {Codec::kTangent, 2.0},
+                            {Codec::kTemporal, 1.0}}) {
     Road road(head(), {e.codec});
     const double bytes = measure(road, e.codec == Codec::kFloat32 ? 0 : 1e-5);
     EXPECT_LE(bytes, e.bytes) << nameOf(e.codec);
@@ -100,7 +102,7 @@ TEST(Codec, AnyErrorThatIsAskedForIsKept) {
   double before = 1e9;
   for (const float max_error : {1e-6f, 1e-5f, 1e-4f, 1e-3f}) {
     for (const Codec codec :
-         {Codec::kDelta16, Codec::kOctahedral12, Codec::kOctahedral16, Codec::kTemporal}) {
+         {Codec::kDelta16, Codec::kOctahedral12, Codec::kOctahedral16, Codec::kTangent, Codec::kTemporal}) {
       Road road(hairGroom(100, [](size_t s) { return 1 + s % 50; }), {codec, max_error});
       const double bytes = measure(road, static_cast<double>(max_error));
       EXPECT_GT(bytes, 0);
@@ -112,7 +114,7 @@ TEST(Codec, AnyErrorThatIsAskedForIsKept) {
 }
 
 TEST(Codec, StrandsThatWouldBreakTheBoundAreSentFiner) {
-  for (const Codec codec : {Codec::kDelta16, Codec::kOctahedral12, Codec::kTemporal}) {
+  for (const Codec codec : {Codec::kDelta16, Codec::kOctahedral12, Codec::kTangent, Codec::kTemporal}) {
     Road road(head(), {codec}), whole(head(), {codec});
     for (uint64_t number = 1; number <= 12; ++number) {
       GuideFrame frame = hairFrame(road.groom(), number);
@@ -165,6 +167,58 @@ TEST(Codec, ANonFiniteStrandIsRefusedByTheReader) {
   }
 }
 
+TEST(Codec, ALostFrameCostsThoseUpToTheNextThatStandsAlone) {
+  CodecOptions options{Codec::kTemporal};
+  options.key_interval = 8;
+  Road road(head(), options);
+  const auto runs = static_cast<uint32_t>(road.encoder().runs().size());
+  ASSERT_GT(runs, 1u);
+  uint64_t incomplete = 0, last_incomplete = 0;
+  GuideChunk chunk;
+  for (uint64_t number = 1; number <= 40; ++number) {
+    const GuideFrame frame = hairFrame(road.groom(), number);
+    std::shared_ptr<const GuideFrame> received;
+    for (uint32_t i = 0; i < runs; ++i) {
+      road.encoder().encode(frame, i, chunk);
+      if (number == 20 && i == 1) continue;  // lost
+      if (const auto done = road.assembler().add(chunk)) received = done;
+    }
+    if (received) {
+      EXPECT_LE(worstError(frame, *received), 1e-5) << number;
+    } else {
+      ++incomplete;
+      last_incomplete = number;
+    }
+  }
+  EXPECT_GE(incomplete, 2u);
+  EXPECT_LE(incomplete, options.key_interval);
+  EXPECT_EQ(last_incomplete, 20 + incomplete - 1) << "all frames from then on";
+  EXPECT_EQ(road.assembler().statistics().chunks_without_key, incomplete - 1);
+  EXPECT_EQ(road.assembler().statistics().chunks_rejected, 0u);
+}
+
+TEST(Codec, RiceCodesAreReadBackAndEndWhereTheyEnd) {
+  std::mt19937 random(7);
+  for (int k = 0; k <= 16; ++k) {
+    std::vector<uint16_t> numbers;
+    for (int i = 0; i < 400; ++i)
+      numbers.push_back(static_cast<uint16_t>(static_cast<int16_t>(random()) >> random() % 16));
+    std::vector<uint8_t> bytes;
+    RiceWriter writer(bytes);
+    for (const uint16_t number : numbers) writer.put(number, k);
+    writer.finish();
+    RiceReader reader(bytes);
+    for (const uint16_t number : numbers) ASSERT_EQ(reader.get(k), number) << k;
+    EXPECT_TRUE(reader.isAtEnd()) << k;
+    reader.get(k);
+    EXPECT_FALSE(reader.isSound()) << "past the end";
+    bytes.push_back(0);
+    RiceReader longer(bytes);
+    for (size_t i = 0; i < numbers.size(); ++i) longer.get(k);
+    EXPECT_FALSE(longer.isAtEnd()) << "a byte too many";
+  }
+}
+
 TEST(Codec, KeyFramesLetAReaderJoinWithinTheirInterval) {
   CodecOptions options{Codec::kTemporal};
   options.key_interval = 8;
@@ -194,7 +248,7 @@ TEST(Codec, KeyFramesLetAReaderJoinWithinTheirInterval) {
 }
 
 TEST(Codec, ChunksInAnyOrderDecodeAlone) {
-  for (const Codec codec : {Codec::kDelta16, Codec::kOctahedral12, Codec::kOctahedral16}) {
+  for (const Codec codec : {Codec::kDelta16, Codec::kOctahedral12, Codec::kOctahedral16, Codec::kTangent}) {
     const GroomDescription groom = head();
     const GuideFrame frame = hairFrame(groom, 9);
     const std::vector<GuideChunk> chunks = splitFrame(groom, frame, {codec});
@@ -239,12 +293,11 @@ TEST(Codec, DamagedPayloadsAreRefusedOrHarmless) {
     GuideEncoder encoder({info.codec});
     encoder.setGroom(groom.guides);
     for (uint64_t number = 1; number <= 2; ++number) {
-      GuideFrame frame = hairFrame(groom, number);
-      frame.positions[groom.guides.offsets[7]].x() += 900;  // one strand is sent as it is
       GuideChunk chunk;
-      encoder.encode(frame, 0, chunk);
+      encoder.encode(payloadFrame(groom, number), 0, chunk);
       // The first byte chooses encoding and key frame: fuzzPayload().
-      const auto head = static_cast<uint8_t>(static_cast<uint32_t>(chunk.encoding) + 5 * chunk.key_frame);
+      const auto head =
+          static_cast<uint8_t>(static_cast<uint32_t>(chunk.encoding) + kFuzzedEncodings * chunk.key_frame);
       for (int run = 0; run < 4000; ++run, ++runs) {
         std::vector<uint8_t> bytes = chunk.payload;
         bytes.insert(bytes.begin(), run % 32 == 31 ? static_cast<uint8_t>(random()) : head);

@@ -1,5 +1,13 @@
 #pragma once
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
+
+#include <cstddef>
+#include <cstring>
+#include <map>
+#include <stdexcept>
+#include <string>
 
 namespace strandcast {
 
@@ -12,8 +20,33 @@ inline constexpr int kPeerGuides = 1000;
 inline constexpr int kPeerGuides = 4933;
 #endif
 
-/// A domain for one test, its own among the tests of this program and most likely among programs that run at
-/// once.
-inline int testDomain(int test) { return 100 + (getpid() * 16 + test) % 130; }
+/// The domains of tests: beyond LCM's ports, which begin at 7667, and below the ports that Linux gives to
+/// sockets that ask for any (32768 and up).
+inline constexpr int kFirstTestDomain = 3, kLastTestDomain = 100;
+
+/// Port 7400 + 250 * domain and the 249 that follow are the domain's.
+inline int firstPort(int domain) { return 7400 + 250 * domain; }
+
+/// A domain for test number `test` of this program, which no other test program of this machine has while
+/// this one runs: whoever binds the name first.
+inline int testDomain(int test) {
+  static std::map<int, int> own;
+  if (const auto found = own.find(test); found != own.end()) return found->second;
+  constexpr int kDomains = kLastTestDomain - kFirstTestDomain + 1;
+  const int name = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  for (int tries = 0; tries < kDomains; ++tries) {
+    // Not from the first each time: who was killed is forgotten by its domain only after seconds.
+    const int domain = kFirstTestDomain + (getpid() * 16 + test + tries) % kDomains;
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    // A name that begins with 0 is no file: it goes with the process.
+    const std::string text = "strandcast test domain " + std::to_string(domain);
+    std::memcpy(address.sun_path + 1, text.data(), text.size());
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + text.size());
+    if (bind(name, reinterpret_cast<const sockaddr*>(&address), size) == 0) return own[test] = domain;
+  }
+  close(name);
+  throw std::runtime_error("all domains of tests are taken");
+}
 
 }  // namespace strandcast

@@ -1,7 +1,12 @@
 // The profiles of DDS and the ways to find each other, daemon and reader in one process or two.
 #include <gtest/gtest.h>
 
+#include <arpa/inet.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -65,10 +70,11 @@ TEST(DdsProfiles, AnyTwoUnderstandEachOther) {
 
 TEST(DdsProfiles, ReadersKilledOnSharedMemoryComeBack) {
   const std::string domain = std::to_string(testDomain(1));
-  Peer publisher({"cast_local", domain, "60"});
+  const PeerSetting local("STRANDCAST_PEER_PROFILE", "local");
+  Peer publisher({"cast", domain, "60"});
   std::string all;
   for (int round = 0; round < 5; ++round) {
-    Peer reader({"read_local", domain, "60", "0"});
+    Peer reader({"read", domain, "60", "0"});
     ASSERT_TRUE(reader.waitFor("first_frame")) << round << reader.text();
     const double ms = reader.results().at("first_frame_after_ms");
     EXPECT_LE(ms, 3000) << "the watchdog goes back to UDP";
@@ -80,11 +86,36 @@ TEST(DdsProfiles, ReadersKilledOnSharedMemoryComeBack) {
               all.c_str());
 }
 
+TEST(DdsProfiles, NumbersOfOtherProgramsAreLeftToThem) {
+  const int domain = testDomain(4);
+  constexpr int kFirst = 20, kLast = 114, kFree = 77;  // of participants on shared memory
+  const auto portOf = [&](int number) { return firstPort(domain) + 10 + 2 * number; };
+  std::vector<int> held;
+  const auto hold = [&](int number) {
+    held.push_back(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<uint16_t>(portOf(number)));
+    return bind(held.back(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  };
+  for (int number = kFirst; number <= kLast; ++number) {
+    if (number == kFree || number == kFree + 1) continue;
+    ASSERT_TRUE(hold(number)) << number;
+  }
+  const auto publisher = makeDdsPublisher(optionsOf(domain, 1, DdsProfile::kLocal));
+  const auto subscriber = makeDdsSubscriber(optionsOf(domain, 0, DdsProfile::kLocal));
+  EXPECT_FALSE(hold(kFree));
+  EXPECT_FALSE(hold(kFree + 1));
+  publisher->announce(uniformGroom(5, 4), sampleBody(3));
+  EXPECT_TRUE(subscriber->waitForGroom(milliseconds(5000)));
+  for (const int one : held) close(one);
+}
+
 TEST(DdsProfiles, ADiscoveryServerBringsThemTogether) {
   namespace dds = eprosima::fastdds::dds;
   namespace rtps = eprosima::fastrtps::rtps;
   const int domain = testDomain(2);
-  const auto port = static_cast<uint16_t>(20000 + getpid() % 20000);
+  const auto port = static_cast<uint16_t>(firstPort(domain) + 245);  // participants have those up to 239
   dds::DomainParticipantQos qos;
   auto& builtin = qos.wire_protocol().builtin;
   builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "dds_domain.h"
+#include "moving_hair.h"
 #include "sample_messages.h"
 #include "tests/error_of.h"
 #include "transport/dds.h"
@@ -88,6 +89,35 @@ TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
   EXPECT_EQ(subscriber->status()->backend, "simd");
   EXPECT_EQ(subscriber->status()->session, 11u);
   EXPECT_FALSE(publisher->rivalSession()) << "its own status is no rival's";
+}
+
+TEST_F(Dds, FramesThatBuildOnEachOtherReachEarlyAndLateReaders) {
+  const int domain = testDomain(7);
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kTemporal}});
+  const auto early = makeDdsSubscriber({domain, 1, 0, {}});
+  const GroomDescription groom = hairGroom(1500, [](size_t s) { return 2 + s % 40; });
+  publisher->announce(groom, sampleBody(20));
+  ASSERT_TRUE(early->waitForGroom(milliseconds(5000)));
+  ASSERT_TRUE(becomesTrue([&] { return publisher->matchedReaders() == 1; }));
+  std::unique_ptr<Subscriber> late;
+  for (uint64_t number = 1; number <= 40; ++number) {
+    if (number == 13) {
+      late = makeDdsSubscriber({domain, 1, 0, {}});
+      ASSERT_TRUE(late->waitForGroom(milliseconds(5000)));
+      ASSERT_TRUE(becomesTrue([&] { return publisher->matchedReaders() == 2; }));
+    }
+    const GuideFrame sent = hairFrame(groom, number);
+    publisher->publish(sent);
+    const auto frame = early->waitForFrame(number - 1, milliseconds(2000));
+    ASSERT_TRUE(frame) << number;
+    for (size_t v = 0; v < sent.positions.size(); ++v)
+      ASSERT_LE((frame->positions[v] - sent.positions[v]).norm(), 1.001e-5f) << number;
+  }
+  ASSERT_TRUE(becomesTrue([&] { return late->frame() && late->frame()->frame == 40; }));
+  EXPECT_EQ(late->frame()->positions, early->frame()->positions);
+  EXPECT_EQ(late->statistics().frames_lost, 0u) << "once it has had one";
+  EXPECT_GE(late->statistics().frames_received, 18u) << "within an interval of key frames";
+  EXPECT_EQ(early->statistics().frames_received, 40u);
 }
 
 TEST_F(Dds, TheAnswerOfADaemonThatEndsAtOnceIsHeard) {
@@ -192,10 +222,10 @@ TEST_F(Dds, ADiscoveryPortHeldByAnotherProgramIsNamed) {
   const int holder = socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<uint16_t>(7400 + 250 * domain));
+  address.sin_port = htons(static_cast<uint16_t>(firstPort(domain)));
   ASSERT_EQ(bind(holder, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
   const std::string message = errorOf([&] { makeDdsSubscriber({domain, 1, 0, {}}); });
-  EXPECT_NE(message.find("UDP port " + std::to_string(7400 + 250 * domain) + " is in use"), std::string::npos)
+  EXPECT_NE(message.find("UDP port " + std::to_string(firstPort(domain)) + " is in use"), std::string::npos)
       << message;
   EXPECT_NE(message.find("--domain"), std::string::npos) << message;
   close(holder);

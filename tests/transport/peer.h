@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -14,6 +15,18 @@
 namespace strandcast {
 
 using Results = std::map<std::string, double>;
+
+/// What peers that are made while it lives are told by an environment variable.
+class PeerSetting {
+ public:
+  PeerSetting(const char* name, const std::string& value) : name_(name) { setenv(name, value.c_str(), 1); }
+  ~PeerSetting() { unsetenv(name_); }
+  PeerSetting(const PeerSetting&) = delete;
+  PeerSetting& operator=(const PeerSetting&) = delete;
+
+ private:
+  const char* name_;
+};
 
 /// A transport_peer; killed when it is still there at the end.
 class Peer {

@@ -8,13 +8,14 @@
 //   transport_peer cast_lcm DOMAIN SECONDS    the same over LCM, without a claim
 //   transport_peer read DOMAIN SECONDS MS     reader that takes MS milliseconds over each frame
 //   transport_peer read_lcm DOMAIN SECONDS MS
-//   transport_peer cast_local, read_local     as cast and read, through shared memory
 //   transport_peer send DOMAIN ID             sends one command and ends
 //   transport_peer alone DOMAIN SECONDS       publish and read where there is no network but 127.0.0.1
 //   transport_peer offline DOMAIN             a reader where no interface is up
 //   transport_peer lcm_alone DOMAIN           a reader over LCM where 127.0.0.1 has no route for multicast
 //
-// With STRANDCAST_PEER_LOSS=0.01 one of a hundred datagrams that it sends is lost.
+// With STRANDCAST_PEER_LOSS=0.01 one of a hundred datagrams that it sends is lost. With
+// STRANDCAST_PEER_PROFILE and STRANDCAST_PEER_KEYS all but the LCM ones use that profile of DDS and that
+// folder of keys.
 #include <net/if.h>
 #include <sched.h>
 #include <signal.h>
@@ -95,8 +96,16 @@ int cast(Publisher& publisher, double seconds) {
   return 0;
 }
 
+DdsOptions ddsOptions(int domain) {
+  DdsOptions options{domain, 1, static_cast<uint64_t>(getpid()), {Codec::kFloat32}};
+  if (const char* const profile = std::getenv("STRANDCAST_PEER_PROFILE"))
+    options.profile = ddsProfileNamed(profile, "STRANDCAST_PEER_PROFILE");
+  if (const char* const keys = std::getenv("STRANDCAST_PEER_KEYS")) options.keys = keys;
+  return options;
+}
+
 int publish(int domain, double seconds) {
-  const auto publisher = makeDdsPublisher({domain, 1, static_cast<uint64_t>(getpid()), {Codec::kFloat32}});
+  const auto publisher = makeDdsPublisher(ddsOptions(domain));
   const auto start = Clock::now();
   while (Clock::now() - start < kRivalListenTime && !publisher->rivalSession()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -149,7 +158,7 @@ int read(std::unique_ptr<Subscriber> subscriber, double seconds, int work_ms) {
 }
 
 int send(int domain, uint64_t id) {
-  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
+  const auto subscriber = makeDdsSubscriber(ddsOptions(domain));
   Command command;
   command.id = id;
   subscriber->send(command);
@@ -174,7 +183,7 @@ int alone(const char* program, const char* domain, const char* seconds) {
   const char* arguments[] = {program, "publish", domain, "60", nullptr};
   pid_t daemon = 0;
   if (posix_spawn(&daemon, program, nullptr, nullptr, const_cast<char**>(arguments), environ) != 0) return 1;
-  const int result = read(makeDdsSubscriber({std::atoi(domain), 1, 0, {}}), std::atof(seconds), 0);
+  const int result = read(makeDdsSubscriber(ddsOptions(std::atoi(domain))), std::atof(seconds), 0);
   kill(daemon, SIGKILL);
   waitpid(daemon, nullptr, 0);
   return result;
@@ -190,32 +199,27 @@ int run(int count, char** arguments) {
   const std::string verb = count > 2 ? arguments[1] : "";
   const int domain = count > 2 ? std::atoi(arguments[2]) : 0;
   if (verb == "publish" && count == 4) return publish(domain, std::atof(arguments[3]));
-  const auto session = static_cast<uint64_t>(getpid());
-  const CodecOptions codec{Codec::kFloat32};
   if (verb == "cast" && count == 4)
-    return cast(*makeDdsPublisher({domain, 1, session, codec}), std::atof(arguments[3]));
-  if (verb == "claim" && count == 4)
-    return cast(
-        *makeDdsPublisher({domain, 1, session, codec, static_cast<uint32_t>(std::atoi(arguments[3]))}), 60);
-  if (verb == "cast_lcm" && count == 4)
-    return cast(*makeLcmPublisher({lcmUrl(domain), 1, session, codec}), std::atof(arguments[3]));
-  DdsOptions local;
-  local.domain = domain;
-  local.codec = codec;
-  local.profile = DdsProfile::kLocal;
-  if (verb == "read_local" && count == 5)
-    return read(makeDdsSubscriber(local), std::atof(arguments[3]), std::atoi(arguments[4]));
-  local.session = session;
-  if (verb == "cast_local" && count == 4) return cast(*makeDdsPublisher(local), std::atof(arguments[3]));
+    return cast(*makeDdsPublisher(ddsOptions(domain)), std::atof(arguments[3]));
+  if (verb == "claim" && count == 4) {
+    DdsOptions options = ddsOptions(domain);
+    options.claim = static_cast<uint32_t>(std::atoi(arguments[3]));
+    return cast(*makeDdsPublisher(options), 60);
+  }
+  if (verb == "cast_lcm" && count == 4) {
+    const CodecOptions codec{Codec::kFloat32};
+    return cast(*makeLcmPublisher({lcmUrl(domain), 1, static_cast<uint64_t>(getpid()), codec}),
+                std::atof(arguments[3]));
+  }
   if (verb == "read" && count == 5)
-    return read(makeDdsSubscriber({domain, 1, 0, {}}), std::atof(arguments[3]), std::atoi(arguments[4]));
+    return read(makeDdsSubscriber(ddsOptions(domain)), std::atof(arguments[3]), std::atoi(arguments[4]));
   if (verb == "read_lcm" && count == 5)
     return read(makeLcmSubscriber({lcmUrl(domain), 1, 0, {}}), std::atof(arguments[3]),
                 std::atoi(arguments[4]));
   if (verb == "send" && count == 4) return send(domain, std::strtoull(arguments[3], nullptr, 10));
   if (verb == "alone" && count == 4) return alone(arguments[0], arguments[2], arguments[3]);
   if (verb == "offline" && count == 3)
-    return enterEmptyNetwork() ? read(makeDdsSubscriber({domain, 1, 0, {}}), 1, 0) : kNoNamespace;
+    return enterEmptyNetwork() ? read(makeDdsSubscriber(ddsOptions(domain)), 1, 0) : kNoNamespace;
   if (verb == "lcm_alone" && count == 3) return lcmAlone(domain);
   std::fprintf(stderr, "see the head of transport_peer.cc\n");
   return 2;

@@ -11,7 +11,9 @@ enum class Codec {
   kDelta16,       ///< a grid of steps, 16-bit differences along the strand
   kOctahedral12,  ///< directions of edges in 2 x 12 bits; lengths from the groom. What does not fit: kDelta16
   kOctahedral16,  ///< the same in 2 x 16 bits
-  kTemporal       ///< kOctahedral12 against the last key frame, for links that lose nothing
+  kTangent,  ///< directions of edges, predicted from the rest shape; lengths from the groom. What does not
+             ///< fit: kDelta16
+  kTemporal  ///< kTangent, predicted from the last two frames, for links that lose nothing
 };
 
 struct CodecOptions {
@@ -19,8 +21,8 @@ struct CodecOptions {
   /// m, kMinCodecError to kMaxCodecError: no vertex is decoded further from where it was. A strand that would
   /// be is sent as it is. (kFloat32 has no error.)
   float max_error = 1e-5f;
-  /// Frames from a key frame to the next, 1 to kMaxKeyInterval; kTemporal only. A reader that joins, or that
-  /// skipped a key frame, waits that long.
+  /// Frames from one that stands alone to the next, 1 to kMaxKeyInterval; kTemporal only. A reader that
+  /// joins, or that missed a frame, waits that long.
   uint32_t key_interval = 10;
 };
 

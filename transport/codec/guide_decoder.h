@@ -6,17 +6,18 @@
 #include "transport/chunks.h"
 #include "transport/codec/guide_payload.h"
 #include "transport/codec/guide_symbols.h"
+#include "transport/codec/tangent_walk.h"
 
 namespace strandcast {
 
 enum class DecodeResult {
   kDone,
   kDamaged,
-  kNoKey  ///< sound as far as can be told, but the key frame that it refers to is not here
+  kNoKey  ///< sound as far as can be told, but it builds on a frame that is not the last one here
 };
 
 /// Reads the payloads of chunks. Nothing in a payload is believed: memory and work are bounded by the groom
-/// and by what was received.
+/// and by what was received. Chunks that build on others come in the order in which they were encoded.
 class GuideDecoder {
  public:
   /// `guides` as an assembler or a checked announcement made them.
@@ -27,23 +28,34 @@ class GuideDecoder {
   DecodeResult decode(const GuideChunk& chunk, std::span<Vec3> positions);
 
  private:
-  struct Key {
-    uint64_t frame = 0;
-    Encoding encoding = Encoding::kFloat32;
-    StrandRun run;
-    GuideSymbols symbols;
+  struct Memory {
+    uint32_t strand_count = 0;
+    TangentHistory history;
   };
+  /// What stands before the symbols of every encoding but kFloat32.
+  struct Preamble {
+    uint8_t mode = 0;
+    float step = 0;                            // m
+    std::vector<uint16_t> exact;               // strands of the run that are sent as they are, ascending
+    std::span<const uint8_t> exact_positions;  // float32
+    std::span<const uint8_t> symbols;
+  };
+  bool readPreamble(const GuideChunk& chunk, const StrandRun& run);
   DecodeResult decodeSymbols(const GuideChunk& chunk, const StrandRun& run, std::span<Vec3> positions);
-  void rebuild(const Pose& head, const StrandRun& run, Encoding encoding, float step,
-               std::span<Vec3> positions) const;
-  void keep(const GuideChunk& chunk, const StrandRun& run);
+  DecodeResult decodeTangents(const GuideChunk& chunk, const StrandRun& run, std::span<Vec3> positions);
+  void rebuild(const StrandRun& run, Encoding encoding, std::span<Vec3> positions) const;
+  int32_t rootSymbol(const StrandRun& run, uint32_t number, int component) const;
+  Memory& remember(const StrandRun& run);
 
   GuideGeometry geometry_;
-  std::map<uint32_t, Key> keys_;  // by first strand
-  uint64_t kept_strands_ = 0;
+  std::map<uint32_t, Memory> memories_;  // by first strand
+  uint64_t remembered_strands_ = 0;
+  Preamble preamble_;
   GuideSymbols symbols_;
   std::vector<uint32_t> strand_ends_;
   SymbolUnpacker unpacker_;
+  std::vector<Vec3> directions_;  // of the chunk under way, per edge
+  TangentSizes sizes_;
 };
 
 }  // namespace strandcast

@@ -5,11 +5,12 @@
 #include "transport/codec/codec.h"
 #include "transport/codec/guide_payload.h"
 #include "transport/codec/guide_symbols.h"
+#include "transport/codec/tangent_walk.h"
 
 namespace strandcast {
 
 /// Writes the guides of one groom into chunks. Memory is that of the largest chunk, of the groom's rest shape
-/// and, for kTemporal, of a key frame; encode() does not allocate once it has seen a frame or two.
+/// and, for kTemporal, of two frames; encode() does not allocate once it has seen a frame or two.
 class GuideEncoder {
  public:
   /// `options` as checkCodecOptions accepts them.
@@ -25,16 +26,13 @@ class GuideEncoder {
   const EncodingReport& report() const { return report_; }
 
  private:
-  struct Key {
-    uint64_t frame = 0;  // 0 = none
-    Encoding encoding = Encoding::kFloat32;
-    GuideSymbols symbols;
-  };
   /// How well the symbols of a strand hold it.
   struct Fit {
     float squared_error = 0;  // m^2, the largest
     bool holds = true;        // false where a number does not fit its symbol or is none
   };
+  void encodeTangents(const GuideFrame& frame, const StrandRun& run, uint32_t index, GuideChunk& chunk);
+  void quantizeTangents(const GuideFrame& frame, const StrandRun& run, const TangentHistory* history);
   void quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding);
   void quantizeDelta(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number, size_t first_edge,
                      const StrandRun& run, Fit& fit);
@@ -42,22 +40,29 @@ class GuideEncoder {
                           size_t first_edge, const StrandRun& run, int bits, Fit& fit);
   Vec3 quantizeRoot(const HeadFrame& head, const Vec3& root, uint32_t number, const StrandRun& run,
                     int32_t (&index)[3], Fit& fit);
-  void writePayload(const GuideFrame& frame, const StrandRun& run, uint32_t index, GuideChunk& chunk);
+  void judge(uint32_t number, const Fit& fit);
+  void writePreamble(const GuideFrame& frame, const StrandRun& run, uint8_t mode, float step,
+                     std::vector<uint8_t>& bytes) const;
+  void writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk);
 
   CodecOptions options_;
   GuideGeometry geometry_;
   std::vector<StrandRun> runs_;
-  std::vector<Key> keys_;  // per run
+  std::vector<TangentHistory> histories_;  // per run; kTemporal only
   EncodingReport report_;
   uint64_t reported_frame_ = 0;
   // Of the chunk under way.
   float squared_limit_ = 0;  // m^2
-  float step_ = 0;           // m
+  float step_ = 0;           // m, of the grid
+  float tangent_step_ = 0;   // m
   GuideSymbols symbols_;
   std::vector<uint32_t> strand_ends_;
   std::vector<uint16_t> exact_;  // strands of the run that are sent as they are
   float worst_squared_ = 0;      // m^2, of the others
   SymbolPacker packer_;
+  std::vector<Vec3> wanted_, decoded_;  // per vertex, m, in the head's frame
+  std::vector<Vec3> directions_;        // per edge
+  TangentSizes sizes_;
 };
 
 }  // namespace strandcast

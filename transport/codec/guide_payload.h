@@ -17,13 +17,15 @@ namespace strandcast {
 inline constexpr size_t kPayloadHeadBytes = 8;
 /// Bits of the first byte of a payload that is not float32.
 enum PayloadMode : uint8_t {
-  kAlongStrand = 1,  ///< edges are predicted from the edge before
-  kFromKey = 2,      ///< symbols are differences to those of GuideChunk::key_frame
-  kKeep = 4          ///< later frames may refer to this one
+  kAlongStrand = 1  ///< edges are predicted from the edge before; not in Encoding::kTangent
 };
 
-inline constexpr float kMaxGridStep = 0.01f;       // m
-inline constexpr int32_t kMaxGridIndex = 1 << 22;  // so that indices are exact as floats, and nearest() is right
+/// Shorter edges are taken to be as long as this where their direction is written: it is all the same.
+inline constexpr float kShortestEdge = 1e-9f;  // m
+
+inline constexpr float kMaxGridStep = 0.01f;  // m
+inline constexpr int32_t kMaxGridIndex =
+    1 << 22;  // so that indices are exact as floats, and nearest() is right
 
 /// Nearest point of the grid; clamped to kMaxGridIndex, which NaN becomes too.
 inline int32_t gridIndex(float position, float step) {
@@ -50,13 +52,21 @@ struct GuideGeometry {
   std::vector<uint32_t> offsets;  ///< strands + 1
   std::vector<Vec3> roots;        ///< per strand, m, at rest in the head's frame
   std::vector<float> lengths;     ///< per vertex, m: of the edge that ends there; 0 at a root
+  std::vector<Vec3> directions;   ///< per vertex, unit: of that edge at rest; up where it has no length
 
   GuideGeometry() = default;
-  explicit GuideGeometry(const StrandSet& guides) : offsets(guides.offsets), lengths(guides.vertices()) {
+  explicit GuideGeometry(const StrandSet& guides)
+      : offsets(guides.offsets), lengths(guides.vertices()), directions(guides.vertices(), Vec3(0, 1, 0)) {
     for (size_t s = 0; s < guides.strands(); ++s) {
       const std::span<const Vec3> strand = guides.strand(s);
       roots.push_back(strand[0]);
-      for (size_t i = 1; i < strand.size(); ++i) lengths[offsets[s] + i] = (strand[i] - strand[i - 1]).norm();
+      for (size_t i = 1; i < strand.size(); ++i) {
+        // In this order: predictions must be the same at both ends.
+        const Vec3 edge = strand[i] - strand[i - 1];
+        const float length = std::sqrt(edge.x() * edge.x() + edge.y() * edge.y() + edge.z() * edge.z());
+        lengths[offsets[s] + i] = length;
+        if (length > kShortestEdge) directions[offsets[s] + i] = edge * (1 / length);
+      }
     }
   }
 };

@@ -18,21 +18,20 @@ uint32_t unfolded(uint32_t folded) { return folded >> 1 ^ (0u - (folded & 1u)); 
 
 /// The residuals of one plane: `store(i, folded)`.
 template <class Store>
-void predictPlane(std::span<const uint16_t> plane, const uint16_t* key, bool along, int bits,
+void predictPlane(std::span<const uint16_t> plane, bool along, int bits,
                   std::span<const uint32_t> strand_ends, Store&& store) {
   size_t i = 0;
   for (const uint32_t end : strand_ends) {
     uint32_t before = 0;
     for (; i < end; ++i) {
-      const uint32_t own = plane[i] - (key ? key[i] : 0u);
+      const uint32_t own = plane[i];
       store(i, zigzag(along ? own - before : own, bits));
       before = own;
     }
   }
 }
 
-void restorePlane(std::span<uint16_t> plane, const uint16_t* key, bool along, int bits,
-                  std::span<const uint32_t> strand_ends) {
+void restorePlane(std::span<uint16_t> plane, bool along, int bits, std::span<const uint32_t> strand_ends) {
   const uint32_t mask = (1u << bits) - 1;
   size_t i = 0;
   for (const uint32_t end : strand_ends) {
@@ -40,7 +39,7 @@ void restorePlane(std::span<uint16_t> plane, const uint16_t* key, bool along, in
     for (; i < end; ++i) {
       const uint32_t own = unfolded(plane[i]) + (along ? before : 0u);
       before = own;
-      plane[i] = static_cast<uint16_t>((own + (key ? key[i] : 0u)) & mask);
+      plane[i] = static_cast<uint16_t>(own & mask);
     }
   }
 }
@@ -49,10 +48,8 @@ template <class Store>
 void predictEdges(const GuideSymbols& symbols, const SymbolPrediction& prediction, Store&& store) {
   const size_t count = symbols.edges.size() / static_cast<size_t>(symbols.edge_planes);
   for (size_t at = 0; at < symbols.edges.size(); at += count) {
-    predictPlane({symbols.edges.data() + at, count},
-                 prediction.key ? prediction.key->edges.data() + at : nullptr, prediction.along_strand,
-                 prediction.edge_bits, prediction.strand_ends,
-                 [&](size_t i, uint16_t folded) { store(at + i, folded); });
+    predictPlane({symbols.edges.data() + at, count}, prediction.along_strand, prediction.edge_bits,
+                 prediction.strand_ends, [&](size_t i, uint16_t folded) { store(at + i, folded); });
   }
 }
 
@@ -74,15 +71,16 @@ bool SymbolPacker::prefersAlongStrand(const GuideSymbols& symbols, const SymbolP
   // A few strands of one plane tell as much as all of them.
   constexpr size_t kSampleEvery = 8;
   const size_t count = symbols.edges.size() / static_cast<size_t>(symbols.edge_planes);
-  const uint16_t* const key = prediction.key ? prediction.key->edges.data() : nullptr;
   uint64_t bits[2] = {};
   for (size_t s = 0; s < prediction.strand_ends.size(); s += kSampleEvery) {
     const size_t first = s == 0 ? 0 : prediction.strand_ends[s - 1];
     const uint32_t length[] = {static_cast<uint32_t>(prediction.strand_ends[s] - first)};
     for (const bool along : {false, true}) {
       for (size_t at = first; at < symbols.edges.size(); at += count) {
-        predictPlane({symbols.edges.data() + at, length[0]}, key ? key + at : nullptr, along, prediction.edge_bits, length,
-                     [&](size_t, uint16_t folded) { bits[along ? 1 : 0] += static_cast<uint64_t>(std::bit_width(folded)); });
+        predictPlane({symbols.edges.data() + at, length[0]}, along, prediction.edge_bits, length,
+                     [&](size_t, uint16_t folded) {
+                       bits[along ? 1 : 0] += static_cast<uint64_t>(std::bit_width(folded));
+                     });
       }
     }
   }
@@ -94,8 +92,7 @@ void SymbolPacker::pack(const GuideSymbols& symbols, const SymbolPrediction& pre
   const size_t roots = symbols.roots.size(), count = roots + symbols.edges.size();
   residuals_.resize(count);
   for (size_t i = 0; i < roots; ++i) {
-    residuals_[i] = zigzag(
-        static_cast<uint32_t>(symbols.roots[i]) - (prediction.key ? prediction.key->roots[i] : 0u), 16);
+    residuals_[i] = zigzag(symbols.roots[i], 16);
   }
   predictEdges(symbols, prediction, [&](size_t i, uint16_t folded) { residuals_[roots + i] = folded; });
   plane_.resize(count);
@@ -130,15 +127,13 @@ bool SymbolUnpacker::unpack(std::span<const uint8_t> bytes, const SymbolPredicti
   if (!bytes.empty()) return false;
   const auto folded = [&](size_t i) { return static_cast<uint16_t>(low_[i] | high_[i] << 8); };
   for (size_t i = 0; i < roots; ++i) {
-    symbols.roots[i] =
-        static_cast<uint16_t>(unfolded(folded(i)) + (prediction.key ? prediction.key->roots[i] : 0u));
+    symbols.roots[i] = static_cast<uint16_t>(unfolded(folded(i)));
   }
   for (size_t i = 0; i < symbols.edges.size(); ++i) symbols.edges[i] = folded(roots + i);
   const size_t edges = symbols.edges.size() / static_cast<size_t>(symbols.edge_planes);
   for (size_t at = 0; at < symbols.edges.size(); at += edges) {
-    restorePlane({symbols.edges.data() + at, edges},
-                 prediction.key ? prediction.key->edges.data() + at : nullptr, prediction.along_strand,
-                 prediction.edge_bits, prediction.strand_ends);
+    restorePlane({symbols.edges.data() + at, edges}, prediction.along_strand, prediction.edge_bits,
+                 prediction.strand_ends);
   }
   return true;
 }

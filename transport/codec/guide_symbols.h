@@ -20,7 +20,6 @@ struct GuideSymbols {
 /// (zigzag), low and high bytes are put apart and compressed with zstd.
 struct SymbolPrediction {
   bool along_strand = false;              ///< edges: from the edge before it
-  const GuideSymbols* key = nullptr;      ///< of the key frame, of the same lengths; null = stands alone
   int edge_bits = 16;                     ///< 12 or 16; roots always have 16
   std::span<const uint32_t> strand_ends;  ///< per strand, where its edges end in a plane; ascending
 };
@@ -29,7 +28,8 @@ struct SymbolPrediction {
 class SymbolPacker {
  public:
   SymbolPacker();
-  /// Whether predicting edges from the edge before costs fewer bits, by a sample; whatever `prediction` says of it.
+  /// Whether predicting edges from the edge before costs fewer bits, by a sample; whatever `prediction` says
+  /// of it.
   static bool prefersAlongStrand(const GuideSymbols& symbols, const SymbolPrediction& prediction);
   /// Appends to `bytes`; allocates only while its memory grows.
   void pack(const GuideSymbols& symbols, const SymbolPrediction& prediction, std::vector<uint8_t>& bytes);

@@ -7,14 +7,11 @@
 #include <vector>
 
 #include "core/error.h"
-#include "transport/answers.h"
-#include "transport/assembler.h"
-#include "transport/frame_queue.h"
 #include "transport/lcm/lcm_channels.h"
 #include "transport/lcm/lcm_ends.h"
 #include "transport/lcm/lcm_link.h"
 #include "transport/lcm/lcm_messages.h"
-#include "transport/status_board.h"
+#include "transport/receiving_subscriber.h"
 
 namespace strandcast {
 namespace {
@@ -32,13 +29,12 @@ StatusBoard::WriterId writerId(const Status& status) {
   return id;
 }
 
-class LcmSubscriber final : public Subscriber {
+class LcmSubscriber final : public ReceivingSubscriber {
  public:
   LcmSubscriber(std::shared_ptr<MessageLink> link, const LcmOptions& options)
-      : options_(options),
+      : ReceivingSubscriber(options.groom_id, true),
+        options_(options),
         channels_(options.groom_id),
-        grooms_(options.groom_id),
-        bodies_(options.groom_id),
         link_(std::move(link)) {
     sign_.reader = std::random_device()() | static_cast<uint64_t>(std::random_device()()) << 32;
     sign_.groom_id = options.groom_id;
@@ -59,22 +55,13 @@ class LcmSubscriber final : public Subscriber {
     signs_.join();
   }
 
-  std::shared_ptr<const GroomDescription> groom() const override { return queue_.groom(); }
-  std::shared_ptr<const BodyDescription> body() const override { return queue_.body(); }
-  std::shared_ptr<const GuideFrame> frame() const override { return queue_.frame(); }
-  std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, milliseconds timeout) override {
-    return queue_.waitForFrame(after, timeout);
-  }
-  bool waitForGroom(milliseconds timeout) override { return queue_.waitForGroom(timeout); }
-
   std::optional<Status> status() const override {
     forgetSilent();
-    const auto groom = queue_.groom();
-    return statuses_.ofGroom(options_.groom_id, groom ? groom->session : 0);
+    return ReceivingSubscriber::status();
   }
   std::vector<Status> allStatuses() const override {
     forgetSilent();
-    return statuses_.all();
+    return ReceivingSubscriber::allStatuses();
   }
 
   void send(const Command& command) override {
@@ -95,73 +82,42 @@ class LcmSubscriber final : public Subscriber {
     link_->send(channels_.command, message);
   }
 
-  std::optional<std::string> waitForAnswer(uint64_t command, milliseconds timeout) override {
-    return answers_.wait(command, timeout);
-  }
-
-  ReceiveStatistics statistics() const override {
-    ReceiveStatistics statistics;
-    {
-      const std::lock_guard lock(assembly_mutex_);
-      statistics = frames_.statistics();
-      statistics.chunks_rejected += grooms_.chunksRejected() + bodies_.chunksRejected() + messages_damaged_;
-    }
-    queue_.addLatencies(statistics);
-    return statistics;
-  }
-
  private:
   bool isInForce(uint64_t session, uint32_t revision) const {
-    const auto groom = queue_.groom();
-    return groom && groom->session == session && revision <= groom->revision;
+    const auto own = groom();
+    return own && own->session == session && revision <= own->revision;
   }
+
+  // The carousel brings every groom again and again.
 
   void receiveGroom(std::span<const uint8_t> message) {
     GroomChunk chunk;
-    const bool is_sound = fromBytes(message, chunk);
-    const std::lock_guard lock(assembly_mutex_);
-    if (!is_sound) ++messages_damaged_;
-    // The carousel brings every groom again and again.
-    if (!is_sound || isInForce(chunk.session, chunk.revision)) return;
-    const auto groom = grooms_.add(std::move(chunk));
-    if (groom && queue_.setGroom(groom)) frames_.setGroom(groom);
+    if (!fromBytes(message, chunk)) return countDamagedMessage();
+    if (!isInForce(chunk.session, chunk.revision)) receive(std::move(chunk));
   }
 
   void receiveBody(std::span<const uint8_t> message) {
     BodyChunk chunk;
-    const bool is_sound = fromBytes(message, chunk);
-    const std::lock_guard lock(assembly_mutex_);
-    if (!is_sound) ++messages_damaged_;
-    if (!is_sound || (queue_.body() && isInForce(chunk.session, chunk.revision))) return;
-    if (auto body = bodies_.add(std::move(chunk))) queue_.setBody(std::move(body));
+    if (!fromBytes(message, chunk)) return countDamagedMessage();
+    if (!body() || !isInForce(chunk.session, chunk.revision)) receive(std::move(chunk));
   }
 
   void receiveGuides(std::span<const uint8_t> message) {
-    const std::lock_guard lock(assembly_mutex_);
-    if (!fromBytes(message, guide_chunk_)) {
-      ++messages_damaged_;
-      return;
-    }
-    const auto groom = queue_.groom();
-    const bool is_new = guide_chunk_.groom_id == options_.groom_id && groom &&
-                        (groom->session != guide_chunk_.session || groom->revision < guide_chunk_.revision);
-    if (is_new) askForGroom();
-    push(frames_.add(guide_chunk_));
-    push(frames_.concealOverdue());
-  }
-
-  void push(std::shared_ptr<const GuideFrame> frame) {
-    if (!frame) return;
-    const uint64_t publish_time = frame->publish_time;
-    queue_.push(std::move(frame), latencyMs(publish_time));
+    ReceivingSubscriber::receiveGuides([&](GuideChunk& chunk) {
+      if (!fromBytes(message, chunk)) return false;
+      const auto own = groom();
+      const bool is_new = chunk.groom_id == options_.groom_id && own &&
+                          (own->session != chunk.session || own->revision < chunk.revision);
+      if (is_new) askForGroom();
+      return true;
+    });
   }
 
   void receiveStatus(std::span<const uint8_t> message) {
     Status status;
     if (!fromBytes(message, status)) return;
-    if (status.groom_id == options_.groom_id) answers_.post(status);
     const StatusBoard::WriterId id = writerId(status);
-    statuses_.post(id, std::move(status));
+    receive(std::move(status), id);
     const std::lock_guard lock(heard_mutex_);
     heard_[id] = Clock::now();
   }
@@ -186,7 +142,7 @@ class LcmSubscriber final : public Subscriber {
     std::vector<uint8_t> message;
     std::unique_lock lock(sign_mutex_);
     while (!stop_) {
-      sign_.wants_groom = std::exchange(lacks_groom_, false) || !queue_.groom() || !queue_.body();
+      sign_.wants_groom = std::exchange(lacks_groom_, false) || !groom() || !body();
       toBytes(sign_, message);
       link_->send(channels_.reader, message);
       // One who asks is not heard again at once; one who has all asks as soon as something new is cast.
@@ -197,18 +153,8 @@ class LcmSubscriber final : public Subscriber {
 
   const LcmOptions options_;
   const LcmChannels channels_;
-  FrameQueue queue_;
-  mutable StatusBoard statuses_;
-  Answers answers_;
   mutable std::mutex heard_mutex_;
   mutable std::map<StatusBoard::WriterId, Clock::time_point> heard_;
-
-  mutable std::mutex assembly_mutex_;  // of what follows
-  GroomAssembler grooms_;
-  BodyAssembler bodies_;
-  GuideAssembler frames_{true};
-  GuideChunk guide_chunk_;
-  uint64_t messages_damaged_ = 0;
 
   std::mutex sign_mutex_;  // of what follows
   std::condition_variable wake_;

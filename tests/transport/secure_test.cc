@@ -1,0 +1,150 @@
+// The profile `secure` as real processes: who is known does what its permissions say, and nobody else hears
+// or moves anything.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <future>
+#include <memory>
+#include <string>
+
+#include "dds_domain.h"
+#include "peer.h"
+#include "tests/error_of.h"
+#include "tests/groom/scratch_folder.h"
+#include "transport/dds.h"
+#include "transport/security/key_folder.h"
+#include "transport/security/test_authority.h"
+
+namespace strandcast {
+namespace {
+
+using std::chrono::milliseconds;
+namespace fs = std::filesystem;
+
+DdsOptions secured(int domain, const fs::path& keys, uint64_t session = 0) {
+  DdsOptions options;
+  options.domain = domain;
+  options.session = session;
+  options.profile = DdsProfile::kSecure;
+  options.keys = keys;
+  return options;
+}
+
+Command commandOf(uint64_t id) {
+  Command command;
+  command.id = id;
+  return command;
+}
+
+class Secure : public testing::Test {
+ protected:
+  void SetUp() override { makeTestKeys(keys_, 30); }
+  std::unique_ptr<Peer> secure(std::vector<std::string> arguments, const char* role) {
+    const PeerSetting profile("STRANDCAST_PEER_PROFILE", "secure"),
+        keys("STRANDCAST_PEER_KEYS", (keys_ / role).string());
+    return std::make_unique<Peer>(std::move(arguments));
+  }
+  const ScratchFolder scratch_;
+  const fs::path keys_ = scratch_ / "keys";
+};
+
+TEST_F(Secure, WhoIsKnownReadsAndCommandsAsPermitted) {
+  const std::string domain = std::to_string(testDomain(0));
+  const auto daemon = secure({"cast", domain, "60"}, "daemon");
+  const auto renderer = secure({"read", domain, "2", "0"}, "renderer");
+  const auto reader = secure({"read", domain, "2", "0"}, "reader");
+  for (Peer* const peer : {renderer.get(), reader.get()}) {
+    const Results read = peer->finish();
+    ASSERT_TRUE(read.contains("lost")) << peer->text();
+    EXPECT_EQ(read.at("groom"), kPeerGuides);
+    EXPECT_GE(read.at("received"), 90) << peer->text();
+    EXPECT_EQ(read.at("lost"), 0) << peer->text();
+    EXPECT_EQ(read.at("wrong"), 0) << peer->text();
+    std::printf("secure, %d x 16 at 60 Hz: latency p50 %.2f ms, p99 %.2f ms\n", kPeerGuides,
+                read.at("latency_ms_p50"), read.at("latency_ms_p99"));
+  }
+  const auto refused = secure({"send", domain, "101"}, "reader");
+  refused->finish();
+  EXPECT_EQ(refused->exitCode(), 2);
+  EXPECT_NE(refused->text().find("do not permit commands"), std::string::npos) << refused->text();
+  EXPECT_EQ(refused->text().find("Fast DDS"), std::string::npos) << refused->text();
+  const auto obeyed = secure({"send", domain, "102"}, "renderer");
+  obeyed->finish();
+  EXPECT_EQ(obeyed->exitCode(), 0) << obeyed->text();
+  ASSERT_TRUE(daemon->waitFor("command")) << daemon->text();
+  EXPECT_EQ(daemon->results().at("command"), 102) << "the first that it got";
+}
+
+TEST_F(Secure, WhoIsNotKnownHearsAndMovesNothing) {
+  const int domain = testDomain(1);
+  const auto daemon = secure({"cast", std::to_string(domain), "60"}, "daemon");
+  const auto good = makeDdsSubscriber(secured(domain, keys_ / "renderer"));
+  ASSERT_TRUE(good->waitForFrame(0, milliseconds(8000))) << daemon->autopsy();
+  makeTestKeys(scratch_ / "foreign", 30);
+  const auto stranger = makeDdsSubscriber({domain, 1, 0, {}});
+  const auto foreigner = makeDdsSubscriber(secured(domain, scratch_ / "foreign" / "renderer"));
+  const auto refusal = [](Subscriber& subscriber) { return errorOf([&] { subscriber.send(commandOf(7)); }); };
+  auto meanwhile = std::async(std::launch::async, refusal, std::ref(*foreigner));
+  EXPECT_NE(refusal(*stranger).find("no daemon answers"), std::string::npos);
+  EXPECT_NE(meanwhile.get().find("no daemon answers"), std::string::npos);
+  for (Subscriber* const subscriber : {stranger.get(), foreigner.get()}) {
+    EXPECT_FALSE(subscriber->groom());
+    EXPECT_FALSE(subscriber->body());
+    EXPECT_TRUE(subscriber->allStatuses().empty());
+    EXPECT_EQ(subscriber->statistics().frames_received, 0u);
+    EXPECT_EQ(subscriber->statistics().chunks_rejected, 0u) << "not even chunks that could not be read";
+  }
+  good->send(commandOf(8));
+  ASSERT_TRUE(daemon->waitFor("command")) << daemon->text();
+  EXPECT_EQ(daemon->results().at("command"), 8) << "the first that it got";
+}
+
+/// A program that leaves its own rules out of account is still held to the others'.
+TEST_F(Secure, AReaderWithRulesOfItsOwnCannotCommand) {
+  const fs::path xml = scratch_ / "governance.xml", reader = keys_ / "reader", ca = keys_ / "ca";
+  std::string governance = governanceXml();
+  const std::string rule = "<enable_write_access_control>true";
+  governance.replace(governance.find(rule), rule.size(), "<enable_write_access_control>false");
+  std::ofstream(xml) << governance;
+  const std::string sign = "openssl smime -sign -text -in " + xml.string() + " -out " +
+                           (reader / kGovernance).string() + " -signer " + (ca / kCertificate).string() +
+                           " -inkey " + (ca / kPrivateKey).string();
+  if (std::system(sign.c_str()) != 0) GTEST_SKIP() << "no openssl program";
+  const int domain = testDomain(2);
+  const auto publisher = makeDdsPublisher(secured(domain, keys_ / "daemon", 5));
+  publisher->publishStatus({});
+  const auto good = makeDdsSubscriber(secured(domain, keys_ / "renderer"));
+  good->send(commandOf(1));
+  EXPECT_TRUE(publisher->takeCommand());
+  const auto cheat = makeDdsSubscriber(secured(domain, reader));
+  EXPECT_TRUE(cheat->mayCommand()) << "by its own rules";
+  EXPECT_NE(errorOf([&] { cheat->send(commandOf(2)); }), "");
+  EXPECT_FALSE(publisher->takeCommand());
+}
+
+TEST_F(Secure, KeysThatDoNotFitAreRefusedAtOnce) {
+  const int domain = testDomain(3);
+  const auto refusal = [](const DdsOptions& options) { return errorOf([&] { makeDdsPublisher(options); }); };
+  EXPECT_NE(refusal(secured(domain, keys_ / "renderer", 5)).find("with these keys"), std::string::npos)
+      << "a renderer may not cast";
+  EXPECT_NE(refusal(secured(domain, {}, 5)).find("the profile needs keys"), std::string::npos);
+  EXPECT_NE(refusal(secured(domain, keys_, 5)).find("cannot be read"), std::string::npos);
+  DdsOptions options = secured(domain, keys_ / "daemon", 5);
+  options.discovery_server = "127.0.0.1:11811";
+  EXPECT_NE(refusal(options).find("discovery server"), std::string::npos);
+  options = secured(domain, keys_ / "daemon", 5);
+  options.profile = DdsProfile::kReliableLan;
+  EXPECT_NE(refusal(options).find("--profile secure"), std::string::npos);
+  fs::copy_file(keys_ / "reader" / kPermissions, keys_ / "daemon" / kPermissions,
+                fs::copy_options::overwrite_existing);
+  EXPECT_NE(refusal(secured(domain, keys_ / "daemon", 5)).find("for the subject of cert.pem"),
+            std::string::npos)
+      << "permissions of another";
+}
+
+}  // namespace
+}  // namespace strandcast

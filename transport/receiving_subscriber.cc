@@ -1,0 +1,53 @@
+#include "transport/receiving_subscriber.h"
+
+namespace strandcast {
+
+std::optional<Status> ReceivingSubscriber::status() const {
+  const auto own = queue_.groom();
+  return statuses_.ofGroom(groom_id_, own ? own->session : 0);
+}
+
+ReceiveStatistics ReceivingSubscriber::statistics() const {
+  ReceiveStatistics statistics;
+  {
+    const std::lock_guard lock(mutex_);
+    statistics = frames_.statistics();
+    statistics.chunks_rejected += grooms_.chunksRejected() + bodies_.chunksRejected() + messages_damaged_;
+  }
+  queue_.addLatencies(statistics);
+  return statistics;
+}
+
+void ReceivingSubscriber::receive(GroomChunk chunk) {
+  const std::lock_guard lock(mutex_);
+  const auto complete = grooms_.add(std::move(chunk));
+  if (complete && queue_.setGroom(complete)) frames_.setGroom(complete);
+}
+
+void ReceivingSubscriber::receive(BodyChunk chunk) {
+  const std::lock_guard lock(mutex_);
+  if (auto complete = bodies_.add(std::move(chunk))) queue_.setBody(std::move(complete));
+}
+
+void ReceivingSubscriber::receiveGuideChunk() {
+  push(frames_.add(guide_chunk_));
+  if (conceals_) push(frames_.concealOverdue());
+}
+
+void ReceivingSubscriber::push(std::shared_ptr<const GuideFrame> frame) {
+  if (!frame) return;
+  const uint64_t publish_time = frame->publish_time;
+  queue_.push(std::move(frame), latencyMs(publish_time));
+}
+
+void ReceivingSubscriber::receive(Status status, const StatusBoard::WriterId& writer) {
+  if (status.groom_id == groom_id_) answers_.post(status);
+  statuses_.post(writer, std::move(status));
+}
+
+void ReceivingSubscriber::countDamagedMessage() {
+  const std::lock_guard lock(mutex_);
+  ++messages_damaged_;
+}
+
+}  // namespace strandcast

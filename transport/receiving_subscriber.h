@@ -1,0 +1,73 @@
+#pragma once
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "transport/answers.h"
+#include "transport/assembler.h"
+#include "transport/frame_queue.h"
+#include "transport/status_board.h"
+#include "transport/subscriber.h"
+
+namespace strandcast {
+
+/// What the subscribers of all networks do alike: chunks and statuses of one groom come in, descriptions,
+/// frames, answers and statistics go out. What is left is how messages travel. Thread-safe.
+class ReceivingSubscriber : public Subscriber {
+ public:
+  std::shared_ptr<const GroomDescription> groom() const final { return queue_.groom(); }
+  std::shared_ptr<const BodyDescription> body() const final { return queue_.body(); }
+  std::shared_ptr<const GuideFrame> frame() const final { return queue_.frame(); }
+  std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout) final {
+    return queue_.waitForFrame(after, timeout);
+  }
+  bool waitForGroom(std::chrono::milliseconds timeout) final { return queue_.waitForGroom(timeout); }
+  std::optional<Status> status() const override;
+  std::vector<Status> allStatuses() const override { return statuses_.all(); }
+  std::optional<std::string> waitForAnswer(uint64_t command, std::chrono::milliseconds timeout) final {
+    return answers_.wait(command, timeout);
+  }
+  ReceiveStatistics statistics() const final;
+
+ protected:
+  /// With `conceals`, frames that lack strands are not waited for: their strands are put where they probably
+  /// are.
+  ReceivingSubscriber(uint32_t groom_id, bool conceals)
+      : groom_id_(groom_id), conceals_(conceals), grooms_(groom_id), bodies_(groom_id), frames_(conceals) {}
+
+  void receive(GroomChunk chunk);
+  void receive(BodyChunk chunk);
+  /// `read` sets the chunk that it is given, whose memory is used again, and says whether it is sound.
+  template <class Read>
+  void receiveGuides(const Read& read) {
+    const std::lock_guard lock(mutex_);
+    if (read(guide_chunk_))
+      receiveGuideChunk();
+    else
+      ++messages_damaged_;
+  }
+  void receive(Status status, const StatusBoard::WriterId& writer);
+  void countDamagedMessage();
+
+  mutable StatusBoard statuses_;
+
+ private:
+  void receiveGuideChunk();
+  void push(std::shared_ptr<const GuideFrame> frame);
+
+  const uint32_t groom_id_;
+  const bool conceals_;
+  FrameQueue queue_;
+  Answers answers_;
+  mutable std::mutex mutex_;  // of what follows
+  GroomAssembler grooms_;
+  BodyAssembler bodies_;
+  GuideAssembler frames_;
+  GuideChunk guide_chunk_;
+  uint64_t messages_damaged_ = 0;
+};
+
+}  // namespace strandcast

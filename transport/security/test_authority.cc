@@ -1,0 +1,147 @@
+#include "transport/security/test_authority.h"
+
+#include <fcntl.h>
+#include <openssl/ec.h>
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/rand.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+
+#include "core/error.h"
+#include "transport/security/key_folder.h"
+#include "transport/security/openssl_handles.h"
+
+namespace strandcast {
+namespace {
+
+constexpr long kDay = 24 * 3600;
+
+void require(bool done, const char* what) {
+  if (done) return;
+  char reason[256];
+  ERR_error_string_n(ERR_get_error(), reason, sizeof reason);
+  throw Error(std::string("OpenSSL cannot make ") + what, reason, "");
+}
+
+struct Identity {
+  KeyHandle key;
+  CertificateHandle certificate;
+};
+
+void addExtension(X509& certificate, X509& issuer, int kind, const char* value) {
+  X509V3_CTX context;
+  X509V3_set_ctx(&context, &issuer, &certificate, nullptr, nullptr, 0);
+  X509_EXTENSION* const extension = X509V3_EXT_conf_nid(nullptr, &context, kind, value);
+  require(extension != nullptr && X509_add_ext(&certificate, extension, -1) == 1, "an extension");
+  X509_EXTENSION_free(extension);
+}
+
+/// Signed by `authority`, or by itself where there is none.
+Identity makeIdentity(const std::string& common_name, int days, const Identity* authority) {
+  Identity identity{KeyHandle(EVP_EC_gen("P-256")), CertificateHandle(X509_new())};
+  require(identity.key != nullptr && identity.certificate != nullptr, "a key");
+  X509& certificate = *identity.certificate;
+  X509& issuer = authority ? *authority->certificate : certificate;
+  X509_set_version(&certificate, X509_VERSION_3);
+  unsigned char serial[16];
+  require(RAND_bytes(serial, sizeof serial) == 1, "a random number");
+  serial[0] &= 0x7f;  // positive
+  const std::unique_ptr<BIGNUM, FreedBy<BN_free>> number(BN_bin2bn(serial, sizeof serial, nullptr));
+  BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(&certificate));
+  X509_gmtime_adj(X509_getm_notBefore(&certificate), -kDay);
+  X509_gmtime_adj(X509_getm_notAfter(&certificate), days * kDay);
+  X509_NAME_add_entry_by_txt(X509_get_subject_name(&certificate), "CN", MBSTRING_UTF8,
+                             reinterpret_cast<const unsigned char*>(common_name.c_str()), -1, -1, 0);
+  X509_set_issuer_name(&certificate, X509_get_subject_name(&issuer));
+  X509_set_pubkey(&certificate, identity.key.get());
+  addExtension(certificate, issuer, NID_basic_constraints,
+               authority ? "critical,CA:FALSE" : "critical,CA:TRUE");
+  addExtension(
+      certificate, issuer, NID_key_usage,
+      authority ? "critical,digitalSignature,keyAgreement" : "critical,keyCertSign,cRLSign,digitalSignature");
+  EVP_PKEY* const signer = authority ? authority->key.get() : identity.key.get();
+  require(X509_sign(&certificate, signer, EVP_sha256()) > 0, "a certificate");
+  return identity;
+}
+
+void write(const std::filesystem::path& file, BIO& bytes, mode_t mode) {
+  char* data = nullptr;
+  const long size = BIO_get_mem_data(&bytes, &data);
+  const int out = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+  const bool is_written = out >= 0 && ::write(out, data, static_cast<size_t>(size)) == size;
+  const int cause = errno;
+  if (out >= 0) close(out);
+  if (!is_written) throw Error("a key file cannot be written", file.string(), std::strerror(cause));
+}
+
+constexpr mode_t kPublic = 0644, kSecret = 0600;
+
+void writeCertificate(const std::filesystem::path& file, X509& certificate) {
+  const BioHandle bytes(BIO_new(BIO_s_mem()));
+  PEM_write_bio_X509(bytes.get(), &certificate);
+  write(file, *bytes, kPublic);
+}
+
+void writeKey(const std::filesystem::path& file, EVP_PKEY& key) {
+  const BioHandle bytes(BIO_new(BIO_s_mem()));
+  PEM_write_bio_PrivateKey(bytes.get(), &key, nullptr, nullptr, 0, nullptr, nullptr);
+  write(file, *bytes, kSecret);
+}
+
+BioHandle memoryOf(const std::string& text) {
+  return BioHandle(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+}
+
+void writeSigned(const std::filesystem::path& file, const std::string& document, const Identity& authority) {
+  constexpr int kFlags = PKCS7_TEXT | PKCS7_DETACHED;
+  const BioHandle bytes(BIO_new(BIO_s_mem()));
+  const SignatureHandle signature(PKCS7_sign(authority.certificate.get(), authority.key.get(), nullptr,
+                                             memoryOf(document).get(), kFlags));
+  require(signature != nullptr, "a signature");
+  require(SMIME_write_PKCS7(bytes.get(), signature.get(), memoryOf(document).get(), kFlags) == 1,
+          "a signed document");
+  write(file, *bytes, kPublic);
+}
+
+}  // namespace
+
+std::vector<TestIdentity> makeTestKeys(const std::filesystem::path& folder, int days) {
+  std::error_code failure;
+  if (std::filesystem::exists(folder, failure))
+    throw Error("there is something already", folder.string(), "name a new folder; nothing is replaced");
+  const std::filesystem::path ca = folder / "ca";
+  std::filesystem::create_directories(ca, failure);
+  if (failure) throw Error("the folder cannot be made", folder.string(), failure.message());
+
+  const Identity authority = makeIdentity("strandcast test CA", days, nullptr);
+  writeCertificate(ca / kCertificate, *authority.certificate);
+  writeKey(ca / kPrivateKey, *authority.key);
+  const std::string governance = governanceXml();
+  write(ca / "governance.xml", *memoryOf(governance), kPublic);
+
+  const std::time_t now = std::time(nullptr);
+  std::vector<TestIdentity> identities;
+  for (const KeyRole role : {KeyRole::kDaemon, KeyRole::kRenderer, KeyRole::kReader}) {
+    const std::string name = std::string("strandcast ") + nameOf(role);
+    const std::filesystem::path own = folder / nameOf(role);
+    std::filesystem::create_directory(own, failure);
+    if (failure) throw Error("the folder cannot be made", own.string(), failure.message());
+    const Identity identity = makeIdentity(name, days, &authority);
+    writeCertificate(own / kIdentityCa, *authority.certificate);
+    writeCertificate(own / kPermissionsCa, *authority.certificate);
+    writeCertificate(own / kCertificate, *identity.certificate);
+    writeKey(own / kPrivateKey, *identity.key);
+    writeSigned(own / kGovernance, governance, authority);
+    const std::string permissions = permissionsXml(role, "CN=" + name, now - kDay, now + days * kDay);
+    write(own / "permissions.xml", *memoryOf(permissions), kPublic);
+    writeSigned(own / kPermissions, permissions, authority);
+    identities.push_back({role, own, "CN=" + name});
+  }
+  return identities;
+}
+
+}  // namespace strandcast
