@@ -4,6 +4,83 @@
 #include <numbers>
 
 namespace strandcast {
+namespace {
+
+/// An option whose values have names.
+template <class Value>
+void addChoice(CLI::Option_group& group, const char* name, Value& value,
+               const std::vector<std::pair<std::string, Value>>& choices, const char* help) {
+  std::vector<std::string> words;
+  std::string chosen;
+  for (const auto& [word, meaning] : choices) {
+    words.push_back(word);
+    if (meaning == value) chosen = word;
+  }
+  group
+      .add_option_function<std::string>(
+          name,
+          [&value, choices](const std::string& word) {
+            for (const auto& [known, meaning] : choices)
+              if (known == word) value = meaning;
+          },
+          help)
+      ->check(CLI::IsMember(words))
+      ->type_name("NAME")
+      ->default_str(chosen);
+}
+
+void addGrowthOptions(CLI::App& app, PictureOptions& options) {
+  auto* group = app.add_option_group("Growth", "how the full head of hair follows the guides");
+  RenderSettings& s = options.settings;
+  HairGrowth& g = s.growth;
+  group->add_option("--hairs", g.hairs, "grown from the guides")
+      ->check(CLI::Range(1, 4000000))
+      ->capture_default_str();
+  group->add_option("--segments", s.segments, "per hair")->check(CLI::Range(1, 256))->capture_default_str();
+  addChoice<Interpolation>(*group, "--interpolation", g.interpolation,
+                           {{"multi", Interpolation::kMultiStrand},
+                            {"single", Interpolation::kSingleStrand},
+                            {"combined", Interpolation::kCombined}},
+                           "between three guides, in locks about one, or from three to one");
+  group->add_option("--clump-radius", g.clump_radius, "of a lock about one guide, m")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  group
+      ->add_option("--lock-profile", options.lock_profile,
+                   "factors of the clump radius at root, middle and tip (1 0.7 0.4)")
+      ->expected(3)
+      ->check(CLI::Range(0.0, 10.0));
+  group->add_option("--clump", g.clump, "combined: how far tips close in on one guide at most, 0 to 1")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  group
+      ->add_option("--tip-deviation", g.tip_deviation,
+                   "by which 30 % of the hairs stray near their tip, at most, m")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  group
+      ->add_option("--whole-deviation", g.whole_deviation,
+                   "by which 10 % of the hairs stray along their whole length, at most, m")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  group->add_option("--curl-radius", g.curl_radius, "of curls laid on the hair, m; 0 = none")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  group->add_option("--curl-pitch", g.curl_pitch, "length of hair in a turn of a curl, m")
+      ->check(CLI::Range(0.001, 100.0))
+      ->capture_default_str();
+  group->add_option("--density-map", options.density_map,
+                    "PNG over the scalp (the groom's uvs, or longitude and latitude, face in the middle): "
+                    "white grows all hairs, black none");
+  group->add_option("--thickness-map", options.thickness_map,
+                    "PNG over the scalp: the grey value times the hair's width");
+  group->add_option("--hair-seed", g.seed, "of the hairs' random numbers")->capture_default_str();
+  addChoice<GrowthPath>(*group, "--growth", s.growth_path,
+                        {{"compute", GrowthPath::kCompute}, {"tessellator", GrowthPath::kTessellator}},
+                        "where hair is grown; the same hair");
+}
+
+}  // namespace
 
 void addPictureOptions(CLI::App& app, PictureOptions& options) {
   auto* picture = app.add_option_group("Picture", "how it looks");
@@ -13,10 +90,7 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
   picture->add_option("--samples", s.samples, "per pixel (multisampling)")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
-  picture->add_option("--hairs", s.hairs, "grown from the guides")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  picture->add_option("--segments", s.segments, "per hair")->check(CLI::Range(1, 64))->capture_default_str();
+  addGrowthOptions(app, options);
   picture->add_option("--hair-width", s.hair_width, "drawn width of a hair, m; more where few stand for many")
       ->check(CLI::Range(1e-6, 0.1))
       ->capture_default_str();
@@ -37,6 +111,12 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
 RenderSettings renderSettings(const PictureOptions& options) {
   RenderSettings settings = options.settings;
   if (options.hair_color.size() == 3) settings.hair_color = Vec3(options.hair_color.data());
+  if (options.lock_profile.size() == 3) settings.growth.lock_profile = Vec3(options.lock_profile.data());
+  const auto map = [](const std::filesystem::path& file) {
+    return file.empty() ? nullptr : std::make_shared<const ScalpMap>(readScalpMap(file));
+  };
+  settings.growth.density = map(options.density_map);
+  settings.growth.thickness = map(options.thickness_map);
   return settings;
 }
 

@@ -33,7 +33,7 @@ Box moved(const Box& box, const Pose& pose) {
 /// Time stamps of the device between passes.
 class PassClock {
  public:
-  static constexpr int kStamps = 6;
+  static constexpr int kStamps = 7;
   PassClock() { glCreateQueries(GL_TIMESTAMP, kStamps, queries_.data()); }
   ~PassClock() { glDeleteQueries(kStamps, queries_.data()); }
   PassClock(const PassClock&) = delete;
@@ -75,6 +75,7 @@ struct Renderer::Impl {
       : settings(clipped(wanted)),
         picture(settings.width, settings.height, settings.samples),
         nodes(settings.segments),
+        hair(settings.growth_path, settings.geometry),
         scene_buffer(sizeof(SceneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT) {
     GLfloat range[2] = {1, 1};
     glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range);
@@ -105,13 +106,13 @@ struct Renderer::Impl {
         std::max(4 * base.diagonal().norm(), 0.1f);
   }
 
-  void drawShadows(const SceneBlock& block) {
+  void drawShadows() {
     shadows.beginSolids();
     body.drawDepth(head);
     shadows.beginHairFront();
     hair.drawFront(nodes);
     shadows.beginHairOpacity();
-    hair.drawOpacity(nodes, block, ShadowMap::kOpacitySize);
+    hair.drawOpacity(nodes, hair.widths().detail(1));
     shadows.end();
   }
 
@@ -140,19 +141,23 @@ struct Renderer::Impl {
     clock.stamp(0);
     statistics.guides_unusable = nodes.update(guides, head);
     clock.stamp(1);
-    if (settings.shadows) drawShadows(block);
+    const HairDetail detail = hair.widths().detail(1);
+    hair.grow(nodes, detail);
     clock.stamp(2);
+    if (settings.shadows) drawShadows();
+    clock.stamp(3);
     picture.bindForDrawing();
     glClear(GL_DEPTH_BUFFER_BIT);
     shadows.bindTextures();
     body.drawBackground();
     body.drawBody(head);
     body.drawGround();
-    clock.stamp(3);
-    statistics.hairs_drawn = hair.drawColor(nodes, block, widest / block.sampling.y());
     clock.stamp(4);
-    picture.resolve();
+    hair.drawColor(nodes, block, detail);
+    statistics.hairs_drawn = detail.hairs;
     clock.stamp(5);
+    picture.resolve();
+    clock.stamp(6);
     glDisable(GL_FRAMEBUFFER_SRGB);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glUseProgram(0);
@@ -186,11 +191,8 @@ void Renderer::setGroom(const GroomDescription& groom) {
   if (guides.offsets.empty() || guides.offsets.back() != guides.positions.size())
     throw Error("a groom is damaged", groom.name, "its strands and its vertices do not fit together");
   impl_->nodes.setGroom(guides);
-  HairGrowth growth;
-  growth.hairs = static_cast<size_t>(impl_->settings.hairs);
-  growth.clump_radius = impl_->settings.clump_radius;
-  growth.seed = impl_->settings.seed;
-  impl_->hair.setHairs(growHairs(guides, growth));
+  const HairGrowth& growth = impl_->settings.growth;
+  impl_->hair.setHairs(growHairs(guides, growth), growth.lock_profile);
   impl_->guides = guides.positions;
   impl_->head = Pose{};
   impl_->rest_bounds = boundsOf(guides.positions);
@@ -231,11 +233,11 @@ void Renderer::present(int window_width, int window_height) {
 RenderStatistics Renderer::statistics() const {
   RenderStatistics statistics = impl_->statistics;
   if (statistics.frames_drawn == 0) return statistics;
-  statistics.guides_ms = impl_->clock.milliseconds(0);
-  statistics.shadow_ms = impl_->clock.milliseconds(1);
-  statistics.body_ms = impl_->clock.milliseconds(2);
-  statistics.hair_ms = impl_->clock.milliseconds(3);
-  statistics.resolve_ms = impl_->clock.milliseconds(4);
+  double RenderStatistics::*const passes[] = {&RenderStatistics::guides_ms, &RenderStatistics::growth_ms,
+                                              &RenderStatistics::shadow_ms, &RenderStatistics::body_ms,
+                                              &RenderStatistics::hair_ms,   &RenderStatistics::resolve_ms};
+  for (int i = 0; i < 6; ++i) statistics.*passes[i] = impl_->clock.milliseconds(i);
+  statistics.device_bytes = impl_->nodes.bytes() + impl_->hair.bytes();
   return statistics;
 }
 

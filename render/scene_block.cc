@@ -18,13 +18,33 @@ Vec3 color(const Vec3& value, const Vec3& fallback) {
 
 Eigen::Vector4f withW(const Vec3& v, float w) { return {v.x(), v.y(), v.z(), w}; }
 
+HairGrowth clipped(const HairGrowth& growth) {
+  const HairGrowth fallback;
+  HairGrowth g = growth;
+  g.hairs = std::min<size_t>(g.hairs, 4000000);
+  for (int i = 0; i < 3; ++i) g.lock_profile[i] = inRange(g.lock_profile[i], 0, 10, fallback.lock_profile[i]);
+  const auto clip = [&](float HairGrowth::*value, float low, float high) {
+    g.*value = inRange(g.*value, low, high, fallback.*value);
+  };
+  clip(&HairGrowth::clump_radius, 0, 1);
+  clip(&HairGrowth::tip_deviation, 0, 1);
+  clip(&HairGrowth::whole_deviation, 0, 1);
+  clip(&HairGrowth::curl_radius, 0, 1);
+  clip(&HairGrowth::curl_pitch, 1e-3f, 100);
+  clip(&HairGrowth::single_strand_part, 0, 1);
+  clip(&HairGrowth::clump, 0, 1);
+  clip(&HairGrowth::tip_deviation_part, 0, 1);
+  clip(&HairGrowth::whole_deviation_part, 0, 1);
+  return g;
+}
+
 }  // namespace
 
 RenderSettings softwareSettings() {
   RenderSettings settings;
   settings.width = 960;
   settings.height = 540;
-  settings.hairs = 12000;
+  settings.growth.hairs = 12000;
   settings.segments = 20;
   settings.hair_width = 220e-6f;
   return settings;
@@ -36,9 +56,8 @@ RenderSettings clipped(const RenderSettings& settings) {
   s.width = std::clamp(s.width, 16, 16384);
   s.height = std::clamp(s.height, 16, 16384);
   s.samples = std::clamp(s.samples, 1, 8);
-  s.hairs = std::clamp(s.hairs, 0, 4000000);
-  s.segments = std::clamp(s.segments, 1, 64);
-  s.clump_radius = inRange(s.clump_radius, 0, 1, fallback.clump_radius);
+  s.segments = std::clamp(s.segments, 1, 256);
+  s.growth = clipped(s.growth);
   s.hair_width = inRange(s.hair_width, 1e-7f, 0.1f, fallback.hair_width);
   s.hair_color = color(s.hair_color, fallback.hair_color);
   s.body_color = color(s.body_color, fallback.body_color);

@@ -9,9 +9,10 @@ namespace strandcast {
 
 /// Binding points shared by all programs of this folder.
 namespace binding {
-constexpr GLuint kScene = 0;                                                                 // uniform block
-constexpr GLuint kGuidePositions = 0, kGuideKnots = 1, kGuides = 2, kNodes = 3, kHairs = 4;  // storage
-constexpr GLuint kSolidDepth = 0, kHairFront = 1, kHairOpacity = 2;                          // textures
+constexpr GLuint kScene = 0, kGrowth = 1;  // uniform blocks
+constexpr GLuint kGuidePositions = 0, kGuideKnots = 1, kGuides = 2, kNodes = 3, kHairs = 4, kHairVertices = 5,
+                 kBodies = 6, kBodyWords = 7, kHairBodies = 8;       // storage
+constexpr GLuint kSolidDepth = 0, kHairFront = 1, kHairOpacity = 2;  // textures
 }  // namespace binding
 
 /// What every shader knows of a picture; the std140 block of shaders/scene.glsl, field for field.

@@ -55,8 +55,8 @@ TEST_F(Picture, StraightBundleCoversTheAreaOfItsHairs) {
   settings.hair_color = Vec3::Zero();
   settings.light_direction = Vec3(0, -1, 0);  // along the hair: no highlight, no diffuse light
   settings.background = Vec3(0.8f, 0.8f, 0.8f);
-  settings.hairs = 60;  // few enough that they hardly overlap
-  settings.clump_radius = 0.0005f;
+  settings.growth.hairs = 60;  // few enough that they hardly overlap
+  settings.growth.clump_radius = 0.0005f;
   const GroomDescription groom = verticalBundle(200, 1, 0.0012f, 0.1f, 0.2f, 8);
   Camera camera;
   camera.eye = Vec3(0, 0, 2);
@@ -66,8 +66,7 @@ TEST_F(Picture, StraightBundleCoversTheAreaOfItsHairs) {
   for (const double pixels_wide : {0.1, 0.3}) {
     settings.hair_width = static_cast<float>(pixels_wide * pixel);
     double wanted = 0;  // an eighth of a hair is lost to the taper of its last quarter
-    for (const Hair& hair :
-         growHairs(groom.guides, {.hairs = 60, .clump_radius = 0.0005f, .seed = settings.seed}))
+    for (const Hair& hair : growHairs(groom.guides, settings.growth))
       wanted += pixels_wide * hair.width * 0.875 * hair.extent * 0.2 / pixel;
     const double covered = coveredPixels(settings, groom, camera);
     EXPECT_NEAR(covered / wanted, 1, 0.12) << pixels_wide << " pixels wide";
@@ -107,7 +106,7 @@ TEST_F(Picture, BodyShadowDarkensTheGroundBelowIt) {
 
 TEST_F(Picture, HairShadesTheGroundAndItself) {
   RenderSettings settings = smallPicture();
-  settings.hairs = 4000;
+  settings.growth.hairs = 4000;
   settings.hair_width = 400e-6f;
   settings.light_direction = Vec3(0, -1, -1);
   const GroomDescription groom = verticalBundle(12, 12, 0.008f, 0.1f, 0.15f, 8);
