@@ -80,6 +80,37 @@ void addGrowthOptions(CLI::App& app, PictureOptions& options) {
                         "where hair is grown; the same hair");
 }
 
+void addShadowOptions(CLI::App& app, PictureOptions& options) {
+  auto* group =
+      app.add_option_group("Shadow", "deep opacity maps of the hair beside a depth map of the body");
+  RenderSettings& s = options.settings;
+  OpacityLayers& o = s.opacity;
+  addChoice<bool>(*group, "--shadows", s.shadows, {{"off", false}, {"on", true}}, "of hair and body");
+  group->add_option("--shadow-layers", o.layers, "of the hair's opacity map")
+      ->check(CLI::IsMember({3, 7, 11, 15}))
+      ->capture_default_str();
+  addChoice<LayerSizes>(*group, "--layer-sizes", o.sizes,
+                        {{"constant", LayerSizes::kConstant},
+                         {"linear", LayerSizes::kLinear},
+                         {"power-of-two", LayerSizes::kPowerOfTwo},
+                         {"fibonacci", LayerSizes::kFibonacci}},
+                        "how the layers grow from the front on");
+  addChoice<BeyondLayers>(*group, "--beyond-layers", o.beyond,
+                          {{"ignore", BeyondLayers::kIgnore},
+                           {"last", BeyondLayers::kLastLayer},
+                           {"reach", BeyondLayers::kReach}},
+                          "hair behind the last layer casts no shadow, counts in it, or there is none");
+  group->add_option("--shadow-depth", o.depth, "of all layers together, m; not used with reach")
+      ->check(CLI::Range(1e-4, 1000.0))
+      ->capture_default_str();
+  group->add_option("--shadow-map", o.map_size, "texels a side")
+      ->check(CLI::Range(16, 8192))
+      ->capture_default_str();
+  group->add_option("--shadow-filter", o.filter, "texels to either side that are averaged")
+      ->check(CLI::Range(0, 4))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void addPictureOptions(CLI::App& app, PictureOptions& options) {
@@ -91,6 +122,7 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
   addGrowthOptions(app, options);
+  addShadowOptions(app, options);
   picture->add_option("--hair-width", s.hair_width, "drawn width of a hair, m; more where few stand for many")
       ->check(CLI::Range(1e-6, 0.1))
       ->capture_default_str();

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "gl/context.h"
 #include "render/hair_readback.h"
 #include "render/hair_reference.h"
+#include "render/light_probe.h"
 #include "scenes/scene.h"
 
 namespace strandcast {
@@ -81,6 +83,128 @@ std::vector<Case> growthCases(const Laboratory& laboratory) {
   return cases;
 }
 
+/// Mean error of the transmittance: at every piece of hair, and at those that at least half of the light
+/// reaches, where it is seen.
+struct ShadowError {
+  double sum = 0, lit_sum = 0;
+  size_t count = 0, lit = 0;
+
+  void add(double looked_up, double exact) {
+    const double error = std::abs(std::exp(-looked_up) - std::exp(-exact));
+    sum += error;
+    ++count;
+    if (std::exp(-exact) < 0.5) return;
+    lit_sum += error;
+    ++lit;
+  }
+  double all() const { return sum / static_cast<double>(count); }
+  double seen() const { return lit_sum / static_cast<double>(lit); }
+};
+
+/// Fragments of hair by texel, nearest to the light first, and the optical depth before each.
+class ExactShadow {
+ public:
+  ExactShadow(std::vector<LightFragment> fragments, int map_size)
+      : fragments_(std::move(fragments)), size_(map_size) {
+    std::sort(fragments_.begin(), fragments_.end(), [&](const LightFragment& a, const LightFragment& b) {
+      return texel(a) != texel(b) ? texel(a) < texel(b) : a.depth < b.depth;
+    });
+    for (size_t i = 0; i < fragments_.size(); ++i) {
+      const bool same = i > 0 && texel(fragments_[i]) == texel(fragments_[i - 1]);
+      before_.push_back(same ? before_.back() + fragments_[i - 1].optical_depth : 0.0);
+      near_ = std::min(near_, fragments_[i].depth);
+      far_ = std::max(far_, fragments_[i].depth);
+    }
+  }
+  const std::vector<LightFragment>& fragments() const { return fragments_; }
+  double before(size_t i) const { return before_[i]; }
+
+  /// Mean error of the transmittance at every fragment of an opacity shadow map (Kim and Neumann 2001) of so
+  /// many slices between the nearest and the farthest hair, linear between them.
+  ShadowError opacityShadowMapError(int slices) const {
+    const double thick = (far_ - near_) / slices;
+    std::vector<double> up_to(static_cast<size_t>(slices) + 1);  // each slice's plane
+    ShadowError error;
+    for (size_t first = 0, end = 0; first < fragments_.size(); first = end) {
+      for (end = first; end < fragments_.size() && texel(fragments_[end]) == texel(fragments_[first]);) ++end;
+      std::fill(up_to.begin(), up_to.end(), 0.0);
+      for (size_t i = first; i < end; ++i)
+        for (size_t s = slice(i, thick) + 1; s < up_to.size(); ++s) up_to[s] += fragments_[i].optical_depth;
+      for (size_t i = first; i < end; ++i) {
+        const double place = (fragments_[i].depth - near_) / thick;
+        const size_t s = slice(i, thick);
+        error.add(std::lerp(up_to[s], up_to[s + 1], std::min(place - static_cast<double>(s), 1.0)),
+                  before_[i]);
+      }
+    }
+    return error;
+  }
+
+ private:
+  size_t texel(const LightFragment& f) const {
+    return static_cast<size_t>(f.y) * static_cast<size_t>(size_) + static_cast<size_t>(f.x);
+  }
+  size_t slice(size_t i, double thick) const {
+    return static_cast<size_t>(
+        std::clamp((fragments_[i].depth - near_) / thick, 0.0, (far_ - near_) / thick - 0.5));
+  }
+
+  std::vector<LightFragment> fragments_;
+  std::vector<double> before_;
+  int size_;
+  float near_ = 1, far_ = 0;
+};
+
+ShadowError errorOf(LightProbe& probe, const OpacityLayers& layers, const ExactShadow& exact) {
+  std::vector<Vec3> points;
+  const float texel = 1.0f / static_cast<float>(layers.map_size);
+  for (const LightFragment& f : exact.fragments())
+    points.emplace_back((f.x + 0.5f) * texel, (f.y + 0.5f) * texel, f.depth);
+  const std::vector<LightAnswer> answers = probe.ask(layers, points);
+  ShadowError error;
+  for (size_t i = 0; i < answers.size(); ++i) error.add(answers[i].optical_depth, exact.before(i));
+  return error;
+}
+
+const std::vector<std::string> kShadowNames{"shadow: 3 layers", "shadow: 7 layers", "shadow: 15 layers",
+                                            "shadow: 7 layers, lit hair", "shadow: 15 layers, lit hair"};
+
+/// Each number of layers has the error of what it must beat for its limit: of as many slices, of fewer
+/// layers, and where light reaches of 16 slices.
+std::vector<Case> shadowCases(const Laboratory& laboratory) {
+  gl::HeadlessContext context;
+  RenderSettings settings;
+  settings.growth.hairs = 10000;
+  settings.hair_width = 2e-4f;
+  LightProbe probe(guidesOf("curly", 600), settings);
+  OpacityLayers layers;
+  layers.map_size = 256;  // many hairs in a texel
+  const ExactShadow exact(probe.fragments(layers.map_size), layers.map_size);
+  const ShadowError few = exact.opacityShadowMapError(3), some = exact.opacityShadowMapError(16),
+                    many = exact.opacityShadowMapError(128);
+  std::vector<Case> cases, lit;
+  double beaten = few.all();
+  for (const int count : {3, 7, 15}) {
+    laboratory.checkStopped();
+    layers.layers = count;
+    const ShadowError error = errorOf(probe, layers, exact);
+    cases.push_back(absoluteCase(
+        {kShadowNames[cases.size()], "mean error of the transmittance at every piece of hair", ""},
+        error.all(), 0, beaten));
+    beaten = error.all();
+    if (count > 3)
+      lit.push_back(
+          absoluteCase({kShadowNames[2 + cases.size() - 1], "the same where half of the light arrives", ""},
+                       error.seen(), 0, some.seen()));
+  }
+  cases[0].note = fmt::format("opacity shadow maps: 3 slices {:.4f}, 16 {:.4f}, 128 {:.4f}", few.all(),
+                              some.all(), many.all());
+  lit[0].note = fmt::format("opacity shadow maps: 3 slices {:.4f}, 16 {:.4f}, 128 {:.4f}", few.seen(),
+                            some.seen(), many.seen());
+  cases.insert(cases.end(), lit.begin(), lit.end());
+  return cases;
+}
+
 }  // namespace
 
 const Suite& renderSuite() {
@@ -88,7 +212,9 @@ const Suite& renderSuite() {
       "render",
       "the renderer's shaders against slower exact paths",
       {{"hairs of every kind grown on the tessellator and in compute, against double precision",
-        growthNames(), growthCases}}};
+        growthNames(), growthCases},
+       {"deep opacity maps of a head of curls against what lies along the light's rays", kShadowNames,
+        shadowCases}}};
   return suite;
 }
 

@@ -12,17 +12,16 @@ constexpr size_t kHairsPerPatch = 64, kSegmentsPerPatch = 64;  // as in hair.tes
 // Mesa's software pipeline spends time with the square of a draw's vertices; other drivers do not mind the
 // short draws.
 constexpr size_t kPatchesPerDraw = 8;
-constexpr size_t kFrontPart = 8;  // one hair of so many makes the front that the light sees
-
-std::vector<gl::ShaderStage> grownStages(const std::string& defines, const char* fragment) {
-  return {{GL_VERTEX_SHADER, shaders::kHairStrandVert, defines}, {GL_FRAGMENT_SHADER, fragment}};
-}
 
 unsigned segmentsOf(const GuideNodes& nodes, int node_stride) {
   return static_cast<unsigned>((nodes.segments() + node_stride - 1) / node_stride);
 }
 
 }  // namespace
+
+std::vector<gl::ShaderStage> grownStages(const std::string& defines, const char* fragment) {
+  return {{GL_VERTEX_SHADER, shaders::kHairStrandVert, defines}, {GL_FRAGMENT_SHADER, fragment}};
+}
 
 std::vector<gl::ShaderStage> tessellatedStages(const char* defines, const char* fragment) {
   std::vector<gl::ShaderStage> stages{{GL_VERTEX_SHADER, shaders::kHairVert},
@@ -73,12 +72,13 @@ void HairPass::grow(const GuideNodes& nodes, const HairDetail& detail) {
 }
 
 void HairPass::drawFront(const GuideNodes& nodes) const {
-  HairDetail detail = widths_.detail(1.0f / kFrontPart);
+  HairDetail detail = widths_.detail(1);
   detail.node_stride = 4;
   draw(programs_.front, nodes, detail, false);
 }
 
-void HairPass::drawOpacity(const GuideNodes& nodes, const HairDetail& detail) const {
+void HairPass::drawOpacity(const GuideNodes& nodes, const HairDetail& detail, int map_size) const {
+  programs_.opacity.set("map_size", static_cast<float>(map_size));
   draw(programs_.opacity, nodes, detail, false);
 }
 

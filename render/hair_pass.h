@@ -1,4 +1,5 @@
 #pragma once
+#include <string>
 #include <vector>
 
 #include "gl/program.h"
@@ -27,11 +28,13 @@ class HairPass {
 
   /// Once per picture, before it draws; `detail` holds what any pass will draw.
   void grow(const GuideNodes& nodes, const HairDetail& detail);
-  /// Depth of the hair nearest to the light, from a part of the hairs.
+  /// Depth of the hair nearest to the light.
   void drawFront(const GuideNodes& nodes) const;
-  void drawOpacity(const GuideNodes& nodes, const HairDetail& detail) const;
+  void drawOpacity(const GuideNodes& nodes, const HairDetail& detail, int map_size) const;
   void drawColor(const GuideNodes& nodes, const SceneBlock& block, const HairDetail& detail) const;
 
+  /// With any program of grownStages or tessellatedStages, as the path is.
+  void draw(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail, bool strips) const;
   /// Makes `program` (of tessellatedStages) current with the buffers and uniforms for what `detail` has.
   void bind(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail) const;
   void drawPatches(const GuideNodes& nodes, const HairDetail& detail) const;
@@ -45,7 +48,6 @@ class HairPass {
     gl::Program front, opacity, color;
   };
   static Programs makePrograms(GrowthPath path, HairGeometry geometry);
-  void draw(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail, bool strips) const;
   void drawGrown(const gl::Program& program, size_t count, bool strips) const;
 
   GrowthPath path_;
@@ -59,6 +61,8 @@ class HairPass {
   GLuint empty_vertices_ = 0;
 };
 
+/// The stages that read hair grown before; `defines` as hair_strand.vert lists them.
+std::vector<gl::ShaderStage> grownStages(const std::string& defines, const char* fragment);
 /// The stages that grow hair on the tessellator; `defines` as hair.tese lists them. `fragment` may be null.
 std::vector<gl::ShaderStage> tessellatedStages(const char* defines, const char* fragment);
 

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "core/geometry.h"
+#include "render/deep_opacity.h"
 #include "render/hair_growth.h"
 
 namespace strandcast {
@@ -26,6 +27,7 @@ struct RenderSettings {
   Vec3 background{0.30f, 0.33f, 0.38f};
   Vec3 light_direction{-0.45f, -0.75f, -0.5f};  ///< the way the light travels
   bool shadows = true;
+  OpacityLayers opacity;  ///< shadow of the hair
 };
 
 /// For devices in software: a smaller picture with fewer, wider hairs of fewer segments; about a third of the

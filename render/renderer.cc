@@ -74,6 +74,7 @@ struct Renderer::Impl {
   explicit Impl(const RenderSettings& wanted)
       : settings(clipped(wanted)),
         picture(settings.width, settings.height, settings.samples),
+        shadows(settings.opacity),
         nodes(settings.segments),
         hair(settings.growth_path, settings.geometry),
         scene_buffer(sizeof(SceneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT) {
@@ -112,7 +113,7 @@ struct Renderer::Impl {
     shadows.beginHairFront();
     hair.drawFront(nodes);
     shadows.beginHairOpacity();
-    hair.drawOpacity(nodes, hair.widths().detail(1));
+    hair.drawOpacity(nodes, hair.widths().detail(1), shadows.opacitySize());
     shadows.end();
   }
 
@@ -129,7 +130,7 @@ struct Renderer::Impl {
 
   void draw(const Camera& camera) {
     SceneBlock block = makeSceneBlock(settings, camera);
-    ShadowMap::fit(block, content());
+    shadows.fit(block, content());
     placeGround(block);
     const float widest = widestHair(block, boundsOf(guides));
     block.sampling.x() = static_cast<float>(picture.samples());
@@ -237,7 +238,7 @@ RenderStatistics Renderer::statistics() const {
                                               &RenderStatistics::shadow_ms, &RenderStatistics::body_ms,
                                               &RenderStatistics::hair_ms,   &RenderStatistics::resolve_ms};
   for (int i = 0; i < 6; ++i) statistics.*passes[i] = impl_->clock.milliseconds(i);
-  statistics.device_bytes = impl_->nodes.bytes() + impl_->hair.bytes();
+  statistics.device_bytes = impl_->nodes.bytes() + impl_->hair.bytes() + impl_->shadows.bytes();
   return statistics;
 }
 

@@ -38,6 +38,17 @@ HairGrowth clipped(const HairGrowth& growth) {
   return g;
 }
 
+/// The number of layers falls to the next that there is.
+OpacityLayers clipped(const OpacityLayers& layers) {
+  const OpacityLayers fallback;
+  OpacityLayers o = layers;
+  o.layers = (std::clamp(o.layers, 3, kMostOpacityLayers) + 1) / 4 * 4 - 1;
+  o.depth = inRange(o.depth, 1e-4f, 1e3f, fallback.depth);
+  o.map_size = std::clamp(o.map_size, 16, 8192);
+  o.filter = std::clamp(o.filter, 0, 4);
+  return o;
+}
+
 }  // namespace
 
 RenderSettings softwareSettings() {
@@ -58,6 +69,7 @@ RenderSettings clipped(const RenderSettings& settings) {
   s.samples = std::clamp(s.samples, 1, 8);
   s.segments = std::clamp(s.segments, 1, 256);
   s.growth = clipped(s.growth);
+  s.opacity = clipped(s.opacity);
   s.hair_width = inRange(s.hair_width, 1e-7f, 0.1f, fallback.hair_width);
   s.hair_color = color(s.hair_color, fallback.hair_color);
   s.body_color = color(s.body_color, fallback.body_color);
@@ -85,6 +97,8 @@ SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& camera) 
   block.background = withW(settings.background, height);
   block.ground = {0, 0, 0, 1};
   block.sampling = {1, 1, 1, settings.shadows ? 1.0f : 0.0f};
+  block.opacity_slices = static_cast<float>((settings.opacity.layers + 1) / 4);
+  block.opacity_filter = static_cast<float>(settings.opacity.filter);
   return block;
 }
 
