@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <numbers>
 
+#include "apps/hair_obstacles.h"
+
 namespace strandcast {
 namespace {
 
@@ -68,6 +70,11 @@ void addGrowthOptions(CLI::App& app, PictureOptions& options) {
       ->capture_default_str();
   group->add_option("--curl-pitch", g.curl_pitch, "length of hair in a turn of a curl, m")
       ->check(CLI::Range(0.001, 100.0))
+      ->capture_default_str();
+  group->add_flag("--keep-out", options.keep_out,
+                  "keep grown hair out of the body, whose distance field is baked for it once");
+  group->add_option("--clearance", s.clearance, "that it keeps from the body, m")
+      ->check(CLI::Range(0.0, 0.1))
       ->capture_default_str();
   group->add_option("--density-map", options.density_map,
                     "PNG over the scalp (the groom's uvs, or longitude and latitude, face in the middle): "
@@ -159,6 +166,13 @@ Box pictureBox(const GroomDescription& groom, const BodyDescription& body) {
   // The head stays in the picture under short hair, a whole figure does not shrink the hair to a dot.
   Box around(box.min() - box.sizes() * 0.35f, box.max() + box.sizes() * 0.35f);
   return box.merged(around.intersection(body.mesh.bounds()));
+}
+
+void setPicture(Renderer& renderer, const PictureOptions& options, const GroomDescription& groom,
+                const BodyDescription& body) {
+  renderer.setGroom(groom);
+  renderer.setBody(body);
+  if (options.keep_out) renderer.setObstacles(hairObstacles(body));
 }
 
 Camera pictureCamera(const PictureOptions& options, const Box& box) {

@@ -17,6 +17,7 @@ struct PictureOptions {
   double zoom = 1;
   std::vector<float> hair_color;                     ///< red green blue, linear; empty = the settings' own
   std::vector<float> lock_profile;                   ///< root, middle, tip; empty = the settings' own
+  bool keep_out = false;                             ///< grown hair of the body
   std::filesystem::path density_map, thickness_map;  ///< empty = none
 };
 void addPictureOptions(CLI::App& app, PictureOptions& options);
@@ -25,6 +26,9 @@ RenderSettings renderSettings(const PictureOptions& options);
 
 /// The box that pictures frame: of the hair, and of the body around it.
 Box pictureBox(const GroomDescription& groom, const BodyDescription& body);
+/// Tells the renderer what it draws.
+void setPicture(Renderer& renderer, const PictureOptions& options, const GroomDescription& groom,
+                const BodyDescription& body);
 /// Looks at `box` from where the options say.
 Camera pictureCamera(const PictureOptions& options, const Box& box);
 

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "apps/scene_simulation.h"
 #include "gl/context.h"
 #include "render/hair_readback.h"
 #include "render/hair_reference.h"
@@ -205,6 +207,132 @@ std::vector<Case> shadowCases(const Laboratory& laboratory) {
   return cases;
 }
 
+/// Hairs of a head in motion, and how many of their vertices are in its bodies.
+class HairOnHead {
+ public:
+  HairOnHead() : nodes_(kSegments) {
+    Settings settings;
+    settings.scene.name = "straight";
+    settings.scene.strands = 150;  // far apart, so that hair between them cuts corners
+    settings.scene.vertices = 24;
+    settings.scene.motion = "turn";
+    settings.backend = "reference";
+    const Scene scene = makeScene(settings.scene);
+    Simulation simulation = makeSimulation(scene, settings);
+    while (simulation.time() < 0.4) {
+      simulation.setHeadPose(
+          scene.motion(simulation.time() + static_cast<double>(simulation.parameters().time_step)));
+      simulation.step();
+    }
+    head_ = simulation.headPose();
+    const std::span<const Vec3> guides = simulation.guides();
+    nodes_.setGroom(scene.groom.strands);
+    nodes_.update(guides, head_);
+    growth_.hairs = 4000;
+    growth_.interpolation = Interpolation::kMultiStrand;
+    hairs_ = growHairs(scene.groom.strands, growth_);
+    for (const RigidBody& body : scene.bodies)
+      for (const ContactPrimitive& shape : body.primitives) obstacles_.push_back({shape, body.follows_head});
+  }
+
+  /// Vertices deeper than a hundredth of a millimetre, and than the root where they are next to it.
+  size_t inside(GrowthPath path, bool kept_out) const {
+    HairPass pass(path, HairGeometry::kLines);
+    pass.setHairs(hairs_, growth_.lock_profile);
+    pass.setClearance(1e-4f);
+    if (kept_out) pass.bodies().setObstacles(obstacles_);
+    pass.bodies().place(head_);
+    const HairDetail detail = pass.widths().detail(1);
+    pass.grow(nodes_, detail);
+    const std::vector<GrownVertex> grown =
+        path == GrowthPath::kCompute ? readComputed(pass, nodes_, 1) : readTessellated(pass, nodes_, detail);
+    std::vector<float> root(hairs_.size(), 0);
+    for (const GrownVertex& v : grown)
+      if (v.node == 0) root[v.hair] = std::min(distance(v.position), 0.0f);
+    return static_cast<size_t>(std::count_if(grown.begin(), grown.end(), [&](const GrownVertex& v) {
+      const float allowed = v.node < kSegments / 20 ? root[v.hair] : 0;
+      return distance(v.position) < allowed - 1e-5f;
+    }));
+  }
+  size_t vertices() const { return hairs_.size() * (kSegments + 1); }
+
+ private:
+  static constexpr int kSegments = 40;
+
+  float distance(const Vec3& point) const {
+    float nearest = std::numeric_limits<float>::infinity();
+    for (const HairObstacle& obstacle : obstacles_) {
+      const Pose pose = obstacle.follows_head ? head_ : Pose{};
+      nearest = std::min(nearest, signedDistance(moved(obstacle.shape, pose, pose, 1), point));
+    }
+    return nearest;
+  }
+
+  GuideNodes nodes_;
+  HairGrowth growth_;
+  std::vector<Hair> hairs_;
+  std::vector<HairObstacle> obstacles_;
+  Pose head_;
+};
+
+/// A ball goes 2 cm into a curtain of hair in steps: the farthest that a vertex goes in one of them, over it.
+double largestJump() {
+  StrandSet guides;
+  for (int i = 0; i < 9; ++i) {
+    const Vec3 root(0.02f * static_cast<float>(i % 3), 0, 0.02f * static_cast<float>(i / 3));
+    std::vector<Vec3> points;
+    for (int k = 0; k < 10; ++k) points.push_back(Vec3(root - Vec3(0, 0.02f * static_cast<float>(k), 0)));
+    guides.append(points);
+  }
+  GuideNodes nodes(40);
+  nodes.setGroom(guides);
+  nodes.update(guides.positions, Pose{});
+  HairGrowth growth;
+  growth.hairs = 300;
+  growth.interpolation = Interpolation::kMultiStrand;
+  HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
+  pass.setHairs(growHairs(guides, growth), growth.lock_profile);
+  constexpr float kStep = 1e-4f;
+  std::vector<GrownVertex> last;
+  double largest = 0;
+  for (int step = 0; step < 200; ++step) {
+    ContactPrimitive ball;
+    ball.a = Vec3(0.03f, -0.1f, -0.036f + kStep * static_cast<float>(step));
+    ball.radius = 0.03f;
+    pass.bodies().setObstacles({{ball, false}});
+    pass.grow(nodes, pass.widths().detail(1));
+    std::vector<GrownVertex> now = readComputed(pass, nodes, 1);
+    for (size_t i = 0; i < last.size(); ++i)
+      largest = std::max(largest, static_cast<double>((now[i].position - last[i].position).norm() / kStep));
+    last = std::move(now);
+  }
+  return largest;
+}
+
+const std::vector<std::string> kBodyNames{"bodies: let in", "bodies: kept out, compute",
+                                          "bodies: kept out, tessellator", "bodies: jump"};
+
+std::vector<Case> bodyCases(const Laboratory& laboratory) {
+  gl::HeadlessContext context;
+  const HairOnHead head;
+  const auto count = [](size_t n) { return static_cast<double>(n); };
+  std::vector<Case> cases;
+  // What there is to do: without it the others would say nothing.
+  cases.push_back(atLeastCase({kBodyNames[0], "vertices inside, of those of hair that nothing keeps out", ""},
+                              count(head.inside(GrowthPath::kCompute, false)), 1000, 0));
+  cases.back().note = fmt::format("of {} vertices", head.vertices());
+  laboratory.checkStopped();
+  cases.push_back(absoluteCase({kBodyNames[1], "vertices inside", ""},
+                               count(head.inside(GrowthPath::kCompute, true)), 0, 0));
+  cases.push_back(absoluteCase({kBodyNames[2], "vertices inside", ""},
+                               count(head.inside(GrowthPath::kTessellator, true)), 0, 0));
+  laboratory.checkStopped();
+  cases.push_back(
+      absoluteCase({kBodyNames[3], "farthest way of a vertex over that of the ball that goes in", ""},
+                   largestJump(), 0, 20));
+  return cases;
+}
+
 }  // namespace
 
 const Suite& renderSuite() {
@@ -214,7 +342,9 @@ const Suite& renderSuite() {
       {{"hairs of every kind grown on the tessellator and in compute, against double precision",
         growthNames(), growthCases},
        {"deep opacity maps of a head of curls against what lies along the light's rays", kShadowNames,
-        shadowCases}}};
+        shadowCases},
+       {"hair between the guides of a head in motion, kept out of its bodies; a ball that goes into hair",
+        kBodyNames, bodyCases}}};
   return suite;
 }
 

@@ -82,18 +82,16 @@ FN AcrossGuide hairAcross(IN(real) u, IN(real3) offset, IN(real3) profile, IN(re
   return at;
 }
 
-// How far a hair has left its three guides for the first of them alone, 0 to 1, and how that changes by u: `clump` u, and from
-// `zone` before `switch_u` on all the way (Yuksel and Tariq 2010, "Advanced Techniques in Real-Time Hair Rendering and
-// Simulation": what would go on in a body follows one guide, which does not).
+// How far a hair has left its three guides for the first of them alone, 0 to 1, and how that changes by u: `clump` u, and
+// what bodies ask for beyond that (`bodies`, with its slope).
 struct Closing {
   real part, slope;
 };
-FN Closing hairClosing(IN(real) u, IN(real) clump, IN(real) switch_u, IN(real) zone) {
-  real t = clamp((u - switch_u) / zone + lit(1), lit(0), lit(1));
-  real s = t * t * (lit(3) - lit(2) * t);
+FN Closing hairClosing(IN(real) u, IN(real) clump, IN(real) bodies, IN(real) bodies_slope) {
+  real open = lit(1) - clump * u;
   Closing closing;
-  closing.part = clump * u + (lit(1) - clump * u) * s;
-  closing.slope = clump * (lit(1) - s) + (lit(1) - clump * u) * lit(6) * t * (lit(1) - t) / zone;
+  closing.part = clump * u + open * bodies;
+  closing.slope = clump * (lit(1) - bodies) + open * bodies_slope;
   return closing;
 }
 
@@ -123,9 +121,13 @@ FN real keptDistance(IN(real) u, IN(real) root_distance, IN(real) clear) {
   real t = clamp(u * lit(20), lit(0), lit(1));
   return clear + (min(root_distance, clear) - clear) * (lit(1) - t * t * (lit(3) - lit(2) * t));
 }
-// Where a hair has to leave its three guides because of a vertex at u that is `depth` metres too deep: there if by a
-// millimetre or more, farther on if by less and past the tip if not at all. Of all vertices the least counts. It follows the
-// depth without a jump, so that nothing pops as hair moves.
-FN real switchBefore(IN(real) u, IN(real) depth, IN(real) zone) {
-  return u + (lit(1) - clamp(depth * lit(1000), lit(0), lit(1))) * (lit(1) + zone);
+
+// A hair of which a vertex would go into a body follows one guide from there on, as the guides do not (Yuksel and Tariq 2010,
+// "Advanced Techniques in Real-Time Hair Rendering and Simulation"), and goes over to it within `zone`, a part of the length,
+// before. So that nothing pops as hair moves, a vertex asks for the more of that the deeper it is, all of it from 2 mm on; of
+// what all vertices ask for, the most counts. `ahead`: how far on along u that vertex is, negative behind.
+FN real closingAsked(IN(real) depth) { return clamp(depth * lit(500), lit(0), lit(1)); }
+FN real closingBefore(IN(real) asked, IN(real) ahead, IN(real) zone) {
+  real t = clamp(lit(1) - ahead / zone, lit(0), lit(1));
+  return asked * t * t * (lit(3) - lit(2) * t);
 }

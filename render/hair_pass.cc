@@ -63,12 +63,19 @@ void HairPass::setHairs(std::vector<Hair> hairs, const Vec3& lock_profile) {
 
 void HairPass::grow(const GuideNodes& nodes, const HairDetail& detail) {
   block_.segments = static_cast<uint32_t>(nodes.segments());
+  block_.bodies = static_cast<uint32_t>(bodies_.obstacles());
   block_buffer_.write(std::span<const GrowthBlock>(&block_, 1));
-  if (path_ != GrowthPath::kCompute) return;
+  bindHair(nodes);
+  if (block_.bodies > 0) bodies_.find(detail.hairs, nodes.segments());
+  if (path_ == GrowthPath::kCompute)
+    vertices_.grow(detail.hairs, nodes.segments(), detail.node_stride, block_.bodies > 0);
+}
+
+void HairPass::bindHair(const GuideNodes& nodes) const {
   glBindBufferBase(GL_UNIFORM_BUFFER, binding::kGrowth, block_buffer_.id());
   nodes.bind();
+  bodies_.bind();
   hair_buffer_.bindStorage(binding::kHairs);
-  vertices_.grow(detail.hairs, nodes.segments(), detail.node_stride, false);
 }
 
 void HairPass::drawFront(const GuideNodes& nodes) const {
@@ -103,9 +110,7 @@ void HairPass::bind(const gl::Program& program, const GuideNodes& nodes, const H
   program.set("node_stride", static_cast<unsigned>(detail.node_stride));
   program.set("detail", Eigen::Vector4f(detail.part, detail.width_scale, detail.fade,
                                         static_cast<float>(std::max<size_t>(hairs_.size(), 1))));
-  glBindBufferBase(GL_UNIFORM_BUFFER, binding::kGrowth, block_buffer_.id());
-  nodes.bind();
-  hair_buffer_.bindStorage(binding::kHairs);
+  bindHair(nodes);
   program.use();
 }
 

@@ -4,6 +4,7 @@
 
 #include "gl/program.h"
 #include "render/guide_nodes.h"
+#include "render/hair_bodies.h"
 #include "render/hair_detail.h"
 #include "render/hair_growth.h"
 #include "render/hair_vertices.h"
@@ -23,6 +24,9 @@ class HairPass {
   HairPass& operator=(const HairPass&) = delete;
 
   void setHairs(std::vector<Hair> hairs, const Vec3& lock_profile);
+  /// What the hair is kept out of and how far, m.
+  HairBodies& bodies() { return bodies_; }
+  void setClearance(float clearance) { block_.clearance = clearance; }
   const std::vector<Hair>& hairs() const { return hairs_; }
   const HairWidths& widths() const { return widths_; }
 
@@ -40,7 +44,9 @@ class HairPass {
   void drawPatches(const GuideNodes& nodes, const HairDetail& detail) const;
   /// Grown last, by kCompute.
   const HairVertices& vertices() const { return vertices_; }
-  size_t bytes() const { return hair_buffer_.bytes() + vertices_.bytes(); }  ///< of device memory
+  size_t bytes() const {
+    return hair_buffer_.bytes() + vertices_.bytes() + bodies_.bytes();
+  }  ///< of device memory
 
  private:
   /// With a fragment shader each, for the path that was chosen.
@@ -48,6 +54,7 @@ class HairPass {
     gl::Program front, opacity, color;
   };
   static Programs makePrograms(GrowthPath path, HairGeometry geometry);
+  void bindHair(const GuideNodes& nodes) const;
   void drawGrown(const gl::Program& program, size_t count, bool strips) const;
 
   GrowthPath path_;
@@ -57,6 +64,7 @@ class HairPass {
   GrowthBlock block_{};
   gl::Buffer hair_buffer_, block_buffer_;
   HairVertices vertices_;
+  HairBodies bodies_;
   Programs programs_;
   GLuint empty_vertices_ = 0;
 };

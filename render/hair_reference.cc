@@ -62,7 +62,7 @@ HairReference::Vertex HairReference::at(const Hair& hair, const Vec3& lock_profi
   const f64::real3 normal = lanes(of[0]->normal);
   const f64::real3 derivative = lanes(of[0]->derivative);
   const f64::real3 binormal = f64::cross(f64::normalizeOrZero(derivative), normal);
-  const f64::Closing closing = f64::hairClosing(u, hair.clump, 4, 1);
+  const f64::Closing closing = f64::hairClosing(u, hair.clump, 0, 0);
   const f64::AcrossGuide across = f64::hairAcross(
       u, {hair.offset[0], hair.offset[1], 0}, lanes(lock_profile.cast<double>()), hair.tip_deviation,
       hair.whole_deviation, hair.deviation_phase, hair.curl_radius, hair.curl_turns, hair.curl_phase);

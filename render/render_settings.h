@@ -20,6 +20,7 @@ struct RenderSettings {
   GrowthPath growth_path = GrowthPath::kCompute;
   HairGeometry geometry = HairGeometry::kLines;
   int segments = 32;           ///< per hair, 1 to 256
+  float clearance = 1e-4f;     ///< m, that grown hair keeps from obstacles
   float hair_width = 120e-6f;  ///< m, drawn width, more than a hair's as 40,000 stand for 100,000; narrower
                                ///< than a pixel it covers that part of the pixel
   Vec3 hair_color{0.30f, 0.17f, 0.08f};  ///< of light scattered once around in the hair

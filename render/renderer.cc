@@ -78,6 +78,7 @@ struct Renderer::Impl {
         nodes(settings.segments),
         hair(settings.growth_path, settings.geometry),
         scene_buffer(sizeof(SceneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT) {
+    hair.setClearance(settings.clearance);
     GLfloat range[2] = {1, 1};
     glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range);
     widest_line = std::max(range[1], 1.0f);
@@ -143,6 +144,7 @@ struct Renderer::Impl {
     statistics.guides_unusable = nodes.update(guides, head);
     clock.stamp(1);
     const HairDetail detail = hair.widths().detail(1);
+    hair.bodies().place(head);
     hair.grow(nodes, detail);
     clock.stamp(2);
     if (settings.shadows) drawShadows();
@@ -202,6 +204,10 @@ void Renderer::setGroom(const GroomDescription& groom) {
 }
 
 void Renderer::setBody(const BodyDescription& body) { impl_->body.setBody(body); }
+
+void Renderer::setObstacles(std::vector<HairObstacle> obstacles) {
+  impl_->hair.bodies().setObstacles(std::move(obstacles));
+}
 
 void Renderer::draw(const GuideFrame& frame, const Camera& camera) {
   impl_->accept(frame);

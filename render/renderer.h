@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "render/camera.h"
+#include "render/hair_bodies.h"
 #include "render/image.h"
 #include "render/render_settings.h"
 #include "transport/messages.h"
@@ -34,6 +35,8 @@ class Renderer {
   void setGroom(const GroomDescription& groom);
   /// A mesh without triangles draws no body.
   void setBody(const BodyDescription& body);
+  /// Bodies that grown hair is kept out of; none at first. Throws Error where a shape is not sound.
+  void setObstacles(std::vector<HairObstacle> obstacles);
   /// Draws into the renderer's own framebuffer. Leaves the default framebuffer bound.
   void draw(const GuideFrame& frame, const Camera& camera);
   /// Copies the last picture out.

@@ -70,6 +70,7 @@ RenderSettings clipped(const RenderSettings& settings) {
   s.segments = std::clamp(s.segments, 1, 256);
   s.growth = clipped(s.growth);
   s.opacity = clipped(s.opacity);
+  s.clearance = inRange(s.clearance, 0, 0.1f, fallback.clearance);
   s.hair_width = inRange(s.hair_width, 1e-7f, 0.1f, fallback.hair_width);
   s.hair_color = color(s.hair_color, fallback.hair_color);
   s.body_color = color(s.body_color, fallback.body_color);

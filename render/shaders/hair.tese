@@ -1,8 +1,10 @@
 #version 450 core
-// variants: COLOR=1 | COLOR=1 BODIES=1 | OPACITY=1 | OPACITY=1 BODIES=1 | FRONT=1 | CAPTURE=1 | CAPTURE=1 BODIES=1
+// variants: COLOR=1 | OPACITY=1 | FRONT=1 | CAPTURE=1
 // Grows one vertex of one hair. CAPTURE is for tests.
 layout(isolines, equal_spacing) in;
+#define BODIES
 #include "render/shaders/scene.glsl"
+#define HAIR_BODIES_ACCESS readonly
 #include "render/shaders/hair_curve.glsl"
 #include "render/shaders/hair_vertex.glsl"
 #ifdef CAPTURE
@@ -20,11 +22,7 @@ void main() {
   uint segment = first_segment + uint(gl_TessCoord.x * gl_TessLevelOuter[1] + 0.5);
   uint node = min(segment * node_stride, growth.segments);
   Hair hair = hairs[index];
-#ifdef BODIES
   HairPoint point = grownHair(index, hair, node);
-#else
-  HairPoint point = freeHair(hair, node, kNoSwitch);
-#endif
   vec3 tangent = normalize(point.derivative + vec3(0, 1e-12, 0));
   emitHair(index, hair, point.position, tangent, point.along, 0.0);
 #ifdef CAPTURE

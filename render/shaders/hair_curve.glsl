@@ -1,5 +1,5 @@
 // A hair as render/hair_growth.h and kernels/hair.h define it, evaluated at the nodes of its guides (render/guide_nodes.h).
-// With BODIES it stays out of bodies (render/hair_bodies.h); FIND_SWITCH finds what that takes.
+// With BODIES it stays out of bodies (render/hair_bodies.h).
 #include "kernels/lanes_glsl.h"
 #include "kernels/rotation.h"
 #include "kernels/hair.h"
@@ -39,8 +39,8 @@ struct HairPoint {
   bool usable;
 };
 
-// `switch_u`: from where on it follows one guide alone; past the tip where nothing is in its way.
-HairPoint freeHair(Hair hair, uint wanted_node, float switch_u) {
+// `bodies`: how far bodies make it follow one guide alone, 0 to 1, and how that changes by u.
+HairPoint freeHair(Hair hair, uint wanted_node, vec2 bodies) {
   HairPoint point;
   float last = hair.extent * float(growth.segments);
   // Nodes past the tip fall on the first one past it: lines of no length, not drawn.
@@ -53,7 +53,7 @@ HairPoint freeHair(Hair hair, uint wanted_node, float switch_u) {
   vec4 pa = nodes[a], pb = nodes[b], pc = nodes[c];
   vec3 da = nodes[a + 1u].xyz, normal = nodes[a + 2u].xyz;
   vec3 binormal = cross(normalizeOrZero(da), normal), ab = pb.xyz - pa.xyz, ac = pc.xyz - pa.xyz;
-  Closing closing = hairClosing(u, hair.clump, switch_u, growth.zone);
+  Closing closing = hairClosing(u, hair.clump, bodies.x, bodies.y);
   AcrossGuide across = hairAcross(u, vec3(hair.offset, 0), growth.profile.xyz, hair.tip_deviation, hair.whole_deviation,
                                   hair.deviation_phase, hair.curl_radius, hair.curl_turns, hair.curl_phase);
   point.position = hairPosition(pa.xyz, ab, ac, hair.weights.y, hair.weights.z, closing, across, normal, binormal);
@@ -65,27 +65,23 @@ HairPoint freeHair(Hair hair, uint wanted_node, float switch_u) {
   return point;
 }
 
-const float kNoSwitch = 4.0;
-
 #ifdef BODIES
 #include "render/shaders/bodies.glsl"
-// Per hair: from where on it follows one guide, and how far its root is from the surface of bodies, m.
-#ifdef FIND_SWITCH
-layout(std430, binding = 8) writeonly buffer HairBodies { vec2 hair_bodies[]; };
-#else
-layout(std430, binding = 8) readonly buffer HairBodies { vec2 hair_bodies[]; };
+// Per hair: how far its root is from the surface of bodies, m, and for every node how far it follows one guide because of
+// them.
+layout(std430, binding = 8) HAIR_BODIES_ACCESS buffer HairBodies { float hair_bodies[]; };
 
 HairPoint grownHair(uint index, Hair hair, uint node) {
-  if (growth.bodies == 0u) return freeHair(hair, node, kNoSwitch);
-  vec2 bound = hair_bodies[index];
-  HairPoint point = freeHair(hair, node, bound.x);
-  float kept = keptDistance(point.u, bound.y, growth.clearance);
-  for (int again = 0; again < 2; ++again) {
+  if (growth.bodies == 0u) return freeHair(hair, node, vec2(0));
+  uint at = index * (growth.segments + 2u), low = max(node, 1u) - 1u, high = min(node + 1u, growth.segments);
+  float slope = (hair_bodies[at + 1u + high] - hair_bodies[at + 1u + low]) * float(growth.segments) / float(high - low);
+  HairPoint point = freeHair(hair, node, vec2(hair_bodies[at + 1u + node], slope));
+  float kept = keptDistance(point.u, hair_bodies[at], growth.clearance);
+  for (int again = 0; again < 3; ++again) {
     vec3 normal;
     float distance = bodyDistance(point.position, normal);
     point.position += normal * max(kept - distance, 0.0);
   }
   return point;
 }
-#endif
 #endif
