@@ -128,6 +128,22 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
   picture->add_option("--samples", s.samples, "per pixel (multisampling)")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
+  addChoice<HairCoverage>(
+      *picture, "--coverage", s.coverage,
+      {{"stochastic", HairCoverage::kStochastic}, {"alpha", HairCoverage::kAlphaToCoverage}},
+      "of hairs thinner than a pixel: other samples for each hair, or alpha to coverage");
+  picture->add_option("--supersampling", s.supersampling, "for stills: so many times as many pixels a side")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  addChoice<PixelFilter>(*picture, "--filter", s.filter,
+                         {{"box", PixelFilter::kBox},
+                          {"tent", PixelFilter::kTent},
+                          {"gaussian", PixelFilter::kGaussian},
+                          {"mitchell", PixelFilter::kMitchell}},
+                         "of supersampling, the softest to the sharpest: tent, gaussian, box, mitchell");
+  addChoice<HairGeometry>(*picture, "--geometry", s.geometry,
+                          {{"lines", HairGeometry::kLines}, {"strips", HairGeometry::kStrips}},
+                          "hairs as lines with width as alpha, or as strips that face the eye");
   addGrowthOptions(app, options);
   addShadowOptions(app, options);
   picture->add_option("--hair-width", s.hair_width, "drawn width of a hair, m; more where few stand for many")

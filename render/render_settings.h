@@ -4,6 +4,7 @@
 #include "core/geometry.h"
 #include "render/deep_opacity.h"
 #include "render/hair_growth.h"
+#include "render/supersampling.h"
 
 namespace strandcast {
 
@@ -12,11 +13,18 @@ enum class GrowthPath { kCompute, kTessellator };
 /// Lines, whose width is as the device has it, or strips of triangles that face the eye (kCompute only).
 enum class HairGeometry { kLines, kStrips };
 
+/// What becomes of a hair that covers a part of a pixel: it reaches that part of the samples, others for each
+/// hair (stochastic transparency), or the samples that the device chooses for that alpha (alpha to coverage).
+enum class HairCoverage { kStochastic, kAlphaToCoverage };
+
 /// Colours are linear, 0 to 1. Values out of range are clipped to it.
 struct RenderSettings {
-  int width = 1280, height = 720;  ///< 16 to 16384 pixels
-  int samples = 4;                 ///< multisampling, 1 to 8, as far as the device goes
-  HairGrowth growth;               ///< 0 to 4,000,000 hairs
+  int width = 1280, height = 720;               ///< 16 to 16384 pixels
+  int samples = 4;                              ///< multisampling, 1 to 8, as far as the device goes
+  int supersampling = 1;                        ///< 1 to 4 times as many pixels a side, for stills
+  PixelFilter filter = PixelFilter::kGaussian;  ///< that makes one of them
+  HairCoverage coverage = HairCoverage::kStochastic;
+  HairGrowth growth;  ///< 0 to 4,000,000 hairs
   GrowthPath growth_path = GrowthPath::kCompute;
   HairGeometry geometry = HairGeometry::kLines;
   int segments = 32;           ///< per hair, 1 to 256

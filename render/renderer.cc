@@ -73,11 +73,15 @@ void setPassState() {
 struct Renderer::Impl {
   explicit Impl(const RenderSettings& wanted)
       : settings(clipped(wanted)),
-        picture(settings.width, settings.height, settings.samples),
+        picture(settings.width * settings.supersampling, settings.height * settings.supersampling,
+                settings.samples),
         shadows(settings.opacity),
         nodes(settings.segments),
         hair(settings.growth_path, settings.geometry),
         scene_buffer(sizeof(SceneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT) {
+    if (settings.supersampling > 1)
+      still = std::make_unique<Supersampling>(settings.width, settings.height, settings.supersampling,
+                                              settings.filter);
     hair.setClearance(settings.clearance);
     GLfloat range[2] = {1, 1};
     glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range);
@@ -130,7 +134,10 @@ struct Renderer::Impl {
   }
 
   void draw(const Camera& camera) {
-    SceneBlock block = makeSceneBlock(settings, camera);
+    RenderSettings large = settings;
+    large.width *= settings.supersampling;
+    large.height *= settings.supersampling;
+    SceneBlock block = makeSceneBlock(large, camera);
     shadows.fit(block, content());
     placeGround(block);
     const float widest = widestHair(block, boundsOf(guides));
@@ -156,10 +163,14 @@ struct Renderer::Impl {
     body.drawBody(head);
     body.drawGround();
     clock.stamp(4);
+    if (settings.coverage == HairCoverage::kAlphaToCoverage && picture.samples() > 1)
+      glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
     hair.drawColor(nodes, block, detail);
+    glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
     statistics.hairs_drawn = detail.hairs;
     clock.stamp(5);
     picture.resolve();
+    if (still) still->draw(picture.resolvedTexture());
     clock.stamp(6);
     glDisable(GL_FRAMEBUFFER_SRGB);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
@@ -167,8 +178,14 @@ struct Renderer::Impl {
     ++statistics.frames_drawn;
   }
 
+  GLuint shownTexture() const { return still ? still->texture().id() : picture.resolvedTexture(); }
+  GLuint shownFramebuffer() const {
+    return still ? still->framebuffer().id() : picture.resolvedFramebuffer();
+  }
+
   RenderSettings settings;
   PictureBuffer picture;
+  std::unique_ptr<Supersampling> still;  // null without supersampling
   ShadowMap shadows;
   GuideNodes nodes;
   HairPass hair;
@@ -221,7 +238,7 @@ Image Renderer::read() {
   const size_t row = static_cast<size_t>(image.width) * 3;
   std::vector<uint8_t> bottom_up(row * image.height);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glGetTextureImage(impl_->picture.resolvedTexture(), 0, GL_RGB, GL_UNSIGNED_BYTE,
+  glGetTextureImage(impl_->shownTexture(), 0, GL_RGB, GL_UNSIGNED_BYTE,
                     static_cast<GLsizei>(bottom_up.size()), bottom_up.data());
   image.rgb.reserve(bottom_up.size());
   for (int y = image.height - 1; y >= 0; --y)
@@ -232,9 +249,8 @@ Image Renderer::read() {
 void Renderer::present(int window_width, int window_height) {
   if (window_width <= 0 || window_height <= 0) return;
   glDisable(GL_FRAMEBUFFER_SRGB);  // the picture is stored as it is shown
-  glBlitNamedFramebuffer(impl_->picture.resolvedFramebuffer(), 0, 0, 0, impl_->settings.width,
-                         impl_->settings.height, 0, 0, window_width, window_height, GL_COLOR_BUFFER_BIT,
-                         GL_LINEAR);
+  glBlitNamedFramebuffer(impl_->shownFramebuffer(), 0, 0, 0, impl_->settings.width, impl_->settings.height, 0,
+                         0, window_width, window_height, GL_COLOR_BUFFER_BIT, GL_LINEAR);
 }
 
 RenderStatistics Renderer::statistics() const {

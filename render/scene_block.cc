@@ -67,6 +67,7 @@ RenderSettings clipped(const RenderSettings& settings) {
   s.width = std::clamp(s.width, 16, 16384);
   s.height = std::clamp(s.height, 16, 16384);
   s.samples = std::clamp(s.samples, 1, 8);
+  s.supersampling = std::clamp(s.supersampling, 1, 4);
   s.segments = std::clamp(s.segments, 1, 256);
   s.growth = clipped(s.growth);
   s.opacity = clipped(s.opacity);
@@ -99,6 +100,7 @@ SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& camera) 
   block.ground = {0, 0, 0, 1};
   block.sampling = {1, 1, 1, settings.shadows ? 1.0f : 0.0f};
   block.opacity_slices = static_cast<float>((settings.opacity.layers + 1) / 4);
+  block.alpha_to_coverage = settings.coverage == HairCoverage::kAlphaToCoverage ? 1.0f : 0.0f;
   block.opacity_filter = static_cast<float>(settings.opacity.filter);
   return block;
 }

@@ -32,7 +32,8 @@ struct SceneBlock {
   float layer_limits[kMostOpacityLayers + 1];  ///< m: hair before it counts in the layer
   float opacity_slices = 1;                    ///< of four layers each
   float opacity_filter = 0;                    ///< OpacityLayers::filter
-  float unused[2] = {0, 0};
+  float alpha_to_coverage = 0;                 ///< 1 or 0
+  float unused = 0;
 };
 static_assert(sizeof(SceneBlock) == 384);
 
