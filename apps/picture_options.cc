@@ -141,6 +141,22 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
                           {"gaussian", PixelFilter::kGaussian},
                           {"mitchell", PixelFilter::kMitchell}},
                          "of supersampling, the softest to the sharpest: tent, gaussian, box, mitchell");
+  picture
+      ->add_option("--detail", s.detail.part,
+                   "part of the hairs that is drawn, the wider; 0: by their size in the picture")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  picture
+      ->add_option(
+          "--finest-hair", s.detail.finest_hair,
+          "pixels: as many hairs are left out as make the rest this wide; 0: those that reach no sample")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  picture
+      ->add_option("--longest-segment", s.detail.longest_segment,
+                   "pixels: as many segments are left out as leave them no longer")
+      ->check(CLI::Range(0.0, 10000.0))
+      ->capture_default_str();
   addChoice<HairGeometry>(*picture, "--geometry", s.geometry,
                           {{"lines", HairGeometry::kLines}, {"strips", HairGeometry::kStrips}},
                           "hairs as lines with width as alpha, or as strips that face the eye");

@@ -11,6 +11,7 @@
 #include "render/hair_readback.h"
 #include "render/hair_reference.h"
 #include "render/light_probe.h"
+#include "render/renderer.h"
 #include "scenes/scene.h"
 
 namespace strandcast {
@@ -67,7 +68,7 @@ std::vector<Case> growthCases(const Laboratory& laboratory) {
     nodes.update(guides.positions, Pose{});
     HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
     pass.setHairs(growHairs(guides, growth), growth.lock_profile);
-    const HairDetail detail = pass.widths().detail(1);
+    const HairDetail detail = pass.all();
     pass.grow(nodes, detail);
     const HairReference reference(guides, guides.positions, kSegments);
     for (const bool tessellator : {true, false}) {
@@ -242,7 +243,7 @@ class HairOnHead {
     pass.setClearance(1e-4f);
     if (kept_out) pass.bodies().setObstacles(obstacles_);
     pass.bodies().place(head_);
-    const HairDetail detail = pass.widths().detail(1);
+    const HairDetail detail = pass.all();
     pass.grow(nodes_, detail);
     const std::vector<GrownVertex> grown =
         path == GrowthPath::kCompute ? readComputed(pass, nodes_, 1) : readTessellated(pass, nodes_, detail);
@@ -300,7 +301,7 @@ double largestJump() {
     ball.a = Vec3(0.03f, -0.1f, -0.036f + kStep * static_cast<float>(step));
     ball.radius = 0.03f;
     pass.bodies().setObstacles({{ball, false}});
-    pass.grow(nodes, pass.widths().detail(1));
+    pass.grow(nodes, pass.all());
     std::vector<GrownVertex> now = readComputed(pass, nodes, 1);
     for (size_t i = 0; i < last.size(); ++i)
       largest = std::max(largest, static_cast<double>((now[i].position - last[i].position).norm() / kStep));
@@ -333,6 +334,106 @@ std::vector<Case> bodyCases(const Laboratory& laboratory) {
   return cases;
 }
 
+/// What a level of detail changes in a picture, over the pixels that hair covers.
+struct DetailError {
+  double pixels = 0;  ///< mean difference, linear, of full white
+  double area = 0;    ///< of the area covered, relative
+};
+
+double linearGreen(const Image& image, size_t pixel) {
+  const double s = image.rgb[3 * pixel + 1] / 255.0;
+  return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+}
+
+/// Pictures of a head from one distance.
+class DetailPictures {
+ public:
+  explicit DetailPictures(bool black) {
+    SceneOptions make;
+    make.name = "wavy";
+    make.strands = 400;
+    make.vertices = 24;
+    groom_.guides = makeScene(make).groom.strands;
+    for (const Vec3& p : groom_.guides.positions) box_.extend(Eigen::Vector3f(p));
+    frame_.positions = groom_.guides.positions;
+    settings_.width = settings_.height = 128;
+    settings_.growth.hairs = 12000;
+    if (!black) return;
+    settings_.shadows = false;
+    settings_.hair_color = Vec3::Zero();
+    settings_.background = Vec3(0.8f, 0.8f, 0.8f);
+  }
+  struct Drawn {
+    Image image;
+    RenderStatistics statistics;
+  };
+  Drawn draw(bool full, bool hair, float zoom) {
+    RenderSettings settings = settings_;
+    if (full) settings.detail = {1, 0, 0};
+    Renderer renderer(settings);
+    renderer.setGroom(groom_);
+    GuideFrame frame = frame_;
+    if (!hair)
+      for (Vec3& p : frame.positions) p.x() = std::numeric_limits<float>::quiet_NaN();
+    renderer.draw(frame, orbit(box_, 0.5f, 0.1f, zoom));
+    return {renderer.read(), renderer.statistics()};
+  }
+
+ private:
+  RenderSettings settings_;
+  GroomDescription groom_;
+  GuideFrame frame_;
+  Box box_;
+};
+
+const std::vector<std::string> kDetailNames{"detail: pixels", "detail: area"};
+
+std::vector<Case> detailCases(const Laboratory& laboratory) {
+  gl::HeadlessContext context;
+  DetailPictures shaded(false), black(true);
+  DetailError worst;
+  std::string pixels_note, area_note;
+  int segments = 0;
+  for (float zoom = 2; zoom > 0.25f; zoom *= 0.7f) {
+    laboratory.checkStopped();
+    const DetailPictures::Drawn full = shaded.draw(true, true, zoom), less = shaded.draw(false, true, zoom),
+                                bare = shaded.draw(true, false, zoom);
+    double difference = 0;
+    size_t covered = 0;
+    for (size_t i = 0; i < full.image.rgb.size() / 3; ++i) {
+      if (std::abs(linearGreen(full.image, i) - linearGreen(bare.image, i)) < 0.002) continue;
+      difference += std::abs(linearGreen(less.image, i) - linearGreen(full.image, i));
+      ++covered;
+    }
+    const DetailPictures::Drawn black_full = black.draw(true, true, zoom),
+                                black_less = black.draw(false, true, zoom),
+                                black_bare = black.draw(true, false, zoom);
+    double area_full = 0, area_less = 0;
+    for (size_t i = 0; i < black_full.image.rgb.size() / 3; ++i) {
+      const double bright = linearGreen(black_bare.image, i);
+      area_full += 1 - linearGreen(black_full.image, i) / bright;
+      area_less += 1 - linearGreen(black_less.image, i) / bright;
+    }
+    difference /= static_cast<double>(std::max<size_t>(covered, 1));
+    const double area = std::abs(area_less / area_full - 1);
+    worst = {std::max(worst.pixels, difference), std::max(worst.area, area)};
+    if (less.statistics.segments_drawn == segments) continue;
+    segments = less.statistics.segments_drawn;
+    const std::string at = fmt::format("{} hairs x {}: ", less.statistics.hairs_drawn, segments);
+    pixels_note += fmt::format("{}{:.4f}; ", at, difference);
+    area_note += fmt::format("{}{:.4f}; ", at, area);
+  }
+  std::vector<Case> cases;
+  cases.push_back(absoluteCase(
+      {kDetailNames[0], "worst mean difference from full detail over pixels with hair, of white", ""},
+      worst.pixels, 0, 0.02));
+  cases.back().note = pixels_note;
+  cases.push_back(absoluteCase(
+      {kDetailNames[1], "worst difference of the covered area from full detail's", ""}, worst.area, 0, 0.03));
+  cases.back().note = area_note;
+  return cases;
+}
+
 }  // namespace
 
 const Suite& renderSuite() {
@@ -344,7 +445,9 @@ const Suite& renderSuite() {
        {"deep opacity maps of a head of curls against what lies along the light's rays", kShadowNames,
         shadowCases},
        {"hair between the guides of a head in motion, kept out of its bodies; a ball that goes into hair",
-        kBodyNames, bodyCases}}};
+        kBodyNames, bodyCases},
+       {"a head from near to far at the level of detail of its size, and in full", kDetailNames,
+        detailCases}}};
   return suite;
 }
 

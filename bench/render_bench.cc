@@ -65,7 +65,7 @@ GrowthTimes timeGrowth(const Options& o, const StrandSet& guides, const HairGrow
   const double distribute =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   pass.setHairs(std::move(hairs), growth.lock_profile);
-  const HairDetail all = pass.widths().detail(1);
+  const HairDetail all = pass.all();
   GrowthTimes times{};
   times.distribute_ms = distribute;
   times.nodes_ms = deviceMs(o.pictures, [&] { nodes.update(guides.positions, Pose{}); });

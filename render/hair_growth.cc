@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/hair_detail.h"
 #include "render/root_triangles.h"
 
 namespace strandcast {
@@ -168,25 +169,22 @@ std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth) {
   const double golden = std::numbers::phi - 1;
   const double dither_start = shared.uniform();
   const ScalpPlaces scalp(guides);
-  std::vector<std::pair<float, Hair>> grown;  // with a number of chance
-  grown.reserve(growth.hairs);
+  hairs.reserve(growth.hairs);
   for (size_t i = 0; i < growth.hairs; ++i) {
     RandomStream random(growth.seed * 0xd1342543de82ef95u + (i + 1) * 0xaf251af3b0f025b5u);
     // Stratified over the area; the golden ratio spreads the dither evenly among hairs that stand together.
     const double at = area * (static_cast<double>(i) + random.uniform()) / static_cast<double>(growth.hairs);
     const size_t plot = std::upper_bound(area_up_to.begin(), area_up_to.end(), at) - area_up_to.begin();
-    const float order = random.uniform(), kept = random.uniform();
+    const float kept = random.uniform();
     Hair hair = growOne(ground[std::min(plot, ground.size() - 1)], guides, growth, random);
     const double turns = dither_start + golden * static_cast<double>(i);
     hair.dither = std::min(static_cast<float>(turns - std::floor(turns)), 1 - 0x1p-24f);
     const Vec2 place = scalp.of(hair.guides, hair.weights);
     if (growth.thickness) hair.width *= growth.thickness->at(place);
-    if (!growth.density || kept < growth.density->at(place)) grown.emplace_back(order, hair);
+    if (!growth.density || kept < growth.density->at(place)) hairs.push_back(hair);
   }
-  std::stable_sort(grown.begin(), grown.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  hairs.reserve(grown.size());
-  for (const auto& [order, hair] : grown) hairs.push_back(hair);
+  std::stable_sort(hairs.begin(), hairs.end(),
+                   [](const Hair& a, const Hair& b) { return detailKey(a) > detailKey(b); });
   return hairs;
 }
 

@@ -78,7 +78,7 @@ static_assert(sizeof(GrowthBlock) == 32);
 /// Distributes hairs over the area that the guides' roots cover and chooses the guides that each follows.
 /// Guides with fewer than 2 vertices, a vertex that is not finite, or no length get no hairs. The same input
 /// gives the same hairs, and every hair has random numbers of its own: what one setting or map changes leaves
-/// the rest as it was. In an order of chance, so that any number of them from the first on stands for all.
+/// the rest as it was. Sorted by detailKey(), largest first.
 std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth);
 
 }  // namespace strandcast

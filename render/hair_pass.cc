@@ -56,7 +56,6 @@ HairPass::~HairPass() { glDeleteVertexArrays(1, &empty_vertices_); }
 
 void HairPass::setHairs(std::vector<Hair> hairs, const Vec3& lock_profile) {
   hairs_ = std::move(hairs);
-  widths_ = HairWidths(hairs_);
   hair_buffer_ = gl::Buffer(std::span<const Hair>(hairs_));
   for (int i = 0; i < 3; ++i) block_.profile[i] = lock_profile[i];
 }
@@ -78,9 +77,7 @@ void HairPass::bindHair(const GuideNodes& nodes) const {
   hair_buffer_.bindStorage(binding::kHairs);
 }
 
-void HairPass::drawFront(const GuideNodes& nodes) const {
-  HairDetail detail = widths_.detail(1);
-  detail.node_stride = 4;
+void HairPass::drawFront(const GuideNodes& nodes, const HairDetail& detail) const {
   draw(programs_.front, nodes, detail, false);
 }
 
@@ -108,8 +105,7 @@ void HairPass::bind(const gl::Program& program, const GuideNodes& nodes, const H
   program.set("hair_count", static_cast<unsigned>(detail.hairs));
   program.set("pass_segments", segmentsOf(nodes, detail.node_stride));
   program.set("node_stride", static_cast<unsigned>(detail.node_stride));
-  program.set("detail", Eigen::Vector4f(detail.part, detail.width_scale, detail.fade,
-                                        static_cast<float>(std::max<size_t>(hairs_.size(), 1))));
+  program.set("threshold", detail.threshold);
   bindHair(nodes);
   program.use();
 }

@@ -28,12 +28,12 @@ class HairPass {
   HairBodies& bodies() { return bodies_; }
   void setClearance(float clearance) { block_.clearance = clearance; }
   const std::vector<Hair>& hairs() const { return hairs_; }
-  const HairWidths& widths() const { return widths_; }
+  HairDetail all() const { return detailOfPart(hairs_, 1); }
 
   /// Once per picture, before it draws; `detail` holds what any pass will draw.
   void grow(const GuideNodes& nodes, const HairDetail& detail);
   /// Depth of the hair nearest to the light.
-  void drawFront(const GuideNodes& nodes) const;
+  void drawFront(const GuideNodes& nodes, const HairDetail& detail) const;
   void drawOpacity(const GuideNodes& nodes, const HairDetail& detail, int map_size) const;
   void drawColor(const GuideNodes& nodes, const SceneBlock& block, const HairDetail& detail) const;
 
@@ -60,7 +60,6 @@ class HairPass {
   GrowthPath path_;
   HairGeometry geometry_;
   std::vector<Hair> hairs_;
-  HairWidths widths_{{}};
   GrowthBlock block_{};
   gl::Buffer hair_buffer_, block_buffer_;
   HairVertices vertices_;

@@ -14,7 +14,7 @@ LightProbe::LightProbe(const StrandSet& guides, const RenderSettings& settings)
   nodes_.setGroom(guides);
   nodes_.update(guides.positions, Pose{});
   hair_.setHairs(growHairs(guides, settings_.growth), settings_.growth.lock_profile);
-  hair_.grow(nodes_, hair_.widths().detail(1));
+  hair_.grow(nodes_, hair_.all());
   for (const Vec3& p : guides.positions) box_.extend(Eigen::Vector3f(p));
 }
 
@@ -43,7 +43,7 @@ std::vector<LightFragment> LightProbe::fragments(int map_size) {
     gl::Buffer list(sizeof head + room * sizeof(LightFragment), nullptr, GL_DYNAMIC_STORAGE_BIT);
     list.write(std::span<const uint32_t>(head));
     list.bindStorage(binding::kProbe);
-    hair_.draw(program, nodes_, hair_.widths().detail(1), false);
+    hair_.draw(program, nodes_, hair_.all(), false);
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(list.id(), 0, sizeof count, &count);
     if (count == 0) break;
@@ -64,9 +64,9 @@ std::vector<LightAnswer> LightProbe::ask(const OpacityLayers& layers, std::span<
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
   map.beginHairFront();
-  hair_.drawFront(nodes_);
+  hair_.drawFront(nodes_, hair_.all());
   map.beginHairOpacity();
-  hair_.drawOpacity(nodes_, hair_.widths().detail(1), map.opacitySize());
+  hair_.drawOpacity(nodes_, hair_.all(), map.opacitySize());
   map.end();
   map.bindTextures();
   const gl::Program program("optical depth", {{GL_COMPUTE_SHADER, shaders::kOpticalDepthComp}});

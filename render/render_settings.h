@@ -17,6 +17,13 @@ enum class HairGeometry { kLines, kStrips };
 /// hair (stochastic transparency), or the samples that the device chooses for that alpha (alpha to coverage).
 enum class HairCoverage { kStochastic, kAlphaToCoverage };
 
+/// Fewer, wider hairs of fewer segments where they are small in the picture (render/hair_detail.h).
+struct LevelOfDetail {
+  float part = 0;             ///< of the hairs that are drawn, above 0 to 1; 0 = by their size in the picture
+  float finest_hair = 0;      ///< pixels: as many hairs are left out as make the rest this wide; 0 = a sample
+  float longest_segment = 1;  ///< pixels: so many segments are left out as leave them shorter
+};
+
 /// Colours are linear, 0 to 1. Values out of range are clipped to it.
 struct RenderSettings {
   int width = 1280, height = 720;               ///< 16 to 16384 pixels
@@ -27,6 +34,7 @@ struct RenderSettings {
   HairGrowth growth;  ///< 0 to 4,000,000 hairs
   GrowthPath growth_path = GrowthPath::kCompute;
   HairGeometry geometry = HairGeometry::kLines;
+  LevelOfDetail detail;
   int segments = 32;           ///< per hair, 1 to 256
   float clearance = 1e-4f;     ///< m, that grown hair keeps from obstacles
   float hair_width = 120e-6f;  ///< m, drawn width, more than a hair's as 40,000 stand for 100,000; narrower

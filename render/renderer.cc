@@ -15,6 +15,8 @@ namespace {
 
 constexpr float kMaxCoordinate = 1e3f;  // m; a guide farther out does not widen the shadow map
 
+constexpr float kShadowHairs = 8;  // times as many cast shadows as are drawn, up to all
+
 Box boundsOf(std::span<const Vec3> positions) {
   Box box;
   for (const Vec3& p : positions)
@@ -112,13 +114,33 @@ struct Renderer::Impl {
         std::max(4 * base.diagonal().norm(), 0.1f);
   }
 
-  void drawShadows() {
+  /// `widest`: pixels of a hair of width 1 where it is nearest.
+  HairDetail detailFor(const SceneBlock& block, float widest) const {
+    const LevelOfDetail& wanted = settings.detail;
+    const float finest =
+        wanted.finest_hair > 0 ? wanted.finest_hair : 1 / static_cast<float>(picture.samples());
+    HairDetail detail = wanted.part > 0 ? detailOfPart(hair.hairs(), wanted.part)
+                                        : detailOfSize(hair.hairs(), widest, finest);
+    const float segment_pixels =
+        longest_guide / static_cast<float>(settings.segments) * widest / block.hair_color.w();
+    detail.node_stride = strideFor(segment_pixels, wanted.longest_segment, settings.segments, least_segments);
+    return detail;
+  }
+
+  /// Light reaches through many hairs, so that with as few as the eye sees its maps would be grainy.
+  HairDetail shadowDetailFor(const HairDetail& seen) const {
+    HairDetail detail = detailOfSize(hair.hairs(), kShadowHairs * seen.threshold, 1);
+    detail.node_stride = seen.node_stride;
+    return detail;
+  }
+
+  void drawShadows(const HairDetail& detail) {
     shadows.beginSolids();
     body.drawDepth(head);
     shadows.beginHairFront();
-    hair.drawFront(nodes);
+    hair.drawFront(nodes, detail);
     shadows.beginHairOpacity();
-    hair.drawOpacity(nodes, hair.widths().detail(1), shadows.opacitySize());
+    hair.drawOpacity(nodes, detail, shadows.opacitySize());
     shadows.end();
   }
 
@@ -142,7 +164,8 @@ struct Renderer::Impl {
     placeGround(block);
     const float widest = widestHair(block, boundsOf(guides));
     block.sampling.x() = static_cast<float>(picture.samples());
-    block.sampling.y() = std::clamp(1.25f * widest, 1.0f, widest_line);
+    const HairDetail detail = detailFor(block, widest);
+    block.sampling.y() = std::clamp(1.25f * widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
     scene_buffer.write(std::span<const SceneBlock>(&block, 1));
     glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_buffer.id());
 
@@ -150,11 +173,11 @@ struct Renderer::Impl {
     clock.stamp(0);
     statistics.guides_unusable = nodes.update(guides, head);
     clock.stamp(1);
-    const HairDetail detail = hair.widths().detail(1);
     hair.bodies().place(head);
-    hair.grow(nodes, detail);
+    const HairDetail shadow_detail = shadowDetailFor(detail);
+    hair.grow(nodes, shadow_detail.hairs > detail.hairs ? shadow_detail : detail);
     clock.stamp(2);
-    if (settings.shadows) drawShadows();
+    if (settings.shadows) drawShadows(shadow_detail);
     clock.stamp(3);
     picture.bindForDrawing();
     glClear(GL_DEPTH_BUFFER_BIT);
@@ -168,6 +191,7 @@ struct Renderer::Impl {
     hair.drawColor(nodes, block, detail);
     glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
     statistics.hairs_drawn = detail.hairs;
+    statistics.segments_drawn = (settings.segments + detail.node_stride - 1) / detail.node_stride;
     clock.stamp(5);
     picture.resolve();
     if (still) still->draw(picture.resolvedTexture());
@@ -196,6 +220,8 @@ struct Renderer::Impl {
   std::vector<Vec3> guides;  // of the newest frame that fitted
   Pose head;
   Box rest_bounds;
+  float longest_guide = 0;  // m
+  int least_segments = 16;  // that curls need
   RenderStatistics statistics;
 };
 
@@ -213,6 +239,14 @@ void Renderer::setGroom(const GroomDescription& groom) {
   impl_->nodes.setGroom(guides);
   const HairGrowth& growth = impl_->settings.growth;
   impl_->hair.setHairs(growHairs(guides, growth), growth.lock_profile);
+  float turns = 0;
+  for (const Hair& hair : impl_->hair.hairs()) turns = std::max(turns, hair.curl_turns);
+  impl_->least_segments = growth.curl_radius > 0 ? std::max(16, static_cast<int>(8 * turns)) : 16;
+  impl_->longest_guide = 0;
+  for (size_t g = 0; g < guides.strands(); ++g) {
+    const float length = arcLength(guides.strand(g));
+    if (std::isfinite(length)) impl_->longest_guide = std::max(impl_->longest_guide, length);
+  }
   impl_->guides = guides.positions;
   impl_->head = Pose{};
   impl_->rest_bounds = boundsOf(guides.positions);

@@ -19,6 +19,7 @@ struct RenderStatistics {
   size_t guides_unusable = 0;  ///< of the newest frame: not finite, so hairs that follow them are left out
   size_t hairs_grown = 0;      ///< of the groom
   size_t hairs_drawn = 0;      ///< in the newest picture: others stand for those left out
+  int segments_drawn = 0;      ///< per hair
   size_t device_bytes = 0;     ///< of the guides, the grown hair and the shadow maps
   double guides_ms = 0, growth_ms = 0, shadow_ms = 0, body_ms = 0, hair_ms = 0,
          resolve_ms = 0;  ///< newest picture, the device's clock

@@ -7,19 +7,24 @@
 layout(location = 4) out vec3 radiance;
 #endif
 layout(location = 2) out float coverage;
-layout(location = 3) flat out float dither;
-uniform vec4 detail;  // part of the hairs that is drawn, their factor of width, 1 / where it fades, number of all hairs
+layout(location = 3) flat out vec2 dither;  // what is left of it, and the hair's own
+uniform float threshold;
 
-// Fewer, wider hairs (Cook, Halstead, Planck, Ryu 2007, "Stochastic simplification of aggregate detail"): the last of those
-// that are left thin out to nothing.
-float detailWidth(uint index) {
-  float rank = (float(index) + 0.5) / detail.w;
-  return detail.y * clamp((detail.x - rank) * detail.z, 0.0, 1.0);
+// Fewer, wider hairs; see hair_detail.h. The factor of a hair's width, and what is left of its dither.
+float detailWidth(Hair hair, out float left) {
+  float chance = min(threshold * hair.width, 1.0);
+  left = clamp((hair.dither - 1.0 + chance) / chance, 0.0, 0.99999994);
+  float factor = 1.0 / chance;
+#ifdef OPACITY
+  // The last ones thin out, as the light's maps know no samples.
+  factor *= mix(1.0, min(4.0 * left, 1.0) * (8.0 / 7.0), 1.0 - chance);
+#endif
+  return factor;
 }
 
-void emitHair(uint index, Hair hair, vec3 position, vec3 tangent, float along, float side) {
-  dither = hair.dither;
-  float width = scene.hair_color.w * hair.width * hairTaper(along) * detailWidth(index);
+void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float side) {
+  float width = scene.hair_color.w * hair.width * hairTaper(along) * detailWidth(hair, dither.x);
+  dither.y = hair.dither;
 #ifdef COLOR
   gl_Position = scene.view_projection * vec4(position, 1);
   float pixels = scene.eye.w / max(gl_Position.w, 1e-3);  // per metre there

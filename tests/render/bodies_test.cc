@@ -62,7 +62,7 @@ class HairAndBodies : public OffscreenTest {
     pass.setHairs(growHairs(guides_, growth_), growth_.lock_profile);
     pass.setClearance(1e-4f);
     pass.bodies().setObstacles(std::move(obstacles));
-    const HairDetail detail = pass.widths().detail(1);
+    const HairDetail detail = pass.all();
     pass.grow(*nodes_, detail);
     return path == GrowthPath::kCompute ? readComputed(pass, *nodes_, 1)
                                         : readTessellated(pass, *nodes_, detail);

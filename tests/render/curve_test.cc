@@ -140,8 +140,8 @@ class HairCurve : public OffscreenTest {
 TEST_F(HairCurve, TessellatedVerticesAreTheCurvesToRounding) {
   HairPass pass(GrowthPath::kTessellator, HairGeometry::kLines);
   pass.setHairs(growHairs(guides_, growth_), growth_.lock_profile);
-  pass.grow(*nodes_, pass.widths().detail(1));
-  const std::vector<GrownVertex> captured = readTessellated(pass, *nodes_, pass.widths().detail(1));
+  pass.grow(*nodes_, pass.all());
+  const std::vector<GrownVertex> captured = readTessellated(pass, *nodes_, pass.all());
   ASSERT_EQ(captured.size(), 2 * kHairs * kSegments);
   std::vector<int> seen(kHairs * (kSegments + 1), 0);
   double worst = 0, worst_tangent = 0;
@@ -174,7 +174,7 @@ TEST_F(HairCurve, VerticesOfTheComputeShaderAreTheCurvesToRounding) {
   pass.setHairs(growHairs(guides_, growth_), growth_.lock_profile);
   const HairReference reference(guides_, guides_.positions, kSegments);
   for (const int stride : {1, 3}) {
-    HairDetail detail = pass.widths().detail(1);
+    HairDetail detail = pass.all();
     detail.node_stride = stride;
     pass.grow(*nodes_, detail);
     const std::vector<GrownVertex> grown = readComputed(pass, *nodes_, stride);

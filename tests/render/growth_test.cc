@@ -206,46 +206,59 @@ TEST(ScalpMap, RootsWithoutUvsLieByLongitudeAndLatitude) {
   EXPECT_NEAR(at(5).y(), 1, 1e-3);
 }
 
-TEST(HairDetail, AnyPartOfTheHairsCoversAsMuchAsAll) {
-  const std::vector<Hair> hairs = growHairs(grid(8, 0.01f, up), {.hairs = 5000});
-  const HairWidths widths(hairs);
-  double all = 0;
-  for (const Hair& hair : hairs) all += hair.width;
-  const auto width = [&](const HairDetail& d, size_t i) {
-    const double rank = (static_cast<double>(i) + 0.5) / 5000;
-    return d.width_scale * std::clamp((d.part - rank) * d.fade, 0.0, 1.0) * hairs[i].width;
-  };
-  for (float part = 0.0002f; part < 1.2f; part *= 1.03f) {
-    const HairDetail detail = widths.detail(part);
-    double drawn = 0;
-    for (size_t i = 0; i < hairs.size(); ++i) {
-      if (i >= detail.hairs) {
-        ASSERT_NEAR(width(detail, i), 0, 1e-3) << part;
-      }
-      drawn += width(detail, i);
-    }
-    EXPECT_NEAR(drawn / all, 1, 1e-3) << part;
-    EXPECT_LE(detail.hairs, static_cast<size_t>(5000 * part) + 1);
-  }
-  EXPECT_EQ(widths.detail(1).hairs, 5000u);
-  EXPECT_EQ(HairWidths({}).detail(0.5f).hairs, 0u);
+/// As hair_vertex.glsl: width over the hair's own, and what is left of the dither.
+std::pair<double, double> drawnWidth(const Hair& hair, const HairDetail& detail) {
+  const double chance = std::min(static_cast<double>(detail.threshold) * hair.width, 1.0);
+  return {1 / chance, (hair.dither - 1 + chance) / chance};
 }
 
-TEST(HairDetail, HairsComeAndGoWithoutAJump) {
-  const std::vector<Hair> hairs = growHairs(grid(8, 0.01f, up), {.hairs = 1000});
-  const HairWidths widths(hairs);
-  for (const size_t i : {100u, 500u, 999u}) {
-    const double rank = (static_cast<double>(i) + 0.5) / 1000;
-    double last = -1, largest = 0, jump = 0;
-    for (float part = 0.02f; part <= 1; part += 0.00002f) {
-      const HairDetail d = widths.detail(part);
-      const double width = i < d.hairs ? d.width_scale * std::clamp((d.part - rank) * d.fade, 0.0, 1.0) : 0;
-      if (last >= 0) jump = std::max(jump, std::abs(width - last));
-      largest = std::max(largest, width);
-      last = width;
+TEST(HairDetail, AnyPartOfTheHairsCoversAsMuchAsAll) {
+  const std::vector<Hair> hairs = growHairs(grid(8, 0.01f, up), {.hairs = 20000});
+  double all = 0;
+  for (const Hair& hair : hairs) all += hair.width;
+  for (const float part : {0.01f, 0.1f, 0.3f, 0.7f, 0.95f, 1.0f}) {
+    const HairDetail detail = detailOfPart(hairs, part);
+    EXPECT_NEAR(static_cast<double>(detail.hairs), 20000.0 * part, 1);
+    double drawn = 0;
+    for (size_t i = 0; i < hairs.size(); ++i) {
+      const auto [factor, left] = drawnWidth(hairs[i], detail);
+      if (i < detail.hairs) {
+        drawn += factor * hairs[i].width;
+      } else {
+        ASSERT_LE(left, 1e-3) << "a hair that is left out would not be drawn";
+      }
     }
-    EXPECT_LT(jump, 0.25 * largest) << i;
+    EXPECT_NEAR(drawn / all, 1, 0.02) << part;
   }
+  EXPECT_EQ(detailOfPart({}, 0.5f).hairs, 0u);
+}
+
+TEST(HairDetail, ByTheirSizeJustThoseAreLeftOutThatReachNoSample) {
+  const std::vector<Hair> hairs = growHairs(grid(8, 0.01f, up), {.hairs = 5000});
+  for (const float pixels : {0.001f, 0.03f, 0.1f, 0.2f, 3.0f}) {
+    const HairDetail detail = detailOfSize(hairs, pixels, 0.25f);
+    size_t drawn = 0;
+    for (size_t i = 0; i < hairs.size(); ++i) {
+      // Where it is nearest, and at twice the distance.
+      for (const double nearer : {1.0, 0.5}) {
+        const double coverage = 4 * pixels * nearer * hairs[i].width;
+        const double full = std::floor(coverage + hairs[i].dither);
+        const auto [factor, left] = drawnWidth(hairs[i], detail);
+        const double less = i < detail.hairs ? std::floor(coverage * factor + left + 1e-5) : 0;
+        EXPECT_EQ(full > 0, less > 0) << "hair " << i << " at " << pixels;
+        drawn += nearer == 1.0 && less > 0;
+      }
+    }
+    EXPECT_NEAR(static_cast<double>(drawn), static_cast<double>(detail.hairs), 10.0) << pixels;
+  }
+}
+
+TEST(HairDetail, SegmentsAreLeftOutWhileTheyStayShort) {
+  EXPECT_EQ(strideFor(3, 4, 32, 4), 1);
+  EXPECT_EQ(strideFor(2, 4, 32, 4), 2);
+  EXPECT_EQ(strideFor(0.1f, 4, 32, 8), 4);
+  EXPECT_EQ(strideFor(0.1f, 4, 7, 8), 1);
+  EXPECT_EQ(strideFor(0.1f, 0, 32, 1), 1);
 }
 
 }  // namespace
