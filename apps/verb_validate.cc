@@ -9,6 +9,9 @@
 #include "apps/backends.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
+#ifdef STRANDCAST_HAS_RENDER
+#include "apps/render_suite.h"
+#endif
 #include "apps/verbs.h"
 #include "apps/wire_suite.h"
 #include "core/backend_registry.h"
@@ -60,6 +63,15 @@ Suite allSuites() {
   return all;
 }
 
+/// Suites that stand apart from the simulation's.
+std::vector<Suite> otherSuites() {
+#ifdef STRANDCAST_HAS_RENDER
+  return {wireSuite(), renderSuite()};
+#else
+  return {wireSuite()};
+#endif
+}
+
 Suite suiteOf(const Options& o) {
   if (o.own_cantilever) {
     if (o.suite != "cantilever")
@@ -67,7 +79,9 @@ Suite suiteOf(const Options& o) {
     return cantileverSuite(o.cantilever);
   }
   if (o.suite == "all") return allSuites();
-  return o.suite == wireSuite().name ? wireSuite() : validationSuite(o.suite);
+  for (const Suite& suite : otherSuites())
+    if (o.suite == suite.name) return suite;
+  return validationSuite(o.suite);
 }
 
 int validate(const Options& o) {
@@ -120,8 +134,8 @@ Verb addValidate(CLI::App& app) {
   std::string suites;
   for (const Suite& suite : validationSuites())
     suites += fmt::format("\n  {:<12}{}", suite.name, suite.about);
-  suites += fmt::format("\n  {:<12}{}", wireSuite().name, wireSuite().about);
-  suites += fmt::format("\n  {:<12}{}", "all", "these but wire");
+  suites += fmt::format("\n  {:<12}{}", "all", "the above");
+  for (const Suite& suite : otherSuites()) suites += fmt::format("\n  {:<12}{}", suite.name, suite.about);
   app.description(app.get_description() + ".\nSuites:" + suites +
                   "\n\nExit code 0: every case within its limit; 1: a case failed; 2: it could not run.\n"
                   "Examples:\n"

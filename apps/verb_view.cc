@@ -115,8 +115,7 @@ int view(const Options& o) {
     if (subscriber.groom() != groom) {
       groom = subscriber.groom();
       const auto body = subscriber.body();
-      renderer.setGroom(*groom);
-      renderer.setBody(*body);
+      setPicture(renderer, o.picture, *groom, *body);
       box = pictureBox(*groom, *body);
     }
     const auto frame = player.next();

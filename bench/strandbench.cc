@@ -2,7 +2,7 @@
 // its guides, by the wall; gpu ms: of a step's dispatches alone, by the GPU's own clock; of peak: the
 // operations of the step, counted, against what the same threads reach with multiply-adds alone, measured.
 // strandbench accuracy: bench/accuracy.h. strandbench grid: bench/grid_bench.h. strandbench contact:
-// bench/contact_bench.h.
+// bench/contact_bench.h. strandbench render: bench/render_bench.h.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -18,6 +18,9 @@
 #include "bench/contact_bench.h"
 #include "bench/grid_bench.h"
 #include "bench/operation_count.h"
+#ifdef STRANDCAST_HAS_RENDER
+#include "bench/render_bench.h"
+#endif
 #include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
 #include "core/simulation.h"
@@ -223,12 +226,19 @@ int main(int argc, char** argv) {
   CLI::App* contact_verb = app.add_subcommand(
       "contact", "cost of hair on bodies against hair without, and of baking a body's field");
   const std::function<int()> contact = addContactBench(*contact_verb);
+#ifdef STRANDCAST_HAS_RENDER
+  CLI::App* render_verb = app.add_subcommand("render", "time of growing hair and of every pass of a picture");
+  const std::function<int()> render = addRenderBench(*render_verb);
+#endif
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitBadInput;
   }
   return runProgram([&] {
+#ifdef STRANDCAST_HAS_RENDER
+    if (render_verb->parsed()) return render();
+#endif
     return accuracy_verb->parsed()  ? accuracy()
            : grid_verb->parsed()    ? grid()
            : contact_verb->parsed() ? contact()

@@ -9,6 +9,8 @@ inline real madd(real a, real b, real c) { return std::fma(a, b, c); }
 inline real sqrt(real a) { return std::sqrt(a); }
 inline real inverse(real a) { return 1 / a; }
 inline real inverseSqrt(real a) { return 1 / std::sqrt(a); }
+inline real sin(real a) { return std::sin(a); }
+inline real cos(real a) { return std::cos(a); }
 inline real floor(real a) { return std::floor(a); }
 inline real abs(real a) { return std::fabs(a); }
 inline real min(real a, real b) { return a < b ? a : b; }

@@ -13,6 +13,7 @@ namespace strandcast::kernels::f64 {
 #include "kernels/rod.h"
 #include "kernels/grooming.h"
 #include "kernels/grid.h"
+#include "kernels/hair.h"
 #include "kernels/end_lanes.inl"
 // clang-format on
 }  // namespace strandcast::kernels::f64

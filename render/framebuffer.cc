@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 
@@ -18,9 +19,12 @@ void requireComplete(GLuint framebuffer, const char* name) {
 
 }  // namespace
 
-Texture::Texture(GLenum format, int width, int height, GLenum filter) {
-  glCreateTextures(GL_TEXTURE_2D, 1, &id_);
-  glTextureStorage2D(id_, 1, format, width, height);
+Texture::Texture(GLenum format, int width, int height, GLenum filter, int slices) : slices_(slices) {
+  glCreateTextures(slices > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, 1, &id_);
+  if (slices > 0)
+    glTextureStorage3D(id_, 1, format, width, height, slices);
+  else
+    glTextureStorage2D(id_, 1, format, width, height);
   glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(filter));
   glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(filter));
   glTextureParameteri(id_, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
@@ -35,6 +39,17 @@ Framebuffer::Framebuffer(const Texture* color, const Texture* depth) {
   glNamedFramebufferDrawBuffer(id_, target);
   glNamedFramebufferReadBuffer(id_, target);
   requireComplete(id_, "off-screen target");
+}
+
+Framebuffer::Framebuffer(const Texture& slices) {
+  glCreateFramebuffers(1, &id_);
+  std::vector<GLenum> targets;
+  for (int slice = 0; slice < slices.slices(); ++slice) {
+    targets.push_back(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(slice));
+    glNamedFramebufferTextureLayer(id_, targets.back(), slices.id(), 0, slice);
+  }
+  glNamedFramebufferDrawBuffers(id_, static_cast<GLsizei>(targets.size()), targets.data());
+  requireComplete(id_, "off-screen slices");
 }
 
 PictureBuffer::PictureBuffer(int width, int height, int samples) : width_(width), height_(height) {

@@ -9,19 +9,23 @@ namespace strandcast {
 class Texture {
  public:
   Texture() = default;
-  Texture(GLenum format, int width, int height, GLenum filter);
+  /// An array of so many where `slices` is more than 0.
+  Texture(GLenum format, int width, int height, GLenum filter, int slices = 0);
   ~Texture() {
     if (id_ != 0) glDeleteTextures(1, &id_);
   }
   Texture(Texture&& other) noexcept { *this = std::move(other); }
   Texture& operator=(Texture&& other) noexcept {
     std::swap(id_, other.id_);
+    std::swap(slices_, other.slices_);
     return *this;
   }
   GLuint id() const { return id_; }
+  int slices() const { return slices_; }
 
  private:
   GLuint id_ = 0;
+  int slices_ = 0;
 };
 
 /// A framebuffer over textures, any of which may be null. Throws Error when the device refuses it.
@@ -29,6 +33,8 @@ class Framebuffer {
  public:
   Framebuffer() = default;
   Framebuffer(const Texture* color, const Texture* depth);
+  /// Over every slice of an array, a colour each.
+  explicit Framebuffer(const Texture& slices);
   ~Framebuffer() {
     if (id_ != 0) glDeleteFramebuffers(1, &id_);
   }

@@ -89,6 +89,10 @@ size_t GuideNodes::update(std::span<const Vec3> positions, const Pose& head) {
   return unusable;
 }
 
+size_t GuideNodes::bytes() const {
+  return position_buffer_.bytes() + knot_buffer_.bytes() + guide_buffer_.bytes() + node_buffer_.bytes();
+}
+
 void GuideNodes::bind() const {
   position_buffer_.bindStorage(binding::kGuidePositions);
   knot_buffer_.bindStorage(binding::kGuideKnots);

@@ -11,7 +11,7 @@ namespace strandcast {
 /// The guides on the device. Per picture, a compute shader evaluates every guide's curve at equal parts of
 /// its rest arc length, so that guides with different vertex counts can be mixed: a Catmull-Rom spline with
 /// non-uniform knots (finite-difference tangents), its derivative, and a twist-free frame carried from the
-/// root by double reflection (Wang et al. 2008). Every node is three vec4: position (w: 1 when the guide is
+/// root by double reflection (kernels/hair.h). Every node is three vec4: position (w: 1 when the guide is
 /// finite), derivative along the arc parameter, unit normal.
 class GuideNodes {
  public:
@@ -26,6 +26,7 @@ class GuideNodes {
   /// off.
   size_t update(std::span<const Vec3> positions, const Pose& head);
   void bind() const;
+  size_t bytes() const;  ///< of device memory
 
  private:
   struct Guide {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/hair_detail.h"
 #include "render/root_triangles.h"
 
 namespace strandcast {
@@ -99,33 +100,48 @@ void placeBeside(Hair& hair, const StrandSet& guides) {
   hair.offset[1] += from_guide.dot(frame.binormal);
 }
 
-/// The same for all hairs that close in on a guide, so that locks differ.
-float lockShade(uint32_t guide, uint64_t seed) {
-  return RandomStream(seed ^ (guide * 0x2545f4914f6cdd1du)).between(-1, 1);
+/// The same for all hairs that close in on a guide, so that locks differ and their curls keep together.
+RandomStream lockStream(uint32_t guide, uint64_t seed) {
+  return RandomStream(seed ^ (guide * 0x2545f4914f6cdd1du));
 }
 
+void setCurl(Hair& hair, const StrandSet& guides, const HairGrowth& growth, RandomStream& random,
+             RandomStream& lock) {
+  const float length = arcLength(guides.strand(hair.guides[0]));
+  hair.curl_radius = growth.curl_radius * lock.between(0.6f, 1.1f) * random.between(0.8f, 1.1f);
+  hair.curl_turns =
+      length / std::max(growth.curl_pitch, 1e-3f) * lock.between(0.85f, 1.15f) * random.between(0.97f, 1.03f);
+  hair.curl_phase = lock.uniform() + random.between(-0.1f, 0.1f);
+}
+
+/// Every hair draws the same numbers in the same order, whatever becomes of them.
 Hair growOne(const Plot& plot, const StrandSet& guides, const HairGrowth& growth, RandomStream& random) {
+  const bool combined = growth.interpolation == Interpolation::kCombined;
   Hair hair{};
   placeBetween(hair, plot.triangle, random);
   const float clump = random.uniform();
-  hair.clump = 0.75f * clump * (2 - clump);
-  const bool single = plot.lone || random.uniform() < growth.single_strand_part;
+  hair.clump = combined ? growth.clump * clump * (2 - clump) : 0;
+  const bool in_lock = random.uniform() < growth.single_strand_part;
+  const bool single =
+      plot.lone || growth.interpolation == Interpolation::kSingleStrand || (combined && in_lock);
   if (single) placeAround(hair, hair.guides[0]);
   setOffset(hair, single ? growth.clump_radius : 0.25f * growth.clump_radius, random);
   if (plot.triangle.parted && !single) placeBeside(hair, guides);
   const float shortness = random.uniform();
   hair.extent = 1 - 0.22f * shortness * shortness;
   hair.width = random.between(0.75f, 1.25f);
-  // Most hairs waver a little; a few stray well out of their lock.
-  const bool strays = random.uniform() < 0.05f;
-  hair.stray = growth.clump_radius * (strays ? random.between(0.5f, 2.5f) : random.between(0.0f, 0.25f));
-  hair.phase = random.between(0, 2 * std::numbers::pi_v<float>);
-  hair.shade = 0.65f * random.between(-1, 1) + 0.35f * lockShade(hair.guides[0], growth.seed);
+  const bool tip = random.uniform() < growth.tip_deviation_part;
+  const bool whole = random.uniform() < growth.whole_deviation_part;
+  const float far = random.between(0.3f, 1.0f);
+  hair.tip_deviation = tip ? growth.tip_deviation * far : 0;
+  hair.whole_deviation = whole ? growth.whole_deviation * far : 0;
+  hair.deviation_phase = random.uniform();
+  RandomStream lock = lockStream(hair.guides[0], growth.seed);
+  hair.shade = 0.65f * random.between(-1, 1) + 0.35f * lock.between(-1, 1);
   hair.warmth = random.between(-1, 1);
+  setCurl(hair, guides, growth, random, lock);
   return hair;
 }
-
-float reachKey(const Hair& hair) { return hair.width / std::max(1 - hair.dither, 1e-7f); }
 
 }  // namespace
 
@@ -149,30 +165,27 @@ std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth) {
   double area = 0;
   for (const Plot& plot : ground) area_up_to.push_back(area += 0.5 * (plot.triangle.area + mean));
 
-  RandomStream random(growth.seed);
+  RandomStream shared(growth.seed);
   const double golden = std::numbers::phi - 1;
-  const double dither_start = random.uniform();
+  const double dither_start = shared.uniform();
+  const ScalpPlaces scalp(guides);
   hairs.reserve(growth.hairs);
   for (size_t i = 0; i < growth.hairs; ++i) {
+    RandomStream random(growth.seed * 0xd1342543de82ef95u + (i + 1) * 0xaf251af3b0f025b5u);
     // Stratified over the area; the golden ratio spreads the dither evenly among hairs that stand together.
     const double at = area * (static_cast<double>(i) + random.uniform()) / static_cast<double>(growth.hairs);
     const size_t plot = std::upper_bound(area_up_to.begin(), area_up_to.end(), at) - area_up_to.begin();
-    hairs.push_back(growOne(ground[std::min(plot, ground.size() - 1)], guides, growth, random));
+    const float kept = random.uniform();
+    Hair hair = growOne(ground[std::min(plot, ground.size() - 1)], guides, growth, random);
     const double turns = dither_start + golden * static_cast<double>(i);
-    hairs.back().dither = std::min(static_cast<float>(turns - std::floor(turns)), 1 - 0x1p-24f);
+    hair.dither = std::min(static_cast<float>(turns - std::floor(turns)), 1 - 0x1p-24f);
+    const Vec2 place = scalp.of(hair.guides, hair.weights);
+    if (growth.thickness) hair.width *= growth.thickness->at(place);
+    if (!growth.density || kept < growth.density->at(place)) hairs.push_back(hair);
   }
   std::stable_sort(hairs.begin(), hairs.end(),
-                   [](const Hair& a, const Hair& b) { return reachKey(a) > reachKey(b); });
+                   [](const Hair& a, const Hair& b) { return detailKey(a) > detailKey(b); });
   return hairs;
-}
-
-size_t hairsReaching(const std::vector<Hair>& hairs, float coverage, int samples) {
-  if (!(coverage > 0)) return 0;
-  // A little below 1, so that rounding in the shader never asks for a hair that was left out.
-  const float least = 0.999f / (coverage * static_cast<float>(samples));
-  const auto end = std::partition_point(hairs.begin(), hairs.end(),
-                                        [&](const Hair& hair) { return reachKey(hair) >= least; });
-  return static_cast<size_t>(end - hairs.begin());
 }
 
 }  // namespace strandcast

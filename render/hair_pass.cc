@@ -1,21 +1,29 @@
 #include "render/hair_pass.h"
 
 #include <algorithm>
+#include <string>
 
 #include "render/shaders.h"
 
 namespace strandcast {
 namespace {
 
-constexpr size_t kHairsPerPatch = 64;  // as in hair.tesc
+constexpr size_t kHairsPerPatch = 64, kSegmentsPerPatch = 64;  // as in hair.tesc
 // Mesa's software pipeline spends time with the square of a draw's vertices; other drivers do not mind the
 // short draws.
 constexpr size_t kPatchesPerDraw = 8;
-constexpr int kOpacitySteps = 4;  // of coverage: the thinnest line in the opacity map counts a quarter
+
+unsigned segmentsOf(const GuideNodes& nodes, int node_stride) {
+  return static_cast<unsigned>((nodes.segments() + node_stride - 1) / node_stride);
+}
 
 }  // namespace
 
-std::vector<gl::ShaderStage> hairStages(const char* defines, const char* fragment) {
+std::vector<gl::ShaderStage> grownStages(const std::string& defines, const char* fragment) {
+  return {{GL_VERTEX_SHADER, shaders::kHairStrandVert, defines}, {GL_FRAGMENT_SHADER, fragment}};
+}
+
+std::vector<gl::ShaderStage> tessellatedStages(const char* defines, const char* fragment) {
   std::vector<gl::ShaderStage> stages{{GL_VERTEX_SHADER, shaders::kHairVert},
                                       {GL_TESS_CONTROL_SHADER, shaders::kHairTesc},
                                       {GL_TESS_EVALUATION_SHADER, shaders::kHairTese, defines}};
@@ -23,62 +31,108 @@ std::vector<gl::ShaderStage> hairStages(const char* defines, const char* fragmen
   return stages;
 }
 
-HairPass::HairPass()
-    : front_("hair front", hairStages("#define FRONT\n", shaders::kHairFrontFrag)),
-      opacity_("hair opacity", hairStages("#define OPACITY\n", shaders::kHairOpacityFrag)),
-      color_("hair", hairStages("#define COLOR\n", shaders::kHairFrag)) {
+HairPass::Programs HairPass::makePrograms(GrowthPath path, HairGeometry geometry) {
+  if (path == GrowthPath::kTessellator)
+    return {{"hair front", tessellatedStages("#define FRONT\n", shaders::kHairFrontFrag)},
+            {"hair opacity", tessellatedStages("#define OPACITY\n", shaders::kHairOpacityFrag)},
+            {"hair", tessellatedStages("#define COLOR\n", shaders::kHairFrag)}};
+  const std::string color =
+      geometry == HairGeometry::kStrips ? "#define COLOR\n#define STRIP\n" : "#define COLOR\n";
+  return {{"hair front", grownStages("#define FRONT\n", shaders::kHairFrontFrag)},
+          {"hair opacity", grownStages("#define OPACITY\n", shaders::kHairOpacityFrag)},
+          {"hair", grownStages(color, shaders::kHairFrag)}};
+}
+
+HairPass::HairPass(GrowthPath path, HairGeometry geometry)
+    : path_(path),
+      geometry_(path == GrowthPath::kTessellator ? HairGeometry::kLines : geometry),
+      block_buffer_(sizeof(GrowthBlock), nullptr, GL_DYNAMIC_STORAGE_BIT),
+      programs_(makePrograms(path, geometry)) {
   glCreateVertexArrays(1, &empty_vertices_);
-  setHairs({});
+  setHairs({}, Vec3::Ones());
 }
 
 HairPass::~HairPass() { glDeleteVertexArrays(1, &empty_vertices_); }
 
-void HairPass::setHairs(std::vector<Hair> hairs) {
+void HairPass::setHairs(std::vector<Hair> hairs, const Vec3& lock_profile) {
   hairs_ = std::move(hairs);
   hair_buffer_ = gl::Buffer(std::span<const Hair>(hairs_));
+  for (int i = 0; i < 3; ++i) block_.profile[i] = lock_profile[i];
 }
 
-void HairPass::drawFront(const GuideNodes& nodes) const { draw(front_, nodes, hairs_.size() / 8 + 1, 4); }
-
-void HairPass::drawOpacity(const GuideNodes& nodes, const SceneBlock& block, int map_size) const {
-  const float texel = 1.0f / static_cast<float>(map_size);
-  opacity_.set("texel", Eigen::Vector2f(texel, texel));
-  opacity_.set("steps", static_cast<float>(kOpacitySteps));
-  draw(opacity_, nodes, hairsReaching(hairs_, block.hair_color.w() * block.sampling.z(), kOpacitySteps), 2);
+void HairPass::grow(const GuideNodes& nodes, const HairDetail& detail) {
+  block_.segments = static_cast<uint32_t>(nodes.segments());
+  block_.bodies = static_cast<uint32_t>(bodies_.obstacles());
+  block_buffer_.write(std::span<const GrowthBlock>(&block_, 1));
+  bindHair(nodes);
+  if (block_.bodies > 0) bodies_.find(detail.hairs, nodes.segments());
+  if (path_ == GrowthPath::kCompute)
+    vertices_.grow(detail.hairs, nodes.segments(), detail.node_stride, block_.bodies > 0);
 }
 
-size_t HairPass::drawColor(const GuideNodes& nodes, const SceneBlock& block, float coverage) const {
-  const size_t count = hairsReaching(hairs_, coverage, static_cast<int>(block.sampling.x()));
-  glLineWidth(block.sampling.y());
-  draw(color_, nodes, count, 1);
-  glLineWidth(1);
-  return count;
-}
-
-void HairPass::draw(const gl::Program& program, const GuideNodes& nodes, size_t count,
-                    int node_stride) const {
-  bind(program, nodes, count, node_stride);
-  drawPatches(count);
-}
-
-void HairPass::bind(const gl::Program& program, const GuideNodes& nodes, size_t count,
-                    int node_stride) const {
-  program.set("hair_count", static_cast<unsigned>(std::min(count, hairs_.size())));
-  program.set("segments", static_cast<unsigned>(nodes.segments()));
-  program.set("pass_segments", static_cast<unsigned>((nodes.segments() + node_stride - 1) / node_stride));
-  program.set("node_stride", static_cast<unsigned>(node_stride));
+void HairPass::bindHair(const GuideNodes& nodes) const {
+  glBindBufferBase(GL_UNIFORM_BUFFER, binding::kGrowth, block_buffer_.id());
   nodes.bind();
+  bodies_.bind();
   hair_buffer_.bindStorage(binding::kHairs);
+}
+
+void HairPass::drawFront(const GuideNodes& nodes, const HairDetail& detail) const {
+  draw(programs_.front, nodes, detail, false);
+}
+
+void HairPass::drawOpacity(const GuideNodes& nodes, const HairDetail& detail, int map_size) const {
+  programs_.opacity.set("map_size", static_cast<float>(map_size));
+  draw(programs_.opacity, nodes, detail, false);
+}
+
+void HairPass::drawColor(const GuideNodes& nodes, const SceneBlock& block, const HairDetail& detail) const {
+  glLineWidth(block.sampling.y());
+  draw(programs_.color, nodes, detail, geometry_ == HairGeometry::kStrips);
+  glLineWidth(1);
+}
+
+void HairPass::draw(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail,
+                    bool strips) const {
+  bind(program, nodes, detail);
+  if (path_ == GrowthPath::kCompute)
+    drawGrown(program, detail.hairs, strips);
+  else
+    drawPatches(nodes, detail);
+}
+
+void HairPass::bind(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail) const {
+  program.set("hair_count", static_cast<unsigned>(detail.hairs));
+  program.set("pass_segments", segmentsOf(nodes, detail.node_stride));
+  program.set("node_stride", static_cast<unsigned>(detail.node_stride));
+  program.set("threshold", detail.threshold);
+  bindHair(nodes);
   program.use();
 }
 
-void HairPass::drawPatches(size_t count) const {
-  const size_t patches = (std::min(count, hairs_.size()) + kHairsPerPatch - 1) / kHairsPerPatch;
+void HairPass::drawPatches(const GuideNodes& nodes, const HairDetail& detail) const {
+  const size_t along = (segmentsOf(nodes, detail.node_stride) + kSegmentsPerPatch - 1) / kSegmentsPerPatch;
+  const size_t patches = (detail.hairs + kHairsPerPatch - 1) / kHairsPerPatch * along;
   glBindVertexArray(empty_vertices_);
   glPatchParameteri(GL_PATCH_VERTICES, 1);
   for (size_t first = 0; first < patches; first += kPatchesPerDraw)
     glDrawArrays(GL_PATCHES, static_cast<GLint>(first),
                  static_cast<GLsizei>(std::min(kPatchesPerDraw, patches - first)));
+  glBindVertexArray(0);
+}
+
+void HairPass::drawGrown(const gl::Program& program, size_t count, bool strips) const {
+  const GLsizei nodes = vertices_.nodesPerHair();
+  program.set("nodes_per_hair", static_cast<unsigned>(nodes));
+  glBindVertexArray(empty_vertices_);
+  for (const HairVertices::Chunk& chunk : vertices_.chunks()) {
+    if (chunk.first >= std::min(count, vertices_.hairs())) break;
+    const size_t hairs = std::min(chunk.hairs, std::min(count, vertices_.hairs()) - chunk.first);
+    program.set("first_hair", static_cast<unsigned>(chunk.first));
+    chunk.vertices.bindStorage(binding::kHairVertices);
+    glDrawArraysInstanced(strips ? GL_TRIANGLE_STRIP : GL_LINE_STRIP, 0, strips ? 2 * nodes : nodes,
+                          static_cast<GLsizei>(hairs));
+  }
   glBindVertexArray(0);
 }
 

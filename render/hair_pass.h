@@ -1,46 +1,76 @@
 #pragma once
+#include <string>
 #include <vector>
 
 #include "gl/program.h"
 #include "render/guide_nodes.h"
+#include "render/hair_bodies.h"
+#include "render/hair_detail.h"
 #include "render/hair_growth.h"
+#include "render/hair_vertices.h"
+#include "render/render_settings.h"
 #include "render/scene_block.h"
 
 namespace strandcast {
 
-/// Grows hairs from guide nodes by isoline tessellation, 64 hairs a patch, and draws them as lines.
+/// Grows hairs from guide nodes and draws them. By kCompute they are grown once per picture and every pass
+/// reads them; by kTessellator every pass grows them again, by isoline tessellation, 64 hairs of up to 64
+/// segments a patch, which draws lines only.
 class HairPass {
  public:
-  HairPass();
+  HairPass(GrowthPath path, HairGeometry geometry);
   ~HairPass();
   HairPass(const HairPass&) = delete;
   HairPass& operator=(const HairPass&) = delete;
 
-  void setHairs(std::vector<Hair> hairs);
+  void setHairs(std::vector<Hair> hairs, const Vec3& lock_profile);
+  /// What the hair is kept out of and how far, m.
+  HairBodies& bodies() { return bodies_; }
+  void setClearance(float clearance) { block_.clearance = clearance; }
   const std::vector<Hair>& hairs() const { return hairs_; }
+  HairDetail all() const { return detailOfPart(hairs_, 1); }
 
-  /// Depth of the hair nearest to the light, from a part of the hairs.
-  void drawFront(const GuideNodes& nodes) const;
-  void drawOpacity(const GuideNodes& nodes, const SceneBlock& block, int map_size) const;
-  /// `coverage` is the largest part of a line's width that a hair of width 1 has in the picture. Returns how
-  /// many hairs were drawn.
-  size_t drawColor(const GuideNodes& nodes, const SceneBlock& block, float coverage) const;
+  /// Once per picture, before it draws; `detail` holds what any pass will draw.
+  void grow(const GuideNodes& nodes, const HairDetail& detail);
+  /// Depth of the hair nearest to the light.
+  void drawFront(const GuideNodes& nodes, const HairDetail& detail) const;
+  void drawOpacity(const GuideNodes& nodes, const HairDetail& detail, int map_size) const;
+  void drawColor(const GuideNodes& nodes, const SceneBlock& block, const HairDetail& detail) const;
 
-  /// Makes `program` (of hairStages) current with the buffers and uniforms for the first `count` hairs, one
-  /// vertex at every `node_stride`-th node.
-  void bind(const gl::Program& program, const GuideNodes& nodes, size_t count, int node_stride) const;
-  void drawPatches(size_t count) const;
+  /// With any program of grownStages or tessellatedStages, as the path is.
+  void draw(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail, bool strips) const;
+  /// Makes `program` (of tessellatedStages) current with the buffers and uniforms for what `detail` has.
+  void bind(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail) const;
+  void drawPatches(const GuideNodes& nodes, const HairDetail& detail) const;
+  /// Grown last, by kCompute.
+  const HairVertices& vertices() const { return vertices_; }
+  size_t bytes() const {
+    return hair_buffer_.bytes() + vertices_.bytes() + bodies_.bytes();
+  }  ///< of device memory
 
  private:
-  void draw(const gl::Program& program, const GuideNodes& nodes, size_t count, int node_stride) const;
+  /// With a fragment shader each, for the path that was chosen.
+  struct Programs {
+    gl::Program front, opacity, color;
+  };
+  static Programs makePrograms(GrowthPath path, HairGeometry geometry);
+  void bindHair(const GuideNodes& nodes) const;
+  void drawGrown(const gl::Program& program, size_t count, bool strips) const;
 
+  GrowthPath path_;
+  HairGeometry geometry_;
   std::vector<Hair> hairs_;
-  gl::Buffer hair_buffer_;
-  gl::Program front_, opacity_, color_;
+  GrowthBlock block_{};
+  gl::Buffer hair_buffer_, block_buffer_;
+  HairVertices vertices_;
+  HairBodies bodies_;
+  Programs programs_;
   GLuint empty_vertices_ = 0;
 };
 
-/// The stages that grow hair; `defines` as hair.tese lists them. `fragment` may be null.
-std::vector<gl::ShaderStage> hairStages(const char* defines, const char* fragment);
+/// The stages that read hair grown before; `defines` as hair_strand.vert lists them.
+std::vector<gl::ShaderStage> grownStages(const std::string& defines, const char* fragment);
+/// The stages that grow hair on the tessellator; `defines` as hair.tese lists them. `fragment` may be null.
+std::vector<gl::ShaderStage> tessellatedStages(const char* defines, const char* fragment);
 
 }  // namespace strandcast

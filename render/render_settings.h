@@ -2,16 +2,41 @@
 #include <cstdint>
 
 #include "core/geometry.h"
+#include "render/deep_opacity.h"
+#include "render/hair_growth.h"
+#include "render/supersampling.h"
 
 namespace strandcast {
 
+/// Where hair is grown: once per picture by a compute shader, or in every pass by the tessellator.
+enum class GrowthPath { kCompute, kTessellator };
+/// Lines, whose width is as the device has it, or strips of triangles that face the eye (kCompute only).
+enum class HairGeometry { kLines, kStrips };
+
+/// What becomes of a hair that covers a part of a pixel: it reaches that part of the samples, others for each
+/// hair (stochastic transparency), or the samples that the device chooses for that alpha (alpha to coverage).
+enum class HairCoverage { kStochastic, kAlphaToCoverage };
+
+/// Fewer, wider hairs of fewer segments where they are small in the picture (render/hair_detail.h).
+struct LevelOfDetail {
+  float part = 0;             ///< of the hairs that are drawn, above 0 to 1; 0 = by their size in the picture
+  float finest_hair = 0;      ///< pixels: as many hairs are left out as make the rest this wide; 0 = a sample
+  float longest_segment = 1;  ///< pixels: so many segments are left out as leave them shorter
+};
+
 /// Colours are linear, 0 to 1. Values out of range are clipped to it.
 struct RenderSettings {
-  int width = 1280, height = 720;  ///< 16 to 16384 pixels
-  int samples = 4;                 ///< multisampling, 1 to 8, as far as the device goes
-  int hairs = 40000;               ///< grown from the guides, 0 to 4,000,000
-  int segments = 32;               ///< per hair, 1 to 64
-  float clump_radius = 0.004f;     ///< m, spread of single-strand interpolation
+  int width = 1280, height = 720;               ///< 16 to 16384 pixels
+  int samples = 4;                              ///< multisampling, 1 to 8, as far as the device goes
+  int supersampling = 1;                        ///< 1 to 4 times as many pixels a side, for stills
+  PixelFilter filter = PixelFilter::kGaussian;  ///< that makes one of them
+  HairCoverage coverage = HairCoverage::kStochastic;
+  HairGrowth growth;  ///< 0 to 4,000,000 hairs
+  GrowthPath growth_path = GrowthPath::kCompute;
+  HairGeometry geometry = HairGeometry::kLines;
+  LevelOfDetail detail;
+  int segments = 32;           ///< per hair, 1 to 256
+  float clearance = 1e-4f;     ///< m, that grown hair keeps from obstacles
   float hair_width = 120e-6f;  ///< m, drawn width, more than a hair's as 40,000 stand for 100,000; narrower
                                ///< than a pixel it covers that part of the pixel
   Vec3 hair_color{0.30f, 0.17f, 0.08f};  ///< of light scattered once around in the hair
@@ -19,7 +44,7 @@ struct RenderSettings {
   Vec3 background{0.30f, 0.33f, 0.38f};
   Vec3 light_direction{-0.45f, -0.75f, -0.5f};  ///< the way the light travels
   bool shadows = true;
-  uint64_t seed = 1;
+  OpacityLayers opacity;  ///< shadow of the hair
 };
 
 /// For devices in software: a smaller picture with fewer, wider hairs of fewer segments; about a third of the

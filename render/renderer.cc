@@ -15,6 +15,8 @@ namespace {
 
 constexpr float kMaxCoordinate = 1e3f;  // m; a guide farther out does not widen the shadow map
 
+constexpr float kShadowHairs = 8;  // times as many cast shadows as are drawn, up to all
+
 Box boundsOf(std::span<const Vec3> positions) {
   Box box;
   for (const Vec3& p : positions)
@@ -33,7 +35,7 @@ Box moved(const Box& box, const Pose& pose) {
 /// Time stamps of the device between passes.
 class PassClock {
  public:
-  static constexpr int kStamps = 6;
+  static constexpr int kStamps = 7;
   PassClock() { glCreateQueries(GL_TIMESTAMP, kStamps, queries_.data()); }
   ~PassClock() { glDeleteQueries(kStamps, queries_.data()); }
   PassClock(const PassClock&) = delete;
@@ -73,9 +75,16 @@ void setPassState() {
 struct Renderer::Impl {
   explicit Impl(const RenderSettings& wanted)
       : settings(clipped(wanted)),
-        picture(settings.width, settings.height, settings.samples),
+        picture(settings.width * settings.supersampling, settings.height * settings.supersampling,
+                settings.samples),
+        shadows(settings.opacity),
         nodes(settings.segments),
+        hair(settings.growth_path, settings.geometry),
         scene_buffer(sizeof(SceneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT) {
+    if (settings.supersampling > 1)
+      still = std::make_unique<Supersampling>(settings.width, settings.height, settings.supersampling,
+                                              settings.filter);
+    hair.setClearance(settings.clearance);
     GLfloat range[2] = {1, 1};
     glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range);
     widest_line = std::max(range[1], 1.0f);
@@ -105,13 +114,33 @@ struct Renderer::Impl {
         std::max(4 * base.diagonal().norm(), 0.1f);
   }
 
-  void drawShadows(const SceneBlock& block) {
+  /// `widest`: pixels of a hair of width 1 where it is nearest.
+  HairDetail detailFor(const SceneBlock& block, float widest) const {
+    const LevelOfDetail& wanted = settings.detail;
+    const float finest =
+        wanted.finest_hair > 0 ? wanted.finest_hair : 1 / static_cast<float>(picture.samples());
+    HairDetail detail = wanted.part > 0 ? detailOfPart(hair.hairs(), wanted.part)
+                                        : detailOfSize(hair.hairs(), widest, finest);
+    const float segment_pixels =
+        longest_guide / static_cast<float>(settings.segments) * widest / block.hair_color.w();
+    detail.node_stride = strideFor(segment_pixels, wanted.longest_segment, settings.segments, least_segments);
+    return detail;
+  }
+
+  /// Light reaches through many hairs, so that with as few as the eye sees its maps would be grainy.
+  HairDetail shadowDetailFor(const HairDetail& seen) const {
+    HairDetail detail = detailOfSize(hair.hairs(), kShadowHairs * seen.threshold, 1);
+    detail.node_stride = seen.node_stride;
+    return detail;
+  }
+
+  void drawShadows(const HairDetail& detail) {
     shadows.beginSolids();
     body.drawDepth(head);
     shadows.beginHairFront();
-    hair.drawFront(nodes);
+    hair.drawFront(nodes, detail);
     shadows.beginHairOpacity();
-    hair.drawOpacity(nodes, block, ShadowMap::kOpacitySize);
+    hair.drawOpacity(nodes, detail, shadows.opacitySize());
     shadows.end();
   }
 
@@ -127,12 +156,16 @@ struct Renderer::Impl {
   }
 
   void draw(const Camera& camera) {
-    SceneBlock block = makeSceneBlock(settings, camera);
-    ShadowMap::fit(block, content());
+    RenderSettings large = settings;
+    large.width *= settings.supersampling;
+    large.height *= settings.supersampling;
+    SceneBlock block = makeSceneBlock(large, camera);
+    shadows.fit(block, content());
     placeGround(block);
     const float widest = widestHair(block, boundsOf(guides));
     block.sampling.x() = static_cast<float>(picture.samples());
-    block.sampling.y() = std::clamp(1.25f * widest, 1.0f, widest_line);
+    const HairDetail detail = detailFor(block, widest);
+    block.sampling.y() = std::clamp(1.25f * widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
     scene_buffer.write(std::span<const SceneBlock>(&block, 1));
     glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_buffer.id());
 
@@ -140,27 +173,43 @@ struct Renderer::Impl {
     clock.stamp(0);
     statistics.guides_unusable = nodes.update(guides, head);
     clock.stamp(1);
-    if (settings.shadows) drawShadows(block);
+    hair.bodies().place(head);
+    const HairDetail shadow_detail = shadowDetailFor(detail);
+    hair.grow(nodes, shadow_detail.hairs > detail.hairs ? shadow_detail : detail);
     clock.stamp(2);
+    if (settings.shadows) drawShadows(shadow_detail);
+    clock.stamp(3);
     picture.bindForDrawing();
     glClear(GL_DEPTH_BUFFER_BIT);
     shadows.bindTextures();
     body.drawBackground();
     body.drawBody(head);
     body.drawGround();
-    clock.stamp(3);
-    statistics.hairs_drawn = hair.drawColor(nodes, block, widest / block.sampling.y());
     clock.stamp(4);
-    picture.resolve();
+    if (settings.coverage == HairCoverage::kAlphaToCoverage && picture.samples() > 1)
+      glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+    hair.drawColor(nodes, block, detail);
+    glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+    statistics.hairs_drawn = detail.hairs;
+    statistics.segments_drawn = (settings.segments + detail.node_stride - 1) / detail.node_stride;
     clock.stamp(5);
+    picture.resolve();
+    if (still) still->draw(picture.resolvedTexture());
+    clock.stamp(6);
     glDisable(GL_FRAMEBUFFER_SRGB);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glUseProgram(0);
     ++statistics.frames_drawn;
   }
 
+  GLuint shownTexture() const { return still ? still->texture().id() : picture.resolvedTexture(); }
+  GLuint shownFramebuffer() const {
+    return still ? still->framebuffer().id() : picture.resolvedFramebuffer();
+  }
+
   RenderSettings settings;
   PictureBuffer picture;
+  std::unique_ptr<Supersampling> still;  // null without supersampling
   ShadowMap shadows;
   GuideNodes nodes;
   HairPass hair;
@@ -171,6 +220,8 @@ struct Renderer::Impl {
   std::vector<Vec3> guides;  // of the newest frame that fitted
   Pose head;
   Box rest_bounds;
+  float longest_guide = 0;  // m
+  int least_segments = 16;  // that curls need
   RenderStatistics statistics;
 };
 
@@ -186,11 +237,16 @@ void Renderer::setGroom(const GroomDescription& groom) {
   if (guides.offsets.empty() || guides.offsets.back() != guides.positions.size())
     throw Error("a groom is damaged", groom.name, "its strands and its vertices do not fit together");
   impl_->nodes.setGroom(guides);
-  HairGrowth growth;
-  growth.hairs = static_cast<size_t>(impl_->settings.hairs);
-  growth.clump_radius = impl_->settings.clump_radius;
-  growth.seed = impl_->settings.seed;
-  impl_->hair.setHairs(growHairs(guides, growth));
+  const HairGrowth& growth = impl_->settings.growth;
+  impl_->hair.setHairs(growHairs(guides, growth), growth.lock_profile);
+  float turns = 0;
+  for (const Hair& hair : impl_->hair.hairs()) turns = std::max(turns, hair.curl_turns);
+  impl_->least_segments = growth.curl_radius > 0 ? std::max(16, static_cast<int>(8 * turns)) : 16;
+  impl_->longest_guide = 0;
+  for (size_t g = 0; g < guides.strands(); ++g) {
+    const float length = arcLength(guides.strand(g));
+    if (std::isfinite(length)) impl_->longest_guide = std::max(impl_->longest_guide, length);
+  }
   impl_->guides = guides.positions;
   impl_->head = Pose{};
   impl_->rest_bounds = boundsOf(guides.positions);
@@ -199,6 +255,10 @@ void Renderer::setGroom(const GroomDescription& groom) {
 }
 
 void Renderer::setBody(const BodyDescription& body) { impl_->body.setBody(body); }
+
+void Renderer::setObstacles(std::vector<HairObstacle> obstacles) {
+  impl_->hair.bodies().setObstacles(std::move(obstacles));
+}
 
 void Renderer::draw(const GuideFrame& frame, const Camera& camera) {
   impl_->accept(frame);
@@ -212,7 +272,7 @@ Image Renderer::read() {
   const size_t row = static_cast<size_t>(image.width) * 3;
   std::vector<uint8_t> bottom_up(row * image.height);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glGetTextureImage(impl_->picture.resolvedTexture(), 0, GL_RGB, GL_UNSIGNED_BYTE,
+  glGetTextureImage(impl_->shownTexture(), 0, GL_RGB, GL_UNSIGNED_BYTE,
                     static_cast<GLsizei>(bottom_up.size()), bottom_up.data());
   image.rgb.reserve(bottom_up.size());
   for (int y = image.height - 1; y >= 0; --y)
@@ -223,19 +283,18 @@ Image Renderer::read() {
 void Renderer::present(int window_width, int window_height) {
   if (window_width <= 0 || window_height <= 0) return;
   glDisable(GL_FRAMEBUFFER_SRGB);  // the picture is stored as it is shown
-  glBlitNamedFramebuffer(impl_->picture.resolvedFramebuffer(), 0, 0, 0, impl_->settings.width,
-                         impl_->settings.height, 0, 0, window_width, window_height, GL_COLOR_BUFFER_BIT,
-                         GL_LINEAR);
+  glBlitNamedFramebuffer(impl_->shownFramebuffer(), 0, 0, 0, impl_->settings.width, impl_->settings.height, 0,
+                         0, window_width, window_height, GL_COLOR_BUFFER_BIT, GL_LINEAR);
 }
 
 RenderStatistics Renderer::statistics() const {
   RenderStatistics statistics = impl_->statistics;
   if (statistics.frames_drawn == 0) return statistics;
-  statistics.guides_ms = impl_->clock.milliseconds(0);
-  statistics.shadow_ms = impl_->clock.milliseconds(1);
-  statistics.body_ms = impl_->clock.milliseconds(2);
-  statistics.hair_ms = impl_->clock.milliseconds(3);
-  statistics.resolve_ms = impl_->clock.milliseconds(4);
+  double RenderStatistics::*const passes[] = {&RenderStatistics::guides_ms, &RenderStatistics::growth_ms,
+                                              &RenderStatistics::shadow_ms, &RenderStatistics::body_ms,
+                                              &RenderStatistics::hair_ms,   &RenderStatistics::resolve_ms};
+  for (int i = 0; i < 6; ++i) statistics.*passes[i] = impl_->clock.milliseconds(i);
+  statistics.device_bytes = impl_->nodes.bytes() + impl_->hair.bytes() + impl_->shadows.bytes();
   return statistics;
 }
 

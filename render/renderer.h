@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "render/camera.h"
+#include "render/hair_bodies.h"
 #include "render/image.h"
 #include "render/render_settings.h"
 #include "transport/messages.h"
@@ -17,8 +18,10 @@ struct RenderStatistics {
   size_t guides = 0;  ///< of the groom
   size_t guides_unusable = 0;  ///< of the newest frame: not finite, so hairs that follow them are left out
   size_t hairs_grown = 0;      ///< of the groom
-  size_t hairs_drawn = 0;      ///< in the newest picture: others stand for hairs too thin to reach a sample
-  double guides_ms = 0, shadow_ms = 0, body_ms = 0, hair_ms = 0,
+  size_t hairs_drawn = 0;      ///< in the newest picture: others stand for those left out
+  int segments_drawn = 0;      ///< per hair
+  size_t device_bytes = 0;     ///< of the guides, the grown hair and the shadow maps
+  double guides_ms = 0, growth_ms = 0, shadow_ms = 0, body_ms = 0, hair_ms = 0,
          resolve_ms = 0;  ///< newest picture, the device's clock
 };
 
@@ -33,6 +36,8 @@ class Renderer {
   void setGroom(const GroomDescription& groom);
   /// A mesh without triangles draws no body.
   void setBody(const BodyDescription& body);
+  /// Bodies that grown hair is kept out of; none at first. Throws Error where a shape is not sound.
+  void setObstacles(std::vector<HairObstacle> obstacles);
   /// Draws into the renderer's own framebuffer. Leaves the default framebuffer bound.
   void draw(const GuideFrame& frame, const Camera& camera);
   /// Copies the last picture out.

@@ -18,13 +18,44 @@ Vec3 color(const Vec3& value, const Vec3& fallback) {
 
 Eigen::Vector4f withW(const Vec3& v, float w) { return {v.x(), v.y(), v.z(), w}; }
 
+HairGrowth clipped(const HairGrowth& growth) {
+  const HairGrowth fallback;
+  HairGrowth g = growth;
+  g.hairs = std::min<size_t>(g.hairs, 4000000);
+  for (int i = 0; i < 3; ++i) g.lock_profile[i] = inRange(g.lock_profile[i], 0, 10, fallback.lock_profile[i]);
+  const auto clip = [&](float HairGrowth::*value, float low, float high) {
+    g.*value = inRange(g.*value, low, high, fallback.*value);
+  };
+  clip(&HairGrowth::clump_radius, 0, 1);
+  clip(&HairGrowth::tip_deviation, 0, 1);
+  clip(&HairGrowth::whole_deviation, 0, 1);
+  clip(&HairGrowth::curl_radius, 0, 1);
+  clip(&HairGrowth::curl_pitch, 1e-3f, 100);
+  clip(&HairGrowth::single_strand_part, 0, 1);
+  clip(&HairGrowth::clump, 0, 1);
+  clip(&HairGrowth::tip_deviation_part, 0, 1);
+  clip(&HairGrowth::whole_deviation_part, 0, 1);
+  return g;
+}
+
+/// The number of layers falls to the next that there is.
+OpacityLayers clipped(const OpacityLayers& layers) {
+  const OpacityLayers fallback;
+  OpacityLayers o = layers;
+  o.layers = (std::clamp(o.layers, 3, kMostOpacityLayers) + 1) / 4 * 4 - 1;
+  o.depth = inRange(o.depth, 1e-4f, 1e3f, fallback.depth);
+  o.map_size = std::clamp(o.map_size, 16, 8192);
+  o.filter = std::clamp(o.filter, 0, 4);
+  return o;
+}
+
 }  // namespace
 
 RenderSettings softwareSettings() {
   RenderSettings settings;
   settings.width = 960;
   settings.height = 540;
-  settings.hairs = 12000;
+  settings.growth.hairs = 12000;
   settings.segments = 20;
   settings.hair_width = 220e-6f;
   return settings;
@@ -36,9 +67,14 @@ RenderSettings clipped(const RenderSettings& settings) {
   s.width = std::clamp(s.width, 16, 16384);
   s.height = std::clamp(s.height, 16, 16384);
   s.samples = std::clamp(s.samples, 1, 8);
-  s.hairs = std::clamp(s.hairs, 0, 4000000);
-  s.segments = std::clamp(s.segments, 1, 64);
-  s.clump_radius = inRange(s.clump_radius, 0, 1, fallback.clump_radius);
+  s.supersampling = std::clamp(s.supersampling, 1, 4);
+  s.segments = std::clamp(s.segments, 1, 256);
+  s.growth = clipped(s.growth);
+  s.opacity = clipped(s.opacity);
+  s.detail.part = inRange(s.detail.part, 0, 1, fallback.detail.part);
+  s.detail.finest_hair = inRange(s.detail.finest_hair, 0, 100, fallback.detail.finest_hair);
+  s.detail.longest_segment = inRange(s.detail.longest_segment, 0, 1e4f, fallback.detail.longest_segment);
+  s.clearance = inRange(s.clearance, 0, 0.1f, fallback.clearance);
   s.hair_width = inRange(s.hair_width, 1e-7f, 0.1f, fallback.hair_width);
   s.hair_color = color(s.hair_color, fallback.hair_color);
   s.body_color = color(s.body_color, fallback.body_color);
@@ -66,6 +102,9 @@ SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& camera) 
   block.background = withW(settings.background, height);
   block.ground = {0, 0, 0, 1};
   block.sampling = {1, 1, 1, settings.shadows ? 1.0f : 0.0f};
+  block.opacity_slices = static_cast<float>((settings.opacity.layers + 1) / 4);
+  block.alpha_to_coverage = settings.coverage == HairCoverage::kAlphaToCoverage ? 1.0f : 0.0f;
+  block.opacity_filter = static_cast<float>(settings.opacity.filter);
   return block;
 }
 

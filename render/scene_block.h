@@ -3,15 +3,17 @@
 
 #include "gl/buffer.h"
 #include "render/camera.h"
+#include "render/deep_opacity.h"
 #include "render/render_settings.h"
 
 namespace strandcast {
 
 /// Binding points shared by all programs of this folder.
 namespace binding {
-constexpr GLuint kScene = 0;                                                                 // uniform block
-constexpr GLuint kGuidePositions = 0, kGuideKnots = 1, kGuides = 2, kNodes = 3, kHairs = 4;  // storage
-constexpr GLuint kSolidDepth = 0, kHairFront = 1, kHairOpacity = 2;                          // textures
+constexpr GLuint kScene = 0, kGrowth = 1;  // uniform blocks
+constexpr GLuint kGuidePositions = 0, kGuideKnots = 1, kGuides = 2, kNodes = 3, kHairs = 4, kHairVertices = 5,
+                 kBodies = 6, kBodyWords = 7, kHairBodies = 8, kProbe = 9, kProbeAnswer = 10;  // storage
+constexpr GLuint kSolidDepth = 0, kHairFront = 1, kHairOpacity = 2;                            // textures
 }  // namespace binding
 
 /// What every shader knows of a picture; the std140 block of shaders/scene.glsl, field for field.
@@ -26,7 +28,14 @@ struct SceneBlock {
   Eigen::Vector4f ground;      ///< centre x, height y, centre z; w: radius, all m
   Eigen::Vector4f
       sampling;  ///< samples; line width, pixels; texels per metre of the opacity map; 1 with shadows
+  float layer_ends[kMostOpacityLayers + 1];    ///< m behind the front of the hair, as layerEnds()
+  float layer_limits[kMostOpacityLayers + 1];  ///< m: hair before it counts in the layer
+  float opacity_slices = 1;                    ///< of four layers each
+  float opacity_filter = 0;                    ///< OpacityLayers::filter
+  float alpha_to_coverage = 0;                 ///< 1 or 0
+  float unused = 0;
 };
+static_assert(sizeof(SceneBlock) == 384);
 
 /// `light` is the orthographic view of the shadow maps and `light_range` its depth in metres.
 SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& camera);

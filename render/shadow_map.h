@@ -5,25 +5,30 @@
 namespace strandcast {
 
 /// The light's view: solids as a depth map, hair as opacity layers behind its front (deep opacity maps,
-/// Yuksel and Keyser 2008). The front map is coarse, so that single hairs do not make steps in it. Use: fit,
+/// Yuksel and Keyser 2008; render/deep_opacity.h). Use: fit,
 /// then beginSolids, draw, beginHairFront, draw, beginHairOpacity, draw, and bindTextures for reading.
 class ShadowMap {
  public:
-  static constexpr int kSolidSize = 1024, kFrontSize = 64, kOpacitySize = 512;  // texels
+  static constexpr int kSolidSize = 1024, kFrontSize = 256;  // texels
 
-  ShadowMap();
-  /// Sets the light's matrix, its depth range and the opacity map's scale in `block` so that the maps cover
-  /// `content`.
-  static void fit(SceneBlock& block, const Box& content);
+  explicit ShadowMap(const OpacityLayers& layers);
+  /// Sets the light's matrix, its depth range, the opacity map's scale and the layers in `block` so that the
+  /// maps cover `content`.
+  void fit(SceneBlock& block, const Box& content) const;
 
   void beginSolids() const;
   void beginHairFront() const;
-  void beginHairOpacity() const;  ///< leaves additive blending on
+  void beginHairOpacity() const;                        ///< leaves additive blending on
+  int opacitySize() const { return layers_.map_size; }  ///< texels a side
+  size_t bytes() const;                                 ///< of device memory
   void end() const;
   void bindTextures() const;
 
  private:
-  Texture solid_depth_, front_, opacity_;
+  OpacityLayers layers_;
+  Texture solid_depth_;
+  int front_size_;
+  Texture front_, opacity_;
   Framebuffer solid_target_, front_target_, opacity_target_;
 };
 

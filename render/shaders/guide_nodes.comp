@@ -1,6 +1,9 @@
 #version 450 core
 // One invocation evaluates one guide from root to tip; see guide_nodes.h.
 layout(local_size_x = 32) in;
+#include "kernels/lanes_glsl.h"
+#include "kernels/rotation.h"
+#include "kernels/hair.h"
 
 struct Guide {
   uint first, count, usable, unused;
@@ -36,15 +39,14 @@ vec3 tangentAt(Guide guide, uint i) {
   return (vertexAt(high) - vertexAt(low)) / max(knots[high] - knots[low], 1e-6);
 }
 
-vec3 perpendicular(vec3 v, vec3 unit) { return v - unit * dot(v, unit); }
-
 vec3 unitOr(vec3 v, vec3 fallback) {
-  float length_squared = dot(v, v);
-  return length_squared > 1e-18 ? v * inversesqrt(length_squared) : fallback;
+  vec3 unit = normalizeOrZero(v);
+  return dot(unit, unit) > 0.5 ? unit : fallback;
 }
 
 vec3 anyNormal(vec3 unit) {
-  return normalize(perpendicular(abs(unit.y) < 0.9 ? vec3(0, 1, 0) : vec3(1, 0, 0), unit));
+  vec3 other = abs(unit.y) < 0.9 ? vec3(0, 1, 0) : vec3(1, 0, 0);
+  return normalize(other - unit * dot(other, unit));
 }
 
 void main() {
@@ -57,31 +59,17 @@ void main() {
     return;
   }
   vec3 last_position = vertexAt(guide.first), last_tangent = unitOr(tangentAt(guide, 0u), vec3(0, -1, 0));
-  vec3 normal = perpendicular(mat3(head_rotation) * guide.rest_normal.xyz, last_tangent);
-  normal = unitOr(normal, anyNormal(last_tangent));
+  vec3 normal = mat3(head_rotation) * guide.rest_normal.xyz;
   for (uint i = 0u; i <= segments; ++i) {
     float u = float(i) / float(segments);
     uint k = edgeAt(guide, u);
     vec3 m0 = tangentAt(guide, k), m1 = tangentAt(guide, k + 1u);
     uint v = guide.first + k;
     vec3 p0 = vertexAt(v), p1 = vertexAt(v + 1u);
-    float t0 = knots[v], h = max(knots[v + 1u] - t0, 1e-6);
-    float s = clamp((u - t0) / h, 0.0, 1.0), s2 = s * s, s3 = s2 * s;
-    // Written from p0, so that coordinates far from the origin do not cost digits.
-    vec3 position = p0 + (3.0 * s2 - 2.0 * s3) * (p1 - p0) + h * ((s3 - 2.0 * s2 + s) * m0 + (s3 - s2) * m1);
-    vec3 derivative = (6.0 * s - 6.0 * s2) / h * (p1 - p0) + (3.0 * s2 - 4.0 * s + 1.0) * m0 + (3.0 * s2 - 2.0 * s) * m1;
+    float t0 = knots[v], h = max(knots[v + 1u] - t0, 1e-6), s = clamp((u - t0) / h, 0.0, 1.0);
+    vec3 position = splinePosition(p0, p1, m0, m1, h, s), derivative = splineDerivative(p0, p1, m0, m1, h, s);
     vec3 tangent = unitOr(derivative, last_tangent);
-    // Double reflection: through the plane between the points, then through the one between the tangents.
-    vec3 v1 = position - last_position;
-    float c1 = dot(v1, v1);
-    if (c1 > 1e-16) {
-      vec3 n = normal - v1 * (2.0 / c1 * dot(v1, normal));
-      vec3 t = last_tangent - v1 * (2.0 / c1 * dot(v1, last_tangent));
-      vec3 v2 = tangent - t;
-      float c2 = dot(v2, v2);
-      normal = c2 > 1e-16 ? n - v2 * (2.0 / c2 * dot(v2, n)) : n;
-    }
-    normal = unitOr(perpendicular(normal, tangent), anyNormal(tangent));
+    normal = unitOr(carriedNormal(normal, last_tangent, position - last_position, tangent), anyNormal(tangent));
     last_position = position;
     last_tangent = tangent;
     nodes[base + 3u * i] = vec4(position, 1);

@@ -1,18 +1,24 @@
 #version 450 core
 // A hair narrower than its line reaches only a part of each pixel's samples, the same part all along the hair: stochastic
-// transparency (Enderton et al. 2010) whose noise runs along strands, where it looks like strands.
+// transparency (Enderton et al. 2010) whose noise runs along strands, where it looks like strands. With alpha to coverage the
+// device chooses the samples.
 #include "render/shaders/scene.glsl"
 #include "render/shaders/color.glsl"
 layout(location = 4) in vec3 radiance;
 layout(location = 2) in float coverage;
-layout(location = 3) flat in float dither;
+layout(location = 3) flat in vec2 dither;
 layout(location = 0) out vec4 color;
 void main() {
   int samples = int(scene.sampling.x);
-  int reached = int(floor(min(coverage, 1.0) * scene.sampling.x + dither));
+  int reached = int(floor(min(coverage, 1.0) * scene.sampling.x + dither.x));
   if (reached <= 0) discard;
+  gl_SampleMask[0] = -1;  // all; without a value it would be any
+  if (scene.opacity.z > 0.0) {
+    color = vec4(toneMapped(radiance), float(reached) / scene.sampling.x);
+    return;
+  }
   if (samples > 1) {
-    int first = int(fract(dither * 89.0) * scene.sampling.x);
+    int first = int(fract(dither.y * 89.0) * scene.sampling.x);
     int run = (1 << min(reached, samples)) - 1;
     gl_SampleMask[0] = (run << first) | (run >> (samples - first));
   }

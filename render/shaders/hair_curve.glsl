@@ -1,4 +1,8 @@
-// A hair as render/hair_growth.h defines it, evaluated at the nodes of its guides (render/guide_nodes.h).
+// A hair as render/hair_growth.h and kernels/hair.h define it, evaluated at the nodes of its guides (render/guide_nodes.h).
+// With BODIES it stays out of bodies (render/hair_bodies.h).
+#include "kernels/lanes_glsl.h"
+#include "kernels/rotation.h"
+#include "kernels/hair.h"
 struct Hair {
   uvec3 guides;
   float dither;
@@ -7,55 +11,77 @@ struct Hair {
   vec2 offset;
   float extent;
   float width;
-  float stray;
-  float phase;
+  float tip_deviation;
+  float whole_deviation;
+  float deviation_phase;
+  float curl_phase;
+  float curl_radius;
+  float curl_turns;
   float shade;
   float warmth;
 };
 layout(std430, binding = 3) readonly buffer Nodes { vec4 nodes[]; };
 layout(std430, binding = 4) readonly buffer Hairs { Hair hairs[]; };
-uniform uint segments;  // of the guides' nodes
+// GrowthBlock in render/hair_growth.h, field for field.
+layout(std140, binding = 1) uniform Growth {
+  vec4 profile;
+  uint segments;
+  uint bodies;
+  float clearance;
+  float zone;
+} growth;
 
 struct HairPoint {
   vec3 position;
   vec3 derivative;  // along u, up to a part along the tangent
   float u;          // part of the guide's length
-  float width;      // times hair_width, with the taper at the tip
+  float along;      // part of the hair's
   bool usable;
 };
 
-HairPoint evaluateHair(Hair hair, uint wanted_node) {
+// `bodies`: how far bodies make it follow one guide alone, 0 to 1, and how that changes by u.
+HairPoint freeHair(Hair hair, uint wanted_node, vec2 bodies) {
   HairPoint point;
-  float last = hair.extent * float(segments);
+  float last = hair.extent * float(growth.segments);
   // Nodes past the tip fall on the first one past it: lines of no length, not drawn.
-  uint node = min(wanted_node, min(uint(ceil(last)), segments));
-  float u = float(node) / float(segments);
-  uint stride = 3u * (segments + 1u);
+  uint node = min(wanted_node, min(uint(ceil(last)), growth.segments));
+  float u = float(node) / float(growth.segments);
+  uint stride = 3u * (growth.segments + 1u);
   uint a = hair.guides.x * stride + 3u * node;
   uint b = hair.guides.y * stride + 3u * node;
   uint c = hair.guides.z * stride + 3u * node;
   vec4 pa = nodes[a], pb = nodes[b], pc = nodes[c];
-  vec3 da = nodes[a + 1u].xyz, db = nodes[b + 1u].xyz, dc = nodes[c + 1u].xyz;
-  vec3 normal = nodes[a + 2u].xyz;
-  point.usable = pa.w * pb.w * pc.w > 0.5;
-
-  float closing = hair.clump * u;
-  vec2 w = (1.0 - closing) * hair.weights.yz;  // the first follows from the sum
-  vec2 dw = -hair.clump * hair.weights.yz;
-  vec3 ab = pb.xyz - pa.xyz, ac = pc.xyz - pa.xyz;
-  point.position = pa.xyz + w.x * ab + w.y * ac;
-  point.derivative = da + w.x * (db - da) + w.y * (dc - da) + dw.x * ab + dw.y * ac;
-
-  // The frame turns only about axes across the tangent, so its own derivative lies along the tangent and is left out.
-  vec3 tangent = normalize(da + vec3(0, 1e-12, 0));
-  vec3 binormal = cross(tangent, normal);
-  float angle = hair.phase + 9.0 * u;
-  vec2 turn = vec2(cos(angle), sin(angle));
-  vec2 across = (1.0 - 0.6 * u) * hair.offset + hair.stray * u * u * turn;
-  vec2 slope = -0.6 * hair.offset + hair.stray * (2.0 * u * turn + 9.0 * u * u * vec2(-turn.y, turn.x));
-  point.position += across.x * normal + across.y * binormal;
-  point.derivative += slope.x * normal + slope.y * binormal;
+  vec3 da = nodes[a + 1u].xyz, normal = nodes[a + 2u].xyz;
+  vec3 binormal = cross(normalizeOrZero(da), normal), ab = pb.xyz - pa.xyz, ac = pc.xyz - pa.xyz;
+  Closing closing = hairClosing(u, hair.clump, bodies.x, bodies.y);
+  AcrossGuide across = hairAcross(u, vec3(hair.offset, 0), growth.profile.xyz, hair.tip_deviation, hair.whole_deviation,
+                                  hair.deviation_phase, hair.curl_radius, hair.curl_turns, hair.curl_phase);
+  point.position = hairPosition(pa.xyz, ab, ac, hair.weights.y, hair.weights.z, closing, across, normal, binormal);
+  point.derivative = hairDerivative(da, nodes[b + 1u].xyz - da, nodes[c + 1u].xyz - da, ab, ac, hair.weights.y,
+                                    hair.weights.z, closing, across, normal, binormal);
   point.u = u;
-  point.width = hair.width * clamp(4.0 * (1.0 - float(node) / last), 0.0, 1.0);
+  point.along = float(node) / last;
+  point.usable = pa.w * pb.w * pc.w > 0.5;
   return point;
 }
+
+#ifdef BODIES
+#include "render/shaders/bodies.glsl"
+// Per hair: how far its root is from the surface of bodies, m, and for every node how far it follows one guide because of
+// them.
+layout(std430, binding = 8) HAIR_BODIES_ACCESS buffer HairBodies { float hair_bodies[]; };
+
+HairPoint grownHair(uint index, Hair hair, uint node) {
+  if (growth.bodies == 0u) return freeHair(hair, node, vec2(0));
+  uint at = index * (growth.segments + 2u), low = max(node, 1u) - 1u, high = min(node + 1u, growth.segments);
+  float slope = (hair_bodies[at + 1u + high] - hair_bodies[at + 1u + low]) * float(growth.segments) / float(high - low);
+  HairPoint point = freeHair(hair, node, vec2(hair_bodies[at + 1u + node], slope));
+  float kept = keptDistance(point.u, hair_bodies[at], growth.clearance);
+  for (int again = 0; again < 3; ++again) {
+    vec3 normal;
+    float distance = bodyDistance(point.position, normal);
+    point.position += normal * max(kept - distance, 0.0);
+  }
+  return point;
+}
+#endif

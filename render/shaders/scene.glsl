@@ -9,4 +9,7 @@ layout(std140, binding = 0) uniform Scene {
   vec4 background;
   vec4 ground;
   vec4 sampling;
+  vec4 layer_ends[4];
+  vec4 layer_limits[4];
+  vec4 opacity;
 } scene;

@@ -2,15 +2,11 @@
 // Yuksel and Keyser 2008). Needs scene.glsl.
 layout(binding = 0) uniform sampler2DShadow solid_depth;
 layout(binding = 1) uniform sampler2D hair_front;    // depth of the hair nearest to the light, coarse so that it is smooth
-layout(binding = 2) uniform sampler2D hair_opacity;  // optical depth per layer
+layout(binding = 2) uniform sampler2DArray hair_opacity;  // optical depth from the front to the end of each layer
 
 vec3 lightCoordinates(vec3 world) {
   return 0.5 * (scene.light_view_projection * vec4(world, 1)).xyz + 0.5;
 }
-
-// Where the layers start and end, metres behind the front of the hair.
-const vec4 kLayerEnds = vec4(0.006, 0.018, 0.045, 0.12);
-const vec4 kLayerStarts = vec4(0.0, 0.006, 0.018, 0.045);
 
 // Metres behind the front of the hair, `without` where there is no front. Bilinear over the texels that hair reaches, so
 // that the front goes on smoothly past its outline.
@@ -23,11 +19,28 @@ float behindFront(vec3 light_coordinates, float without) {
   return sum > 0.0 ? (light_coordinates.z - dot(weights, front) / sum) * scene.light.w : without;
 }
 
+// Optical depth to `depth` metres behind the front: linear between the ends of layers.
+float depthInLayers(vec2 texel, float depth) {
+  float sum = 0.0, start = 0.0, before = 0.0;
+  for (int slice = 0; slice < int(scene.opacity.x); ++slice) {
+    vec4 ends = scene.layer_ends[slice], starts = vec4(start, ends.xyz);
+    vec4 up_to = textureLod(hair_opacity, vec3(texel, slice), 0.0);
+    sum += dot(clamp((vec4(depth) - starts) / (ends - starts), 0.0, 1.0), up_to - vec4(before, up_to.xyz));
+    start = ends.w;
+    before = up_to.w;
+  }
+  return sum;
+}
+
 // Optical depth of the hair between the light and the point; `margin` metres before the point do not count.
 float hairOpticalDepth(vec3 light_coordinates, float margin) {
-  float depth = behindFront(light_coordinates, 1.0) - margin;
-  vec4 part = clamp((vec4(depth) - kLayerStarts) / (kLayerEnds - kLayerStarts), 0.0, 1.0);
-  return dot(part, textureLod(hair_opacity, light_coordinates.xy, 0.0));
+  float depth = behindFront(light_coordinates, 1e3) - margin;
+  int radius = int(scene.opacity.y);
+  vec2 texel = 1.0 / vec2(textureSize(hair_opacity, 0).xy);
+  float sum = 0.0;
+  for (int y = -radius; y <= radius; ++y)
+    for (int x = -radius; x <= radius; ++x) sum += depthInLayers(light_coordinates.xy + texel * vec2(x, y), depth);
+  return sum / float((2 * radius + 1) * (2 * radius + 1));
 }
 
 // 1 in the light, 0 in the shadow of the body. Filtered over (2 radius + 1)^2 bilinear taps.

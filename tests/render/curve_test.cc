@@ -1,11 +1,14 @@
-// The tessellated hair against the same hair evaluated in double precision on the CPU.
+// Hair of the tessellator and of the compute shader against the same hair evaluated in double precision on
+// the CPU.
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "offscreen.h"
-#include "render/framebuffer.h"
 #include "render/guide_nodes.h"
 #include "render/hair_pass.h"
+#include "render/hair_readback.h"
+#include "render/hair_reference.h"
 #include "render/scene_block.h"
 
 namespace strandcast {
@@ -61,20 +64,26 @@ std::vector<Node> guideNodes(std::span<const Vec3> points, int segments) {
   return nodes;
 }
 
-/// hair_growth.h, word for word.
-Vec hairPoint(const Hair& hair, const std::vector<std::vector<Node>>& guides, int segments, int wanted) {
+/// hair_growth.h and kernels/hair.h, written again.
+Vec hairPoint(const Hair& hair, const std::vector<std::vector<Node>>& guides, const Vec3& profile,
+              int segments, int wanted) {
   const int node = std::min(wanted, static_cast<int>(std::ceil(hair.extent * static_cast<float>(segments))));
-  const double u = static_cast<double>(node) / segments;
+  const double u = static_cast<double>(node) / segments, turn = 2 * std::numbers::pi;
   Vec x = Vec::Zero();
   for (int k = 0; k < 3; ++k) {
     const double w = (1 - hair.clump * u) * hair.weights[k] + (k == 0 ? hair.clump * u : 0);
     x += w * guides[hair.guides[k]][node].position;
   }
   const Node& main = guides[hair.guides[0]][node];
-  const Vec b = main.derivative.normalized().cross(main.normal);
-  const double a = hair.phase + 9 * u;
-  x += (1 - 0.6 * u) * (hair.offset[0] * main.normal + hair.offset[1] * b);
-  return x + hair.stray * u * u * (std::cos(a) * main.normal + std::sin(a) * b);
+  const Vec n = main.normal, b = main.derivative.normalized().cross(n);
+  const double lock = std::pow(1 - u, 2) * profile[0] + 2 * u * (1 - u) * profile[1] + u * u * profile[2];
+  x += lock * (hair.offset[0] * n + hair.offset[1] * b);
+  const double opening = 1 - std::pow(1 - u, 2);
+  const double stray = hair.tip_deviation * std::pow(u, 6) + hair.whole_deviation * opening;
+  const double a = turn * (hair.deviation_phase + 1.5 * u),
+               c = turn * (hair.curl_phase + hair.curl_turns * u);
+  x += stray * (std::cos(a) * n + std::sin(a) * b);
+  return x + hair.curl_radius * opening * (std::cos(c) * n + std::sin(c) * b);
 }
 
 StrandSet bentGuides() {
@@ -93,72 +102,61 @@ StrandSet bentGuides() {
   return guides;
 }
 
-using HairCurve = OffscreenTest;
+constexpr int kSegments = 100;  // two patches a hair, the last one partly filled
+constexpr size_t kHairs = 200;  // four patches, the same
+
+class HairCurve : public OffscreenTest {
+ protected:
+  void SetUp() override {
+    OffscreenTest::SetUp();
+    if (IsSkipped()) return;
+    growth_.hairs = kHairs;
+    growth_.seed = 3;
+    growth_.curl_radius = 0.006f;
+    growth_.curl_pitch = 0.1f;
+    growth_.tip_deviation_part = growth_.whole_deviation_part = 0.5f;
+    guides_ = bentGuides();
+    nodes_ = std::make_unique<GuideNodes>(kSegments);
+    nodes_->setGroom(guides_);
+    const SceneBlock block = makeSceneBlock(RenderSettings{}, Camera{});
+    scene_ = gl::Buffer(sizeof(SceneBlock), &block, GL_DYNAMIC_STORAGE_BIT);
+    glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_.id());
+    EXPECT_EQ(nodes_->update(guides_.positions, Pose{}), 0u);
+    for (size_t g = 0; g < guides_.strands(); ++g)
+      curves_.push_back(guideNodes(guides_.strand(g), kSegments));
+  }
+  Vec expected(const Hair& hair, int node) const {
+    return hairPoint(hair, curves_, growth_.lock_profile, kSegments, node);
+  }
+  double lengthOf(const Hair& hair) const { return arcLength(guides_.strand(hair.guides[0])); }
+
+  HairGrowth growth_;
+  StrandSet guides_;
+  std::unique_ptr<GuideNodes> nodes_;
+  gl::Buffer scene_;
+  std::vector<std::vector<Node>> curves_;
+};
 
 TEST_F(HairCurve, TessellatedVerticesAreTheCurvesToRounding) {
-  constexpr int kSegments = 24;
-  constexpr size_t kHairs = 200;  // more than three patches, the last one partly filled
-  const StrandSet guides = bentGuides();
-  GuideNodes nodes(kSegments);
-  nodes.setGroom(guides);
-  HairPass pass;
-  pass.setHairs(growHairs(guides, {.hairs = kHairs, .seed = 3}));
-  const SceneBlock block = makeSceneBlock(RenderSettings{}, Camera{});
-  const gl::Buffer scene(sizeof(SceneBlock), &block, GL_DYNAMIC_STORAGE_BIT);
-  glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene.id());
-  EXPECT_EQ(nodes.update(guides.positions, Pose{}), 0u);
-
-  struct Captured {
-    float position[3], hair, tangent[3], node;
-  };
-  const size_t capacity = kHairs * kSegments * 2;
-  const gl::Program program("capture", hairStages("#define CAPTURE\n", nullptr));
-  const gl::Buffer target(capacity * sizeof(Captured), nullptr, GL_DYNAMIC_STORAGE_BIT);
-  GLuint query = 0;
-  glGenQueries(1, &query);
-  const Texture nowhere(GL_RGBA8, 16, 16,
-                        GL_NEAREST);  // drawing wants a framebuffer even when nothing is rasterised
-  const Framebuffer framebuffer(&nowhere, nullptr);
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
-  glEnable(GL_RASTERIZER_DISCARD);
-  std::vector<Captured> captured;
+  HairPass pass(GrowthPath::kTessellator, HairGeometry::kLines);
+  pass.setHairs(growHairs(guides_, growth_), growth_.lock_profile);
+  pass.grow(*nodes_, pass.all());
+  const std::vector<GrownVertex> captured = readTessellated(pass, *nodes_, pass.all());
+  ASSERT_EQ(captured.size(), 2 * kHairs * kSegments);
   std::vector<int> seen(kHairs * (kSegments + 1), 0);
   double worst = 0, worst_tangent = 0;
-  std::vector<std::vector<Node>> curves;
-  for (size_t g = 0; g < guides.strands(); ++g) curves.push_back(guideNodes(guides.strand(g), kSegments));
-
-  pass.bind(program, nodes, kHairs, 1);
-  glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, target.id());
-  glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, query);
-  glBeginTransformFeedback(GL_LINES);
-  pass.drawPatches(kHairs);
-  glEndTransformFeedback();
-  glEndQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
-  glDisable(GL_RASTERIZER_DISCARD);
-  GLuint lines = 0;
-  glGetQueryObjectuiv(query, GL_QUERY_RESULT, &lines);
-  glDeleteQueries(1, &query);
-  ASSERT_EQ(lines, kHairs * kSegments);
-  captured.resize(2 * lines);
-  glGetNamedBufferSubData(target.id(), 0, static_cast<GLsizeiptr>(captured.size() * sizeof(Captured)),
-                          captured.data());
-
-  for (const Captured& vertex : captured) {
-    const size_t h = static_cast<size_t>(vertex.hair);
+  for (const GrownVertex& vertex : captured) {
+    const size_t h = vertex.hair;
     const int node = static_cast<int>(vertex.node);
     ASSERT_LT(h, kHairs);
     ++seen[h * (kSegments + 1) + node];
     const Hair& hair = pass.hairs()[h];
-    const Vec expected = hairPoint(hair, curves, kSegments, node);
-    const Vec position(vertex.position[0], vertex.position[1], vertex.position[2]);
-    const double length = arcLength(guides.strand(hair.guides[0]));
-    worst = std::max(worst, (position - expected).norm() / length);
+    worst = std::max(worst, (vertex.position.cast<double>() - expected(hair, node)).norm() / lengthOf(hair));
     // The tangent against a central difference of a much finer evaluation would need the frame between nodes;
     // inside the hair a chord of its neighbours is close enough to catch a wrong derivative.
     if (node > 2 && node + 3 < hair.extent * kSegments) {
-      const Vec chord =
-          hairPoint(hair, curves, kSegments, node + 1) - hairPoint(hair, curves, kSegments, node - 1);
-      const Vec tangent(vertex.tangent[0], vertex.tangent[1], vertex.tangent[2]);
+      const Vec chord = expected(hair, node + 1) - expected(hair, node - 1);
+      const Vec tangent = vertex.tangent.cast<double>();
       worst_tangent = std::max(worst_tangent, chord.normalized().cross(tangent).norm());
     }
   }
@@ -168,6 +166,33 @@ TEST_F(HairCurve, TessellatedVerticesAreTheCurvesToRounding) {
     const size_t node = i % (kSegments + 1);
     EXPECT_EQ(seen[i], node == 0 || node == kSegments ? 1 : 2)
         << "hair " << i / (kSegments + 1) << " node " << node;
+  }
+}
+
+TEST_F(HairCurve, VerticesOfTheComputeShaderAreTheCurvesToRounding) {
+  HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
+  pass.setHairs(growHairs(guides_, growth_), growth_.lock_profile);
+  const HairReference reference(guides_, guides_.positions, kSegments);
+  for (const int stride : {1, 3}) {
+    HairDetail detail = pass.all();
+    detail.node_stride = stride;
+    pass.grow(*nodes_, detail);
+    const std::vector<GrownVertex> grown = readComputed(pass, *nodes_, stride);
+    ASSERT_EQ(grown.size(), kHairs * (stride == 1 ? kSegments + 1 : 35));
+    double worst = 0, worst_tangent = 0, worst_reference = 0;
+    for (const GrownVertex& vertex : grown) {
+      const Hair& hair = pass.hairs()[vertex.hair];
+      const int node = static_cast<int>(vertex.node);
+      const HairReference::Vertex exact = reference.at(hair, growth_.lock_profile, node);
+      worst = std::max(worst, (vertex.position.cast<double>() - exact.position).norm() / lengthOf(hair));
+      worst_tangent = std::max(worst_tangent, (vertex.tangent.cast<double>() - exact.tangent).norm());
+      worst_reference =
+          std::max(worst_reference, (expected(hair, node) - exact.position).norm() / lengthOf(hair));
+    }
+    EXPECT_LT(worst, 1e-5);
+    EXPECT_LT(worst_tangent, 1e-3);
+    // Knots are floats on the device and in one of the two only.
+    EXPECT_LT(worst_reference, 1e-6);
   }
 }
 

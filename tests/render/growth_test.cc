@@ -3,6 +3,7 @@
 #include <cstring>
 #include <limits>
 
+#include "render/hair_detail.h"
 #include "render/hair_growth.h"
 #include "render/root_triangles.h"
 
@@ -120,20 +121,144 @@ TEST(HairGrowth, GrowsAroundOneGuideAndNothingWithoutGuides) {
   EXPECT_TRUE(growHairs(one, {.hairs = 0}).empty());
 }
 
-TEST(HairGrowth, HairsThatReachASampleAreAPrefix) {
-  const std::vector<Hair> hairs = growHairs(grid(8, 0.01f, up), {.hairs = 5000});
-  for (float coverage : {0.01f, 0.1f, 0.3f, 2.0f}) {
-    const size_t prefix = hairsReaching(hairs, coverage, 4);
-    for (size_t i = prefix; i < hairs.size(); ++i)
-      ASSERT_EQ(std::floor(coverage * hairs[i].width * 4 + hairs[i].dither), 0) << i;
-    double reached = 0, wanted = 0;
-    for (size_t i = 0; i < hairs.size(); ++i) {
-      reached += std::floor(coverage * hairs[i].width * 4 + hairs[i].dither);
-      wanted += coverage * hairs[i].width * 4;
-    }
-    EXPECT_NEAR(reached, wanted, 0.02 * wanted + 10) << coverage;
+TEST(HairGrowth, EachKindOfInterpolationFollowsAsManyGuidesAsItShould) {
+  const StrandSet guides = grid(8, 0.01f, up);
+  for (const Hair& hair : growHairs(guides, {.hairs = 500, .interpolation = Interpolation::kMultiStrand})) {
+    EXPECT_LT(hair.weights[0], 1);
+    EXPECT_EQ(hair.clump, 0);
   }
-  EXPECT_EQ(hairsReaching(hairs, 2.0f, 4), hairs.size());
+  for (const Hair& hair : growHairs(guides, {.hairs = 500, .interpolation = Interpolation::kSingleStrand})) {
+    EXPECT_EQ(hair.weights[0], 1);
+    EXPECT_EQ(hair.clump, 0);
+  }
+}
+
+TEST(HairGrowth, DeviationsAreOnTheirPartOfTheHairsAndLeaveTheRestAsItWas) {
+  const StrandSet guides = grid(8, 0.01f, up);
+  const std::vector<Hair> with = growHairs(guides, {.hairs = 5000});
+  const std::vector<Hair> without =
+      growHairs(guides, {.hairs = 5000, .tip_deviation = 0, .whole_deviation = 0});
+  ASSERT_EQ(with.size(), without.size());
+  int tip = 0, whole = 0;
+  for (size_t i = 0; i < with.size(); ++i) {
+    tip += with[i].tip_deviation > 0;
+    whole += with[i].whole_deviation > 0;
+    EXPECT_EQ(without[i].tip_deviation, 0);
+    Hair same = with[i];
+    same.tip_deviation = same.whole_deviation = 0;
+    EXPECT_EQ(std::memcmp(&same, &without[i], sizeof(Hair)), 0);
+  }
+  EXPECT_NEAR(tip, 1500, 150);
+  EXPECT_NEAR(whole, 500, 100);
+}
+
+TEST(HairGrowth, MapsThinOutHairAndMakeItThinner) {
+  StrandSet guides = grid(9, 0.01f, up);
+  for (size_t g = 0; g < guides.strands(); ++g)
+    guides.uvs.emplace_back((0.5f + static_cast<float>(g % 9)) / 9, (0.5f + static_cast<float>(g / 9)) / 9);
+  const auto halves = std::make_shared<const ScalpMap>(ScalpMap{2, 1, {1.0f, 0.25f}});
+  HairGrowth growth{.hairs = 8000, .clump_radius = 0.0005f};
+  const std::vector<Hair> all = growHairs(guides, growth);
+  growth.density = growth.thickness = halves;
+  const std::vector<Hair> mapped = growHairs(guides, growth);
+  const ScalpPlaces places(guides);
+  // The map is level in the middle of each half.
+  const auto count = [&](const std::vector<Hair>& hairs, float from, float to, double& width) {
+    double number = 0;
+    for (const Hair& hair : hairs) {
+      const float x = places.of(hair.guides, hair.weights).x();
+      if (x < from || x > to) continue;
+      ++number;
+      width += hair.width;
+    }
+    width /= number;
+    return number;
+  };
+  double width[4] = {};
+  const double left = count(all, 0.2f, 0.3f, width[0]), right = count(all, 0.7f, 0.8f, width[1]);
+  EXPECT_NEAR(count(mapped, 0.2f, 0.3f, width[2]) / left, 0.96, 0.06);
+  EXPECT_NEAR(count(mapped, 0.7f, 0.8f, width[3]) / right, 0.29, 0.06);
+  EXPECT_NEAR(width[2], 1, 0.08);
+  EXPECT_NEAR(width[3], 0.29, 0.06);
+}
+
+TEST(ScalpMap, IsBilinearAndItsSidesMeet) {
+  const ScalpMap map{4, 2, {0, 1, 2, 3, 4, 5, 6, 7}};
+  EXPECT_FLOAT_EQ(map.at(Vec2(0.125f, 0.25f)), 0);
+  EXPECT_FLOAT_EQ(map.at(Vec2(0.25f, 0.25f)), 0.5f);
+  EXPECT_FLOAT_EQ(map.at(Vec2(0.125f, 0.5f)), 2);
+  EXPECT_FLOAT_EQ(map.at(Vec2(0.375f, 1.0f)), 5);
+  EXPECT_FLOAT_EQ(map.at(Vec2(0.0f, 0.0f)), 1.5f);
+  EXPECT_FLOAT_EQ(map.at(Vec2(1.0f, 0.0f)), 1.5f);
+}
+
+TEST(ScalpMap, RootsWithoutUvsLieByLongitudeAndLatitude) {
+  StrandSet guides;
+  for (const Vec3& root :
+       {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)})
+    guides.append(std::vector<Vec3>{root, Vec3(2 * root)});
+  const ScalpPlaces places(guides);
+  const auto at = [&](uint32_t g) { return places.of({g, g, g}, {1, 0, 0}); };
+  EXPECT_NEAR((at(0) - Vec2(0.5f, 0.5f)).norm(), 0, 1e-5);
+  EXPECT_NEAR((at(2) - Vec2(0.75f, 0.5f)).norm(), 0, 1e-5);
+  EXPECT_NEAR((at(3) - Vec2(0.25f, 0.5f)).norm(), 0, 1e-5);
+  EXPECT_NEAR(at(4).y(), 0, 1e-3);
+  EXPECT_NEAR(at(5).y(), 1, 1e-3);
+}
+
+/// As hair_vertex.glsl: width over the hair's own, and what is left of the dither.
+std::pair<double, double> drawnWidth(const Hair& hair, const HairDetail& detail) {
+  const double chance = std::min(static_cast<double>(detail.threshold) * hair.width, 1.0);
+  return {1 / chance, (hair.dither - 1 + chance) / chance};
+}
+
+TEST(HairDetail, AnyPartOfTheHairsCoversAsMuchAsAll) {
+  const std::vector<Hair> hairs = growHairs(grid(8, 0.01f, up), {.hairs = 20000});
+  double all = 0;
+  for (const Hair& hair : hairs) all += hair.width;
+  for (const float part : {0.01f, 0.1f, 0.3f, 0.7f, 0.95f, 1.0f}) {
+    const HairDetail detail = detailOfPart(hairs, part);
+    EXPECT_NEAR(static_cast<double>(detail.hairs), 20000.0 * part, 1);
+    double drawn = 0;
+    for (size_t i = 0; i < hairs.size(); ++i) {
+      const auto [factor, left] = drawnWidth(hairs[i], detail);
+      if (i < detail.hairs) {
+        drawn += factor * hairs[i].width;
+      } else {
+        ASSERT_LE(left, 1e-3) << "a hair that is left out would not be drawn";
+      }
+    }
+    EXPECT_NEAR(drawn / all, 1, 0.02) << part;
+  }
+  EXPECT_EQ(detailOfPart({}, 0.5f).hairs, 0u);
+}
+
+TEST(HairDetail, ByTheirSizeJustThoseAreLeftOutThatReachNoSample) {
+  const std::vector<Hair> hairs = growHairs(grid(8, 0.01f, up), {.hairs = 5000});
+  for (const float pixels : {0.001f, 0.03f, 0.1f, 0.2f, 3.0f}) {
+    const HairDetail detail = detailOfSize(hairs, pixels, 0.25f);
+    size_t drawn = 0;
+    for (size_t i = 0; i < hairs.size(); ++i) {
+      // Where it is nearest, and at twice the distance.
+      for (const double nearer : {1.0, 0.5}) {
+        const double coverage = 4 * pixels * nearer * hairs[i].width;
+        const double full = std::floor(coverage + hairs[i].dither);
+        const auto [factor, left] = drawnWidth(hairs[i], detail);
+        const double less = i < detail.hairs ? std::floor(coverage * factor + left + 1e-5) : 0;
+        EXPECT_EQ(full > 0, less > 0) << "hair " << i << " at " << pixels;
+        drawn += nearer == 1.0 && less > 0;
+      }
+    }
+    EXPECT_NEAR(static_cast<double>(drawn), static_cast<double>(detail.hairs), 10.0) << pixels;
+  }
+}
+
+TEST(HairDetail, SegmentsAreLeftOutWhileTheyStayShort) {
+  EXPECT_EQ(strideFor(3, 4, 32, 4), 1);
+  EXPECT_EQ(strideFor(2, 4, 32, 4), 2);
+  EXPECT_EQ(strideFor(0.1f, 4, 32, 8), 4);
+  EXPECT_EQ(strideFor(0.1f, 4, 7, 8), 1);
+  EXPECT_EQ(strideFor(0.1f, 0, 32, 1), 1);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ class OffscreenTest : public ::testing::Test {
   static RenderSettings smallPicture() {
     RenderSettings settings;
     settings.width = settings.height = 128;
-    settings.hairs = 1000;
+    settings.growth.hairs = 1000;
     settings.segments = 16;
     return settings;
   }

@@ -55,22 +55,85 @@ TEST_F(Picture, StraightBundleCoversTheAreaOfItsHairs) {
   settings.hair_color = Vec3::Zero();
   settings.light_direction = Vec3(0, -1, 0);  // along the hair: no highlight, no diffuse light
   settings.background = Vec3(0.8f, 0.8f, 0.8f);
-  settings.hairs = 60;  // few enough that they hardly overlap
-  settings.clump_radius = 0.0005f;
+  settings.growth.hairs = 60;  // few enough that they hardly overlap
+  settings.growth.clump_radius = 0.0005f;
   const GroomDescription groom = verticalBundle(200, 1, 0.0012f, 0.1f, 0.2f, 8);
   Camera camera;
   camera.eye = Vec3(0, 0, 2);
   camera.target = Vec3::Zero();
   camera.vertical_fov = 0.2f;
   const double pixel = 2 * 2 * std::tan(0.1) / 256;
-  for (const double pixels_wide : {0.1, 0.3}) {
-    settings.hair_width = static_cast<float>(pixels_wide * pixel);
+  struct Way {
+    HairGeometry geometry;
+    HairCoverage coverage;
+    int samples;
+    double pixels_wide;
+  };
+  for (const Way& way : {Way{HairGeometry::kLines, HairCoverage::kStochastic, 4, 0.1},
+                         Way{HairGeometry::kLines, HairCoverage::kStochastic, 4, 0.3},
+                         Way{HairGeometry::kLines, HairCoverage::kStochastic, 2, 0.3},
+                         Way{HairGeometry::kLines, HairCoverage::kAlphaToCoverage, 4, 0.3},
+                         Way{HairGeometry::kStrips, HairCoverage::kStochastic, 4, 0.1},
+                         Way{HairGeometry::kStrips, HairCoverage::kStochastic, 4, 1.7},
+                         Way{HairGeometry::kStrips, HairCoverage::kAlphaToCoverage, 4, 0.3}}) {
+    settings.geometry = way.geometry;
+    settings.coverage = way.coverage;
+    settings.samples = way.samples;
+    settings.hair_width = static_cast<float>(way.pixels_wide * pixel);
     double wanted = 0;  // an eighth of a hair is lost to the taper of its last quarter
-    for (const Hair& hair :
-         growHairs(groom.guides, {.hairs = 60, .clump_radius = 0.0005f, .seed = settings.seed}))
-      wanted += pixels_wide * hair.width * 0.875 * hair.extent * 0.2 / pixel;
+    for (const Hair& hair : growHairs(groom.guides, settings.growth))
+      wanted += way.pixels_wide * hair.width * 0.875 * hair.extent * 0.2 / pixel;
     const double covered = coveredPixels(settings, groom, camera);
-    EXPECT_NEAR(covered / wanted, 1, 0.12) << pixels_wide << " pixels wide";
+    EXPECT_NEAR(covered / wanted, 1, 0.12)
+        << way.pixels_wide << " pixels wide, " << way.samples << " samples, geometry "
+        << static_cast<int>(way.geometry) << ", coverage " << static_cast<int>(way.coverage);
+  }
+}
+
+TEST_F(Picture, SupersamplingWeighsTheSamplesOfALargerPicture) {
+  RenderSettings settings = smallPicture();
+  settings.width = settings.height = 48;
+  settings.hair_width = 4e-4f;
+  const GroomDescription groom = verticalBundle(8, 8, 0.02f, 0.1f, 0.2f, 8);
+  const auto picture = [&] {
+    Renderer renderer(settings);
+    renderer.setGroom(groom);
+    renderer.draw(restFrame(groom), Camera{});
+    return renderer.read();
+  };
+  RenderSettings large_settings = settings;
+  for (const int factor : {2, 3}) {
+    settings = large_settings;
+    settings.width *= factor;
+    settings.height *= factor;
+    const Image large = picture();
+    for (const PixelFilter filter :
+         {PixelFilter::kBox, PixelFilter::kTent, PixelFilter::kGaussian, PixelFilter::kMitchell}) {
+      settings = large_settings;
+      settings.supersampling = factor;
+      settings.filter = filter;
+      const Image small = picture();
+      double worst = 0;
+      for (int y = 4; y < 44; ++y) {
+        for (int x = 4; x < 44; ++x) {
+          double sum = 0, weights = 0;
+          for (int j = (y - 3) * factor; j < (y + 4) * factor; ++j) {
+            for (int i = (x - 3) * factor; i < (x + 4) * factor; ++i) {
+              const double w = static_cast<double>(
+                  filterWeight(filter, (static_cast<float>(i) + 0.5f) / static_cast<float>(factor) -
+                                           static_cast<float>(x) - 0.5f) *
+                  filterWeight(filter, (static_cast<float>(j) + 0.5f) / static_cast<float>(factor) -
+                                           static_cast<float>(y) - 0.5f));
+              sum += w * linearValue(large, i, j, 1);
+              weights += w;
+            }
+          }
+          worst =
+              std::max(worst, std::abs(linearValue(small, x, y, 1) - std::clamp(sum / weights, 0.0, 1.0)));
+        }
+      }
+      EXPECT_LT(worst, 0.008) << factor << " " << static_cast<int>(filter);  // a step of sRGB
+    }
   }
 }
 
@@ -107,7 +170,7 @@ TEST_F(Picture, BodyShadowDarkensTheGroundBelowIt) {
 
 TEST_F(Picture, HairShadesTheGroundAndItself) {
   RenderSettings settings = smallPicture();
-  settings.hairs = 4000;
+  settings.growth.hairs = 4000;
   settings.hair_width = 400e-6f;
   settings.light_direction = Vec3(0, -1, -1);
   const GroomDescription groom = verticalBundle(12, 12, 0.008f, 0.1f, 0.15f, 8);

@@ -52,10 +52,11 @@ using HairShading = OffscreenTest;
 TEST_F(HairShading, HighlightOfABentBundleIsWhereAndAsBrightAsTheFormulaSays) {
   RenderSettings settings = smallPicture();
   settings.width = settings.height = 256;
-  settings.hairs = 6000;
-  settings.segments = 64;           // shaded at the nodes, and the highlight is narrow
-  settings.hair_width = 1e-3f;      // covers the bundle
-  settings.clump_radius = 1.5e-4f;  // so that strays hardly turn the tangents
+  settings.growth.hairs = 6000;
+  settings.segments = 64;                  // shaded at the nodes, and the highlight is narrow
+  settings.hair_width = 1e-3f;             // covers the bundle
+  settings.growth.clump_radius = 1.5e-4f;  // the tangents are the guides'
+  settings.growth.tip_deviation = settings.growth.whole_deviation = 0;
   settings.shadows = false;
   settings.light_direction = Vec3(0, -0.5f, -1);
   Renderer renderer(settings);
@@ -68,8 +69,7 @@ TEST_F(HairShading, HighlightOfABentBundleIsWhereAndAsBrightAsTheFormulaSays) {
   renderer.draw(restFrame(groom), camera);
   const Image image = renderer.read();
 
-  const std::vector<Hair> hairs =
-      growHairs(groom.guides, {.hairs = 6000, .clump_radius = settings.clump_radius, .seed = settings.seed});
+  const std::vector<Hair> hairs = growHairs(groom.guides, settings.growth);
   const Vec eye = camera.eye.cast<double>();
   const double half_height = 4 * std::tan(0.02);
   int measured_peak = 0, expected_peak = 0;

@@ -1,0 +1,57 @@
+#include "apps/hair_obstacles.h"
+
+#include <spdlog/spdlog.h>
+
+#include <memory>
+
+#include "apps/console.h"
+#include "apps/interrupt.h"
+#include "core/error.h"
+#include "scenes/field_cache.h"
+
+namespace strandcast {
+namespace {
+
+constexpr float kCell =
+    0.003f;  // m; grown hair may be seen through a body's edge by no more than a tenth of it
+
+/// The triangles whose corners belong to the head, or those whose do not.
+TriangleMesh partOf(const BodyDescription& body, bool head) {
+  TriangleMesh part = body.mesh;
+  const bool weighted = body.head_weights.size() == body.mesh.positions.size();
+  std::erase_if(part.triangles, [&](const std::array<uint32_t, 3>& triangle) {
+    float weight = 0;
+    for (const uint32_t corner : triangle) weight += weighted ? body.head_weights[corner] / 3 : 1.0f / 3;
+    return (weight >= 0.5f) != head;
+  });
+  return part;
+}
+
+}  // namespace
+
+std::vector<HairObstacle> hairObstacles(const BodyDescription& body) {
+  std::vector<HairObstacle> obstacles;
+  const FieldCache cache(defaultFieldCache());
+  for (const bool head : {true, false}) {
+    const TriangleMesh part = partOf(body, head);
+    if (part.triangles.empty()) continue;
+    FieldOptions options;
+    options.cell = kCell;
+    ProgressBar bar;
+    try {
+      ContactPrimitive shape;
+      shape.kind = PrimitiveKind::kField;
+      shape.field = std::make_shared<DistanceField>(
+          fieldOf(part, options, &cache, [&](const std::string& what, double done) {
+            bar.show("body: " + what, done);
+            return !g_interrupted;
+          }).field);
+      obstacles.push_back({std::move(shape), head});
+    } catch (const Error& error) {
+      spdlog::warn("grown hair is not kept out of a part of the body: {}", error.what());
+    }
+  }
+  return obstacles;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,207 @@
+#include "bench/render_bench.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/console.h"
+#include "gl/context.h"
+#include "render/hair_readback.h"
+#include "render/hair_reference.h"
+#include "render/renderer.h"
+#include "scenes/scene.h"
+
+namespace strandcast {
+namespace {
+
+struct Options {
+  std::vector<int> hairs{10000, 50000, 100000};
+  int vertices = 64, guides = 2000, width = 1920, height = 1080, samples = 4, pictures = 20;
+  std::string scene = "curly";
+  bool growth_only = false, json = false;
+};
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+/// Median of what `work` takes by the device's clock, ms.
+template <class Work>
+double deviceMs(int times, const Work& work) {
+  GLuint stamps[2];
+  glCreateQueries(GL_TIMESTAMP, 2, stamps);
+  std::vector<double> ms;
+  for (int i = 0; i < times + 2; ++i) {
+    glQueryCounter(stamps[0], GL_TIMESTAMP);
+    work();
+    glQueryCounter(stamps[1], GL_TIMESTAMP);
+    GLuint64 begin = 0, end = 0;
+    glGetQueryObjectui64v(stamps[0], GL_QUERY_RESULT, &begin);
+    glGetQueryObjectui64v(stamps[1], GL_QUERY_RESULT, &end);
+    if (i >= 2) ms.push_back(1e-6 * static_cast<double>(end - begin));
+  }
+  glDeleteQueries(2, stamps);
+  return median(ms);
+}
+
+struct GrowthTimes {
+  double distribute_ms, nodes_ms, growth_ms;
+  size_t bytes;  ///< of grown vertices
+  double error;  ///< of a sample of the vertices, over the length of their guides
+};
+
+GrowthTimes timeGrowth(const Options& o, const StrandSet& guides, const HairGrowth& growth) {
+  const int segments = o.vertices - 1;
+  GuideNodes nodes(segments);
+  nodes.setGroom(guides);
+  HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<Hair> hairs = growHairs(guides, growth);
+  const double distribute =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  pass.setHairs(std::move(hairs), growth.lock_profile);
+  const HairDetail all = pass.all();
+  GrowthTimes times{};
+  times.distribute_ms = distribute;
+  times.nodes_ms = deviceMs(o.pictures, [&] { nodes.update(guides.positions, Pose{}); });
+  times.growth_ms = deviceMs(o.pictures, [&] { pass.grow(nodes, all); });
+  times.bytes = pass.vertices().bytes();
+  const HairReference reference(guides, guides.positions, segments);
+  const std::vector<GrownVertex> grown = readComputed(pass, nodes, 1);
+  for (size_t v = 0; v < grown.size(); v += 997) {
+    const Hair& hair = pass.hairs()[grown[v].hair];
+    const Eigen::Vector3d exact =
+        reference.at(hair, growth.lock_profile, static_cast<int>(grown[v].node)).position;
+    times.error = std::max(times.error,
+                           (grown[v].position.cast<double>() - exact).norm() / reference.guideLength(hair));
+  }
+  return times;
+}
+
+RenderStatistics timePasses(const Options& o, const Scene& scene, const HairGrowth& growth) {
+  RenderSettings settings;
+  settings.width = o.width;
+  settings.height = o.height;
+  settings.samples = o.samples;
+  settings.segments = o.vertices - 1;
+  settings.growth = growth;
+  Renderer renderer(settings);
+  GroomDescription groom;
+  groom.guides = scene.groom.strands;
+  BodyDescription body;
+  body.mesh = scene.body;
+  body.head_weights = scene.head_weights;
+  renderer.setGroom(groom);
+  renderer.setBody(body);
+  GuideFrame frame;
+  frame.positions = groom.guides.positions;
+  Box box = body.mesh.bounds();
+  for (const Vec3& p : groom.guides.positions) box.extend(Eigen::Vector3f(p));
+  std::vector<RenderStatistics> pictures;
+  for (int i = 0; i < o.pictures + 2; ++i) {
+    renderer.draw(frame, orbit(box, 0.4f, 0.1f, 1.4f));
+    const RenderStatistics statistics = renderer.statistics();
+    if (i >= 2) pictures.push_back(statistics);
+  }
+  RenderStatistics middle = pictures.back();
+  for (double RenderStatistics::*ms :
+       {&RenderStatistics::guides_ms, &RenderStatistics::growth_ms, &RenderStatistics::shadow_ms,
+        &RenderStatistics::body_ms, &RenderStatistics::hair_ms, &RenderStatistics::resolve_ms}) {
+    std::vector<double> values;
+    for (const RenderStatistics& s : pictures) values.push_back(s.*ms);
+    middle.*ms = median(values);
+  }
+  return middle;
+}
+
+int run(const Options& o) {
+  gl::HeadlessContext context;
+  SceneOptions make;
+  make.name = o.scene;
+  make.strands = o.guides;
+  const Scene scene = makeScene(make);
+  nlohmann::json results = nlohmann::json::array();
+  if (!o.json)
+    fmt::print("{} guides of scene {}, {} vertices a hair, {} x {}, {} samples, on {}\n", o.guides, o.scene,
+               o.vertices, o.width, o.height, o.samples, context.renderer());
+  for (const int count : o.hairs) {
+    HairGrowth growth;
+    growth.hairs = static_cast<size_t>(count);
+    growth.curl_radius = 0.003f;
+    const GrowthTimes times = timeGrowth(o, scene.groom.strands, growth);
+    const double per_second = count / (1e-3 * times.growth_ms);
+    nlohmann::json result{{"case", fmt::format("{} hairs", count)},
+                          {"distribute_ms", times.distribute_ms},
+                          {"guide_nodes_ms", times.nodes_ms},
+                          {"growth_ms", times.growth_ms},
+                          {"growth_bytes", times.bytes},
+                          {"hairs_per_second", per_second},
+                          {"growth_error", times.error}};
+    if (!o.json) {
+      fmt::print("{} hairs\n  {:<34} {:>10.3f} ms\n  {:<34} {:>10.3f} ms\n", count,
+                 "chosen and placed, once, on the CPU", times.distribute_ms, "guide nodes", times.nodes_ms);
+      fmt::print("  {:<34} {:>10.3f} ms, {:.3g} hairs/s, {:.1f} MiB, error {:.1e} of the length\n",
+                 "growth in compute", times.growth_ms, per_second, static_cast<double>(times.bytes) / 1048576,
+                 times.error);
+    }
+    if (!o.growth_only) {
+      const RenderStatistics s = timePasses(o, scene, growth);
+      const std::pair<const char*, double> passes[] = {
+          {"guides_ms", s.guides_ms}, {"grow_ms", s.growth_ms}, {"shadow_ms", s.shadow_ms},
+          {"body_ms", s.body_ms},     {"hair_ms", s.hair_ms},   {"resolve_ms", s.resolve_ms}};
+      for (const auto& [name, ms] : passes) {
+        result[name] = ms;
+        if (!o.json) fmt::print("  pass {:<29} {:>10.3f} ms\n", name, ms);
+      }
+      result["device_bytes"] = s.device_bytes;
+      result["hairs_drawn"] = s.hairs_drawn;
+      if (!o.json)
+        fmt::print("  {:<34} {:>10.1f} MiB, {} hairs drawn\n", "device memory",
+                   static_cast<double>(s.device_bytes) / 1048576, s.hairs_drawn);
+    }
+    results.push_back(std::move(result));
+    std::fflush(stdout);
+  }
+  if (o.json)
+    fmt::print("{}\n", nlohmann::json({{"name", "render"},
+                                       {"device", context.renderer()},
+                                       {"params",
+                                        {{"scene", o.scene},
+                                         {"guides", o.guides},
+                                         {"vertices", o.vertices},
+                                         {"width", o.width},
+                                         {"height", o.height},
+                                         {"samples", o.samples}}},
+                                       {"results", results}})
+                           .dump());
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> addRenderBench(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.add_option("--hairs", o->hairs, "one or more numbers")
+      ->check(CLI::Range(1, 4000000))
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--vertices", o->vertices, "per hair")->check(CLI::Range(2, 257))->capture_default_str();
+  app.add_option("--guides", o->guides)->check(CLI::Range(1, 1000000))->capture_default_str();
+  app.add_option("--scene", o->scene, "procedural scene")->capture_default_str();
+  app.add_option("--width", o->width, "pixels")->check(CLI::Range(16, 16384))->capture_default_str();
+  app.add_option("--height", o->height, "pixels")->check(CLI::Range(16, 16384))->capture_default_str();
+  app.add_option("--samples", o->samples, "per pixel")->check(CLI::Range(1, 8))->capture_default_str();
+  app.add_option("--pictures", o->pictures, "timed; medians are given")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  app.add_flag("--growth-only", o->growth_only, "compute alone, no picture");
+  app.add_flag("--json", o->json, "print one JSON object");
+  return [o] { return run(*o); };
+}
+
+}  // namespace strandcast

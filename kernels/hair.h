@@ -1,0 +1,133 @@
+// Kernel text: see kernels/README.md. The curve of a hair that is grown from guides. For one lane at a time: it takes sines.
+
+// A guide between two of its vertices: a cubic Hermite curve from p0 to p1 with the tangents m0 and m1 (m per unit of the
+// knots), `h` of the knots apart, at the part s of the way. Written from p0, so that coordinates far from the origin do not
+// cost digits.
+FN real3 splinePosition(IN(real3) p0, IN(real3) p1, IN(real3) m0, IN(real3) m1, IN(real) h, IN(real) s) {
+  real s2 = s * s;
+  real s3 = s2 * s;
+  real3 bend = m0 * (s3 - lit(2) * s2 + s) + m1 * (s3 - s2);
+  return p0 + (p1 - p0) * (lit(3) * s2 - lit(2) * s3) + bend * h;
+}
+// By the knots.
+FN real3 splineDerivative(IN(real3) p0, IN(real3) p1, IN(real3) m0, IN(real3) m1, IN(real) h, IN(real) s) {
+  real s2 = s * s;
+  real3 bend = m0 * (lit(3) * s2 - lit(4) * s + lit(1)) + m1 * (lit(3) * s2 - lit(2) * s);
+  return (p1 - p0) * (lit(6) * (s - s2) / h) + bend;
+}
+
+// v in the mirror whose normal is `across`; v itself where that has no length.
+FN real3 mirrored(IN(real3) v, IN(real3) across) {
+  real l2 = dot(across, across);
+  mask tiny = l2 < lit(1e-16);
+  return select(tiny, v, v - across * (lit(2) * dot(across, v) / select(tiny, lit(1), l2)));
+}
+// The unit normal of a twist-free frame carried on along `step` to the unit tangent `tangent`, by double reflection (Wang,
+// Juettler, Zheng, Liu 2008, "Computation of rotation minimizing frames"). Not unit where it comes to lie along the tangent.
+FN real3 carriedNormal(IN(real3) normal, IN(real3) last_tangent, IN(real3) step, IN(real3) tangent) {
+  real3 turned = mirrored(last_tangent, step);
+  real3 n = mirrored(mirrored(normal, step), tangent - turned);
+  return normalizeOrZero(n - tangent * dot(n, tangent));
+}
+
+// The radius of a lock along it: a quadratic Bezier curve over factors at root, middle and tip.
+FN real lockRadius(IN(real3) profile, IN(real) u) {
+  real v = lit(1) - u;
+  return v * v * profile.x + lit(2) * u * v * profile.y + u * u * profile.z;
+}
+FN real lockRadiusSlope(IN(real3) profile, IN(real) u) {
+  return lit(2) * ((lit(1) - u) * (profile.y - profile.x) + u * (profile.z - profile.y));
+}
+
+// Radians of so many turns, the whole ones left out.
+FN real turnAngle(IN(real) turns) { return lit(6.283185307179586) * (turns - floor(turns + lit(0.5))); }
+
+// Where a hair is in the twist-free frame of the guide that it follows most: along its normal and binormal, metres, and how
+// that changes by u, the part of the length from the root.
+struct AcrossGuide {
+  real x, y, slope_x, slope_y;
+};
+FN AcrossGuide turning(IN(real) turns, IN(real) per_u, IN(real) radius, IN(real) slope) {
+  real angle = turnAngle(turns);
+  real c = cos(angle);
+  real s = sin(angle);
+  real around = lit(6.283185307179586) * per_u * radius;
+  AcrossGuide at;
+  at.x = radius * c;
+  at.y = radius * s;
+  at.slope_x = slope * c - around * s;
+  at.slope_y = slope * s + around * c;
+  return at;
+}
+// The place in the lock (`offset` metres, only x and y) times the lock's radius; a curl, a helix of `curl_radius` metres that
+// opens from the root on, with `curl_turns` over the whole length; and deviations: by `tip` metres, most of it in the last
+// quarter, and by `whole` metres all along but the root. Both wander by one and a half turns.
+FN AcrossGuide hairAcross(IN(real) u, IN(real3) offset, IN(real3) profile, IN(real) tip, IN(real) whole,
+                          IN(real) deviation_phase, IN(real) curl_radius, IN(real) curl_turns, IN(real) curl_phase) {
+  real opening = u * (lit(2) - u);
+  real opening_slope = lit(2) - lit(2) * u;
+  real u2 = u * u;
+  real u5 = u2 * u2 * u;
+  AcrossGuide strays = turning(deviation_phase + lit(1.5) * u, lit(1.5), tip * u5 * u + whole * opening,
+                               lit(6) * tip * u5 + whole * opening_slope);
+  AcrossGuide curl =
+      turning(curl_phase + curl_turns * u, curl_turns, curl_radius * opening, curl_radius * opening_slope);
+  real radius = lockRadius(profile, u);
+  real slope = lockRadiusSlope(profile, u);
+  AcrossGuide at;
+  at.x = offset.x * radius + strays.x + curl.x;
+  at.y = offset.y * radius + strays.y + curl.y;
+  at.slope_x = offset.x * slope + strays.slope_x + curl.slope_x;
+  at.slope_y = offset.y * slope + strays.slope_y + curl.slope_y;
+  return at;
+}
+
+// How far a hair has left its three guides for the first of them alone, 0 to 1, and how that changes by u: `clump` u, and
+// what bodies ask for beyond that (`bodies`, with its slope).
+struct Closing {
+  real part, slope;
+};
+FN Closing hairClosing(IN(real) u, IN(real) clump, IN(real) bodies, IN(real) bodies_slope) {
+  real open = lit(1) - clump * u;
+  Closing closing;
+  closing.part = clump * u + open * bodies;
+  closing.slope = clump * (lit(1) - bodies) + open * bodies_slope;
+  return closing;
+}
+
+// The hair from its guides' positions at u: `ab` and `ac` from the first to the others, with their weights.
+FN real3 hairPosition(IN(real3) a, IN(real3) ab, IN(real3) ac, IN(real) weight_b, IN(real) weight_c, IN(Closing) closing,
+                      IN(AcrossGuide) across, IN(real3) normal, IN(real3) binormal) {
+  real open = lit(1) - closing.part;
+  return a + ab * (open * weight_b) + ac * (open * weight_c) + normal * across.x + binormal * across.y;
+}
+// Its derivative by u, up to a part along the guide: the frame turns only about axes across the tangent. `da`, `dab`, `dac`:
+// derivatives of the above.
+FN real3 hairDerivative(IN(real3) da, IN(real3) dab, IN(real3) dac, IN(real3) ab, IN(real3) ac, IN(real) weight_b,
+                        IN(real) weight_c, IN(Closing) closing, IN(AcrossGuide) across, IN(real3) normal,
+                        IN(real3) binormal) {
+  real open = lit(1) - closing.part;
+  real3 spread = dab * (open * weight_b) + dac * (open * weight_c);
+  real3 close = (ab * weight_b + ac * weight_c) * closing.slope;
+  return da + spread - close + normal * across.slope_x + binormal * across.slope_y;
+}
+
+// Part of the full width where the part `along` of the hair lies behind: all of it up to three quarters, then less, to none at
+// the tip.
+FN real hairTaper(IN(real) along) { return clamp(lit(4) * (lit(1) - along), lit(0), lit(1)); }
+
+// How far a vertex is kept from the surface of bodies, m: `clear` but near the root, where hair may be as deep as its root is.
+FN real keptDistance(IN(real) u, IN(real) root_distance, IN(real) clear) {
+  real t = clamp(u * lit(20), lit(0), lit(1));
+  return clear + (min(root_distance, clear) - clear) * (lit(1) - t * t * (lit(3) - lit(2) * t));
+}
+
+// A hair of which a vertex would go into a body follows one guide from there on, as the guides do not (Yuksel and Tariq 2010,
+// "Advanced Techniques in Real-Time Hair Rendering and Simulation"), and goes over to it within `zone`, a part of the length,
+// before. So that nothing pops as hair moves, a vertex asks for the more of that the deeper it is, all of it from 2 mm on; of
+// what all vertices ask for, the most counts. `ahead`: how far on along u that vertex is, negative behind.
+FN real closingAsked(IN(real) depth) { return clamp(depth * lit(500), lit(0), lit(1)); }
+FN real closingBefore(IN(real) asked, IN(real) ahead, IN(real) zone) {
+  real t = clamp(lit(1) - ahead / zone, lit(0), lit(1));
+  return asked * t * t * (lit(3) - lit(2) * t);
+}

@@ -1,0 +1,70 @@
+#include "render/hair_bodies.h"
+
+#include <string>
+
+#include "core/error.h"
+#include "render/scene_block.h"
+#include "render/shaders.h"
+
+namespace strandcast {
+namespace {
+
+constexpr size_t kGroupSize = 64;  // as in hair_bodies.comp
+
+}  // namespace
+
+HairBodies::HairBodies() : program_("hair bodies", {{GL_COMPUTE_SHADER, shaders::kHairBodiesComp}}) {
+  hair_buffer_ = gl::Buffer(0, nullptr, 0);
+  setObstacles({});
+}
+
+void HairBodies::setObstacles(std::vector<HairObstacle> obstacles) {
+  for (size_t i = 0; i < obstacles.size(); ++i)
+    checkPrimitive(obstacles[i].shape, "obstacle " + std::to_string(i) + " of the hair");
+  obstacles_ = std::move(obstacles);
+  shapes_.clear();
+  first_words_.clear();
+  for (const HairObstacle& obstacle : obstacles_) first_words_.push_back(shapes_.add(obstacle.shape));
+  word_buffer_ = gl::Buffer(std::span<const uint32_t>(shapes_.words));
+  body_buffer_ = gl::Buffer(obstacles_.size() * sizeof(MovingPrimitive), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  place(Pose{});
+}
+
+void HairBodies::place(const Pose& head) {
+  std::vector<MovingPrimitive> placed;
+  for (size_t i = 0; i < obstacles_.size(); ++i) {
+    const Pose pose = obstacles_[i].follows_head ? head : Pose{};
+    placed.push_back(moved(obstacles_[i].shape, pose, pose, 1, first_words_[i]));
+  }
+  if (!placed.empty()) body_buffer_.write(std::span<const MovingPrimitive>(placed));
+}
+
+void HairBodies::find(size_t hairs, int segments) {
+  const size_t bytes = hairs * static_cast<size_t>(segments + 2) * sizeof(float);
+  GLint64 largest = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
+  if (bytes > static_cast<size_t>(largest))
+    throw Error("too much hair to keep it out of bodies",
+                std::to_string(hairs) + " hairs of " + std::to_string(segments) +
+                    " segments need a buffer of " + std::to_string(bytes) + " bytes, the device allows " +
+                    std::to_string(largest),
+                "grow fewer hairs or segments, or let hair go into bodies");
+  if (bytes > hair_buffer_.bytes()) hair_buffer_ = gl::Buffer(bytes, nullptr, 0);
+  bind();
+  program_.set("hair_count", static_cast<unsigned>(hairs));
+  program_.use();
+  glDispatchCompute(static_cast<GLuint>((hairs + kGroupSize - 1) / kGroupSize), 1, 1);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void HairBodies::bind() const {
+  body_buffer_.bindStorage(binding::kBodies);
+  word_buffer_.bindStorage(binding::kBodyWords);
+  hair_buffer_.bindStorage(binding::kHairBodies);
+}
+
+size_t HairBodies::bytes() const {
+  return body_buffer_.bytes() + word_buffer_.bytes() + hair_buffer_.bytes();
+}
+
+}  // namespace strandcast

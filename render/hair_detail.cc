@@ -1,0 +1,41 @@
+#include "render/hair_detail.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strandcast {
+
+float detailKey(const Hair& hair) { return hair.width / std::max(1 - hair.dither, 1e-7f); }
+
+HairDetail detailOfPart(std::span<const Hair> hairs, float part) {
+  HairDetail detail;
+  detail.hairs = hairs.size();
+  if (hairs.empty() || !(part < 1)) return detail;
+  const double wanted = std::ceil(static_cast<double>(part) * static_cast<double>(hairs.size()));
+  detail.hairs = std::clamp<size_t>(static_cast<size_t>(wanted), 1, hairs.size());
+  detail.threshold = 1 / std::max(detailKey(hairs[detail.hairs - 1]), 1e-9f);
+  return detail;
+}
+
+HairDetail detailOfSize(std::span<const Hair> hairs, float hair_pixels, float finest) {
+  HairDetail detail;
+  detail.hairs = hairs.size();
+  if (!(hair_pixels > 0 && finest > 0)) return detail;
+  detail.threshold = hair_pixels / finest;
+  // A little below 1, so that rounding in the shader never asks for a hair that was left out.
+  const float least = 0.999f / detail.threshold;
+  const auto end = std::partition_point(hairs.begin(), hairs.end(),
+                                        [&](const Hair& hair) { return detailKey(hair) >= least; });
+  detail.hairs = static_cast<size_t>(end - hairs.begin());
+  return detail;
+}
+
+int strideFor(float segment_pixels, float longest, int segments, int least_segments) {
+  int stride = 1;
+  while (2 * static_cast<float>(stride) * segment_pixels <= longest &&
+         segments >= 2 * stride * std::max(least_segments, 1))
+    stride *= 2;
+  return stride;
+}
+
+}  // namespace strandcast

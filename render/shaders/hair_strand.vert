@@ -1,0 +1,25 @@
+#version 450 core
+// variants: COLOR=1 | COLOR=1 STRIP=1 | OPACITY=1 | FRONT=1
+// A vertex of a hair that was grown before: an instance a hair, a vertex a node, or with STRIP two.
+#include "render/shaders/scene.glsl"
+#include "render/shaders/hair_curve.glsl"
+#include "render/shaders/hair_vertex.glsl"
+layout(std430, binding = 5) readonly buffer HairVertices { vec4 hair_vertices[]; };
+uniform uint first_hair;  // of the buffer
+uniform uint nodes_per_hair;
+
+void main() {
+  uint in_buffer = uint(gl_InstanceID);
+#ifdef STRIP
+  uint node = uint(gl_VertexID) / 2u;
+  float side = (gl_VertexID & 1) == 0 ? -1.0 : 1.0;
+#else
+  uint node = uint(gl_VertexID);
+  float side = 0.0;
+#endif
+  uint at = 2u * (in_buffer * nodes_per_hair + node);
+  vec4 position_along = hair_vertices[at], tangent_usable = hair_vertices[at + 1u];
+  uint index = first_hair + in_buffer;
+  emitHair(hairs[index], position_along.xyz, tangent_usable.xyz, position_along.w, side);
+  if (tangent_usable.w < 0.5) gl_Position = vec4(2, 2, 2, 1);
+}

@@ -1,0 +1,50 @@
+// What a vertex of a hair becomes in a pass, however it was grown: COLOR shades it, OPACITY and FRONT look from the light.
+// Needs scene.glsl and hair_curve.glsl. STRIP: one of two on either side of the hair.
+#ifdef COLOR
+#include "render/shaders/color.glsl"
+#include "render/shaders/shadow.glsl"
+#include "render/shaders/hair_shading.glsl"
+layout(location = 4) out vec3 radiance;
+#endif
+layout(location = 2) out float coverage;
+layout(location = 3) flat out vec2 dither;  // what is left of it, and the hair's own
+uniform float threshold;
+
+// Fewer, wider hairs; see hair_detail.h. The factor of a hair's width, and what is left of its dither.
+float detailWidth(Hair hair, out float left) {
+  float chance = min(threshold * hair.width, 1.0);
+  left = clamp((hair.dither - 1.0 + chance) / chance, 0.0, 0.99999994);
+  float factor = 1.0 / chance;
+#ifdef OPACITY
+  // The last ones thin out, as the light's maps know no samples.
+  factor *= mix(1.0, min(4.0 * left, 1.0) * (8.0 / 7.0), 1.0 - chance);
+#endif
+  return factor;
+}
+
+void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float side) {
+  float width = scene.hair_color.w * hair.width * hairTaper(along) * detailWidth(hair, dither.x);
+  dither.y = hair.dither;
+#ifdef COLOR
+  gl_Position = scene.view_projection * vec4(position, 1);
+  float pixels = scene.eye.w / max(gl_Position.w, 1e-3);  // per metre there
+  // Guides lie on the skin or a little in it: for the depth test, hair is 2.5 mm nearer to the eye.
+  vec3 to_eye = normalize(scene.eye.xyz - position);
+  vec4 nearer_clip = scene.view_projection * vec4(position + 0.0025 * to_eye, 1);
+#ifdef STRIP
+  // Towards the eye, at least a pixel wide; a thinner hair covers its part of that.
+  float drawn = max(width, 1.0 / pixels);
+  gl_Position = scene.view_projection * vec4(position + side * 0.5 * drawn * normalizeOrZero(cross(tangent, to_eye)), 1);
+  coverage = width / drawn;
+#else
+  coverage = width * pixels / scene.sampling.y;
+#endif
+  if (nearer_clip.w > 0.0) gl_Position.z = nearer_clip.z / nearer_clip.w * gl_Position.w;
+  radiance = hairRadiance(position, tangent, along, hair.shade, hair.warmth);
+#else
+  gl_Position = scene.light_view_projection * vec4(position, 1);
+  // A line has one texel in every column, or row, that it crosses: fewer than its length.
+  vec2 way = abs((scene.light_view_projection * vec4(tangent, 0)).xy);
+  coverage = width * scene.sampling.z * length(way) / max(max(way.x, way.y), 1e-12);
+#endif
+}
