@@ -73,7 +73,7 @@ void HairPasses::measureRest(const StrandModel& model, AirBlock& block) {
   held_.bindStorage(1);
   crowd_sums_.bindStorage(8);
   densities_.bindStorage(10);
-  programs_.get("hair_crowd.comp", shaders::kHairCrowdComp, "#define MEASURE 1\n").use();
+  rest_of_.get(programs_, "hair_crowd.comp", shaders::kHairCrowdComp, "#define MEASURE 1\n").use();
   dispatchSamples(kWorkgroup);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   glGetNamedBufferSubData(resting_.id(), 0, static_cast<GLsizeiptr>(samples_ * sizeof(resting_host_[0])),
@@ -155,12 +155,12 @@ void HairPasses::splat(const Strands& strands) {
   }
   if (!measured_) {
     glClearNamedBufferData(fastest_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
-    programs_.get("hair_splat.comp", shaders::kHairSplatComp, "#define MEASURE 1\n").use();
+    fastest_of_.get(programs_, "hair_splat.comp", shaders::kHairSplatComp, "#define MEASURE 1\n").use();
     dispatchSamples(kWorkgroup);
     finishPass();
     measured_ = true;
   }
-  programs_.get("hair_splat.comp", shaders::kHairSplatComp, "#define MEASURE 0\n").use();
+  splat_.get(programs_, "hair_splat.comp", shaders::kHairSplatComp, "#define MEASURE 0\n").use();
   dispatchSamples(kWorkgroup);
   clean_ = false;
 }
@@ -171,7 +171,7 @@ void HairPasses::findDensity() {
   crowd_sums_.bindStorage(8);
   nodes_.bindStorage(9);
   densities_.bindStorage(10);
-  programs_.get("hair_density.comp", shaders::kHairDensityComp, "").use();
+  density_of_.get(programs_, "hair_density.comp", shaders::kHairDensityComp).use();
   dispatchNodes();
   finishPass();
 }
@@ -182,7 +182,7 @@ void HairPasses::crowd() {
   places_.bindStorage(5);
   crowd_sums_.bindStorage(8);
   densities_.bindStorage(10);
-  programs_.get("hair_crowd.comp", shaders::kHairCrowdComp, "#define MEASURE 0\n").use();
+  crowd_.get(programs_, "hair_crowd.comp", shaders::kHairCrowdComp, "#define MEASURE 0\n").use();
   dispatchSamples(kWorkgroup);
 }
 
@@ -192,10 +192,11 @@ void HairPasses::findForces(bool crowds, bool rubs) {
   nodes_.bindStorage(9);
   densities_.bindStorage(10);
   changes_.bindStorage(11);
-  programs_
-      .get("hair_forces.comp", shaders::kHairForcesComp,
-           fmt::format("#define CROWDS {:d}\n#define RUBS {:d}\n", crowds, rubs))
-      .use();
+  static constexpr const char* kDefines[] = {
+      "#define CROWDS 0\n#define RUBS 0\n", "#define CROWDS 1\n#define RUBS 0\n",
+      "#define CROWDS 0\n#define RUBS 1\n", "#define CROWDS 1\n#define RUBS 1\n"};
+  const size_t which = (crowds ? 1u : 0u) + (rubs ? 2u : 0u);
+  forces_of_[which].get(programs_, "hair_forces.comp", shaders::kHairForcesComp, kDefines[which]).use();
   dispatchNodes();
   finishPass();
   clean_ = true;
@@ -217,10 +218,16 @@ void HairPasses::gather(const Strands& strands, const Needs& needs, const gl::Bu
   centres.bindStorage(12);
   turbulence.bindStorage(13);
   sources.bindStorage(14);
-  const gl::Program& program = programs_.get(
-      "hair_gather.comp", shaders::kHairGatherComp,
-      fmt::format("#define FORCES {:d}\n#define AIR {}\n#define RATES {:d}\n#define ALONG {:d}\n",
-                  needs.forces, static_cast<int>(needs.air), rated_, needs.along));
+  const auto air = static_cast<size_t>(needs.air);
+  LazyProgram& lazy =
+      gather_of_[air + 3 * ((needs.forces ? 1u : 0u) + (rated_ ? 2u : 0u) + (needs.along ? 4u : 0u))];
+  char defines[80];
+  const auto end =
+      fmt::format_to_n(defines, sizeof defines - 1,
+                       "#define FORCES {:d}\n#define AIR {}\n#define RATES {:d}\n#define ALONG {:d}\n",
+                       needs.forces, air, rated_, needs.along);
+  *end.out = '\0';
+  const gl::Program& program = lazy.get(programs_, "hair_gather.comp", shaders::kHairGatherComp, defines);
   glProgramUniform1i(program.id(), 0, margin_);
   program.use();
   dispatchSamples(kWorkgroup - 2 * static_cast<size_t>(margin_));

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <vector>
 
 #include "air/hair_layout.h"
@@ -59,6 +60,9 @@ class HairPasses {
   void boundCrowding(float volume_target);
 
   ProgramCache& programs_;
+  LazyProgram splat_, fastest_of_, density_of_, crowd_, rest_of_;
+  std::array<LazyProgram, 4> forces_of_;   ///< by crowding and friction
+  std::array<LazyProgram, 24> gather_of_;  ///< by what there is to gather
   HairLayout layout_;
   size_t samples_ = 0, nodes_count_;
   int margin_ = 1;  ///< see shaders/hair_gather.comp

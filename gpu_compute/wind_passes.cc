@@ -79,9 +79,6 @@ void WindPasses::dispatchFaces() const {
 void WindPasses::dispatchCells() const { glDispatchCompute(groupsOf(cubed(cells_), kInvocations), 1, 1); }
 
 void WindPasses::carry() {
-  const gl::Program &carry = programs_.get("wind_shift.comp", shaders::kWindShiftComp, "#define CENTRES 0\n"),
-                    &middle =
-                        programs_.get("wind_shift.comp", shaders::kWindShiftComp, "#define CENTRES 1\n");
   if (turbulence_seed_ != ambient_.seed()) {
     turbulence_ = gl::Buffer(ambient_.box());
     turbulence_seed_ = ambient_.seed();
@@ -92,14 +89,14 @@ void WindPasses::carry() {
   next().bindStorage(1);
   pressures_[0].bindStorage(3);
   pressures_[1].bindStorage(4);
-  carry.use();
+  carry_.get(programs_, "wind_shift.comp", shaders::kWindShiftComp, "#define CENTRES 0\n").use();
   dispatchFaces();
   finishPass();
   advance();
   std::swap(pressures_[0], pressures_[1]);
   faces().bindStorage(0);
   centres_.bindStorage(2);
-  middle.use();
+  centres_of_.get(programs_, "wind_shift.comp", shaders::kWindShiftComp, "#define CENTRES 1\n").use();
   dispatchCells();
   finishPass();
 }
@@ -115,7 +112,7 @@ void WindPasses::setFaces(std::span<const float> values) {
   faces().write(values);
   faces().bindStorage(0);
   centres_.bindStorage(2);
-  programs_.get("wind_shift.comp", shaders::kWindShiftComp, "#define CENTRES 1\n").use();
+  centres_of_.get(programs_, "wind_shift.comp", shaders::kWindShiftComp, "#define CENTRES 1\n").use();
   dispatchCells();
   finishPass();
 }
@@ -152,8 +149,8 @@ void WindPasses::findDisplacements(bool mac_cormack) {
   centres_.bindStorage(2);
   displacements_.bindStorage(3);
   onwards_.bindStorage(4);
-  programs_
-      .get("wind_displace.comp", shaders::kWindDisplaceComp,
+  (mac_cormack ? displace_both_ : displace_)
+      .get(programs_, "wind_displace.comp", shaders::kWindDisplaceComp,
            mac_cormack ? "#define ONWARD 1\n" : "#define ONWARD 0\n")
       .use();
   dispatchCells();
@@ -169,14 +166,14 @@ void WindPasses::advect(bool mac_cormack) {
   faces().bindStorage(0);
   next().bindStorage(1);
   displacements_.bindStorage(3);
-  programs_.get("wind_advect.comp", shaders::kWindAdvectComp, "#define CORRECT 0\n").use();
+  advect_.get(programs_, "wind_advect.comp", shaders::kWindAdvectComp, "#define CORRECT 0\n").use();
   dispatchFaces();
   finishPass();
   if (mac_cormack) {
     next().bindStorage(5);
     next(2).bindStorage(1);
     onwards_.bindStorage(4);
-    programs_.get("wind_advect.comp", shaders::kWindAdvectComp, "#define CORRECT 1\n").use();
+    correct_.get(programs_, "wind_advect.comp", shaders::kWindAdvectComp, "#define CORRECT 1\n").use();
     dispatchFaces();
     finishPass();
   }
@@ -188,7 +185,7 @@ void WindPasses::findSolids(const gl::Buffer& shapes) {
   solids_.bindStorage(0);
   bodies_.bindStorage(7);
   shapes.bindStorage(14);
-  programs_.get("wind_solids.comp", shaders::kWindSolidsComp, "").use();
+  solids_of_.get(programs_, "wind_solids.comp", shaders::kWindSolidsComp).use();
   dispatchCells();
 }
 
@@ -196,8 +193,8 @@ void WindPasses::findExchange(const gl::Buffer* nodes) {
   sources_.bindStorage(14);
   exchange_.bindStorage(6);
   if (nodes != nullptr) nodes->bindStorage(9);
-  programs_
-      .get("wind_exchange.comp", shaders::kWindExchangeComp,
+  (nodes != nullptr ? exchange_hair_ : exchange_of_)
+      .get(programs_, "wind_exchange.comp", shaders::kWindExchangeComp,
            nodes != nullptr ? "#define HAIR 1\n" : "#define HAIR 0\n")
       .use();
   dispatchCells();
@@ -207,9 +204,10 @@ void WindPasses::diffuse(double seconds, double viscosity, bool exchanges) {
   const double whole = viscosity * seconds / (static_cast<double>(cell_) * static_cast<double>(cell_));
   const int steps = std::max(static_cast<int>(std::ceil(whole / kLargestPart)), exchanges ? 1 : 0);
   for (int step = 0; step < steps; ++step) {
-    const gl::Program& program =
-        programs_.get("wind_diffuse.comp", shaders::kWindDiffuseComp,
-                      exchanges && step + 1 == steps ? "#define EXCHANGE 1\n" : "#define EXCHANGE 0\n");
+    const bool last = exchanges && step + 1 == steps;
+    const gl::Program& program = (last ? diffuse_exchange_ : diffuse_)
+                                     .get(programs_, "wind_diffuse.comp", shaders::kWindDiffuseComp,
+                                          last ? "#define EXCHANGE 1\n" : "#define EXCHANGE 0\n");
     glProgramUniform1f(program.id(), 0, static_cast<float>(whole / steps));
     faces().bindStorage(0);
     next().bindStorage(1);
@@ -229,7 +227,7 @@ void WindPasses::closeFaces() {
   pressure_.masks().bindStorage(3);
   pressure_.rights().bindStorage(4);
   pressure_.state().bindStorage(15);
-  programs_.get("wind_faces.comp", shaders::kWindFacesComp, "").use();
+  close_.get(programs_, "wind_faces.comp", shaders::kWindFacesComp).use();
   dispatchCells();
   finishPass();
   advance();
@@ -242,7 +240,7 @@ void WindPasses::subtractGradient() {
   centres_.bindStorage(2);
   pressure_.masks().bindStorage(3);
   pressures_[0].bindStorage(4);
-  programs_.get("wind_gradient.comp", shaders::kWindGradientComp, "").use();
+  subtract_.get(programs_, "wind_gradient.comp", shaders::kWindGradientComp).use();
   dispatchCells();
   finishPass();
   advance();

@@ -104,6 +104,8 @@ class WindPasses {
   size_t bodies_room_ = 0;
   PressurePasses pressure_;
   std::unique_ptr<Reports> reports_;
+  LazyProgram carry_, centres_of_, displace_, displace_both_, advect_, correct_, solids_of_, exchange_of_,
+      exchange_hair_, diffuse_, diffuse_exchange_, close_, subtract_;
 };
 
 }  // namespace strandcast::gpu
