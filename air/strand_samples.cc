@@ -6,7 +6,8 @@
 namespace strandcast {
 namespace {
 
-constexpr float kLongest = 1.5f;  // cells that a piece of several edges may be long: the blur is wider
+// Cells that a piece of several edges may be long: of what repeats every 2.2 cells the splat and the blur leave 2 %.
+constexpr float kLongest = 2.25f;
 constexpr uint32_t kMostParts = 16;
 
 float edgeLength(const StrandModel& model, uint32_t edge) {

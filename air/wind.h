@@ -75,6 +75,6 @@ float windCell(const Box& box, int cells);
 constexpr double kFirstWeight = 1 / (1.25 + 0.75 * 0.70710678),
                  kSecondWeight = 1 / (1.25 - 0.75 * 0.70710678);
 constexpr int kCoarsest = 4;         ///< cells per axis, of multigrid
-constexpr int kCoarsestSweeps = 16;  ///< pairs
+constexpr int kCoarsestSweeps = 6;   ///< pairs
 
 }  // namespace strandcast

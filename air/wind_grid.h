@@ -36,7 +36,8 @@ class WindGrid : public Wind {
   void clearSolids() override;
   void addSolids(std::span<const MovingPrimitive> bodies, std::span<const uint32_t> words,
                  double seconds) override;
-  /// Cells in `box` whose middle has a distance below 0 are solid and move with velocity(point).
+  /// Cells in `box` whose middle has a distance below 0 are solid and move with velocity(point). Distances are
+  /// never farther from 0 than the true ones.
   template <class Distance, class Velocity>
   void addSolid(const Box& box, const Distance& distance, const Velocity& velocity);
 
@@ -95,18 +96,31 @@ void WindGrid<Scalar>::addSolid(const Box& box, const Distance& distance, const 
     high[axis] =
         std::min(shape_.cells, static_cast<int>(std::ceil((box.max()[axis] - corner[axis]) / cell_)) + 1);
   }
-  for (int k = low[2]; k < high[2]; ++k)
-    for (int j = low[1]; j < high[1]; ++j)
-      for (int i = low[0]; i < high[0]; ++i) {
-        const Vec3 middle(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f,
-                          static_cast<float>(k) + 0.5f);
-        const Vec3 point = corner + middle * cell_;
-        if (!(distance(point) < 0)) continue;
-        const size_t c = shape_.at(i, j, k);
-        if (solid_[c] == 0) solid_cells_.push_back(static_cast<uint32_t>(c));
-        solid_[c] = 1;
-        solid_velocity_[c] = velocity(point);
-      }
+  auto middleOf = [&](int i, int j, int k, float side) {
+    return Vec3(corner + (Vec3(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)) +
+                          Vec3::Constant(0.5f * side)) *
+                             cell_);
+  };
+  // Blocks whose middle is farther from the surface than their cells' middles are from it lie on one side.
+  constexpr int kBlock = 4;
+  const float farthest = 1.01f * std::sqrt(3.0f) * 0.5f * static_cast<float>(kBlock - 1) * cell_;
+  auto addBlock = [&](int bi, int bj, int bk) {
+    const float away = distance(middleOf(bi, bj, bk, static_cast<float>(kBlock)));
+    if (away > farthest) return;
+    for (int k = bk; k < std::min(bk + kBlock, high[2]); ++k)
+      for (int j = bj; j < std::min(bj + kBlock, high[1]); ++j)
+        for (int i = bi; i < std::min(bi + kBlock, high[0]); ++i) {
+          const Vec3 point = middleOf(i, j, k, 1);
+          if (!(away < -farthest || distance(point) < 0)) continue;
+          const size_t c = shape_.at(i, j, k);
+          if (solid_[c] == 0) solid_cells_.push_back(static_cast<uint32_t>(c));
+          solid_[c] = 1;
+          solid_velocity_[c] = velocity(point);
+        }
+  };
+  for (int k = low[2]; k < high[2]; k += kBlock)
+    for (int j = low[1]; j < high[1]; j += kBlock)
+      for (int i = low[0]; i < high[0]; i += kBlock) addBlock(i, j, k);
 }
 
 extern template class WindGrid<float>;

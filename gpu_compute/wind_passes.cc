@@ -11,7 +11,7 @@ namespace strandcast::gpu {
 namespace {
 
 constexpr size_t kInvocations = 256;
-constexpr int kAhead = 2;   // iterations of the pressure beyond what the step before last took
+constexpr int kAhead = 1;   // iterations of the pressure beyond what the step before last took
 constexpr int kFirst = 12;  // iterations of the first steps
 constexpr int kBatch = 4;   // iterations between two looks at the residual
 
