@@ -14,7 +14,7 @@ struct StrandPieces {
 };
 static_assert(sizeof(StrandPieces) == 16);  // read by shaders as 4 words
 
-/// The pieces of strands that stand for them on a grid: whole edges up to 2.25 cells long in all, or parts of
+/// The pieces of strands that stand for them on a grid: whole edges up to 1.5 cells long in all, or parts of
 /// an edge that is longer. Pieces of a strand are neighbours, root to tip.
 struct StrandSamples {
   std::vector<StrandSample> samples;
