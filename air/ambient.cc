@@ -86,7 +86,7 @@ void Ambient::setTime(double seconds) {
 
 Vec3 Ambient::at(const Vec3& point) const {
   if (!(turbulence_ > 0)) return mean_;
-  const Vec3 place = (point - carried_) * (kBox / turbulence_length_);
+  const Vec3 place = (point - carried_) * boxPlacesPerMetre();
   const Vec3 low = place.array().floor(), part = place - low;
   Vec3 out = Vec3::Zero();
   for (int c = 0; c < 8; ++c) {
@@ -98,6 +98,8 @@ Vec3 Ambient::at(const Vec3& point) const {
   }
   return mean_ + out;
 }
+
+float Ambient::boxPlacesPerMetre() const { return kBox / turbulence_length_; }
 
 double Ambient::boxMeanSquare() const {
   double square = 0;

@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include "core/parameters.h"
@@ -24,6 +25,12 @@ class Ambient {
   const Vec3& mean() const { return mean_; }
   /// m/s at a point in metres.
   Vec3 at(const Vec3& point) const;
+  // What a GPU needs to do the same as at().
+  int seed() const { return seed_; }
+  float turbulence() const { return turbulence_; }  ///< m/s
+  const Vec3& carried() const { return carried_; }  ///< m, how far the wind has carried the turbulence
+  float boxPlacesPerMetre() const;
+  std::span<const Vec3> box() const { return box_; }  ///< 32^3 places, x fastest
   /// Mean over the three components and all points of the box of the square of what it holds: 1.
   double boxMeanSquare() const;
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "air/grid_shape.h"
+#include "air/hair_layout.h"
 
 namespace strandcast {
 
@@ -57,8 +58,6 @@ enum PlacePlane : int {
   kWorldPlace = 3,  ///< 3, m
   kPlacePlanes = 6
 };
-
-constexpr double kMostHeld = 3;  ///< of what crowding comes to at most, that is held
 
 /// How crowded samples are: kernels/grid.h.
 template <class Scalar>

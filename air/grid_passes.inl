@@ -421,8 +421,7 @@ inline void blurPass(const GridShape& s, int numbers, int axis, const Scalar* in
     const size_t row = startOf(s, j, k) * static_cast<size_t>(numbers);
     for (int i = 0; i < s.cells * numbers; i += kLanes) {
       const size_t c = row + static_cast<size_t>(i);
-      const real sides = loadAt(in + c - next) + loadAt(in + c + next);
-      storeAt(madd(sides, lit(0.25), loadAt(in + c) * lit(0.5)), out + c);
+      storeAt(blurred(loadAt(in + c - next), loadAt(in + c), loadAt(in + c + next)), out + c);
     }
   }
 }

@@ -5,26 +5,37 @@
 #include <cstring>
 
 #include "core/content_hash.h"
+#include "kernels/scalar_double.h"
 #include "kernels/scalar_float.h"
 
 namespace strandcast {
 namespace {
 
-constexpr double kFastestWave = 1.4;  // cells in a step; with 2, hair that was pushed apart trembles
-constexpr int kMargin = 6;            // cells around the groom at rest
-constexpr double kWhole = 1 << 30;    // what all hair in one node would come to
 constexpr size_t kMostSumBytes = size_t{1} << 28;  // of all chunks
 constexpr int kMostChunks = 16;
+
+template <class Scalar>
+Scalar pushed(Scalar crowding, Scalar density_before, Scalar density_after, Scalar crowded_before,
+              Scalar crowded_after, Scalar slope) {
+  if constexpr (std::is_same_v<Scalar, float>)
+    return kernels::f32::pushAlong(crowding, density_before, density_after, crowded_before, crowded_after,
+                                   slope);
+  else
+    return kernels::f64::pushAlong(crowding, density_before, density_after, crowded_before, crowded_after,
+                                   slope);
+}
 
 }  // namespace
 
 template <class Scalar>
 HairGrid<Scalar>::HairGrid(const GridPasses<Scalar>& passes, const Workers& workers, const StrandModel& model,
                            int cells, const Box& box)
-    : passes_(passes), workers_(workers), shape_{cells}, origin_(shape_.at(0, 0, 0)) {
-  cell_ = std::max(box.sizes().maxCoeff(), 1e-3f) / static_cast<float>(cells - 1 - 2 * kMargin);
-  corner_ = Vec3(box.center()) - Vec3::Constant(0.5f * cell_ * static_cast<float>(cells - 1));
-  samples_ = strandSamples(model, cell_);
+    : passes_(passes),
+      workers_(workers),
+      shape_{cells},
+      origin_(shape_.at(0, 0, 0)),
+      layout_(hairLayout(box, cells)) {
+  samples_ = strandSamples(model, layout_.cell);
   for (const StrandSample& sample : samples_.samples) mass_ += sample.mass;
   const size_t bytes = 5 * sizeof(int32_t) * shape_.size();
   chunks_ = std::clamp<size_t>(kMostSumBytes / bytes, 1, std::min(workers.threads(), kMostChunks));
@@ -61,17 +72,15 @@ void HairGrid<Scalar>::measureRest(const StrandModel& model) {
   passes_.sampleNumbers(view_, 0, samples_.samples.size(), density_.data() + origin_, rest_density_.data());
 }
 
-// (d - r) / d^2 is at most 1 / (4 r), at d = 2 r, and at most 1 / d; a sample alone makes a density of at
-// least 0.375^3 x its mass / cell^3 where it is.
 template <class Scalar>
 void HairGrid<Scalar>::boundCrowding(float volume_target) {
-  const double alone = 0.05 / std::pow(static_cast<double>(cell_), 3);
+  const double alone = kDensityAlone / std::pow(static_cast<double>(layout_.cell), 3);
   bound_target_ = volume_target;
   crowding_bound_ = 0;
   for (size_t n = 0; n < samples_.samples.size(); ++n) {
-    const double mass = samples_.samples[n].mass, own = alone * mass;
+    const double mass = samples_.samples[n].mass;
     const double rest = static_cast<double>(rest_density_[n]) / static_cast<double>(volume_target);
-    const double most = rest >= own ? 1 / (4 * rest) : 1 / own;
+    const double most = kernels::f64::largestCrowding(rest, alone * mass);
     largest_crowding_[n] = static_cast<Scalar>(most);
     crowding_bound_ += mass * most * (1 + kMostHeld);
   }
@@ -95,7 +104,7 @@ void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness, doubl
     std::fill(number_sums_[c].begin(), number_sums_[c].end(), 0);
     passes_.crowd(view_, firstOf(c), firstOf(c + 1), crowd, number_sums_[c].data() + origin_);
   });
-  const Scalar back = static_cast<Scalar>(1 / (scale * std::pow(static_cast<double>(cell_), 3)));
+  const Scalar back = static_cast<Scalar>(1 / (scale * std::pow(static_cast<double>(layout_.cell), 3)));
   workers_.forEach(shape_.cells, [&](int k) {
     for (int j = 0; j < shape_.cells; ++j) {
       const size_t row = shape_.at(0, j, k);
@@ -118,13 +127,7 @@ template <class Scalar>
 void HairGrid<Scalar>::locate(std::span<const Vec3> positions, std::span<const Vec3> velocities,
                               const Pose& head) {
   head_ = head;
-  const Eigen::Matrix3f turn = Eigen::Quaternionf(head.rotation).toRotationMatrix().transpose();
-  const Eigen::Vector3f offset =
-      (-(turn * Eigen::Vector3f(head.position)) - Eigen::Vector3f(corner_)) / cell_;
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) frame_[3 * r + c] = static_cast<Scalar>(turn(r, c) / cell_);
-    frame_[9 + r] = static_cast<Scalar>(offset[r]);
-  }
+  layout_.frame(head, frame_);
   SplatView<Scalar>& view = view_;
   view.shape = shape_;
   std::copy(frame_, frame_ + 12, view.frame);
@@ -151,7 +154,8 @@ void HairGrid<Scalar>::splat() {
     std::fill(sums_[c].begin(), sums_[c].end(), 0);
     passes_.splat(view, firstOf(c), firstOf(c + 1), sums_[c].data() + 4 * origin_);
   });
-  const Scalar volume = static_cast<Scalar>(cell_) * static_cast<Scalar>(cell_) * static_cast<Scalar>(cell_);
+  const Scalar volume = static_cast<Scalar>(layout_.cell) * static_cast<Scalar>(layout_.cell) *
+                        static_cast<Scalar>(layout_.cell);
   const Scalar density = 1 / (view.mass_scale * volume), flow = 1 / (view.momentum_scale * volume);
   workers_.forEach(shape_.cells, [&](int k) {
     for (int j = 0; j < shape_.cells; ++j) {
@@ -210,17 +214,12 @@ void HairGrid<Scalar>::blurDensity() {
 }
 
 template <class Scalar>
-double HairGrid<Scalar>::largestStiffness(double seconds) const {
-  const double speed = kFastestWave * static_cast<double>(cell_) / seconds;
-  return speed * speed;
-}
-
-template <class Scalar>
 void HairGrid<Scalar>::findForces(const Parameters& p, double seconds) {
   const int n = shape_.cells;
   blurDensity();
   const bool crowds = p.volume_stiffness > 0, rubs = p.hair_friction > 0;
-  const double stiffness = std::min(static_cast<double>(p.volume_stiffness), largestStiffness(seconds));
+  const double stiffness =
+      std::min(static_cast<double>(p.volume_stiffness), layout_.largestStiffness(seconds));
   auto eachNode = [&](const auto& body) {
     workers_.forEach(n, [&](int k) {
       for (int j = 0; j < n; ++j) {
@@ -240,7 +239,7 @@ void HairGrid<Scalar>::findForces(const Parameters& p, double seconds) {
   if (crowds) blur(1, crowded_);
   const Scalar part = static_cast<Scalar>(1 - std::exp(-static_cast<double>(p.hair_friction) * seconds));
   const Eigen::Matrix3f turn = Eigen::Quaternionf(head_.rotation).toRotationMatrix();
-  const Scalar slope = static_cast<Scalar>(-seconds / (2 * static_cast<double>(cell_)));
+  const Scalar slope = static_cast<Scalar>(-seconds / (2 * static_cast<double>(layout_.cell)));
   eachNode([&](size_t i) {
     Scalar* out = changes_.data() + 4 * i;
     std::fill_n(out, 4, Scalar(0));
@@ -249,8 +248,8 @@ void HairGrid<Scalar>::findForces(const Parameters& p, double seconds) {
       Scalar push[3];
       for (int axis = 0; axis < 3; ++axis) {
         const size_t next = shape_.next(axis);
-        push[axis] = slope * (crowding_[i] * (density_[i + next] - density_[i - next]) + crowded_[i + next] -
-                              crowded_[i - next]);
+        push[axis] = pushed(crowding_[i], density_[i - next], density_[i + next], crowded_[i - next],
+                            crowded_[i + next], slope);
       }
       for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) out[r] += static_cast<Scalar>(turn(r, c)) * push[c];

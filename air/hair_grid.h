@@ -2,6 +2,7 @@
 #include <span>
 
 #include "air/grid_passes.h"
+#include "air/hair_layout.h"
 #include "air/strand_samples.h"
 #include "air/workers.h"
 #include "core/backend.h"
@@ -24,7 +25,7 @@ class HairGrid {
   HairGrid(const GridPasses<Scalar>& passes, const Workers& workers, const StrandModel& model, int cells,
            const Box& box);
 
-  float cell() const { return cell_; }  ///< m
+  float cell() const { return layout_.cell; }  ///< m
   const StrandSamples& samples() const { return samples_; }
 
   /// Where hair is and how fast: samples, on the grid as `head` carries it. Natural order.
@@ -52,9 +53,6 @@ class HairGrid {
   float densityAtPoint(const Vec3& point) const;
   /// Rest density that sample n carries, kg/m^3.
   float restDensity(size_t n) const { return static_cast<float>(rest_density_[n]); }
-  /// The largest stiffness that is heeded with steps of `seconds`, m^2/s^2: waves of pressure must not go
-  /// much farther than a cell in a step.
-  double largestStiffness(double seconds) const;
   /// Of the sums of the last splat: equal bits, equal hashes.
   uint64_t splatHash() const;
 
@@ -73,8 +71,7 @@ class HairGrid {
   const Workers& workers_;
   GridShape shape_;
   size_t origin_;
-  float cell_;
-  Vec3 corner_;  ///< m, of node (0, 0, 0) in the groom's frame
+  HairLayout layout_;
   Scalar frame_[12] = {};
   Pose head_;
   StrandSamples samples_;

@@ -5,16 +5,6 @@
 #include <numeric>
 
 namespace strandcast {
-namespace {
-
-// Roots of Chebyshev's polynomial over the upper half of the spectrum of Jacobi's iteration, 0.5 to 2.
-constexpr double kFirstWeight = 1 / (1.25 + 0.75 * 0.70710678),
-                 kSecondWeight = 1 / (1.25 - 0.75 * 0.70710678);
-constexpr int kCoarsest = 4;         // cells per axis
-constexpr int kCoarsestSweeps = 16;  // pairs
-
-}  // namespace
-
 template <class Scalar>
 PressureSolver<Scalar>::PressureSolver(const GridPasses<Scalar>& passes, const Workers& workers, int cells)
     : passes_(passes), workers_(workers) {

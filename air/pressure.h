@@ -3,15 +3,10 @@
 #include <vector>
 
 #include "air/grid_passes.h"
+#include "air/wind.h"
 #include "air/workers.h"
 
 namespace strandcast {
-
-/// How a solve went.
-struct PressureReport {
-  int iterations = 0;
-  double residual = 0;  ///< the largest of a cell, m/s
-};
 
 /// The pressure that takes the divergence from a wind grid: conjugate gradients, preconditioned by a
 /// multigrid V-cycle (McAdams, Sifakis, Teran 2010, "A parallel multigrid Poisson solver for fluids

@@ -6,17 +6,45 @@
 namespace strandcast {
 namespace {
 
-constexpr float kLongest = 1.5f;  // cells that a piece of several edges may be long: the blur is wider
+// Cells that a piece of several edges may be long; the blur is wider. With 2.25 a head of hair at rest swings itself up on its
+// own rounding: 0.6 mm in a second.
+constexpr float kLongest = 1.5f;
+constexpr uint32_t kMostParts = 16;
+
+float edgeLength(const StrandModel& model, uint32_t edge) {
+  return (model.rest_local[edge + 1] - model.rest_local[edge]).norm();
+}
+
+StrandPieces piecesOf(const StrandModel& model, size_t strand, float cell) {
+  StrandPieces out{model.offsets[strand], static_cast<uint32_t>(model.verticesOf(strand)) - 1, 0, 0, 1};
+  float longest = 0;
+  for (uint32_t e = out.vertex; e < out.vertex + out.edges; ++e)
+    longest = std::max(longest, edgeLength(model, e));
+  const float cells = longest / cell;
+  const auto parts = static_cast<uint32_t>(std::max(1.0f, std::ceil(cells - 0.25f)));
+  out.parts = static_cast<uint16_t>(std::min(parts, kMostParts));
+  uint32_t pieces = out.edges * out.parts;
+  if (out.parts == 1) {
+    const auto together = static_cast<uint32_t>(
+        std::clamp(std::floor(kLongest / std::max(cells, 1e-6f)), 1.0f, static_cast<float>(out.edges)));
+    pieces = (out.edges + together - 1) / together;
+  }
+  out.pieces = static_cast<uint16_t>(pieces);
+  return out;
+}
 
 }  // namespace
 
 StrandSamples strandSamples(const StrandModel& model, float cell) {
   StrandSamples out;
   out.offsets.push_back(0);
+  out.edge_masses.assign(model.vertices(), 0);
   std::vector<double> of_vertex(model.vertices());
   for (size_t s = 0; s < model.strands(); ++s) {
-    const uint32_t first = model.offsets[s], last = model.offsets[s + 1] - 1;
-    auto length = [&](uint32_t v) { return (model.rest_local[v + 1] - model.rest_local[v]).norm(); };
+    StrandPieces strand = piecesOf(model, s, cell);
+    strand.sample = static_cast<uint32_t>(out.samples.size());
+    out.strands.push_back(strand);
+    const uint32_t first = strand.vertex, last = first + strand.edges;
     auto add = [&](uint32_t vertex, const std::vector<double>& masses) {  // of vertices from `vertex` on
       double mass = 0;
       for (const double m : masses) mass += m;
@@ -30,31 +58,25 @@ StrandSamples strandSamples(const StrandModel& model, float cell) {
     };
     // Vertices have half the mass of each edge; the model's masses are such halves added up, so that an
     // edge's is known from the root on.
-    std::vector<double> edge_mass(last - first);
     double total = 0, long_ = 0;
     for (uint32_t v = first; v <= last; ++v) total += model.mass[v];
-    for (uint32_t v = first; v < last; ++v) long_ += length(v);
-    for (uint32_t v = first; v < last; ++v)
-      edge_mass[v - first] = total * model.reference_mass[s] * length(v) / long_;
-    for (uint32_t v = first; v < last;) {
-      const int parts = static_cast<int>(std::ceil(length(v) / cell - 0.25f));
-      if (parts > 1) {
-        for (int p = 0; p < parts; ++p) {
-          const double at = (p + 0.5) / parts, mass = edge_mass[v - first] / parts;
-          add(v, {mass * (1 - at), mass * at});
-        }
-        ++v;
-        continue;
+    for (uint32_t e = first; e < last; ++e) long_ += edgeLength(model, e);
+    for (uint32_t e = first; e < last; ++e)
+      out.edge_masses[e] = static_cast<float>(total * model.reference_mass[s] * edgeLength(model, e) / long_);
+    for (uint32_t e = first; strand.parts > 1 && e < last; ++e)
+      for (int p = 0; p < strand.parts; ++p) {
+        const double at = (p + 0.5) / strand.parts, mass = double{out.edge_masses[e]} / strand.parts;
+        add(e, {mass * (1 - at), mass * at});
       }
-      std::vector<double> masses{0};
-      float along = 0;
-      const uint32_t begin = v;
-      do {
-        masses.back() += edge_mass[v - first] / 2;
-        masses.push_back(edge_mass[v - first] / 2);
-        along += length(v++);
-      } while (v < last && along + length(v) <= kLongest * cell);
-      add(begin, masses);
+    for (uint32_t p = 0; strand.parts == 1 && p < strand.pieces; ++p) {
+      const uint32_t begin = p * strand.edges / strand.pieces, end = (p + 1) * strand.edges / strand.pieces;
+      std::vector<double> masses(end - begin + 1);
+      for (uint32_t e = begin; e < end; ++e) {
+        const double half = double{out.edge_masses[first + e]} / 2;
+        masses[e - begin] += half;
+        masses[e - begin + 1] += half;
+      }
+      add(first + begin, masses);
     }
     out.offsets.push_back(static_cast<uint32_t>(out.samples.size()));
   }

@@ -4,12 +4,24 @@
 
 namespace strandcast {
 
+/// How a strand is cut: whole edges, as equally many to a piece as it goes, or every edge into equal parts.
+struct StrandPieces {
+  uint32_t vertex;  ///< the first of the strand
+  uint32_t edges;
+  uint32_t sample;  ///< the first of the strand
+  uint16_t pieces;  ///< of whole edges: piece p is of edges p edges / pieces up to the next one's first
+  uint16_t parts;   ///< of every edge; where it is 1 `pieces` holds, else pieces is edges x parts
+};
+static_assert(sizeof(StrandPieces) == 16);  // read by shaders as 4 words
+
 /// The pieces of strands that stand for them on a grid: whole edges up to 1.5 cells long in all, or parts of
 /// an edge that is longer. Pieces of a strand are neighbours, root to tip.
 struct StrandSamples {
   std::vector<StrandSample> samples;
-  std::vector<float> shares;      ///< of each sample's vertices in it, sum 1
-  std::vector<uint32_t> offsets;  ///< strands + 1: first sample of each strand
+  std::vector<float> shares;          ///< of each sample's vertices in it, sum 1
+  std::vector<StrandPieces> strands;  ///< per strand
+  std::vector<uint32_t> offsets;      ///< strands + 1: first sample of each strand
+  std::vector<float> edge_masses;     ///< kg, per vertex: of the edge that starts there, 0 at tips
   /// Per entry of shares: the sample's mass at that vertex over the mass of the vertex. Its sum over all
   /// samples of a vertex is 1.
   std::vector<float> vertex_parts;

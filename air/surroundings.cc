@@ -1,4 +1,4 @@
-#include "air/surroundings.h"
+#include "air/air_maker.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,6 @@
 namespace strandcast {
 namespace {
 
-constexpr float kWindBox = 2;        // of the largest edge of the groom's box
-constexpr double kAirDensity = 1.2;  // kg/m^3
 constexpr size_t kStrandsAtOnce = 64;
 constexpr uint32_t kSamplesAtOnce = 64;
 
@@ -36,10 +34,8 @@ class StrandSurroundings final : public Surroundings, public AirFields {
       hair_ = std::make_unique<HairGrid<Scalar>>(passes_, workers_, model, p.grid_cells, box_);
     }
     if (p.wind_grid > 0 && (!wind_ || wind_->cells() != p.grid_cells)) {
-      const float cell =
-          kWindBox * std::max(box_.sizes().maxCoeff(), 1e-3f) / static_cast<float>(p.grid_cells);
-      wind_ = std::make_unique<WindGrid<Scalar>>(passes_, workers_, p.grid_cells, cell,
-                                                 WindGrid<Scalar>::Border::kOpen);
+      wind_ = std::make_unique<WindGrid<Scalar>>(passes_, workers_, p.grid_cells,
+                                                 windCell(box_, p.grid_cells), Wind::Border::kOpen);
       wind_->ambient().configure(p);
       wind_->ambient().setTime(time_);
       wind_->centreAt(Vec3(box_.center()));
@@ -105,6 +101,8 @@ class StrandSurroundings final : public Surroundings, public AirFields {
     });
     input.accelerations = accelerations_;
   }
+
+  std::span<const Vec3> accelerations() override { return accelerations_; }
 
   bool hasDensity() const override { return splatted_; }
   bool hasWind() const override { return blows_; }
@@ -234,15 +232,39 @@ class StrandSurroundings final : public Surroundings, public AirFields {
   std::vector<Vec3> accelerations_;
 };
 
+struct OwnWorkers {
+  explicit OwnWorkers(int threads) : workers(threads) {}
+  Workers workers;
+};
+template <class Scalar>
+struct FreeWind final : OwnWorkers, WindGrid<Scalar> {
+  FreeWind(const GridPasses<Scalar>& passes, int threads, int cells, float cell, Wind::Border border)
+      : OwnWorkers(threads), WindGrid<Scalar>(passes, workers, cells, cell, border) {}
+};
+
 }  // namespace
 
-std::unique_ptr<Surroundings> makeSurroundings(const std::string& backend, int threads,
-                                               std::vector<WindSource> sources) {
-  for (const WindSource& source : sources) checkWindSource(source, "wind source");
+AirMaker cpuAir(const std::string& backend, int threads) {
+  auto checked = [](std::vector<WindSource>& sources) {
+    for (const WindSource& source : sources) checkWindSource(source, "wind source");
+    return std::move(sources);
+  };
   if (backend == "oracle")
-    return std::make_unique<StrandSurroundings<double>>(scalarPasses<double>(), 1, std::move(sources));
-  return std::make_unique<StrandSurroundings<float>>(passesOf(backend), backend == "reference" ? 1 : threads,
-                                                     std::move(sources));
+    return {[checked](std::vector<WindSource> sources) {
+              return std::make_unique<StrandSurroundings<double>>(scalarPasses<double>(), 1,
+                                                                  checked(sources));
+            },
+            [](int cells, float cell, Wind::Border border) {
+              return std::make_unique<FreeWind<double>>(scalarPasses<double>(), 1, cells, cell, border);
+            }};
+  const GridPasses<float>& passes = passesOf(backend);
+  const int used = backend == "reference" ? 1 : threads;
+  return {[&passes, used, checked](std::vector<WindSource> sources) {
+            return std::make_unique<StrandSurroundings<float>>(passes, used, checked(sources));
+          },
+          [&passes, used](int cells, float cell, Wind::Border border) {
+            return std::make_unique<FreeWind<float>>(passes, used, cells, cell, border);
+          }};
 }
 
 const AirFields* airFields(const Surroundings* surroundings) {
@@ -251,8 +273,8 @@ const AirFields* airFields(const Surroundings* surroundings) {
 
 const GridPasses<float>& passesOf(const std::string& backend) {
   if (backend == "reference") return scalarPasses<float>();
-  if (backend == "simd" || backend == "gpu") return simdPasses();
-  throw Error("there is no air for this backend", backend, "choose gpu, simd or reference");
+  if (backend == "simd") return simdPasses();
+  throw Error("there is no air for this backend on the CPU", backend, "choose simd or reference");
 }
 
 }  // namespace strandcast

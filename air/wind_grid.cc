@@ -5,15 +5,6 @@
 #include <cstring>
 
 namespace strandcast {
-namespace {
-
-constexpr double kResidual = 2e-4;  // of the fastest component: a fifth of what is promised of the divergence
-constexpr int kMostIterations = 100;
-constexpr double kStill = 1e-6;        // m/s, below which the residual need not go
-constexpr double kLargestPart = 0.15;  // of viscosity x time / cell^2 in one explicit step; stable below 1/6
-
-}  // namespace
-
 template <class Scalar>
 WindGrid<Scalar>::WindGrid(const GridPasses<Scalar>& passes, const Workers& workers, int cells, float cell,
                            Border border)
@@ -45,14 +36,6 @@ Vec3 WindGrid<Scalar>::origin() const {
 }
 
 template <class Scalar>
-Vec3 WindGrid<Scalar>::placeOf(int axis, int i, int j, int k) const {
-  Vec3 place(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
-  for (int a = 0; a < 3; ++a)
-    if (a != axis) place[a] += 0.5f;
-  return origin() + place * cell_;
-}
-
-template <class Scalar>
 WindView<Scalar> WindGrid<Scalar>::view() {
   const size_t start = shape_.at(0, 0, 0);
   WindView<Scalar> view{};
@@ -78,6 +61,16 @@ Scalar WindGrid<Scalar>::ambientVelocity(const void* self, int axis, const Scala
   Vec3 at;
   for (int a = 0; a < 3; ++a) at[a] = static_cast<float>(place[a]) + (a == axis ? 0.0f : 0.5f);
   return static_cast<Scalar>(grid.ambient_.at(grid.origin() + at * grid.cell_)[axis]);
+}
+
+template <class Scalar>
+void WindGrid<Scalar>::setComponents(const Component& value) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (int k = 0; k < layersOf(axis); ++k)
+      for (int j = 0; j < shape_.cells + (axis == 1); ++j)
+        for (int i = 0; i < shape_.cells + (axis == 0); ++i)
+          velocity_[axis][shape_.at(i, j, k)] = static_cast<Scalar>(value(axis, i, j, k));
+  findCentres();
 }
 
 template <class Scalar>

@@ -4,9 +4,9 @@
 #include "air/ambient.h"
 #include "air/grid_passes.h"
 #include "air/pressure.h"
+#include "air/wind.h"
 #include "air/wind_source.h"
 #include "air/workers.h"
-#include "core/contact_primitive.h"
 
 namespace strandcast {
 
@@ -20,64 +20,40 @@ struct HairDrag {
   Scalar rate = 0;  ///< m^3/(kg s): rate at which air takes on the hair's velocity, per density of the hair
 };
 
-/// Air in a box of cubic cells, staggered, incompressible: one step is advection, viscosity, exchange of
-/// momentum (hair, sources), projection (Stam 1999; Bridson 2015, "Fluid Simulation for Computer Graphics").
-/// Open: the pressure at the border is 0 and what flows in is that of `ambient`. Closed: walls without
-/// friction. World axes; the box is moved by whole cells.
+/// The wind of the CPU backends.
 template <class Scalar>
-class WindGrid {
+class WindGrid : public Wind {
  public:
-  enum class Border { kOpen, kClosed };
-
   WindGrid(const GridPasses<Scalar>& passes, const Workers& workers, int cells, float cell, Border border);
 
-  int cells() const { return shape_.cells; }
-  float cell() const { return cell_; }  ///< m
-  /// Low corner, m: a whole number of cells from the world's origin.
-  Vec3 origin() const;
-  Ambient& ambient() { return ambient_; }
-
-  /// Moves the box so that `middle` lies within a cell of its middle. What is known of the air stays where it
-  /// is in the world; new cells have what blows beyond.
-  void centreAt(const Vec3& middle);
-  /// Everywhere what blows beyond.
-  void reset();
-  /// Component `axis` of place i j k by value(place in m, axis, i, j, k), m/s.
-  template <class Value>
-  void setComponents(const Value& value);
-  /// The same by the velocity at a place.
-  template <class Velocity>
-  void setVelocity(const Velocity& velocity) {
-    setComponents([&](const Vec3& x, int axis, int, int, int) { return velocity(x)[axis]; });
-  }
-
-  /// Solids, for the next step: none, then any number.
-  void clearSolids();
-  /// `words`: of their ShapeData.
-  void addSolids(std::span<const MovingPrimitive> bodies, std::span<const uint32_t> words, double seconds);
-  /// Cells in `box` whose middle has a distance below 0 are solid and move with velocity(point).
+  int cells() const override { return shape_.cells; }
+  float cell() const override { return cell_; }
+  Vec3 origin() const override;
+  Ambient& ambient() override { return ambient_; }
+  void centreAt(const Vec3& middle) override;
+  void reset() override;
+  void setComponents(const Component& value) override;
+  void clearSolids() override;
+  void addSolids(std::span<const MovingPrimitive> bodies, std::span<const uint32_t> words,
+                 double seconds) override;
+  /// Cells in `box` whose middle has a distance below 0 are solid and move with velocity(point). Distances are
+  /// never farther from 0 than the true ones.
   template <class Distance, class Velocity>
   void addSolid(const Box& box, const Distance& distance, const Velocity& velocity);
 
-  /// The parts of a step. `seconds`: its length.
-  void advect(double seconds, bool mac_cormack);
-  void diffuse(double seconds, double viscosity);
+  void advect(double seconds, bool mac_cormack) override;
+  void diffuse(double seconds, double viscosity) override;
   void exchange(double seconds, const HairDrag<Scalar>& hair, std::span<const WindSource> sources);
-  PressureReport project();
+  PressureReport project() override;
 
-  /// m/s, interpolated between the middles of cells, as the last project() left it.
-  Vec3 velocityAt(const Vec3& point) const;
-  /// The largest |divergence| of a cell that is not solid, times the cell: m/s.
-  double largestOutflow();
-  /// The largest component of velocity at a face, m/s.
-  double fastest() const;
-  double pressureAt(int i, int j, int k) const { return static_cast<double>(pressure_[shape_.at(i, j, k)]); }
-  double component(int axis, int i, int j, int k) const {
+  Vec3 velocityAt(const Vec3& point) const override;
+  double largestOutflow() override;
+  double fastest() const override;
+  double component(int axis, int i, int j, int k) const override {
     return static_cast<double>(velocity_[axis][shape_.at(i, j, k)]);
   }
+  double pressureAt(int i, int j, int k) const { return static_cast<double>(pressure_[shape_.at(i, j, k)]); }
   bool isSolid(int i, int j, int k) const { return solid_[shape_.at(i, j, k)] != 0; }
-  /// Where component `axis` of place i j k is known; of 3: the middle of the cell. m.
-  Vec3 placeOf(int axis, int i, int j, int k) const;
 
   const GridShape& shape() const { return shape_; }
   /// Velocity of cells, 4 numbers each, from place (0, 0, 0).
@@ -111,18 +87,6 @@ class WindGrid {
 };
 
 template <class Scalar>
-template <class Value>
-void WindGrid<Scalar>::setComponents(const Value& value) {
-  for (int axis = 0; axis < 3; ++axis)
-    for (int k = 0; k < layersOf(axis); ++k)
-      for (int j = 0; j < shape_.cells + (axis == 1); ++j)
-        for (int i = 0; i < shape_.cells + (axis == 0); ++i)
-          velocity_[axis][shape_.at(i, j, k)] =
-              static_cast<Scalar>(value(placeOf(axis, i, j, k), axis, i, j, k));
-  findCentres();
-}
-
-template <class Scalar>
 template <class Distance, class Velocity>
 void WindGrid<Scalar>::addSolid(const Box& box, const Distance& distance, const Velocity& velocity) {
   const Vec3 corner = origin();
@@ -132,18 +96,31 @@ void WindGrid<Scalar>::addSolid(const Box& box, const Distance& distance, const 
     high[axis] =
         std::min(shape_.cells, static_cast<int>(std::ceil((box.max()[axis] - corner[axis]) / cell_)) + 1);
   }
-  for (int k = low[2]; k < high[2]; ++k)
-    for (int j = low[1]; j < high[1]; ++j)
-      for (int i = low[0]; i < high[0]; ++i) {
-        const Vec3 middle(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f,
-                          static_cast<float>(k) + 0.5f);
-        const Vec3 point = corner + middle * cell_;
-        if (!(distance(point) < 0)) continue;
-        const size_t c = shape_.at(i, j, k);
-        if (solid_[c] == 0) solid_cells_.push_back(static_cast<uint32_t>(c));
-        solid_[c] = 1;
-        solid_velocity_[c] = velocity(point);
-      }
+  auto middleOf = [&](int i, int j, int k, float side) {
+    return Vec3(corner + (Vec3(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)) +
+                          Vec3::Constant(0.5f * side)) *
+                             cell_);
+  };
+  // Blocks whose middle is farther from the surface than their cells' middles are from it lie on one side.
+  constexpr int kBlock = 4;
+  const float farthest = 1.01f * std::sqrt(3.0f) * 0.5f * static_cast<float>(kBlock - 1) * cell_;
+  auto addBlock = [&](int bi, int bj, int bk) {
+    const float away = distance(middleOf(bi, bj, bk, static_cast<float>(kBlock)));
+    if (away > farthest) return;
+    for (int k = bk; k < std::min(bk + kBlock, high[2]); ++k)
+      for (int j = bj; j < std::min(bj + kBlock, high[1]); ++j)
+        for (int i = bi; i < std::min(bi + kBlock, high[0]); ++i) {
+          const Vec3 point = middleOf(i, j, k, 1);
+          if (!(away < -farthest || distance(point) < 0)) continue;
+          const size_t c = shape_.at(i, j, k);
+          if (solid_[c] == 0) solid_cells_.push_back(static_cast<uint32_t>(c));
+          solid_[c] = 1;
+          solid_velocity_[c] = velocity(point);
+        }
+  };
+  for (int k = low[2]; k < high[2]; k += kBlock)
+    for (int j = low[1]; j < high[1]; j += kBlock)
+      for (int i = low[0]; i < high[0]; i += kBlock) addBlock(i, j, k);
 }
 
 extern template class WindGrid<float>;

@@ -1,5 +1,6 @@
 #include "apps/backends.h"
 
+#include "gpu_compute/gpu_air.h"
 #include "gpu_compute/gpu_backend.h"
 #include "simd/simd_backend.h"
 
@@ -7,6 +8,10 @@ namespace strandcast {
 
 std::vector<BackendInfo> knownBackends() {
   return {gpuBackendInfo(), simdBackendInfo(), referenceBackendInfo()};
+}
+
+AirMaker airOf(const std::string& backend, int threads) {
+  return backend == "gpu" ? gpuAir() : cpuAir(backend, threads);
 }
 
 }  // namespace strandcast

@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "air/surroundings.h"
 #include "apps/backends.h"
 #include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
@@ -39,7 +38,7 @@ Simulation makeSimulation(const Scene& scene, const Settings& settings) {
       createBackend(knownBackends(), settings.backend, settings.threads, settings.solver);
   std::unique_ptr<Surroundings> surroundings;
   if (backend->takesAccelerations())
-    surroundings = makeSurroundings(backend->name(), settings.threads, settings.wind_sources);
+    surroundings = airOf(backend->name(), settings.threads).surroundings(settings.wind_sources);
   return Simulation(modelOf(scene, settings, parameters.gravity), scene.bodies, parameters,
                     std::move(backend), std::move(surroundings), makeTreeBroadPhase());
 }

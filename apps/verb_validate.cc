@@ -101,7 +101,10 @@ int validate(const Options& o) {
   std::vector<Case> cases;
   {
     ProgressBar bar;
-    cases = runSuite(suite, Laboratory(backend, solver, [] { return g_interrupted.load(); }), o.only,
+    const auto air = [&](const std::string& of) { return airOf(of, o.threads); };
+    const Laboratory laboratory(
+        backend, solver, [] { return g_interrupted.load(); }, air);
+    cases = runSuite(suite, laboratory, o.only,
                      [&](const std::string& what, double part) { bar.show(what, part); });
   }
   const auto passed = std::count_if(cases.begin(), cases.end(), [](const Case& c) { return c.passed; });

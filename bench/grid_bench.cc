@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "air/hair_grid.h"
-#include "air/surroundings.h"
 #include "air/wind_grid.h"
 #include "apps/backends.h"
 #include "core/backend_registry.h"
 #include "core/simulation.h"
+#include "gpu_compute/gpu_air.h"
 #include "scenes/scene.h"
 
 namespace strandcast {
@@ -36,10 +36,14 @@ class PassTimes {
   void time(const std::string& name, const Pass& pass) {
     const Clock::time_point start = Clock::now();
     pass();
+    add(name, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  }
+  void add(const std::string& name, double ms) {
     if (!ms_.contains(name)) names_.push_back(name);
-    ms_[name].push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+    ms_[name].push_back(ms);
   }
   const std::vector<std::string>& names() const { return names_; }
+  bool has(const std::string& name) const { return ms_.contains(name); }
   double median(const std::string& name) const {
     std::vector<double> sorted = ms_.at(name);
     std::sort(sorted.begin(), sorted.end());
@@ -54,6 +58,7 @@ class PassTimes {
 struct Result {
   int cells;
   PassTimes times;
+  double all = 0;         ///< ms, of all passes
   double iterations = 0;  ///< of the pressure, mean
   double divergence = 0;  ///< largest x cell over the fastest, at last
 };
@@ -110,6 +115,48 @@ Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model,
     t.time("project", [&] { out.iterations += wind.project().iterations / static_cast<double>(o.steps); });
   }
   out.divergence = wind.largestOutflow() / wind.fastest();
+  for (const std::string& name : out.times.names()) out.all += out.times.median(name);
+  return out;
+}
+
+Parameters surroundedBy(const Options& o, const Scene& scene, int cells) {
+  Parameters parameters = scene.parameters;
+  parameters.solver = SolverKind::kRod;
+  parameters.wind = Vec3(3, 0, 1);
+  parameters.wind_grid = 1;
+  parameters.grid_cells = cells;
+  parameters.volume_stiffness = 1;
+  parameters.hair_friction = 5;
+  parameters.mac_cormack = o.mac_cormack ? 1 : 0;
+  return parameters;
+}
+
+/// Passes on the GPU: within steps of the whole simulation, first each as it comes, one step behind the
+/// other, then one by one.
+Result timeGpuGrids(const Options& o, const Scene& scene, const StrandModel& model, int cells) {
+  std::unique_ptr<Surroundings> surroundings = airOf(o.backend).surroundings({});
+  auto& measured = dynamic_cast<MeasuredPasses&>(*surroundings);
+  const Parameters parameters = surroundedBy(o, scene, cells);
+  Simulation simulation(model, scene.bodies, parameters,
+                        createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
+                        std::move(surroundings));
+  Result out{cells, {}};
+  auto run = [&](int steps) {
+    for (int step = 0; step < steps; ++step) simulation.step();
+    static_cast<void>(simulation.guides());
+  };
+  run(5);
+  PassTimes whole;
+  measured.measure(false);
+  run(o.steps);
+  for (const auto& [name, ms] : measured.takeTimes()) whole.add(name, ms);
+  out.all = whole.median("all");
+  measured.measure(true);
+  run(o.steps);
+  for (const auto& [name, ms] : measured.takeTimes()) out.times.add(name, ms);
+  const PressureReport pressure = measured.pressure();
+  out.iterations = pressure.iterations;
+  out.divergence = pressure.residual;
   return out;
 }
 
@@ -126,35 +173,40 @@ class TimedSurroundings final : public Surroundings {
   void step(StepInput& input, Backend& backend) override {
     times_.time("grids", [&] { timed_->step(input, backend); });
   }
+  std::span<const Vec3> accelerations() override { return timed_->accelerations(); }
 
  private:
   std::unique_ptr<Surroundings> timed_;
   PassTimes& times_;
 };
 
-/// Medians, ms: a step of the strands alone; one with wind and forces between hairs on grids of 32^3; and
-/// what of it went by before the strands' turn.
+/// Medians, ms: a step of the strands alone, until its positions are there; what of it a GPU worked on the
+/// strands; a step with wind and forces between hairs on grids of 32^3; and what of that went by before the
+/// strands' turn.
 struct StepTimes {
-  double alone = 0, surrounded = 0, grids = 0;
+  double alone = 0, strands = 0, surrounded = 0, grids = 0;
 };
 StepTimes timeSteps(const Options& o, const Scene& scene, const StrandModel& model) {
   StepTimes out;
   for (const bool surrounded : {false, true}) {
-    Parameters parameters = scene.parameters;
-    parameters.solver = SolverKind::kRod;
-    if (surrounded) {
-      parameters.wind = Vec3(3, 0, 1);
-      parameters.wind_grid = 1;
-      parameters.volume_stiffness = 1;
-      parameters.hair_friction = 5;
-      parameters.mac_cormack = o.mac_cormack ? 1 : 0;
+    Parameters parameters = surroundedBy(o, scene, 32);
+    if (!surrounded) {
+      parameters = scene.parameters;
+      parameters.solver = SolverKind::kRod;
     }
     PassTimes times;
-    Simulation simulation(model, {}, parameters,
-                          createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
-                          std::make_unique<TimedSurroundings>(makeSurroundings(o.backend, o.threads), times));
-    for (int step = 0; step < o.steps; ++step) times.time("step", [&] { simulation.step(); });
+    Simulation simulation(
+        model, {}, parameters, createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
+        std::make_unique<TimedSurroundings>(airOf(o.backend, o.threads).surroundings({}), times));
+    for (int step = 0; step < o.steps; ++step) {
+      times.time("step", [&] {
+        simulation.step();
+        static_cast<void>(simulation.guides());
+      });
+      if (const auto seconds = simulation.backend().gpuSeconds()) times.add("strands", 1e3 * *seconds);
+    }
     (surrounded ? out.surrounded : out.alone) = times.median("step");
+    if (!surrounded) out.strands = times.has("strands") ? times.median("strands") : out.alone;
     if (surrounded) out.grids = times.median("grids");
   }
   return out;
@@ -166,6 +218,9 @@ int run(const Options& o) {
   make.vertices = o.vertices;
   const Scene scene = makeScene(make);
   const StrandModel model = sceneModel(scene);
+  const bool on_gpu = o.backend == "gpu";
+  const std::string device = on_gpu ? createBackend(knownBackends(), o.backend, 0, SolverKind::kRod)->device()
+                                    : passesOf(o.backend).name;
   const StepTimes steps = timeSteps(o, scene, model);
   nlohmann::json results = nlohmann::json::array();
   if (!o.json)
@@ -173,26 +228,23 @@ int run(const Options& o) {
         "{} strands of {} vertices on {} ({}): a step {:.2f} ms, with grids of 32^3 {:.2f} ms, {:.2f} ms of "
         "it "
         "for the grids\n",
-        o.strands, o.vertices, o.backend, passesOf(o.backend).name, steps.alone, steps.surrounded,
-        steps.grids);
+        o.strands, o.vertices, o.backend, device, steps.alone, steps.surrounded, steps.grids);
   for (const int cells : o.cells) {
-    const Result r = timeGrids(o, scene, model, cells);
-    double sum = 0;
+    const Result r = on_gpu ? timeGpuGrids(o, scene, model, cells) : timeGrids(o, scene, model, cells);
     nlohmann::json passes;
     if (!o.json) fmt::print("{}^3\n", cells);
     for (const std::string& name : r.times.names()) {
       const double ms = r.times.median(name);
-      sum += ms;
       passes[name] = ms;
       if (!o.json) fmt::print("  {:<26} {:>9.3f} ms\n", name, ms);
     }
     if (!o.json)
       fmt::print("  {:<26} {:>9.3f} ms, {:.0f} % of a step; {:.1f} iterations, divergence {:.1e}\n", "all",
-                 sum, 100 * sum / steps.alone, r.iterations, r.divergence);
+                 r.all, 100 * r.all / steps.strands, r.iterations, r.divergence);
     results.push_back({{"case", fmt::format("{}^3", cells)},
                        {"ms_passes", passes},
-                       {"ms_all", sum},
-                       {"of_strand_step", sum / steps.alone},
+                       {"ms_all", r.all},
+                       {"of_strand_step", r.all / steps.strands},
                        {"pressure_iterations", r.iterations},
                        {"divergence", r.divergence}});
   }
@@ -202,10 +254,11 @@ int run(const Options& o) {
         nlohmann::json(
             {{"name", "grid"},
              {"backend", o.backend},
-             {"device", passesOf(o.backend).name},
+             {"device", device},
              {"threads", o.threads},
              {"params", {{"strands", o.strands}, {"vertices", o.vertices}, {"mac_cormack", o.mac_cormack}}},
              {"ms_step", steps.alone},
+             {"ms_strands", steps.strands},
              {"ms_step_with_grids_32", steps.surrounded},
              {"ms_grids_32_in_step", steps.grids},
              {"results", results}})
@@ -217,7 +270,7 @@ int run(const Options& o) {
 
 std::function<int()> addGridBench(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("--backend", o->backend, "simd, reference or gpu, whose grids are those of simd")
+  app.add_option("--backend", o->backend, "simd, reference or gpu")
       ->check(CLI::IsMember({"simd", "reference", "gpu"}))
       ->capture_default_str();
   app.add_option("--strands", o->strands)->check(CLI::Range(1, 1000000))->capture_default_str();

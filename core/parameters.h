@@ -27,7 +27,7 @@ struct Parameters {
       0;  ///< 1/s, pull towards the rest shape as the root carries it: goal_rate^2 (goal - x); 0 = off
   float hair_radius = 40e-6f;  ///< m, kept between the hair's axis and every body
 
-  // Surroundings (air/, docs/air.md). Backends reference and simd.
+  // Surroundings (air/, docs/air.md).
   int grid_cells = 32;             ///< per axis, of the grids of air and of hair; 16 to 128, a multiple of 16
   int wind_grid = 0;               ///< 1: `wind` is what flows into a grid that hair and bodies block
   int mac_cormack = 0;             ///< 1: air is advected with MacCormack's correction
@@ -40,7 +40,7 @@ struct Parameters {
   float turbulence_length = 0.3f;  ///< m, of the largest eddies
   int wind_seed = 1;               ///< of gusts and turbulence
   float volume_stiffness = 0;      ///< m^2/s^2, of hair that is denser than at rest; 0 = off
-  float volume_hold = 0.5f;        ///< 1/s, at which a push grows while hair stays denser than at rest
+  float volume_hold = 1;           ///< 1/s, at which a push grows while hair stays denser than at rest
   float volume_target = 1;         ///< volume that hair keeps over that at rest
   float hair_friction = 0;  ///< 1/s, rate at which hair takes on the mean velocity of the hair around it
 };

@@ -21,8 +21,12 @@ class Surroundings {
   virtual void reset() = 0;
 
   /// Advances by a step that `backend` is about to do: from its positions and velocities come
-  /// input.accelerations, valid until the next call. Neither throws nor allocates.
+  /// input.accelerations, valid until the next call, or the same straight into the backend's own memory.
+  /// Neither throws nor allocates.
   virtual void step(StepInput& input, Backend& backend) = 0;
+  /// What the newest step() gave, m/s^2 per vertex, natural order, to be looked at before the backend's own
+  /// step. Waits where they are elsewhere than in input.accelerations.
+  virtual std::span<const Vec3> accelerations() = 0;
 };
 
 /// Whether the settings alone ask for any of it.

@@ -1,15 +1,14 @@
 #include "gpu_compute/gpu_backend.h"
 
 #include "core/error.h"
-#include "gl/current.h"
-#include "gpu_compute/gpu_strands.h"
+#include "gpu_compute/gpu_device.h"
 
 namespace strandcast {
 namespace {
 
 /// Works in a context of its own, current only within a call, so that calls may come from any thread and the
 /// caller's context stays the caller's.
-class GpuBackend final : public Backend {
+class GpuBackend final : public Backend, public gpu::GpuDevice {
  public:
   ~GpuBackend() override {
     try {
@@ -57,6 +56,9 @@ class GpuBackend final : public Backend {
     const gl::MakeCurrent current(context_);
     return strands_->velocities();
   }
+  gl::HeadlessContext& context() override { return context_; }
+  gpu::ProgramCache& programs() override { return *programs_; }
+  gpu::GpuStrands& strands() override { return *strands_; }
   std::optional<double> gpuSeconds() override { return strands_ ? strands_->gpuSeconds() : std::nullopt; }
 
  private:

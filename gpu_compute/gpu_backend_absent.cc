@@ -1,5 +1,6 @@
 // In place of gpu_backend.cc where the program is built without OpenGL.
 #include "core/error.h"
+#include "gpu_compute/gpu_air.h"
 #include "gpu_compute/gpu_backend.h"
 
 namespace strandcast {
@@ -17,5 +18,7 @@ std::unique_ptr<Backend> makeGpuBackend() {
 BackendInfo gpuBackendInfo() {
   return {"gpu", false, kReason, 0, [](int) { return makeGpuBackend(); }};
 }
+
+AirMaker gpuAir() { throw Error("no gpu backend", kReason, "install them and build again"); }
 
 }  // namespace strandcast

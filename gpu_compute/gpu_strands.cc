@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "core/error.h"
 #include "core/strand_order.h"
@@ -196,8 +197,8 @@ void GpuStrands::step(const StepInput& input) {
   const bool goal = input.parameters->goal_rate > 0;
   if (goal && grooming_.bytes() == 0)
     grooming_ = gl::Buffer(std::span<const Vec4>(std::vector<Vec4>(vertices_, kNotGroomed)));
-  const bool accelerated = !input.accelerations.empty();
-  if (accelerated) guides_.write(input.accelerations);
+  const bool accelerated = std::exchange(accelerated_, false) || !input.accelerations.empty();
+  if (!input.accelerations.empty()) guides_.write(input.accelerations);
   bind();
   const bool rod = input.parameters->solver == SolverKind::kRod;
   const bool pressing = rod && !input.primitives.empty();
@@ -217,6 +218,23 @@ void GpuStrands::step(const StepInput& input) {
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   readback_.copyFrom(guides_);
   glFlush();
+}
+
+const gl::Buffer& GpuStrands::shapes(const ShapeData* shapes) {
+  takeShapes(shapes);
+  return shapes_;
+}
+
+const gl::Buffer& GpuStrands::accelerations() {
+  accelerated_ = true;
+  return guides_;
+}
+
+std::vector<Vec3> GpuStrands::downloadAccelerations() const {
+  std::vector<Vec3> out(vertices_);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glGetNamedBufferSubData(guides_.id(), 0, static_cast<GLsizeiptr>(vertices_ * sizeof(Vec3)), out.data());
+  return out;
 }
 
 void GpuStrands::expectAccelerations() {

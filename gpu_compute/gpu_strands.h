@@ -29,6 +29,15 @@ class GpuStrands {
   std::span<const Vec3> guides();
   /// guides() need not wait, nor the context.
   bool guidesReady() const { return !uploaded_.empty() || readback_.ready(); }
+  // For what works on the same GPU before a step.
+  const gl::Buffer& positions() const { return positions_; }        ///< of vertices, 4 numbers each, m
+  const gl::Buffer& velocityBuffer() const { return velocities_; }  ///< the same, m/s
+  /// The shapes of bodies, made to hold what the next step will be told.
+  const gl::Buffer& shapes(const ShapeData* shapes);
+  /// Where accelerations of vertices go, 3 numbers each, m/s^2: the next step heeds them.
+  const gl::Buffer& accelerations();
+  std::vector<Vec3> downloadAccelerations() const;
+
   /// Of the dispatches of a recent step alone; see StepTimer.
   std::optional<double> gpuSeconds() const { return timer_.newest(); }
 
@@ -49,8 +58,9 @@ class GpuStrands {
   gl::Buffer guides_;  ///< see shaders/step_input.glsl
   gl::Buffer shapes_;  ///< ShapeData::words of the newest step
   uint64_t shapes_revision_ = 0;
-  gl::Buffer grooming_;  ///< see shaders/grooming.glsl; empty until needed
-  bool groomed_;         ///< strands have tethers or factors
+  gl::Buffer grooming_;       ///< see shaders/grooming.glsl; empty until needed
+  bool groomed_;              ///< strands have tethers or factors
+  bool accelerated_ = false;  ///< guides_ has the next step's accelerations
   GaussSeidelStrands gauss_seidel_;
   RodStrands rod_;
   std::optional<UploadRing> uploads_;  ///< never empty

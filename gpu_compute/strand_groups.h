@@ -21,6 +21,19 @@ class ProgramCache {
   std::map<std::string, gl::Program> programs_;
 };
 
+/// A program that is looked up at its first use only.
+class LazyProgram {
+ public:
+  const gl::Program& get(ProgramCache& programs, const char* name, const char* text,
+                         const char* defines = "") {
+    if (found_ == nullptr) found_ = &programs.get(name, text, defines);
+    return *found_;
+  }
+
+ private:
+  const gl::Program* found_ = nullptr;
+};
+
 /// Strands that one dispatch does.
 struct StrandGroup {
   uint32_t key;    ///< what they have in common

@@ -34,6 +34,10 @@ FN real splatWeight(IN(real3) part, IN(real) cx, IN(real) cy, IN(real) cz) {
   real z = madd(cz, part.z + part.z - lit(1), lit(1) - part.z);
   return x * y * z;
 }
+// One axis of a blur by (1 2 1) / 4.
+FN real blurred(IN(real) before, IN(real) here, IN(real) after) {
+  return madd(before + after, lit(0.25), here * lit(0.5));
+}
 // To whole numbers, so that sums do not depend on their order.
 FN real fixedPoint(IN(real) value) { return floor(value + lit(0.5)); }
 
@@ -79,4 +83,16 @@ FN real crowding(IN(real) density, IN(real) rest, IN(real) stiffness) {
 FN real heldCrowding(IN(real) held, IN(real) density, IN(real) rest, IN(real) stiffness, IN(real) gain, IN(real) most) {
   real least = max(density, lit(1e-12));
   return clamp(madd(gain * stiffness, (density - rest) * inverse(least * least), held), lit(0), most);
+}
+// The most that crowding comes to with a stiffness of 1 where hair alone makes a density `own`: (d - rest) / d^2 has its top
+// at d = 2 rest.
+FN real largestCrowding(IN(real) rest, IN(real) own) {
+  real density = max(own, rest + rest);
+  return (density - rest) * inverse(density * density);
+}
+// Change of velocity along an axis by a push f of hair with f = `crowding` at the node, from the densities and the blurred
+// mass x f before and after it; slope = - time step / (2 cell).
+FN real pushAlong(IN(real) crowding, IN(real) density_before, IN(real) density_after, IN(real) crowded_before,
+                  IN(real) crowded_after, IN(real) slope) {
+  return slope * madd(crowding, density_after - density_before, crowded_after - crowded_before);
 }

@@ -4,7 +4,6 @@
 #include <complex>
 #include <numbers>
 
-#include "air/wind_grid.h"
 #include "validation/experiments.h"
 #include "validation/specimen.h"
 #include "validation/wind_elastica.h"
@@ -12,18 +11,17 @@
 namespace strandcast {
 namespace {
 
-using Grid = WindGrid<float>;
-
 constexpr int kSizes[] = {16, 32, 64};
 
 const char* schemeName(bool mac_cormack) { return mac_cormack ? "MacCormack" : "semi-Lagrangian"; }
 
 // Error of the velocity after 1 s over its largest, rms. Cell and time step shrink together, the Courant
 // number stays.
-double taylorGreenError(const Laboratory& laboratory, const Workers& workers, int cells, bool mac_cormack) {
+double taylorGreenError(const Laboratory& laboratory, int cells, bool mac_cormack) {
   constexpr double kViscosity = 0.05, kSeconds = 1;
-  Grid grid(passesOf(laboratory.backendName()), workers, cells, static_cast<float>(std::numbers::pi / cells),
-            Grid::Border::kClosed);
+  const std::unique_ptr<Wind> wind =
+      laboratory.air().wind(cells, static_cast<float>(std::numbers::pi / cells), Wind::Border::kClosed);
+  Wind& grid = *wind;
   auto exact = [](const Vec3& x, double t) {
     const auto left = static_cast<float>(std::exp(-2 * kViscosity * t));
     return Vec3(std::sin(x.x()) * std::cos(x.y()) * left, -std::cos(x.x()) * std::sin(x.y()) * left, 0);
@@ -60,13 +58,12 @@ std::vector<std::string> namesOfTaylorGreen() {
 std::vector<Case> taylorGreen(const Laboratory& laboratory) {
   constexpr double kLimitAt16 = 5;  // % of the largest velocity; half of it with half the cell
   const std::vector<std::string> names = namesOfTaylorGreen();
-  const Workers workers(1);
   std::vector<Case> cases;
   for (const bool mac_cormack : {false, true}) {
     double before = 0, error = 0;
     for (const int cells : kSizes) {
       before = error;
-      error = taylorGreenError(laboratory, workers, cells, mac_cormack);
+      error = taylorGreenError(laboratory, cells, mac_cormack);
       cases.push_back(absoluteCase({names[cases.size()], "rms error of the velocity, % of the largest", "%"},
                                    100 * error, 0, kLimitAt16 * 16 / cells));
     }
@@ -119,17 +116,18 @@ double carriedRoundError(double size, double radius, int steps, bool mac_cormack
 std::vector<Case> blob(const Laboratory& laboratory) {
   constexpr int kCells = 64, kSteps = 160;
   const std::vector<std::string> names = namesOfBlob();
-  const Workers workers(1);
   std::vector<Case> cases;
   for (const bool mac_cormack : {false, true}) {
-    Grid grid(passesOf(laboratory.backendName()), workers, kCells, 1.0f / kCells, Grid::Border::kClosed);
+    const std::unique_ptr<Wind> wind = laboratory.air().wind(kCells, 1.0f / kCells, Wind::Border::kClosed);
+    Wind& grid = *wind;
     auto initial = [](const Vec3& x) {
       const double square = std::pow(x.x() - 0.5, 2) + std::pow(x.y() - 0.7, 2);
       return std::exp(-square / (2 * kBlob * kBlob));
     };
     grid.setVelocity(
         [&](const Vec3& x) { return Vec3(0.5f - x.y(), x.x() - 0.5f, static_cast<float>(initial(x))); });
-    auto density = [&](const Vec3& x, int axis, int i, int j, int k) {
+    auto density = [&](int axis, int i, int j, int k) {
+      const Vec3 x = grid.placeOf(axis, i, j, k);
       return axis == 2 ? static_cast<float>(grid.component(2, i, j, k))
                        : (axis == 0 ? 0.5f - x.y() : x.x() - 0.5f);
     };
@@ -163,8 +161,8 @@ constexpr double kSphere = 0.1, kWind = 3;  // m, m/s
 std::vector<Case> sphere(const Laboratory& laboratory) {
   constexpr int kCells = 64, kSettling = 120, kWatching = 120;
   constexpr double kStep = 1.0 / 60;
-  const Workers workers(1);
-  Grid grid(passesOf(laboratory.backendName()), workers, kCells, 0.8f / kCells, Grid::Border::kOpen);
+  const std::unique_ptr<Wind> wind = laboratory.air().wind(kCells, 0.8f / kCells, Wind::Border::kOpen);
+  Wind& grid = *wind;
   Parameters parameters;
   parameters.wind = Vec3(static_cast<float>(kWind), 0, 0);
   grid.ambient().configure(parameters);

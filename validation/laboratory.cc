@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "air/surroundings.h"
-
 namespace strandcast {
 
 Parameters Laboratory::parameters(double rate, float air_drag) const {
@@ -24,9 +22,24 @@ Simulation Laboratory::simulation(StrandModel model, std::vector<RigidBody> bodi
   std::unique_ptr<Backend> backend = backend_();
   std::unique_ptr<Surroundings> surroundings;
   if (needsSurroundings(parameters) || !sources.empty())
-    surroundings = makeSurroundings(backend->name(), 0, std::move(sources));
+    surroundings = air_(backend->name()).surroundings(std::move(sources));
   return Simulation(std::move(model), std::move(bodies), parameters, std::move(backend),
                     std::move(surroundings));
+}
+
+std::vector<Vec3> Laboratory::accelerations(const StrandModel& model, const StrandState& state,
+                                            const Parameters& parameters) const {
+  const std::unique_ptr<Backend> backend = backend_();
+  const std::unique_ptr<Surroundings> surroundings = air_(backend->name()).surroundings({});
+  backend->load(model, state);
+  surroundings->configure(model, parameters, *backend);
+  backend->expectAccelerations();
+  StepInput input;
+  input.parameters = &parameters;
+  input.roots_begin = input.roots_end = model.rest_roots;
+  surroundings->step(input, *backend);
+  const std::span<const Vec3> out = surroundings->accelerations();
+  return {out.begin(), out.end()};
 }
 
 void Laboratory::advance(Simulation& simulation, double seconds,

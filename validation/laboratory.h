@@ -3,7 +3,7 @@
 #include <memory>
 #include <span>
 
-#include "air/wind_source.h"
+#include "air/air_maker.h"
 #include "core/simulation.h"
 
 namespace strandcast {
@@ -11,12 +11,15 @@ namespace strandcast {
 /// What experiments are run with: the backend and the solver under test.
 class Laboratory {
  public:
+  /// How the backend of that name does the work of air.
+  using Air = std::function<AirMaker(const std::string& backend)>;
   /// `backend` makes a backend for each simulation. `stopped` is asked at every step; where it says yes, the
   /// experiment is given up.
   Laboratory(
       std::function<std::unique_ptr<Backend>()> backend, SolverKind solver,
-      std::function<bool()> stopped = [] { return false; })
-      : backend_(std::move(backend)), solver_(solver), stopped_(std::move(stopped)) {}
+      std::function<bool()> stopped = [] { return false; },
+      Air air = [](const std::string& name) { return cpuAir(name); })
+      : backend_(std::move(backend)), solver_(solver), stopped_(std::move(stopped)), air_(std::move(air)) {}
 
   /// One substep per step, `rate` steps per second.
   Parameters parameters(double rate, float air_drag) const;
@@ -24,7 +27,11 @@ class Laboratory {
   Simulation simulation(StrandModel model, const Parameters& parameters) const;
   Simulation simulation(StrandModel model, std::vector<RigidBody> bodies, const Parameters& parameters,
                         std::vector<WindSource> sources = {}) const;
-  std::string backendName() const { return backend_()->name(); }
+  /// What the surroundings alone, made anew, give every vertex of hair in this state, m/s^2.
+  std::vector<Vec3> accelerations(const StrandModel& model, const StrandState& state,
+                                  const Parameters& parameters) const;
+  /// Of the backend under test.
+  AirMaker air() const { return air_(backend_()->name()); }
   /// Throws Stopped where the experiment is to be given up.
   void checkStopped() const {
     if (stopped_()) throw Stopped();
@@ -42,6 +49,7 @@ class Laboratory {
   std::function<std::unique_ptr<Backend>()> backend_;
   SolverKind solver_;
   std::function<bool()> stopped_;
+  Air air_;
 };
 
 /// The newest positions of strand s.

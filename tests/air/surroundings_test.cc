@@ -1,4 +1,4 @@
-#include "air/surroundings.h"
+#include "air/air_maker.h"
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ uint64_t hashAfter(const Parameters& parameters, std::unique_ptr<Backend> backen
 TEST(Surroundings, ChangeNoBitWhereNothingAsksForThem) {
   Parameters parameters;
   parameters.wind = Vec3(3, 0, 0);
-  EXPECT_EQ(hashAfter(parameters, makeReferenceBackend(), makeSurroundings("reference")),
+  EXPECT_EQ(hashAfter(parameters, makeReferenceBackend(), cpuAir("reference").surroundings({})),
             hashAfter(parameters, makeReferenceBackend(), nullptr));
 }
 
@@ -65,7 +65,7 @@ TEST(Surroundings, ASourceWithoutAGridBlowsAsTheWindDoes) {
   windy.wind = Vec3(3, 0, 0);
   Simulation in_wind(tuft(), {}, windy, makeReferenceBackend());
   Simulation by_fan(tuft(), {}, still, makeReferenceBackend(),
-                    makeSurroundings("reference", 1, {wideFan(3)}));
+                    cpuAir("reference", 1).surroundings({wideFan(3)}));
   float most = 0, way = 0;
   const std::vector<Vec3> before(in_wind.guides().begin(), in_wind.guides().end());
   for (int i = 0; i < 60; ++i) {
@@ -83,18 +83,19 @@ TEST(Surroundings, ASourceWithoutAGridBlowsAsTheWindDoes) {
 TEST(Surroundings, GustsAndTurbulenceBlowWithoutAGrid) {
   Parameters parameters;
   parameters.wind = Vec3(3, 0, 0);
-  const uint64_t calm = hashAfter(parameters, makeReferenceBackend(), makeSurroundings("reference"));
+  const uint64_t calm = hashAfter(parameters, makeReferenceBackend(), cpuAir("reference").surroundings({}));
   parameters.gust = 0.5f;
-  const uint64_t gusty = hashAfter(parameters, makeReferenceBackend(), makeSurroundings("reference"));
+  const uint64_t gusty = hashAfter(parameters, makeReferenceBackend(), cpuAir("reference").surroundings({}));
   parameters.turbulence = 0.5f;
   EXPECT_NE(gusty, calm);
-  EXPECT_NE(hashAfter(parameters, makeReferenceBackend(), makeSurroundings("reference")), gusty);
+  EXPECT_NE(hashAfter(parameters, makeReferenceBackend(), cpuAir("reference").surroundings({})), gusty);
 }
 
 TEST(Surroundings, GridsCanBeLookedAt) {
   Parameters parameters = everything();
   RigidBody ball{{{PrimitiveKind::kSphere, Vec3(0.02f, -0.1f, 0.15f), Vec3::UnitY(), 0.04f, 0.3f}}, false};
-  Simulation simulation(tuft(), {ball}, parameters, makeReferenceBackend(), makeSurroundings("reference"));
+  Simulation simulation(tuft(), {ball}, parameters, makeReferenceBackend(),
+                        cpuAir("reference").surroundings({}));
   simulation.step();
   const AirFields* fields = airFields(simulation.surroundings());
   ASSERT_NE(fields, nullptr);
@@ -111,9 +112,10 @@ TEST(Surroundings, GridsCanBeLookedAt) {
 }
 
 TEST(Surroundings, AnyNumberOfThreadsGivesTheSameMotion) {
-  const uint64_t one = hashAfter(everything(), makeSimdBackend(1), makeSurroundings("simd", 1));
+  const uint64_t one = hashAfter(everything(), makeSimdBackend(1), cpuAir("simd", 1).surroundings({}));
   for (const int threads : {2, 3, 8})
-    EXPECT_EQ(hashAfter(everything(), makeSimdBackend(threads), makeSurroundings("simd", threads)), one)
+    EXPECT_EQ(hashAfter(everything(), makeSimdBackend(threads), cpuAir("simd", threads).surroundings({})),
+              one)
         << threads;
 }
 
@@ -123,7 +125,7 @@ TEST(Surroundings, HairShieldsTheHairBehindIt) {
     parameters.volume_stiffness = parameters.hair_friction = 0;
     parameters.hairs_per_strand = hairs;
     parameters.air_drag = 5;
-    Simulation simulation(tuft(), {}, parameters, makeSimdBackend(1), makeSurroundings("simd", 1));
+    Simulation simulation(tuft(), {}, parameters, makeSimdBackend(1), cpuAir("simd", 1).surroundings({}));
     for (int i = 0; i < 120; ++i) simulation.step();
     double sum = 0;
     for (size_t s = 0; s < 64; ++s) sum += double{simulation.guides()[s * 17 + 16].x()} / 64;
@@ -134,7 +136,8 @@ TEST(Surroundings, HairShieldsTheHairBehindIt) {
 
 TEST(Surroundings, SettingsMayChangeWhileItRuns) {
   Parameters parameters = everything();
-  Simulation simulation(tuft(), {}, Parameters(), makeReferenceBackend(), makeSurroundings("reference"));
+  Simulation simulation(tuft(), {}, Parameters(), makeReferenceBackend(),
+                        cpuAir("reference").surroundings({}));
   simulation.step();
   for (const int cells : {16, 32, 16}) {
     parameters.grid_cells = cells;
@@ -154,7 +157,7 @@ TEST(Surroundings, AreRefusedWhereThereAreNone) {
   Simulation simulation(tuft(), {}, Parameters(), makeReferenceBackend());
   EXPECT_THROW(simulation.setParameters(everything()), Error);
   EXPECT_EQ(simulation.parameters().wind_grid, 0);
-  EXPECT_THROW(makeSurroundings("abacus"), Error);
+  EXPECT_THROW(cpuAir("abacus").surroundings({}), Error);
 }
 
 TEST(WindElastica, AWeakWindBendsAStrandAsABeam) {

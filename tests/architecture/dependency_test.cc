@@ -21,7 +21,7 @@ const std::map<std::string, Folders> kAllowed = {
     {"gl", {"core"}},
     {"simd", {"core", "kernels"}},
     {"air", {"core", "kernels", "simd"}},
-    {"gpu_compute", {"core", "kernels", "gl"}},
+    {"gpu_compute", {"core", "kernels", "gl", "air"}},
     {"collision", {"core", "kernels"}},
     {"groom", {"core", "kernels"}},
     {"scenes", {"core", "kernels", "collision", "groom"}},

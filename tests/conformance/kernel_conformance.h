@@ -38,6 +38,9 @@ enum Kernel {
   kEllipsoidDistance,
   kConvexPlane,
   kFieldDistance,
+  kBlurred,
+  kLargestCrowding,
+  kPushAlong,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

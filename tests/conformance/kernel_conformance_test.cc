@@ -41,7 +41,7 @@ constexpr const char* kNames[kKernels] = {
     "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",    "tethered",
     "gridPlace",       "interpolated",        "splatWeight",     "macCormack",     "crowding",
     "dragNotFelt",     "heldCrowding",        "taperedCapsule",  "boxDistance",    "ellipsoid",
-    "convexPlane",     "fieldDistance"};
+    "convexPlane",     "fieldDistance",       "blurred",         "largestCrowding", "pushAlong"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -194,6 +194,16 @@ class InputMaker {
         v[11] = std::floor(number(-1, 2)), v[12] = number(0.02f, 0.05f), v[13] = 0.01f,
         v[14] = number(0, 0.01f);
         break;
+      case kBlurred:
+        for (int c = 0; c < 3; ++c) v[c] = number(-10, 10);
+        break;
+      case kLargestCrowding:
+        v[0] = number(0, 2), v[1] = number(0.01f, 2);
+        break;
+      case kPushAlong:
+        for (int c = 0; c < 5; ++c) v[c] = number(0, 5);
+        v[5] = number(-1, 0);
+        break;
     }
     return item;
   }
@@ -281,6 +291,9 @@ Item nasty(int kernel, Item item, size_t way) {
       if (way % 3 == 0) v[2] = v[1];
       if (way % 3 == 1) v[0] = v[5];
       if (way % 3 == 2) v[0] = 0;
+      break;
+    case kLargestCrowding:  // nothing at rest, and much more than one sample
+      v[0] = way % 2 == 0 ? 0.0f : 100 * v[1];
       break;
     case kTaperedCapsuleDistance:
       if (way % 4 == 0) v[10] = v[9];                                            // a capsule

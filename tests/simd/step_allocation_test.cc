@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "air/surroundings.h"
+#include "air/air_maker.h"
 #include "collision/tree_broad_phase.h"
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
@@ -116,7 +116,7 @@ TEST(StepAllocation, WindAndForcesBetweenHairsAllocateNothing) {
   RigidBody head{{{PrimitiveKind::kSphere, Vec3(0, -0.1f, 0), Vec3::UnitY(), 0.09f, 0.3f}}, true};
   for (const int threads : {1, 2}) {
     Simulation simulation(awkwardModel(257, 91), {head}, parameters, makeSimdBackend(threads),
-                          makeSurroundings("simd", threads));
+                          cpuAir("simd", threads).surroundings({}));
     simulation.step();
     const size_t before = allocations;
     for (int i = 0; i < 20; ++i) {
@@ -136,7 +136,7 @@ TEST(StepAllocation, AirThatIsOffAllocatesNothing) {
     simulation.step();
     return allocations - before;
   };
-  EXPECT_EQ(allocationsOf(makeSurroundings("simd", 1)), allocationsOf(nullptr));
+  EXPECT_EQ(allocationsOf(cpuAir("simd", 1).surroundings({})), allocationsOf(nullptr));
 }
 
 TEST(StepAllocation, ReferenceAllocatesNothing) { expectNoAllocation(makeReferenceBackend()); }

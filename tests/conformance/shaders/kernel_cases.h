@@ -145,6 +145,12 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     real3 normal;
     o.v[0] = fieldDistance(place, at, lit(0.01), i.v[12], i.v[13], i.v[14], normal);
     out3(o, 1, normal);
+  } else if (kernel == 32) {
+    o.v[0] = blurred(i.v[0], i.v[1], i.v[2]);
+  } else if (kernel == 33) {
+    o.v[0] = largestCrowding(i.v[0], i.v[1]);
+  } else if (kernel == 34) {
+    o.v[0] = pushAlong(i.v[0], i.v[1], i.v[2], i.v[3], i.v[4], i.v[5]);
   }
   return o;
 }

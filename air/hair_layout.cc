@@ -1,0 +1,23 @@
+#include "air/hair_layout.h"
+
+#include <algorithm>
+
+namespace strandcast {
+namespace {
+
+constexpr double kFastestWave = 1.4;  // cells in a step; with 2, hair that was pushed apart trembles
+constexpr int kMargin = 6;            // cells around the groom at rest
+
+}  // namespace
+
+double HairLayout::largestStiffness(double seconds) const {
+  const double speed = kFastestWave * static_cast<double>(cell) / seconds;
+  return speed * speed;
+}
+
+HairLayout hairLayout(const Box& box, int cells) {
+  const float cell = std::max(box.sizes().maxCoeff(), 1e-3f) / static_cast<float>(cells - 1 - 2 * kMargin);
+  return {cells, cell, Vec3(box.center()) - Vec3::Constant(0.5f * cell * static_cast<float>(cells - 1))};
+}
+
+}  // namespace strandcast

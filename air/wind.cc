@@ -1,0 +1,27 @@
+#include "air/wind.h"
+
+#include <algorithm>
+
+namespace strandcast {
+namespace {
+
+constexpr float kWindBox = 2;  // of the largest edge of the groom's box
+
+}  // namespace
+
+Vec3 Wind::placeOf(int axis, int i, int j, int k) const {
+  Vec3 place(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
+  for (int a = 0; a < 3; ++a)
+    if (a != axis) place[a] += 0.5f;
+  return origin() + place * cell();
+}
+
+void Wind::setVelocity(const std::function<Vec3(const Vec3&)>& velocity) {
+  setComponents([&](int axis, int i, int j, int k) { return velocity(placeOf(axis, i, j, k))[axis]; });
+}
+
+float windCell(const Box& box, int cells) {
+  return kWindBox * std::max(box.sizes().maxCoeff(), 1e-3f) / static_cast<float>(cells);
+}
+
+}  // namespace strandcast

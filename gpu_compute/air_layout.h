@@ -1,0 +1,72 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "gl/buffer.h"
+
+namespace strandcast::gpu {
+
+/// The uniform block of shaders/air_settings.glsl, std140.
+struct AirSettings {
+  using Vec4 = std::array<float, 4>;
+  using Rows = std::array<Vec4, 3>;
+  Rows hair_frame;
+  Rows turn;
+  Rows wind_of_hair;
+  Vec4 wind_box;
+  Vec4 ambient_mean;
+  Vec4 ambient_carried;
+  Vec4 uniform_wind;
+  int32_t cells;
+  int32_t open_border;
+  int32_t bodies;
+  int32_t sources;
+  uint32_t samples;
+  float seconds;
+  float courant;
+  float mass_scale;
+  float per_volume;
+  float mass;
+  float stiffness;
+  float gain;
+  float rest_scale;
+  float crowd_scale;
+  float slope;
+  float friction;
+  float alone;
+  float exchange;
+  float drag;
+  int32_t shift[3];
+  int32_t padding[2];
+};
+static_assert(sizeof(AirSettings) == 304);
+
+/// The settings as they are now, and their buffer.
+class AirBlock {
+ public:
+  AirBlock() : buffer_(sizeof(AirSettings), nullptr, GL_DYNAMIC_STORAGE_BIT) {}
+  AirSettings settings{};
+  /// Hands them to the GPU, for the commands that follow.
+  void send() {
+    buffer_.write(std::span<const AirSettings>(&settings, 1));
+    glBindBufferBase(GL_UNIFORM_BUFFER, 1, buffer_.id());
+  }
+
+ private:
+  gl::Buffer buffer_;
+};
+
+/// `count` numbers of T, 0 at first.
+template <class T>
+gl::Buffer zeros(size_t count) {
+  gl::Buffer buffer(count * sizeof(T), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  glClearNamedBufferData(buffer.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+  return buffer;
+}
+/// What shaders wrote is there for the next ones.
+inline void finishPass() { glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); }
+inline GLuint groupsOf(size_t count, size_t per_group) {
+  return static_cast<GLuint>((count + per_group - 1) / per_group);
+}
+
+}  // namespace strandcast::gpu

@@ -1,0 +1,156 @@
+#include "gpu_compute/gpu_air.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "gl/current.h"
+#include "gpu_compute/gpu_surroundings.h"
+#include "gpu_compute/wind_passes.h"
+
+namespace strandcast {
+namespace {
+
+/// A wind alone, in a context of its own.
+class GpuWind final : public Wind {
+ public:
+  GpuWind(int cells, float cell, Border border) {
+    const gl::MakeCurrent current(context_);
+    block_.emplace();
+    passes_.emplace(cells, cell, border, programs_);
+    shapes_ = gpu::zeros<uint32_t>(1);
+  }
+  ~GpuWind() override {
+    try {
+      const gl::MakeCurrent current(context_);
+      passes_.reset();
+      block_.reset();
+      shapes_ = {};
+      programs_ = {};
+    } catch (const Error&) {  // the driver is gone, and what it held with it
+    }
+  }
+
+  int cells() const override { return passes_->cells(); }
+  float cell() const override { return passes_->cell(); }
+  Vec3 origin() const override { return passes_->origin(); }
+  Ambient& ambient() override { return passes_->ambient(); }
+  void centreAt(const Vec3& middle) override {
+    const gl::MakeCurrent current(context_);
+    const bool moves = passes_->moveTo(middle, block_->settings);
+    tell(1);
+    if (moves) passes_->carry();
+    image_.reset();
+  }
+  void reset() override {
+    const gl::MakeCurrent current(context_);
+    passes_->reset(*block_);
+    image_.reset();
+  }
+  void setComponents(const Component& value) override {
+    const gl::MakeCurrent current(context_);
+    std::vector<float> faces(3 * static_cast<size_t>((cells() + 1) * (cells() + 1) * (cells() + 1)));
+    for (int axis = 0; axis < 3; ++axis)
+      for (int k = 0; k < cells() + (axis == 2); ++k)
+        for (int j = 0; j < cells() + (axis == 1); ++j)
+          for (int i = 0; i < cells() + (axis == 0); ++i)
+            faces[static_cast<size_t>(passes_->faceAt(axis, i, j, k))] = value(axis, i, j, k);
+    tell(1);
+    passes_->setFaces(faces);
+    image_.reset();
+  }
+  void clearSolids() override { bodies_.clear(); }
+  void addSolids(std::span<const MovingPrimitive> bodies, std::span<const uint32_t> words,
+                 double seconds) override {
+    const gl::MakeCurrent current(context_);
+    bodies_.insert(bodies_.end(), bodies.begin(), bodies.end());
+    if (!words.empty()) shapes_ = gl::Buffer(words);
+    solids_seconds_ = seconds;
+  }
+  void advect(double seconds, bool mac_cormack) override {
+    const gl::MakeCurrent current(context_);
+    tell(seconds);
+    passes_->findDisplacements(mac_cormack);
+    gpu::finishPass();
+    passes_->advect(mac_cormack);
+    image_.reset();
+  }
+  void diffuse(double seconds, double viscosity) override {
+    const gl::MakeCurrent current(context_);
+    tell(seconds);
+    passes_->diffuse(seconds, viscosity, false);
+    image_.reset();
+  }
+  PressureReport project() override {
+    const gl::MakeCurrent current(context_);
+    passes_->takeBodies(bodies_, block_->settings);
+    tell(solids_seconds_);
+    passes_->findSolids(shapes_);
+    gpu::finishPass();
+    image_.reset();
+    return passes_->project();
+  }
+
+  Vec3 velocityAt(const Vec3& point) const override {
+    return gpu::windAt(image(), cells(), Vec3((point - origin()) / cell()));
+  }
+  double largestOutflow() override {
+    double most = 0;
+    for (int k = 0; k < cells(); ++k)
+      for (int j = 0; j < cells(); ++j)
+        for (int i = 0; i < cells(); ++i)
+          if ((image().masks[static_cast<size_t>(i + cells() * (j + cells() * k))] & 63u) != 0)
+            most = std::max(most, std::fabs(component(0, i + 1, j, k) - component(0, i, j, k) +
+                                            component(1, i, j + 1, k) - component(1, i, j, k) +
+                                            component(2, i, j, k + 1) - component(2, i, j, k)));
+    return most;
+  }
+  double fastest() const override {
+    double most = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (int k = 0; k < cells() + (axis == 2); ++k)
+        for (int j = 0; j < cells() + (axis == 1); ++j)
+          for (int i = 0; i < cells() + (axis == 0); ++i)
+            most = std::max(most, std::fabs(component(axis, i, j, k)));
+    return most;
+  }
+  double component(int axis, int i, int j, int k) const override {
+    return static_cast<double>(image().faces[static_cast<size_t>(passes_->faceAt(axis, i, j, k))]);
+  }
+
+ private:
+  void tell(double seconds) {
+    passes_->describe(block_->settings, seconds);
+    block_->send();
+  }
+  const gpu::WindPasses::Image& image() const {
+    if (!image_) {
+      const gl::MakeCurrent current(context_);
+      image_ = passes_->download();
+    }
+    return *image_;
+  }
+
+  mutable gl::HeadlessContext context_;
+  gpu::ProgramCache programs_;
+  std::optional<gpu::AirBlock> block_;
+  std::optional<gpu::WindPasses> passes_;
+  gl::Buffer shapes_;
+  std::vector<MovingPrimitive> bodies_;
+  double solids_seconds_ = 1;
+  mutable std::optional<gpu::WindPasses::Image> image_;  ///< empty where it is out of date
+};
+
+}  // namespace
+
+AirMaker gpuAir() {
+  return {[](std::vector<WindSource> sources) -> std::unique_ptr<Surroundings> {
+            for (const WindSource& source : sources) checkWindSource(source, "wind source");
+            return std::make_unique<gpu::GpuSurroundings>(std::move(sources));
+          },
+          [](int cells, float cell, Wind::Border border) -> std::unique_ptr<Wind> {
+            const gl::RestoreCurrent restore;  // a new context is current at first
+            return std::make_unique<GpuWind>(cells, cell, border);
+          }};
+}
+
+}  // namespace strandcast

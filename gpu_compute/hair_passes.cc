@@ -1,0 +1,251 @@
+#include "gpu_compute/hair_passes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "gpu_compute/shaders.h"
+#include "kernels/scalar_double.h"
+
+namespace strandcast::gpu {
+namespace {
+
+using Vec4 = std::array<float, 4>;
+
+constexpr size_t kWorkgroup = 128;
+constexpr GLuint kWide = 32768;  // workgroups of a row of a dispatch
+constexpr int kTile = 8;
+
+}  // namespace
+
+HairPasses::HairPasses(const StrandModel& model, const Box& box, int cells, AirBlock& block,
+                       ProgramCache& programs)
+    : programs_(programs),
+      layout_(hairLayout(box, cells)),
+      nodes_count_(static_cast<size_t>(cells) * static_cast<size_t>(cells) * static_cast<size_t>(cells)) {
+  const StrandSamples samples = strandSamples(model, layout_.cell);
+  samples_ = samples.samples.size();
+  if (samples_ > size_t{kWide} * 65535 * (kWorkgroup / 2))
+    throw Error(fmt::format("{} strands have too many pieces for a GPU's grid", model.strands()),
+                "grid_cells", "use fewer cells or --backend simd");
+  std::vector<uint32_t> sample_strands;
+  for (uint32_t s = 0; s < samples.strands.size(); ++s) {
+    sample_strands.insert(sample_strands.end(), samples.offsets[s + 1] - samples.offsets[s], s);
+    margin_ = std::max(margin_, int{samples.strands[s].parts});
+  }
+  for (const StrandSample& sample : samples.samples) {
+    mass_ += static_cast<double>(sample.mass);
+    resting_host_.push_back({sample.mass, 0});
+  }
+  pieces_ = gl::Buffer(std::span<const StrandPieces>(samples.strands));
+  sample_strands_ = gl::Buffer(std::span<const uint32_t>(sample_strands));
+  edge_masses_ = gl::Buffer(std::span<const float>(samples.edge_masses));
+  resting_ = gl::Buffer(std::span<const std::array<float, 2>>(resting_host_));
+  places_ = zeros<float>(3 * samples_);
+  held_ = zeros<float>(samples_);
+  fastest_ = zeros<uint32_t>(2);
+  sums_ = zeros<int32_t>(4 * nodes_count_);
+  crowd_sums_ = zeros<int32_t>(nodes_count_);
+  densities_ = zeros<float>(nodes_count_);
+  nodes_ = zeros<Vec4>(nodes_count_);
+  changes_ = zeros<Vec4>(nodes_count_);
+  rates_ = zeros<float>(1);
+  measureRest(model, block);
+}
+
+void HairPasses::measureRest(const StrandModel& model, AirBlock& block) {
+  std::vector<Vec4> rest(model.vertices());
+  for (size_t s = 0; s < model.strands(); ++s)
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
+      const Vec3 x = model.restPosition(s, v);
+      rest[v] = {x.x(), x.y(), x.z(), 0};
+    }
+  const gl::Buffer positions{std::span<const Vec4>(rest)}, velocities = zeros<Vec4>(rest.size());
+  describe(block.settings, Pose{}, Parameters(), 1);
+  block.send();
+  splat({positions, velocities});
+  finishPass();
+  findDensity();
+  places_.bindStorage(5);
+  resting_.bindStorage(0);
+  held_.bindStorage(1);
+  crowd_sums_.bindStorage(8);
+  densities_.bindStorage(10);
+  rest_of_.get(programs_, "hair_crowd.comp", shaders::kHairCrowdComp, "#define MEASURE 1\n").use();
+  dispatchSamples(kWorkgroup);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  glGetNamedBufferSubData(resting_.id(), 0, static_cast<GLsizeiptr>(samples_ * sizeof(resting_host_[0])),
+                          resting_host_.data());
+  bound_target_ = 0;  // it was found without
+  reset();
+}
+
+void HairPasses::boundCrowding(float volume_target) {
+  const double alone = kDensityAlone / std::pow(static_cast<double>(layout_.cell), 3);
+  bound_target_ = volume_target;
+  crowding_bound_ = 0;
+  for (const auto& [mass, rest] : resting_host_) {
+    const double m = static_cast<double>(mass),
+                 r = static_cast<double>(rest) / static_cast<double>(volume_target);
+    crowding_bound_ += m * kernels::f64::largestCrowding(r, alone * m) * (1 + kMostHeld);
+  }
+}
+
+void HairPasses::describe(AirSettings& s, const Pose& head, const Parameters& p, double seconds) {
+  float frame[12];
+  layout_.frame(head, frame);
+  const Eigen::Matrix3f turn = Eigen::Quaternionf(head.rotation).toRotationMatrix();
+  for (size_t r = 0; r < 3; ++r) {
+    s.hair_frame[r] = {frame[3 * r], frame[3 * r + 1], frame[3 * r + 2], frame[9 + r]};
+    const auto row = static_cast<Eigen::Index>(r);
+    s.turn[r] = {turn(row, 0), turn(row, 1), turn(row, 2), 0};
+  }
+  if (bound_target_ != p.volume_target) boundCrowding(p.volume_target);
+  const double cell = static_cast<double>(layout_.cell);
+  const double stiffness =
+      std::min(static_cast<double>(p.volume_stiffness), layout_.largestStiffness(seconds));
+  s.cells = layout_.cells;
+  s.samples = static_cast<uint32_t>(samples_);
+  s.seconds = static_cast<float>(seconds);
+  s.mass = static_cast<float>(mass_);
+  s.mass_scale = static_cast<float>(kWhole / mass_);
+  s.per_volume = static_cast<float>(1 / (cell * cell * cell));
+  s.stiffness = static_cast<float>(stiffness);
+  s.gain = static_cast<float>(static_cast<double>(p.volume_hold) * seconds);
+  s.rest_scale = 1 / p.volume_target;
+  s.crowd_scale = stiffness > 0 ? static_cast<float>(kWhole / (stiffness * crowding_bound_)) : 0.0f;
+  s.slope = static_cast<float>(-seconds / (2 * cell));
+  s.friction = static_cast<float>(1 - std::exp(-static_cast<double>(p.hair_friction) * seconds));
+  s.alone = static_cast<float>(kDensityAlone / (cell * cell * cell));
+}
+
+void HairPasses::reset() {
+  glClearNamedBufferData(held_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+  measured_ = false;
+}
+
+void HairPasses::takeRates(std::span<const float> rates) {
+  rated_ = !rates.empty();
+  if (rated_) rates_ = gl::Buffer(rates);
+}
+
+void HairPasses::dispatchSamples(size_t per_group) const {
+  const GLuint groups = groupsOf(samples_, per_group), wide = std::min(groups, kWide);
+  glDispatchCompute(wide, (groups + wide - 1) / wide, 1);
+}
+void HairPasses::dispatchNodes() const {
+  const auto tiles = static_cast<GLuint>(layout_.cells / kTile);
+  glDispatchCompute(tiles, tiles, tiles);
+}
+
+void HairPasses::splat(const Strands& strands) {
+  strands.positions.bindStorage(0);
+  strands.velocities.bindStorage(1);
+  pieces_.bindStorage(2);
+  sample_strands_.bindStorage(3);
+  edge_masses_.bindStorage(4);
+  places_.bindStorage(5);
+  fastest_.bindStorage(6);
+  sums_.bindStorage(7);
+  if (!clean_) {
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glClearNamedBufferData(sums_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+  }
+  if (!measured_) {
+    glClearNamedBufferData(fastest_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+    fastest_of_.get(programs_, "hair_splat.comp", shaders::kHairSplatComp, "#define MEASURE 1\n").use();
+    dispatchSamples(kWorkgroup);
+    finishPass();
+    measured_ = true;
+  }
+  splat_.get(programs_, "hair_splat.comp", shaders::kHairSplatComp, "#define MEASURE 0\n").use();
+  dispatchSamples(kWorkgroup);
+  clean_ = false;
+}
+
+void HairPasses::findDensity() {
+  fastest_.bindStorage(6);
+  sums_.bindStorage(7);
+  crowd_sums_.bindStorage(8);
+  nodes_.bindStorage(9);
+  densities_.bindStorage(10);
+  density_of_.get(programs_, "hair_density.comp", shaders::kHairDensityComp).use();
+  dispatchNodes();
+  finishPass();
+}
+
+void HairPasses::crowd() {
+  resting_.bindStorage(0);
+  held_.bindStorage(1);
+  places_.bindStorage(5);
+  crowd_sums_.bindStorage(8);
+  densities_.bindStorage(10);
+  crowd_.get(programs_, "hair_crowd.comp", shaders::kHairCrowdComp, "#define MEASURE 0\n").use();
+  dispatchSamples(kWorkgroup);
+}
+
+void HairPasses::findForces(bool crowds, bool rubs) {
+  sums_.bindStorage(7);
+  crowd_sums_.bindStorage(8);
+  nodes_.bindStorage(9);
+  densities_.bindStorage(10);
+  changes_.bindStorage(11);
+  static constexpr const char* kDefines[] = {
+      "#define CROWDS 0\n#define RUBS 0\n", "#define CROWDS 1\n#define RUBS 0\n",
+      "#define CROWDS 0\n#define RUBS 1\n", "#define CROWDS 1\n#define RUBS 1\n"};
+  const size_t which = (crowds ? 1u : 0u) + (rubs ? 2u : 0u);
+  forces_of_[which].get(programs_, "hair_forces.comp", shaders::kHairForcesComp, kDefines[which]).use();
+  dispatchNodes();
+  finishPass();
+  clean_ = true;
+}
+
+void HairPasses::gather(const Strands& strands, const Needs& needs, const gl::Buffer& centres,
+                        const gl::Buffer& turbulence, const gl::Buffer& sources,
+                        const gl::Buffer& accelerations) {
+  strands.positions.bindStorage(0);
+  strands.velocities.bindStorage(1);
+  pieces_.bindStorage(2);
+  sample_strands_.bindStorage(3);
+  edge_masses_.bindStorage(4);
+  places_.bindStorage(5);
+  fastest_.bindStorage(6);
+  rates_.bindStorage(7);
+  accelerations.bindStorage(8);
+  changes_.bindStorage(11);
+  centres.bindStorage(12);
+  turbulence.bindStorage(13);
+  sources.bindStorage(14);
+  const auto air = static_cast<size_t>(needs.air);
+  LazyProgram& lazy =
+      gather_of_[air + 3 * ((needs.forces ? 1u : 0u) + (rated_ ? 2u : 0u) + (needs.along ? 4u : 0u))];
+  char defines[80];
+  const auto end =
+      fmt::format_to_n(defines, sizeof defines - 1,
+                       "#define FORCES {:d}\n#define AIR {}\n#define RATES {:d}\n#define ALONG {:d}\n",
+                       needs.forces, air, rated_, needs.along);
+  *end.out = '\0';
+  const gl::Program& program = lazy.get(programs_, "hair_gather.comp", shaders::kHairGatherComp, defines);
+  glProgramUniform1i(program.id(), 0, margin_);
+  program.use();
+  dispatchSamples(kWorkgroup - 2 * static_cast<size_t>(margin_));
+  finishPass();
+}
+
+std::vector<int32_t> HairPasses::downloadSums() const {
+  std::vector<int32_t> out(4 * nodes_count_);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glGetNamedBufferSubData(sums_.id(), 0, static_cast<GLsizeiptr>(out.size() * sizeof(out[0])), out.data());
+  return out;
+}
+
+std::vector<std::array<float, 4>> HairPasses::downloadNodes() const {
+  std::vector<Vec4> out(nodes_count_);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glGetNamedBufferSubData(nodes_.id(), 0, static_cast<GLsizeiptr>(out.size() * sizeof(out[0])), out.data());
+  return out;
+}
+
+}  // namespace strandcast::gpu

@@ -1,0 +1,80 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "air/hair_layout.h"
+#include "air/strand_samples.h"
+#include "core/parameters.h"
+#include "gpu_compute/air_layout.h"
+#include "gpu_compute/strand_groups.h"
+
+namespace strandcast::gpu {
+
+/// The forces between hairs of air/hair_grid.h as compute shaders, and what all of air/ gives to vertices.
+/// What a pass is told goes through `block`, which is sent before it. Every call needs the context that made
+/// it current.
+class HairPasses {
+ public:
+  /// Measures the rest density from the groom at rest. Throws Error where there are more samples than a
+  /// dispatch takes.
+  HairPasses(const StrandModel& model, const Box& box, int cells, AirBlock& block, ProgramCache& programs);
+
+  const HairLayout& layout() const { return layout_; }
+  /// Writes what the passes need to know into the settings.
+  void describe(AirSettings& settings, const Pose& head, const Parameters& parameters, double seconds);
+  /// Nothing is held any more, and what is known of velocities is nothing: hair was put elsewhere.
+  void reset();
+  /// Drags of their own, 1/s per vertex; empty: all have that of the settings.
+  void takeRates(std::span<const float> rates);
+
+  /// Where hair is and how fast, 4 numbers per vertex.
+  struct Strands {
+    const gl::Buffer &positions, &velocities;
+  };
+  // Passes. splat() and crowd() do not end with finishPass().
+  void splat(const Strands& strands);
+  void findDensity();
+  void crowd();
+  void findForces(bool crowds, bool rubs);
+  enum class Air { kUniform, kFree, kGrid };
+  struct Needs {
+    bool forces;
+    Air air;
+    bool along;  ///< drag along strands is less than across
+  };
+  /// An acceleration per vertex, 3 numbers each. `centres`: of the wind, where there is a grid; else any
+  /// buffer, as `turbulence` and `sources` where the air is not free.
+  void gather(const Strands& strands, const Needs& needs, const gl::Buffer& centres,
+              const gl::Buffer& turbulence, const gl::Buffer& sources, const gl::Buffer& accelerations);
+
+  /// Momentum and mass per volume, of nodes, 4 numbers each.
+  const gl::Buffer& nodes() const { return nodes_; }
+  /// Whole numbers of the last splat, whose forces have not been found yet.
+  std::vector<int32_t> downloadSums() const;
+  std::vector<std::array<float, 4>> downloadNodes() const;
+
+ private:
+  void dispatchSamples(size_t per_group) const;
+  void dispatchNodes() const;
+  void measureRest(const StrandModel& model, AirBlock& block);
+  void boundCrowding(float volume_target);
+
+  ProgramCache& programs_;
+  LazyProgram splat_, fastest_of_, density_of_, crowd_, rest_of_;
+  std::array<LazyProgram, 4> forces_of_;   ///< by crowding and friction
+  std::array<LazyProgram, 24> gather_of_;  ///< by what there is to gather
+  HairLayout layout_;
+  size_t samples_ = 0, nodes_count_;
+  int margin_ = 1;  ///< see shaders/hair_gather.comp
+  double mass_ = 0;
+  std::vector<std::array<float, 2>> resting_host_;  ///< kg and rest density per sample
+  double crowding_bound_ = 0;
+  float bound_target_ = 0;
+  bool measured_ = false;  ///< the fastest velocity before the next splat is known
+  bool rated_ = false;
+  bool clean_ = true;  ///< sums are 0
+  gl::Buffer pieces_, sample_strands_, edge_masses_, places_, fastest_, sums_, crowd_sums_, nodes_,
+      densities_, resting_, held_, changes_, rates_;
+};
+
+}  // namespace strandcast::gpu

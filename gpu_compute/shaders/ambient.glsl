@@ -1,0 +1,41 @@
+// What blows beyond the wind grid, or everywhere without one: air/ambient.h, and sources of wind: air/wind_source.h. Needs
+// air_settings.glsl.
+layout(std430, binding = 13) readonly buffer Turbulence { float turbulence[]; };  // 3 per place of its periodic box
+struct Source {
+  vec4 position;   // m; w: kind
+  vec4 direction;  // unit; w: 1/s, its rate
+  float radius, reach, cosine, speed;
+  float swirl, unused_a, unused_b, unused_c;
+};
+layout(std430, binding = 14) readonly buffer Sources { Source sources[]; };
+
+vec3 ambientAt(vec3 point) {
+  const int kBox = 32;
+  vec3 out_ = air.ambient_mean.xyz;
+  if (!(air.ambient_mean.w > 0.0)) return out_;
+  vec3 place = (point - air.ambient_carried.xyz) * air.ambient_carried.w, low = floor(place), part = place - low;
+  for (int c = 0; c < 8; ++c) {
+    ivec3 corner = (ivec3(low) + cornerOf(c)) & (kBox - 1);
+    int at = 3 * (corner.x + kBox * (corner.y + kBox * corner.z));
+    float weight = air.ambient_mean.w * splatWeight(part, float(c & 1), float((c >> 1) & 1), float(c >> 2));
+    out_ = madd(vec3(turbulence[at], turbulence[at + 1], turbulence[at + 2]), weight, out_);
+  }
+  return out_;
+}
+
+// Whether a source reaches a point, and the velocity that it draws the air there to.
+bool isBlown(Source source, vec3 point, out vec3 velocity) {
+  const float kCone = 0.0, kSphere = 1.0;
+  vec3 away = point - source.position.xyz, axis = source.direction.xyz;
+  float far = length(away), by = dot(away, axis);
+  vec3 out_ = far > 0.0 ? away / far : axis;
+  velocity = out_ * source.speed;
+  if (source.position.w == kSphere) return far <= source.radius;
+  if (source.position.w == kCone) {
+    velocity = out_ * (source.speed * (1.0 - far / source.reach));
+    return far <= source.reach && by >= far * source.cosine;
+  }
+  vec3 across = away - axis * by;
+  velocity = axis * source.speed + cross(axis, across) * (source.swirl / source.radius);
+  return abs(by) <= 0.5 * source.reach && length(across) <= source.radius;
+}

@@ -1,0 +1,33 @@
+#version 450
+// variants: HAIR=0 | HAIR=1
+// Per cell, what air exchanges momentum with over the step: the sum of rates x time, and that times the velocities. HAIR: as
+// it was splatted, and sources.
+#include "kernels/lanes_glsl.h"
+#include "kernels/grid.h"
+#include "gpu_compute/shaders/air_settings.glsl"
+#include "gpu_compute/shaders/ambient.glsl"
+#include "gpu_compute/shaders/wind_grid.glsl"
+layout(std430, binding = 9) readonly buffer Nodes { vec4 nodes[]; };
+layout(std430, binding = 6) writeonly buffer Exchange { vec4 exchange[]; };  // velocities x rates; w: rates
+
+void main() {
+  ivec3 c;
+  if (!ownCell(c)) return;
+  vec3 x = air.wind_box.xyz + (vec3(c) + 0.5) * air.wind_box.w;
+  vec4 sum = vec4(0);
+#if HAIR
+  vec3 at = transformed(air.hair_frame, x);
+  if (all(greaterThan(at, vec3(0))) && all(lessThan(at, vec3(air.cells - 1)))) {
+    GridPlace corner = placeAmong(at);
+    int first = nodeAt(ivec3(corner.low)), y = air.cells, z = y * y;
+    vec4 v[8] = vec4[8](nodes[first], nodes[first + 1], nodes[first + y], nodes[first + y + 1], nodes[first + z],
+                        nodes[first + z + 1], nodes[first + z + y], nodes[first + z + y + 1]);
+    sum = interpolated4(v, corner.part) * air.exchange;
+  }
+#endif
+  for (int i = 0; i < air.sources; ++i) {
+    vec3 velocity;
+    if (isBlown(sources[i], x, velocity)) sum += vec4(velocity, 1) * (sources[i].direction.w * air.seconds);
+  }
+  exchange[nodeAt(c)] = sum;
+}

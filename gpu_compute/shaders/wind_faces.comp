@@ -1,0 +1,52 @@
+#version 450
+// Which faces are open; faces of solids move as these do; and what flows out of cells then.
+#include "kernels/lanes_glsl.h"
+#include "kernels/grid.h"
+#include "gpu_compute/shaders/air_settings.glsl"
+#include "gpu_compute/shaders/wind_grid.glsl"
+layout(std430, binding = 0) readonly buffer Faces { float faces[]; };
+layout(std430, binding = 1) writeonly buffer Next { float next[]; };
+layout(std430, binding = 2) readonly buffer Solids { vec4 solids[]; };
+layout(std430, binding = 3) writeonly buffer Masks { uint masks[]; };  // see pressure_level.glsl
+layout(std430, binding = 4) writeonly buffer Rights { float rights[]; };
+layout(std430, binding = 15) buffer Solve { uint fastest; } solve;
+
+shared uint largest;
+
+// Velocity of a face, x; y: 1 where it is open.
+vec2 closed(int axis, ivec3 c) {
+  ivec3 before = c - along(axis);
+  vec4 solid_before = c[axis] > 0 ? solids[nodeAt(before)] : vec4(0);
+  vec4 solid_after = c[axis] < air.cells ? solids[nodeAt(c)] : vec4(0);
+  bool wall = air.open_border == 0 && (c[axis] == 0 || c[axis] == air.cells);
+  if (wall) return vec2(0);
+  if (solid_after.w > 0.0) return vec2(solid_after[axis], 0);
+  if (solid_before.w > 0.0) return vec2(solid_before[axis], 0);
+  return vec2(faces[faceAt(axis, c)], 1);
+}
+
+void main() {
+  if (gl_LocalInvocationIndex == 0u) largest = 0u;
+  barrier();
+  ivec3 c;
+  if (ownCell(c)) {
+    vec2 low[3], high[3];
+    uint bits = 0u;
+    float size = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = closed(axis, c);
+      high[axis] = closed(axis, c + along(axis));
+      next[faceAt(axis, c)] = low[axis].x;
+      if (c[axis] + 1 == air.cells) next[faceAt(axis, c + along(axis))] = high[axis].x;
+      if (low[axis].y > 0.0) bits |= 1u << uint(2 * axis);
+      if (high[axis].y > 0.0) bits |= 2u << uint(2 * axis);
+      size = max(size, max(abs(low[axis].x), abs(high[axis].x)));
+    }
+    float flow = outflow(low[0].x, high[0].x, low[1].x, high[1].x, low[2].x, high[2].x);
+    rights[nodeAt(c)] = bits != 0u ? 0.0 - flow : 0.0;
+    masks[nodeAt(c)] = bits | (solids[nodeAt(c)].w > 0.0 ? 64u : 0u);
+    atomicMax(largest, floatBitsToUint(size));
+  }
+  barrier();
+  if (gl_LocalInvocationIndex == 0u) atomicMax(solve.fastest, largest);
+}

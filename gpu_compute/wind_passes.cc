@@ -1,0 +1,317 @@
+#include "gpu_compute/wind_passes.h"
+
+#include <bit>
+#include <cmath>
+
+#include "core/error.h"
+#include "gpu_compute/gpu_layout.h"
+#include "gpu_compute/shaders.h"
+
+namespace strandcast::gpu {
+namespace {
+
+constexpr size_t kInvocations = 256;
+constexpr int kAhead = 1;   // iterations of the pressure beyond what the step before last took
+constexpr int kFirst = 12;  // iterations of the first steps
+constexpr int kBatch = 4;   // iterations between two looks at the residual
+
+/// Of shaders/ambient.glsl.
+struct PackedSource {
+  float position[3], kind;
+  float direction[3], rate;
+  float radius, length, cosine, speed;
+  float swirl, unused[3];
+};
+static_assert(sizeof(PackedSource) == 64);
+
+size_t cubed(int n) { return static_cast<size_t>(n) * static_cast<size_t>(n) * static_cast<size_t>(n); }
+float tolerance(const PressurePasses::State& state) {
+  return static_cast<float>(
+      std::max(kResidual * static_cast<double>(std::bit_cast<float>(state.fastest)), kStill));
+}
+
+}  // namespace
+
+WindPasses::WindPasses(int cells, float cell, Wind::Border border, ProgramCache& programs)
+    : programs_(programs),
+      cells_(cells),
+      cell_(cell),
+      border_(border),
+      sources_(zeros<PackedSource>(1)),
+      bodies_(zeros<MovingPrimitive>(1)),
+      body_settings_(zeros<Settings>(2)),
+      bodies_room_(1),
+      pressure_(cells, programs) {
+  for (gl::Buffer& faces : faces_) faces = zeros<float>(3 * cubed(cells + 1));
+  for (gl::Buffer& pressures : pressures_) pressures = zeros<float>(cubed(cells));
+  for (gl::Buffer* of_cells : {&centres_, &displacements_, &onwards_, &solids_, &exchange_})
+    *of_cells = zeros<std::array<float, 4>>(cubed(cells));
+  Settings settings{};
+  settings.substeps = 1;
+  settings.substep = settings.per_substep = 1;
+  body_settings_.write(std::span<const Settings>(&settings, 1));
+}
+
+void WindPasses::describe(AirSettings& s, double seconds) const {
+  const Vec3 low = origin(), mean = ambient_.mean(), carried = ambient_.carried();
+  s.wind_box = {low.x(), low.y(), low.z(), cell_};
+  s.ambient_mean = {mean.x(), mean.y(), mean.z(), ambient_.turbulence()};
+  s.ambient_carried = {carried.x(), carried.y(), carried.z(), ambient_.boxPlacesPerMetre()};
+  s.cells = cells_;
+  s.open_border = border_ == Wind::Border::kOpen ? 1 : 0;
+  s.seconds = static_cast<float>(seconds);
+  s.courant = static_cast<float>(seconds / static_cast<double>(cell_));
+}
+
+bool WindPasses::moveTo(const Vec3& middle, AirSettings& s) {
+  const Vec3 wanted = middle / cell_ - Vec3::Constant(0.5f * static_cast<float>(cells_));
+  const Vec3 off = wanted - corner_.cast<float>();
+  if (off.cwiseAbs().maxCoeff() <= 1) return false;
+  const Eigen::Vector3i shift = off.array().round().matrix().cast<int>();
+  corner_ += shift;
+  for (int c = 0; c < 3; ++c) s.shift[c] = shift[c];
+  return true;
+}
+
+void WindPasses::dispatchFaces() const {
+  glDispatchCompute(groupsOf(3 * cubed(cells_ + 1), kInvocations), 1, 1);
+}
+void WindPasses::dispatchCells() const { glDispatchCompute(groupsOf(cubed(cells_), kInvocations), 1, 1); }
+
+void WindPasses::carry() {
+  if (turbulence_seed_ != ambient_.seed()) {
+    turbulence_ = gl::Buffer(ambient_.box());
+    turbulence_seed_ = ambient_.seed();
+  }
+  turbulence_.bindStorage(13);
+  sources_.bindStorage(14);
+  faces().bindStorage(0);
+  next().bindStorage(1);
+  pressures_[0].bindStorage(3);
+  pressures_[1].bindStorage(4);
+  carry_.get(programs_, "wind_shift.comp", shaders::kWindShiftComp, "#define CENTRES 0\n").use();
+  dispatchFaces();
+  finishPass();
+  advance();
+  std::swap(pressures_[0], pressures_[1]);
+  faces().bindStorage(0);
+  centres_.bindStorage(2);
+  centres_of_.get(programs_, "wind_shift.comp", shaders::kWindShiftComp, "#define CENTRES 1\n").use();
+  dispatchCells();
+  finishPass();
+}
+
+void WindPasses::reset(AirBlock& block) {
+  describe(block.settings, 1);
+  for (int& shift : block.settings.shift) shift = 2 * cells_;  // nothing is known
+  block.send();
+  carry();
+}
+
+void WindPasses::setFaces(std::span<const float> values) {
+  faces().write(values);
+  faces().bindStorage(0);
+  centres_.bindStorage(2);
+  centres_of_.get(programs_, "wind_shift.comp", shaders::kWindShiftComp, "#define CENTRES 1\n").use();
+  dispatchCells();
+  finishPass();
+}
+
+void WindPasses::takeBodies(std::span<const MovingPrimitive> bodies, AirSettings& s) {
+  s.bodies = static_cast<int>(bodies.size());
+  if (bodies.empty()) return;
+  if (bodies.size() > bodies_room_) {
+    bodies_room_ = 2 * bodies.size();
+    bodies_ = zeros<MovingPrimitive>(bodies_room_);
+  }
+  bodies_.write(bodies);
+}
+
+gl::Buffer WindPasses::packed(std::span<const WindSource> sources) {
+  std::vector<PackedSource> packed;
+  for (const WindSource& source : sources) {
+    const Vec3 p = source.position, d = source.direction.normalized();
+    packed.push_back({{p.x(), p.y(), p.z()},
+                      static_cast<float>(source.kind),
+                      {d.x(), d.y(), d.z()},
+                      source.rate,
+                      source.radius,
+                      source.length,
+                      std::cos(source.angle),
+                      source.speed,
+                      source.swirl,
+                      {}});
+  }
+  return packed.empty() ? zeros<PackedSource>(1) : gl::Buffer(std::span<const PackedSource>(packed));
+}
+
+void WindPasses::findDisplacements(bool mac_cormack) {
+  centres_.bindStorage(2);
+  displacements_.bindStorage(3);
+  onwards_.bindStorage(4);
+  (mac_cormack ? displace_both_ : displace_)
+      .get(programs_, "wind_displace.comp", shaders::kWindDisplaceComp,
+           mac_cormack ? "#define ONWARD 1\n" : "#define ONWARD 0\n")
+      .use();
+  dispatchCells();
+}
+
+void WindPasses::advect(bool mac_cormack) {
+  if (turbulence_seed_ != ambient_.seed()) {
+    turbulence_ = gl::Buffer(ambient_.box());
+    turbulence_seed_ = ambient_.seed();
+  }
+  turbulence_.bindStorage(13);
+  sources_.bindStorage(14);
+  faces().bindStorage(0);
+  next().bindStorage(1);
+  displacements_.bindStorage(3);
+  advect_.get(programs_, "wind_advect.comp", shaders::kWindAdvectComp, "#define CORRECT 0\n").use();
+  dispatchFaces();
+  finishPass();
+  if (mac_cormack) {
+    next().bindStorage(5);
+    next(2).bindStorage(1);
+    onwards_.bindStorage(4);
+    correct_.get(programs_, "wind_advect.comp", shaders::kWindAdvectComp, "#define CORRECT 1\n").use();
+    dispatchFaces();
+    finishPass();
+  }
+  advance(mac_cormack ? 2 : 1);
+}
+
+void WindPasses::findSolids(const gl::Buffer& shapes) {
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, body_settings_.id());
+  solids_.bindStorage(0);
+  bodies_.bindStorage(7);
+  shapes.bindStorage(14);
+  solids_of_.get(programs_, "wind_solids.comp", shaders::kWindSolidsComp).use();
+  dispatchCells();
+}
+
+void WindPasses::findExchange(const gl::Buffer* nodes) {
+  sources_.bindStorage(14);
+  exchange_.bindStorage(6);
+  if (nodes != nullptr) nodes->bindStorage(9);
+  (nodes != nullptr ? exchange_hair_ : exchange_of_)
+      .get(programs_, "wind_exchange.comp", shaders::kWindExchangeComp,
+           nodes != nullptr ? "#define HAIR 1\n" : "#define HAIR 0\n")
+      .use();
+  dispatchCells();
+}
+
+void WindPasses::diffuse(double seconds, double viscosity, bool exchanges) {
+  const double whole = viscosity * seconds / (static_cast<double>(cell_) * static_cast<double>(cell_));
+  const int steps = std::max(static_cast<int>(std::ceil(whole / kLargestPart)), exchanges ? 1 : 0);
+  for (int step = 0; step < steps; ++step) {
+    const bool last = exchanges && step + 1 == steps;
+    const gl::Program& program = (last ? diffuse_exchange_ : diffuse_)
+                                     .get(programs_, "wind_diffuse.comp", shaders::kWindDiffuseComp,
+                                          last ? "#define EXCHANGE 1\n" : "#define EXCHANGE 0\n");
+    glProgramUniform1f(program.id(), 0, static_cast<float>(whole / steps));
+    faces().bindStorage(0);
+    next().bindStorage(1);
+    exchange_.bindStorage(6);
+    program.use();
+    dispatchFaces();
+    finishPass();
+    advance();
+  }
+}
+
+void WindPasses::closeFaces() {
+  pressure_.begin();
+  faces().bindStorage(0);
+  next().bindStorage(1);
+  solids_.bindStorage(2);
+  pressure_.masks().bindStorage(3);
+  pressure_.rights().bindStorage(4);
+  pressure_.state().bindStorage(15);
+  close_.get(programs_, "wind_faces.comp", shaders::kWindFacesComp).use();
+  dispatchCells();
+  finishPass();
+  advance();
+  pressure_.coarsen();
+}
+
+void WindPasses::subtractGradient() {
+  faces().bindStorage(0);
+  next().bindStorage(1);
+  centres_.bindStorage(2);
+  pressure_.masks().bindStorage(3);
+  pressures_[0].bindStorage(4);
+  subtract_.get(programs_, "wind_gradient.comp", shaders::kWindGradientComp).use();
+  dispatchCells();
+  finishPass();
+  advance();
+}
+
+PressureReport WindPasses::project() {
+  closeFaces();
+  PressureReport report;
+  float fastest = 0;
+  do {
+    pressure_.solve(kBatch, pressures_[0]);
+    const PressurePasses::State state = pressure_.download();
+    fastest = tolerance(state);
+    report = PressurePasses::reportOf(state);
+  } while (report.residual > static_cast<double>(fastest) && report.iterations < kMostIterations);
+  subtractGradient();
+  return report;
+}
+
+WindPasses::Reports::Reports() {
+  constexpr GLbitfield kRead = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+  for (size_t i = 0; i < kSlots; ++i) {
+    buffers[i] = gl::Buffer(sizeof(PressurePasses::State), nullptr, kRead | GL_CLIENT_STORAGE_BIT);
+    memory[i] = static_cast<const PressurePasses::State*>(
+        glMapNamedBufferRange(buffers[i].id(), 0, sizeof(PressurePasses::State), kRead));
+    if (memory[i] == nullptr)
+      throw Error("the GPU has no memory to share with the CPU", "wind", "use --backend simd");
+  }
+}
+
+void WindPasses::projectAhead(PassTimer& timer) {
+  if (!reports_) reports_ = std::make_unique<Reports>();
+  Reports& r = *reports_;
+  const auto slot = static_cast<size_t>(r.step % kSlots);
+  int iterations = kFirst;
+  if (r.step >= 2) {
+    const auto last = static_cast<size_t>((r.step - 2) % kSlots);
+    r.fences[last].wait();
+    iterations = std::min(r.memory[last]->iterations + kAhead, kMostIterations);
+  }
+  closeFaces();
+  timer.passed("close faces, coarsen");
+  pressure_.solve(iterations, pressures_[0]);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glCopyNamedBufferSubData(pressure_.state().id(), r.buffers[slot].id(), 0, 0, sizeof(PressurePasses::State));
+  r.fences[slot].set();
+  ++r.step;
+  timer.passed("pressure");
+  subtractGradient();
+  timer.passed("subtract gradient");
+}
+
+PressureReport WindPasses::newestPressure() const {
+  const PressurePasses::State state = pressure_.download();
+  PressureReport report = PressurePasses::reportOf(state);
+  report.residual /= std::max(1e-30, static_cast<double>(std::bit_cast<float>(state.fastest)));
+  return report;
+}
+
+WindPasses::Image WindPasses::download() const {
+  Image image;
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  auto read = [&](const gl::Buffer& from, auto& to, size_t count) {
+    to.resize(count);
+    glGetNamedBufferSubData(from.id(), 0, static_cast<GLsizeiptr>(count * sizeof(to[0])), to.data());
+  };
+  read(faces_[now_], image.faces, 3 * cubed(cells_ + 1));
+  read(pressures_[0], image.pressures, cubed(cells_));
+  read(centres_, image.centres, cubed(cells_));
+  read(pressure_.masks(), image.masks, cubed(cells_));
+  return image;
+}
+
+}  // namespace strandcast::gpu

@@ -1,0 +1,233 @@
+#include "gpu_compute/gpu_air.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "air/air_fields.h"
+#include "core/error.h"
+#include "core/simulation.h"
+#include "gpu_compute/gpu_backend.h"
+#include "validation/specimen.h"
+
+namespace strandcast {
+namespace {
+
+constexpr double kStep = 1.0 / 60;
+constexpr int kCells = 16;
+
+class GpuAir : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!gpuBackendInfo().available) GTEST_SKIP() << gpuBackendInfo().reason;
+  }
+};
+
+// Everything that moves air but hair, from the same air at the start.
+std::unique_ptr<Wind> blown(const AirMaker& maker, bool mac_cormack, Wind::Border border) {
+  std::unique_ptr<Wind> wind = maker.wind(kCells, 0.05f, border);
+  Parameters parameters;
+  parameters.wind = Vec3(3, 0.5f, -1);
+  parameters.turbulence = 0.3f;
+  parameters.gust = 0.2f;
+  wind->ambient().configure(parameters);
+  wind->ambient().setTime(0.7);
+  wind->centreAt(Vec3(0.2f, 1.6f, -0.1f));
+  wind->reset();
+  if (border == Wind::Border::kClosed)
+    wind->setVelocity([](const Vec3& x) { return Vec3(std::sin(4 * x.y()), std::cos(3 * x.z()), x.x()); });
+  ContactPrimitive ball;
+  ball.a = Vec3(0.22f, 1.58f, -0.1f);
+  ball.radius = 0.13f;
+  const Pose end{Vec3(0.004f, 0, 0.002f), Quat(Eigen::AngleAxisf(0.02f, Eigen::Vector3f::UnitY()))};
+  const MovingPrimitive body = moved(ball, Pose{}, end, static_cast<float>(kStep));
+  wind->clearSolids();
+  wind->addSolids({&body, 1}, {}, kStep);
+  wind->advect(kStep, mac_cormack);
+  wind->diffuse(kStep, 0.01);
+  wind->project();
+  wind->centreAt(Vec3(0.31f, 1.6f, -0.1f));
+  wind->advect(kStep, mac_cormack);
+  return wind;
+}
+
+TEST_F(GpuAir, WindIsThatOfTheReference) {
+  for (const Wind::Border border : {Wind::Border::kOpen, Wind::Border::kClosed}) {
+    const bool mac_cormack = border == Wind::Border::kOpen;
+    const std::unique_ptr<Wind> truth = blown(cpuAir("reference"), mac_cormack, border),
+                                wind = blown(gpuAir(), mac_cormack, border);
+    ASSERT_EQ(wind->origin(), truth->origin());
+    double largest = 0, changed = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (int k = 0; k < kCells; ++k)
+        for (int j = 0; j < kCells; ++j)
+          for (int i = 0; i < kCells; ++i) {
+            const double t = truth->component(axis, i, j, k);
+            largest = std::max(largest, std::fabs(wind->component(axis, i, j, k) - t));
+            changed = std::max(changed, std::fabs(t - 3 * (axis == 0)));
+          }
+    EXPECT_LT(largest, 2e-4) << "m/s";
+    EXPECT_GT(changed, 1);
+    EXPECT_LT(
+        (wind->velocityAt(Vec3(0.3f, 1.61f, -0.2f)) - truth->velocityAt(Vec3(0.3f, 1.61f, -0.2f))).norm(),
+        2e-4f);
+    EXPECT_NEAR(wind->fastest(), truth->fastest(), 2e-4);
+  }
+}
+
+// A squeezed tuft of hair with strands of several counts of vertices, some of edges longer than cells.
+struct Tuft {
+  StrandModel model;
+  StrandState state;
+
+  Tuft() {
+    std::vector<StrandPoints> strands;
+    for (int s = 0; s < 120; ++s) {
+      StrandPoints points = straightStrand(0.2, s % 5 == 0 ? 3 : 12 + s % 7, -Vec3::UnitY());
+      const Vec3 root(0.004f * static_cast<float>(s % 13), 0.001f * static_cast<float>(s % 3),
+                      0.004f * static_cast<float>(s / 13));
+      for (Vec3& p : points) p += root;
+      strands.push_back(points);
+    }
+    model = modelOf(strands);
+    state = restState(model, model.rest_roots);
+    for (size_t v = 0; v < model.vertices(); ++v) {
+      const auto n = static_cast<float>(v);
+      state.positions[v].x() *= 0.6f;
+      state.velocities[v] = Vec3(std::sin(1.3f * n), std::cos(2.9f * n), 1 + std::sin(n));
+    }
+  }
+};
+
+Parameters everything() {
+  Parameters parameters;
+  parameters.grid_cells = kCells;
+  parameters.solver = SolverKind::kRod;
+  parameters.wind = Vec3(3, 0, 1);
+  parameters.wind_grid = 1;
+  parameters.turbulence = 0.2f;
+  parameters.air_drag = 4;
+  parameters.air_drag_along = 0.5f;
+  parameters.volume_stiffness = 1;
+  parameters.hair_friction = 5;
+  return parameters;
+}
+
+struct Felt {
+  std::vector<Vec3> accelerations;
+  AirSample beside;  ///< in the lee of the hair
+};
+/// What `steps` steps of the surroundings alone come to at last.
+Felt felt(const AirMaker& maker, Backend& backend, const Tuft& tuft, const Parameters& parameters,
+          std::vector<WindSource> sources = {}, int steps = 2) {
+  const std::unique_ptr<Surroundings> surroundings = maker.surroundings(std::move(sources));
+  backend.load(tuft.model, tuft.state);
+  surroundings->configure(tuft.model, parameters, backend);
+  backend.expectAccelerations();
+  const std::vector<Pose> bones{
+      {Vec3(0.003f, 0, 0), Quat(Eigen::AngleAxisf(0.3f, Eigen::Vector3f::UnitX()))}};
+  for (int step = 0; step < steps; ++step) {
+    StepInput input;
+    input.parameters = &parameters;
+    input.roots_begin = input.roots_end = tuft.model.rest_roots;
+    input.bones_begin = input.bones_end = bones;
+    surroundings->step(input, backend);
+  }
+  const std::span<const Vec3> out = surroundings->accelerations();
+  Felt felt{{out.begin(), out.end()}, {}};
+  const AirFields* fields = airFields(surroundings.get());
+  if (fields->hasWind()) felt.beside = fields->at(Vec3(0.08f, -0.1f, 0.06f));
+  return felt;
+}
+
+void expectSame(const Felt& got, const Felt& truth) {
+  double largest = 0, off = 0;
+  for (size_t v = 0; v < truth.accelerations.size(); ++v) {
+    largest = std::max(largest, double{truth.accelerations[v].norm()});
+    off = std::max(off, double{(got.accelerations[v] - truth.accelerations[v]).norm()});
+  }
+  EXPECT_GT(largest, 1);
+  EXPECT_LT(off, 2e-3 * largest);
+}
+
+TEST_F(GpuAir, StrandsFeelWhatTheyFeelOnTheReference) {
+  const Tuft tuft;
+  const std::unique_ptr<Backend> gpu = makeGpuBackend(), reference = makeReferenceBackend();
+  WindSource fan;
+  fan.position = Vec3(0, -0.1f, -0.1f);
+  fan.speed = 4;
+  WindSource turbine = fan;
+  turbine.kind = WindSource::Kind::kTurbine;
+  turbine.swirl = 2;
+  {
+    SCOPED_TRACE("grids");
+    const Felt got = felt(gpuAir(), *gpu, tuft, everything(), {fan, turbine}),
+               truth = felt(cpuAir("reference"), *reference, tuft, everything(), {fan, turbine});
+    expectSame(got, truth);
+    EXPECT_LT((got.beside.wind - truth.beside.wind).norm(), 1e-3f);
+    EXPECT_NEAR(got.beside.density, truth.beside.density, 1e-3f * std::fabs(truth.beside.density) + 1e-6f);
+    EXPECT_NEAR(got.beside.pressure, truth.beside.pressure, 0.02f);
+  }
+  {
+    SCOPED_TRACE("no wind grid, drags of their own");
+    Parameters parameters = everything();
+    parameters.wind_grid = 0;
+    Tuft own = tuft;
+    own.model.air_drag_scale.assign(own.model.vertices(), 1);
+    for (size_t v = 0; v < own.model.vertices(); v += 2) own.model.air_drag_scale[v] = 0.5f;
+    expectSame(felt(gpuAir(), *gpu, own, parameters, {fan}),
+               felt(cpuAir("reference"), *reference, own, parameters, {fan}));
+  }
+}
+
+TEST_F(GpuAir, EveryRunGivesTheSameBitsAndHairAtRestFeelsNothing) {
+  Tuft tuft;
+  const std::unique_ptr<Backend> gpu = makeGpuBackend();
+  Parameters parameters = everything();
+  const Felt first = felt(gpuAir(), *gpu, tuft, parameters);
+  EXPECT_EQ(felt(gpuAir(), *gpu, tuft, parameters).accelerations, first.accelerations);
+  tuft.state = restState(tuft.model, tuft.model.rest_roots);
+  parameters.hair_friction = 0;
+  parameters.wind_grid = 0;
+  parameters.turbulence = 0;
+  parameters.air_drag_along = 1;
+  const std::unique_ptr<Surroundings> surroundings = gpuAir().surroundings({});
+  gpu->load(tuft.model, tuft.state);
+  surroundings->configure(tuft.model, parameters, *gpu);
+  StepInput input;
+  input.parameters = &parameters;
+  input.roots_begin = input.roots_end = tuft.model.rest_roots;
+  surroundings->step(input, *gpu);
+  for (const Vec3& acceleration : surroundings->accelerations()) EXPECT_EQ(acceleration, Vec3(Vec3::Zero()));
+}
+
+// With the solver whose shaders are the quicker to compile; both read accelerations in the same way.
+TEST_F(GpuAir, AStepHeedsWhatSurroundingsLeaveOnTheGpu) {
+  const Tuft tuft;
+  Parameters parameters = everything();
+  parameters.solver = SolverKind::kGaussSeidel;
+  auto run = [&](std::unique_ptr<Backend> backend, const AirMaker& maker) {
+    Simulation simulation(tuft.model, {}, parameters, std::move(backend), maker.surroundings({}));
+    for (int step = 0; step < 5; ++step) simulation.step();
+    return std::vector<Vec3>(simulation.guides().begin(), simulation.guides().end());
+  };
+  const std::vector<Vec3> truth = run(makeReferenceBackend(), cpuAir("reference")),
+                          got = run(makeGpuBackend(), gpuAir());
+  double off = 0, way = 0;
+  for (size_t v = 0; v < truth.size(); ++v) {
+    off = std::max(off, double{(got[v] - truth[v]).norm()});
+    way = std::max(way, double{(truth[v] - tuft.state.positions[v]).norm()});
+  }
+  EXPECT_GT(way, 1e-3);
+  EXPECT_LT(off, 2e-2 * way);
+}
+
+TEST_F(GpuAir, NeedsTheStrandsOnTheSameGpu) {
+  const Tuft tuft;
+  const std::unique_ptr<Backend> reference = makeReferenceBackend();
+  reference->load(tuft.model, tuft.state);
+  EXPECT_THROW(gpuAir().surroundings({})->configure(tuft.model, everything(), *reference), Error);
+}
+
+}  // namespace
+}  // namespace strandcast
