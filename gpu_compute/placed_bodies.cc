@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "kernels/scalar_float.h"
 
@@ -25,32 +24,34 @@ void put(To (&to)[n], const From (&from)[n]) {
 
 }  // namespace
 
+PlacedBody placedBody(const MovingPrimitive& primitive, double time, double part, double seconds,
+                      float hair_radius) {
+  const kernels::f32::SubstepBody at =
+      kernels::f32::bodyAt(primitive, nullptr, time, part, seconds, hair_radius, 1.0f);
+  PlacedBody body{};
+  put(body.middle, at.middle);
+  body.ball = at.kind == PrimitiveKind::kPlane ? kEverywhere : at.ball;
+  put(body.a, at.a);
+  body.radius = at.radius;
+  put(body.b, at.b);
+  body.radius_b = at.radius_b;
+  put(body.a_motion, at.a_motion);
+  body.friction = at.friction;
+  put(body.turn, at.turn);
+  body.kind = primitive.kind;
+  if (at.kind >= PrimitiveKind::kEllipsoid) put(body.rotation, at.rotation);
+  put(body.extent, at.extent);
+  body.data = at.data;
+  body.planes = at.planes;
+  return body;
+}
+
 void placeBodies(const StepInput& input, PlacedBody* out) {
   const Parameters& p = *input.parameters;
-  for (int substep = 0; substep < p.substeps; ++substep) {
-    const double time = (substep + 1.0) / p.substeps;
-    for (const MovingPrimitive& primitive : input.primitives) {
-      const kernels::f32::SubstepBody at =
-          kernels::f32::bodyAt(primitive, nullptr, time, 1.0 / p.substeps,
-                               static_cast<double>(p.time_step) / p.substeps, p.hair_radius, 1.0f);
-      PlacedBody body{};
-      put(body.middle, at.middle);
-      body.ball = at.kind == PrimitiveKind::kPlane ? kEverywhere : at.ball;
-      put(body.a, at.a);
-      body.radius = at.radius;
-      put(body.b, at.b);
-      body.radius_b = at.radius_b;
-      put(body.a_motion, at.a_motion);
-      body.friction = at.friction;
-      put(body.turn, at.turn);
-      body.kind = primitive.kind;
-      if (at.kind >= PrimitiveKind::kEllipsoid) put(body.rotation, at.rotation);
-      put(body.extent, at.extent);
-      body.data = at.data;
-      body.planes = at.planes;
-      *out++ = body;
-    }
-  }
+  const double part = 1.0 / p.substeps, seconds = static_cast<double>(p.time_step) / p.substeps;
+  for (int substep = 1; substep <= p.substeps; ++substep)
+    for (const MovingPrimitive& primitive : input.primitives)
+      *out++ = placedBody(primitive, substep * part, part, seconds, p.hair_radius);
 }
 
 }  // namespace gpu

@@ -26,6 +26,11 @@ struct alignas(16) PlacedBody {
 };
 static_assert(sizeof(PlacedBody) == 128);
 
+/// `time`: the part of the step that has passed, 0 to 1. Motion and turn are those of `part` of the step,
+/// which takes `seconds`.
+PlacedBody placedBody(const MovingPrimitive& primitive, double time, double part, double seconds,
+                      float hair_radius);
+
 /// Writes every body of the step at the end of its first substep, then of the next, and so on.
 void placeBodies(const StepInput& input, PlacedBody* out);
 

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "gpu_compute/gpu_layout.h"
+#include "gpu_compute/placed_bodies.h"
 #include "gpu_compute/shaders.h"
 
 namespace strandcast::gpu {
@@ -38,7 +39,7 @@ WindPasses::WindPasses(int cells, float cell, Wind::Border border, ProgramCache&
       cell_(cell),
       border_(border),
       sources_(zeros<PackedSource>(1)),
-      bodies_(zeros<MovingPrimitive>(1)),
+      bodies_(zeros<PlacedBody>(1)),
       body_settings_(zeros<Settings>(2)),
       bodies_room_(1),
       pressure_(cells, programs) {
@@ -122,9 +123,11 @@ void WindPasses::takeBodies(std::span<const MovingPrimitive> bodies, AirSettings
   if (bodies.empty()) return;
   if (bodies.size() > bodies_room_) {
     bodies_room_ = 2 * bodies.size();
-    bodies_ = zeros<MovingPrimitive>(bodies_room_);
+    bodies_ = zeros<PlacedBody>(bodies_room_);
   }
-  bodies_.write(bodies);
+  std::vector<PlacedBody> placed;
+  for (const MovingPrimitive& body : bodies) placed.push_back(placedBody(body, 1, 1, 1, 0));
+  bodies_.write(std::span<const PlacedBody>(placed));
 }
 
 gl::Buffer WindPasses::packed(std::span<const WindSource> sources) {
