@@ -3,8 +3,6 @@
 namespace strandcast {
 namespace {
 constexpr std::chrono::milliseconds kClaimPeriod{40};
-/// A new daemon hears of no other for so long: see kRivalListenTime.
-constexpr std::chrono::milliseconds kSettles{1500};
 }  // namespace
 
 DdsClaim::DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength)
@@ -20,8 +18,8 @@ uint64_t DdsClaim::turn() const {
   return holder_ == session_ && std::chrono::steady_clock::now() >= settled_ ? turns_.load() : 0;
 }
 
-void DdsClaim::start(DdsParticipant& participant) {
-  settled_ = std::chrono::steady_clock::now() + kSettles;
+void DdsClaim::start(DdsParticipant& participant, std::chrono::milliseconds settles) {
+  settled_ = std::chrono::steady_clock::now() + settles;
   participant.createReader(kClaimTopic, new ClaimType, &listener_);
   thread_ = std::thread([this, writer = participant.createWriter(kClaimTopic, new ClaimType, nullptr,
                                                                  strength_)] { claim(writer); });

@@ -17,9 +17,9 @@ class DdsClaim {
  public:
   DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength);
   ~DdsClaim() { stop(); }
-  /// Claims from now on, in a thread of its own. `participant` is taken down between stop() and the end of
-  /// this.
-  void start(DdsParticipant& participant);
+  /// Claims from now on, in a thread of its own; it is nobody's turn here for the time that others may take
+  /// to be heard. `participant` is taken down between stop() and the end of this.
+  void start(DdsParticipant& participant, std::chrono::milliseconds settles);
   void stop();
 
   /// How often it has become this daemon's turn, where it is; else 0.

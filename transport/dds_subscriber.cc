@@ -18,6 +18,8 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 
 constexpr std::chrono::milliseconds kAnswerTime{2000}, kWatchPeriod{400};
+/// Fast DDS 2.9.1 repeats a message of a handshake that was lost only after a second.
+constexpr std::chrono::milliseconds kSecureAnswerTime{6000};
 constexpr int kPatience = 2;  // looks without a chunk; a daemon's status comes twice a second
 
 class DdsSubscriber final : public ReceivingSubscriber {
@@ -55,9 +57,10 @@ class DdsSubscriber final : public ReceivingSubscriber {
     const std::string where =
         "groom " + std::to_string(options_.groom_id) + " in DDS domain " + std::to_string(options_.domain);
     const char* const remedy = "start strandcastd, or check --domain and the groom id";
-    const auto deadline = std::chrono::steady_clock::now() + kAnswerTime;
+    const auto answer_time = options_.keys.empty() ? kAnswerTime : kSecureAnswerTime;
+    const auto deadline = std::chrono::steady_clock::now() + answer_time;
     // Its status is what it answers with.
-    for (bool heard = daemons_.waitForMatch(kAnswerTime); !heard || !status();
+    for (bool heard = daemons_.waitForMatch(answer_time); !heard || !status();
          std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
       if (!heard || std::chrono::steady_clock::now() > deadline)
         throw Error("no daemon answers", where, remedy);

@@ -61,8 +61,8 @@ class Subscriber {
   /// Sends a command to the daemon of `command.groom_id` 's groom, which is this subscriber's (0 stands for
   /// it). Blocks until the daemon's machine has it (over LCM: until it is sent), and the daemon's answer can
   /// be heard. The command may be lost, and the daemon may end before it obeys: ask() sends until there is an
-  /// answer. Throws Error when no daemon of that groom answers within 2 s, when `id` is 0, when the
-  /// command is longer than the wire takes, or without mayCommand().
+  /// answer. Throws Error when no daemon of that groom answers within 2 s (6 s with keys), when `id` is 0,
+  /// when the command is longer than the wire takes, or without mayCommand().
   virtual void send(const Command& command) = 0;
   /// The daemon's answer to the command of this id: empty text when it was carried out, the reason when it
   /// was refused, nothing on timeout. The newest 256 answers are kept, also when the daemon has ended.

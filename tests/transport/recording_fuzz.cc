@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
 
 #include "core/content_hash.h"
 #include "core/error.h"
@@ -25,7 +24,8 @@ bool isSoundFrame(const RecordedFrame& read) {
 
 bool RecordingInMemory::read(uint64_t offset, std::span<uint8_t> to) {
   if (offset > bytes_.size() || to.size() > bytes_.size() - offset) std::abort();  // as it has promised
-  std::memcpy(to.data(), bytes_.data() + offset, to.size());
+  std::copy_n(bytes_.begin() + static_cast<ptrdiff_t>(offset), to.size(),
+              to.begin());  // also of an empty record
   return true;
 }
 

@@ -53,7 +53,7 @@ inline Lanes squareRoot(Lanes a) {
   return Lanes{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 }
 inline Lanes atLeast(Lanes a, float least) { return a > fill(least) ? a : fill(least); }
-inline Lanes size(Lanes a) { return a < fill(0) ? -a : a; }
+inline Lanes magnitude(Lanes a) { return a < fill(0) ? -a : a; }
 inline Lanes dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline Vector sum(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Vector difference(const Vector& a, const Vector& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
@@ -119,7 +119,7 @@ inline void chooseOffsets(const Edge& edge, std::span<const Vec3> wanted, float 
   const Lanes scale = length / (ahead * fill(step));
   const Lanes u = dot(way, edge.u) * scale, v = dot(way, edge.v) * scale, most = fill(32767);
   // Where it does not hold, as for numbers that are none, the strand is found to be off and sent as it is.
-  const auto holds = (ahead > fill(0.05f) * length) & (size(u) < most) & (size(v) < most);
+  const auto holds = (ahead > fill(0.05f) * length) & (magnitude(u) < most) & (magnitude(v) < most);
   const size_t plane = symbols.edges.size() / 2;
   for (size_t l = 0; l < kLanes; ++l) {
     if (!edge.is_there[l]) continue;
