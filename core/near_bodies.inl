@@ -54,7 +54,7 @@ class NearBodies {
       real nearest = lit(1e9);
       for (size_t k = 0; k < kept(); ++k) {
         const real own = leastDistance(placed_[k], load3(block_.position, i)) - pressed;
-        limit(i, k) = leastOf(own);
+        limit(i, k) = leastLimit(own);
         nearest = min(nearest, own);
       }
       storeNearest(i, nearest);
@@ -94,7 +94,7 @@ class NearBodies {
       const mask looked = lanes && reach >= lit(limit(i, k));
       if (anyTrue(looked)) {
         own = select(looked, meet(placed_[k], x, x_start, clear, looked, touch) + gone, own);
-        limit(i, k) = leastOf(own);
+        limit(i, k) = leastLimit(own);
       }
       nearest = min(nearest, own);
     }
@@ -130,6 +130,8 @@ class NearBodies {
   Scalar* room(RoomPlane plane, int i) const { return rows_ + (static_cast<size_t>(i) * kRoomPlanes + plane) * kLanes; }
   // Of body k, the least of all lanes.
   Scalar& limit(int i, size_t k) const { return limits_[static_cast<size_t>(i) * kPlacedBodies + k]; }
+  // A lane that is not a number must not hide the others' bodies.
+  static Scalar leastLimit(const real& limits) { return leastOf(select(limits > lit(-1e9), limits, lit(-1e9))); }
   // What is farther than that is not met. On a way w between gaps g and h some point has the gap (g + h - w) / 2 or less, and
   // meet() looks at none that is farther than w / 10.
   real reached(int i) const {
