@@ -431,7 +431,8 @@ TEST(FieldEvenness, NormalsAboutEvenBricksAreLessThan60DegreesApart) {
       for (int pair = 0; pair < 50; ++pair) ASSERT_GT(normal().dot(normal()), 0.5f) << n << ", " << even;
     }
     EXPECT_GT(even_bricks, 0u);
-    if (mesh.triangles.size() == 12) EXPECT_GT(others, 0u) << "where the sides of a thin body meet";
+    const bool thin = mesh.triangles.size() == 12;
+    EXPECT_TRUE(others > 0 || !thin) << "where the sides of a thin body meet";
   }
 }
 
