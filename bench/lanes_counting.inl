@@ -33,5 +33,10 @@ inline real select(mask m, real a, real b) { return m ? a : b; }
 inline real load(const Scalar* p) { return {*p}; }
 inline void store(real value, Scalar* p) { *p = value.v; }
 inline bool anyTrue(mask m) { return m; }
+inline uint32_t laneBits(mask m) { return m ? 1 : 0; }
+inline Scalar leastOf(real value) { return value.v; }
+inline void storeWhole(real value, uint32_t* p) { *p = static_cast<uint32_t>(value.v); }
+inline real lowHalves(const uint32_t* p) { return {static_cast<float>(static_cast<int16_t>(*p))}; }
+inline real highHalves(const uint32_t* p) { return {static_cast<float>(static_cast<int16_t>(*p >> 16))}; }
 
 #include "kernels/lanes_vector.inl"

@@ -68,6 +68,8 @@ inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, doubl
 // Where a body's surface is nearest to a point.
 struct SurfacePoint {
   real distance;  // m, negative inside
+  real least;     // m, at most the distance, and more than it where the body does not act
+  real even;      // m: nearer to the point than this no normal is turned by 60 degrees from its own, 0 where not known
   real3 normal;   // unit, out of the body
 };
 
@@ -82,92 +84,178 @@ inline real convexDistance(const SubstepBody& body, const real3& x, real3& norma
   return nearest;
 }
 
-// `clear`: see fieldDistance. In a brick beyond the band the normal is zero.
-inline real fieldDistanceAt(const SubstepBody& body, const real3& x, const real& clear, real3& normal) {
-  FieldGrid grid;
-  std::memcpy(&grid, body.words + body.data, sizeof grid);
-  const FieldPlace place = fieldPlace(x, fill3(grid.origin), lit(grid.cell),
-                                      makeReal3(lit(grid.bricks[0]), lit(grid.bricks[1]), lit(grid.bricks[2])));
-  alignas(64) Scalar bricks[kLanes], corners[kLanes], cells[kLanes], side[kLanes], values[8][kLanes];
-  store(place.brick, bricks);
-  store(place.corner, corners);
-  store(place.first_sample, cells);
-  uint32_t entries[kLanes];
-  bool near = false;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    entries[lane] = body.words[grid.index + static_cast<uint32_t>(bricks[lane])];
-    near = near || entries[lane] != kOutsideBrick;
-  }
-  const real3 none = makeReal3(lit(0), lit(0), lit(0));
-  const real beyond = max(clear, lit(grid.band));
-  if (!near) {  // nothing is pushed from here
-    normal = none;
-    return beyond;
-  }
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const uint32_t entry = entries[lane];
-    const bool stored = entry < kInsideBrick;
-    side[lane] = static_cast<Scalar>(stored ? 0 : entry == kOutsideBrick ? 1 : -1);
-    if (stored) {
-      const uint32_t* brick = body.words + grid.samples + size_t{entry} * kBrickWords;
-      for (uint32_t c = 0; c < 8; c += 2) {  // two neighbours along x at a time
-        const uint32_t n =
-            static_cast<uint32_t>(cells[lane]) + (c >> 1 & 1) * kBrickSide + (c >> 2) * kBrickSide * kBrickSide;
-        uint64_t both;  // of two words; what follows a field's samples is its own too
-        std::memcpy(&both, brick + n / 2, sizeof both);
-        both >>= 16 * (n & 1);
-        values[c][lane] = static_cast<Scalar>(static_cast<int16_t>(both));
-        values[c + 1][lane] = static_cast<Scalar>(static_cast<int16_t>(both >> 16));
-      }
-      continue;
-    }
-    const uint32_t row = grid.bricks[0] + 1, slice = row * (grid.bricks[1] + 1);
-    for (uint32_t c = 0; c < 8; ++c) {
-      const uint32_t n = static_cast<uint32_t>(corners[lane]) + (c & 1) + (c >> 1 & 1) * row + (c >> 2) * slice;
-      values[c][lane] = static_cast<Scalar>(std::bit_cast<float>(body.words[grid.corners + n]));
-    }
-  }
-  const FieldCorners at{load(values[0]), load(values[1]), load(values[2]), load(values[3]), load(values[4]),
-                        load(values[5]), load(values[6]), load(values[7]), load(side)};
-  const real distance = fieldDistance(place, at, lit(grid.cell), lit(grid.band), lit(grid.quantum), clear, normal);
-  const mask outside = load(side) > lit(0.5);
-  normal = select(outside, none, normal);
-  return select(outside, beyond, distance);
+// Calls work(lane) for each lane of the mask.
+template <class Work>
+inline void forLanes(const mask& lanes, const Work& work) {
+  for (uint32_t left = laneBits(lanes); left != 0; left &= left - 1) work(std::countr_zero(left));
 }
 
-// Of kinds that turn. By itself, so that what sweeps over spheres and capsules stays small. `clear`: see surfaceAt.
-[[gnu::noinline]] inline SurfacePoint turningSurfaceAt(const SubstepBody& body, const real3& x, const real& clear) {
+// A field at points, and which bricks these lie in.
+struct FieldLook {
+  FieldGrid grid;
+  FieldPlace place;
+  alignas(64) uint32_t entries[kLanes];  // of the index
+  real side;                             // as of FieldCorners
+};
+// Of `lanes`; the others lie in no brick, outside.
+inline FieldLook lookIntoField(const SubstepBody& body, const real3& x, const mask& lanes) {
+  FieldLook look;
+  std::memcpy(&look.grid, body.words + body.data, sizeof look.grid);
+  const FieldGrid& grid = look.grid;
+  look.place = fieldPlace(x, fill3(grid.origin), lit(grid.cell),
+                          makeReal3(lit(grid.bricks[0]), lit(grid.bricks[1]), lit(grid.bricks[2])));
+  alignas(64) uint32_t bricks[kLanes];
+  alignas(64) Scalar side[kLanes];
+  storeWhole(look.place.brick, bricks);
+  store(lit(1), side);
+  std::fill(look.entries, look.entries + kLanes, kOutsideBrick);
+  forLanes(lanes, [&](int lane) {
+    const uint32_t entry = body.words[grid.index + bricks[lane]];
+    look.entries[lane] = entry;
+    if (entry != kOutsideBrick) side[lane] = static_cast<Scalar>(entry < kInsideBrick ? 0 : -1);
+  });
+  look.side = load(side);
+  return look;
+}
+
+// At most the distance, by what is stored at the nearest corner of the cell or, beyond the band, of the brick.
+inline real leastByCorner(const SubstepBody& body, const FieldLook& look, const mask& lanes) {
+  const FieldGrid& grid = look.grid;
+  const FieldPlace& place = look.place;
+  const auto nearest = [](const real3& t) {
+    const real half = lit(0.5);
+    return makeReal3(floor(t.x + half), floor(t.y + half), floor(t.z + half));
+  };
+  const real3 in_cell = nearest(place.in_cell), in_brick = nearest(place.in_brick);
+  const real side = lit(kBrickSide), row = lit(grid.bricks[0] + 1), slice = row * lit(grid.bricks[1] + 1);
+  alignas(64) uint32_t samples[kLanes], corners[kLanes];
+  alignas(64) Scalar values[kLanes] = {};
+  storeWhole(madd(madd(in_cell.z, side, in_cell.y), side, place.first_sample + in_cell.x), samples);
+  storeWhole(madd(in_brick.z, slice, madd(in_brick.y, row, place.corner + in_brick.x)), corners);
+  forLanes(lanes, [&](int lane) {
+    const uint32_t entry = look.entries[lane];
+    const float value = entry < kInsideBrick
+                            ? grid.quantum * fieldSample(body.words + grid.samples + size_t{entry} * kBrickWords, samples[lane])
+                            : std::bit_cast<float>(body.words[grid.corners + corners[lane]]);
+    values[lane] = static_cast<Scalar>(value);
+  });
+  const mask stored = abs(look.side) < lit(0.5);
+  const real3 away = place.in_cell - in_cell, far = (place.in_brick - in_brick) * lit(grid.cell * kBrickCells);
+  // The interpolant is off by the mean way to the corners, which is at most the root mean square.
+  const real in_band = lit(grid.cell) * sqrt(abs(away.x) + abs(away.y) + abs(away.z));
+  return load(values) - select(stored, in_band, length(far + place.outside));
+}
+
+// `clear`: see fieldDistance. In a brick beyond the band the normal is zero.
+inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, const real& clear, const mask& lanes) {
+  SurfacePoint out;
+  const FieldLook look = lookIntoField(body, x, lanes);
+  const FieldGrid& grid = look.grid;
+  const real3 none = makeReal3(lit(0), lit(0), lit(0));
+  const real beyond = max(clear, lit(grid.band));
+  const mask outside = look.side > lit(0.5), away = lanes && outside;
+  out.even = lit(0);
+  out.least = lit(grid.band);
+  if (anyTrue(away)) out.least = max(out.least, leastByCorner(body, look, away));
+  const mask near = lanes && !outside;
+  if (!anyTrue(near)) {  // nothing is pushed from here
+    out.normal = none;
+    out.distance = beyond;
+    return out;
+  }
+  alignas(64) uint32_t cells[kLanes], corners[kLanes], pairs[4][kLanes] = {};  // pairs: neighbours along x
+  alignas(64) Scalar deep[8][kLanes], even[kLanes] = {};
+  const uint32_t* evenness = body.words + firstEvenness(grid);
+  storeWhole(look.place.first_sample, cells);
+  const mask stored = look.side > lit(-0.5), inside = near && !stored;
+  forLanes(near && stored, [&](int lane) {
+    const uint32_t entry = look.entries[lane];
+    even[lane] = static_cast<Scalar>(evenness[entry / kEvennessesPerWord] >> (2 * (entry % kEvennessesPerWord)) & 3);
+    const char* brick = reinterpret_cast<const char*>(body.words + grid.samples + size_t{entry} * kBrickWords);
+    for (uint32_t c = 0; c < 4; ++c)
+      std::memcpy(&pairs[c][lane],
+                  brick + 2 * (cells[lane] + (c & 1) * kBrickSide + (c >> 1) * kBrickSide * kBrickSide), 4);
+  });
+  FieldCorners at{lowHalves(pairs[0]), highHalves(pairs[0]), lowHalves(pairs[1]), highHalves(pairs[1]),
+                  lowHalves(pairs[2]), highHalves(pairs[2]), lowHalves(pairs[3]), highHalves(pairs[3]), look.side};
+  if (anyTrue(inside)) {
+    const uint32_t row = grid.bricks[0] + 1, slice = row * (grid.bricks[1] + 1);
+    real* const values[8] = {&at.v000, &at.v100, &at.v010, &at.v110, &at.v001, &at.v101, &at.v011, &at.v111};
+    storeWhole(look.place.corner, corners);
+    for (uint32_t c = 0; c < 8; ++c) {
+      store(*values[c], deep[c]);
+      forLanes(inside, [&](int lane) {
+        const uint32_t n = corners[lane] + (c & 1) + (c >> 1 & 1) * row + (c >> 2) * slice;
+        deep[c][lane] = static_cast<Scalar>(std::bit_cast<float>(body.words[grid.corners + n]));
+      });
+      *values[c] = load(deep[c]);
+    }
+  }
+  const real distance =
+      fieldDistance(look.place, at, lit(grid.cell), lit(grid.band), lit(grid.quantum), clear, out.normal);
+  out.normal = select(outside, none, out.normal);
+  out.least = select(outside, out.least, distance);
+  out.distance = select(outside, beyond, distance);
+  const real3 t = look.place.in_brick;
+  const real to_border = min(min(min(t.x, t.y), t.z), lit(1) - max(max(t.x, t.y), t.z));
+  const real around = madd(to_border, lit(kBrickCells), load(even) - lit(1));  // cells
+  out.even = select(load(even) > lit(0.5), around * lit(grid.cell), lit(0));
+  return out;
+}
+
+// Of kinds that turn. By itself, so that what sweeps over spheres and capsules stays small. See surfaceAt.
+[[gnu::noinline]] inline SurfacePoint turningSurfaceAt(const SubstepBody& body, const real3& x, const real& clear,
+                                                       const mask& lanes) {
   SurfacePoint out;
   const quat rotation = spread(body.rotation);
   const quat back = {lit(0) - rotation.x, lit(0) - rotation.y, lit(0) - rotation.z, rotation.w};
   const real3 local = rotate(back, x - spread(body.a));
+  if (body.kind == PrimitiveKind::kField) {
+    out = fieldSurfaceAt(body, local, clear, lanes);
+    out.normal = rotate(rotation, out.normal);
+    return out;
+  }
   real3 normal;
   if (body.kind == PrimitiveKind::kEllipsoid) out.distance = ellipsoidDistance(local, spread(body.extent), normal);
   else if (body.kind == PrimitiveKind::kBox) out.distance = boxDistance(local, spread(body.extent), normal);
-  else if (body.kind == PrimitiveKind::kConvex) out.distance = convexDistance(body, local, normal);
-  else out.distance = fieldDistanceAt(body, local, clear, normal);
+  else out.distance = convexDistance(body, local, normal);
+  out.least = out.distance;
+  out.even = lit(0);
   out.normal = rotate(rotation, normal);
   return out;
 }
 
-// `clear`: m, as far as the point is to be kept from the surface.
-inline SurfacePoint surfaceAt(const SubstepBody& body, const real3& x, const real& clear) {
-  if (body.kind >= PrimitiveKind::kEllipsoid) return turningSurfaceAt(body, x, clear);
+// `clear`: m, as far as the point is to be kept from the surface. Of `lanes`; of the others it may be anything.
+inline SurfacePoint surfaceAt(const SubstepBody& body, const real3& x, const real& clear, const mask& lanes) {
+  if (body.kind >= PrimitiveKind::kEllipsoid) return turningSurfaceAt(body, x, clear, lanes);
   SurfacePoint out;
+  out.even = lit(0);
   const real3 a = spread(body.a);
   const real radius = lit(body.radius);
   if (body.kind == PrimitiveKind::kSphere) {
     out.distance = sphereDistance(x, a, radius, out.normal);
-    return out;
+    out.even = (out.distance + radius) * lit(0.8);
+  } else {
+    const real3 b = spread(body.b);
+    real along;
+    if (body.kind == PrimitiveKind::kPlane) out.distance = planeDistance(x, a, b, out.normal);
+    else if (body.kind == PrimitiveKind::kCapsule) out.distance = capsuleDistance(x, a, b, radius, out.normal, along);
+    else out.distance = taperedCapsuleDistance(x, a, b, radius, lit(body.radius_b), out.normal, along);
   }
-  const real3 b = spread(body.b);
-  if (body.kind == PrimitiveKind::kPlane) {
-    out.distance = planeDistance(x, a, b, out.normal);
-    return out;
-  }
-  real along;
-  out.distance = body.kind == PrimitiveKind::kCapsule
-                     ? capsuleDistance(x, a, b, radius, out.normal, along)
-                     : taperedCapsuleDistance(x, a, b, radius, lit(body.radius_b), out.normal, along);
+  out.least = out.distance;
   return out;
+}
+
+// At most the distance of points from the surface, more quickly than surfaceAt() has it of kinds where that takes long.
+[[gnu::noinline]] inline real leastDistance(const SubstepBody& body, const real3& x) {
+  const mask all = lit(0) < lit(1);
+  if (body.kind == PrimitiveKind::kField) {
+    const quat rotation = spread(body.rotation);
+    const quat back = {lit(0) - rotation.x, lit(0) - rotation.y, lit(0) - rotation.z, rotation.w};
+    const FieldLook look = lookIntoField(body, rotate(back, x - spread(body.a)), all);
+    return leastByCorner(body, look, all);
+  }
+  if (body.kind == PrimitiveKind::kEllipsoid || body.kind == PrimitiveKind::kConvex)
+    return length(x - spread(body.middle)) - lit(body.ball);
+  return surfaceAt(body, x, lit(0), all).distance;
 }

@@ -98,11 +98,13 @@ uint32_t ShapeData::add(const ContactPrimitive& primitive) {
     }
   } else {
     const DistanceField& field = *primitive.field;
+    const std::vector<uint32_t> evenness = field.evenness();
     FieldGrid grid = field.grid;
     put(grid.origin, Vec3(grid.origin) - middle);
     constexpr size_t kHeader = sizeof(FieldGrid) / sizeof(uint32_t);
     const size_t index = first + kHeader, samples = index + field.index.size(),
-                 corners = samples + field.samples.size(), end = corners + field.corners.size();
+                 corners = samples + field.samples.size(), even = corners + field.corners.size(),
+                 end = even + evenness.size();
     if (end > std::numeric_limits<uint32_t>::max())
       throw Error("the distance fields of the bodies are too large together", std::to_string(end) + " words",
                   "bake them with larger cells");
@@ -116,6 +118,7 @@ uint32_t ShapeData::add(const ContactPrimitive& primitive) {
     std::transform(field.corners.begin(), field.corners.end(),
                    words.begin() + static_cast<ptrdiff_t>(corners),
                    [](float distance) { return std::bit_cast<uint32_t>(distance); });
+    std::copy(evenness.begin(), evenness.end(), words.begin() + static_cast<ptrdiff_t>(even));
   }
   known_.emplace_back(shape, static_cast<uint32_t>(first));
   revision = nextRevision();
@@ -158,7 +161,7 @@ MovingPrimitive moved(const ContactPrimitive& primitive, const Pose& begin, cons
 
 float signedDistance(const MovingPrimitive& primitive, const Vec3& point, std::span<const uint32_t> words) {
   const auto body = kernels::f32::bodyAt(primitive, words.data(), 1, 1, 1, 0, 1);
-  return kernels::f32::surfaceAt(body, {point.x(), point.y(), point.z()}, 0).distance;
+  return kernels::f32::surfaceAt(body, {point.x(), point.y(), point.z()}, 0, true).distance;
 }
 
 Box sweptBox(const MovingPrimitive& p) {

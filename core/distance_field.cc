@@ -1,5 +1,7 @@
 #include "core/distance_field.h"
 
+#include <algorithm>
+
 #include "kernels/scalar_float.h"
 
 namespace strandcast {
@@ -19,7 +21,79 @@ float interpolate(Get get, uint32_t first, uint32_t row, uint32_t slice, const k
                       get(above + 1), get(above + row), get(above + row + 1), t, gradient);
 }
 
+/// The least and the greatest difference of neighbouring samples, axis by axis, in sample units.
+struct Steps {
+  Vec3 least = Vec3::Constant(1e9f), most = -least;
+  void add(int axis, float step) {
+    least[axis] = std::min(least[axis], step);
+    most[axis] = std::max(most[axis], step);
+  }
+  // The gradient of an interpolant lies between them: all gradients are in a box. Seen from 0 it is in a cone
+  // of half the angle asin(half its diagonal / distance of its middle).
+  bool even() const {
+    constexpr float kWide = 0.45f;  // 27 degrees
+    return (most - least).norm() < kWide * (most + least).norm();
+  }
+};
+
+/// Of cells `first` to `end` of a brick, per axis.
+void addSteps(const uint32_t* brick, const uint32_t (&first)[3], const uint32_t (&end)[3], Steps& steps) {
+  const uint32_t strides[3] = {1, kBrickSide, kBrickSide * kBrickSide};
+  for (uint32_t z = first[2]; z <= end[2]; ++z)
+    for (uint32_t y = first[1]; y <= end[1]; ++y)
+      for (uint32_t x = first[0]; x <= end[0]; ++x) {
+        const uint32_t at[3] = {x, y, z}, n = (z * kBrickSide + y) * kBrickSide + x;
+        for (int axis = 0; axis < 3; ++axis)
+          if (at[axis] < end[axis])
+            steps.add(axis,
+                      static_cast<float>(fieldSample(brick, n + strides[axis]) - fieldSample(brick, n)));
+      }
+}
+
 }  // namespace
+
+std::vector<uint32_t> DistanceField::evenness() const {
+  constexpr int kMostCells = 2;
+  std::vector<uint32_t> words((storedBricks() + kEvennessesPerWord - 1) / kEvennessesPerWord);
+  const auto brickAt = [&](const int(&at)[3]) -> const uint32_t* {
+    for (int axis = 0; axis < 3; ++axis)
+      if (at[axis] < 0 || at[axis] >= static_cast<int>(grid.bricks[axis])) return nullptr;
+    const uint32_t entry =
+        index[(static_cast<size_t>(at[2]) * grid.bricks[1] + at[1]) * grid.bricks[0] + at[0]];
+    return entry < kInsideBrick ? samples.data() + size_t{entry} * kBrickWords : nullptr;
+  };
+  // Whether it is with so many cells around.
+  const auto isEven = [&](const int(&at)[3], int cells) {
+    Steps steps;
+    for (int n = 0; n < 27; ++n) {
+      const int side[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+      if (cells == 0 && n != 13) continue;
+      const int other[3] = {at[0] + side[0], at[1] + side[1], at[2] + side[2]};
+      const uint32_t* brick = brickAt(other);
+      if (brick == nullptr) return false;
+      uint32_t first[3], end[3];
+      for (int axis = 0; axis < 3; ++axis) {
+        first[axis] = side[axis] < 0 ? kBrickCells - cells : 0;
+        end[axis] = side[axis] > 0 ? cells : kBrickCells;
+      }
+      addSteps(brick, first, end, steps);
+      if (!steps.even()) return false;
+    }
+    return true;
+  };
+  int at[3];
+  for (at[2] = 0; at[2] < static_cast<int>(grid.bricks[2]); ++at[2])
+    for (at[1] = 0; at[1] < static_cast<int>(grid.bricks[1]); ++at[1])
+      for (at[0] = 0; at[0] < static_cast<int>(grid.bricks[0]); ++at[0]) {
+        const uint32_t* brick = brickAt(at);
+        if (brick == nullptr) continue;
+        uint32_t even = 0;
+        while (static_cast<int>(even) <= kMostCells && isEven(at, static_cast<int>(even))) ++even;
+        const auto entry = static_cast<uint32_t>((brick - samples.data()) / kBrickWords);
+        words[entry / kEvennessesPerWord] |= even << (2 * (entry % kEvennessesPerWord));
+      }
+  return words;
+}
 
 size_t DistanceField::bytes() const {
   return sizeof(grid) + sizeof(uint32_t) * (index.size() + samples.size()) + sizeof(float) * corners.size();

@@ -38,6 +38,14 @@ inline int16_t fieldSample(const uint32_t* brick, uint32_t n) {
   return static_cast<int16_t>(brick[n / 2] >> (16 * (n % 2)));
 }
 
+/// How even the normals about a stored brick are: 0: not known; 1: no two normals in it are 60 degrees apart;
+/// 2 or 3: nor with one or two cells on all sides of it, which are stored too. Two bits each, behind the
+/// corners in ShapeData::words.
+constexpr uint32_t kEvennessesPerWord = 16;
+inline uint32_t firstEvenness(const FieldGrid& grid) {
+  return grid.corners + (grid.bricks[0] + 1) * (grid.bricks[1] + 1) * (grid.bricks[2] + 1);
+}
+
 struct FieldSample {
   float distance = 0;            ///< m, negative inside
   Vec3 gradient = Vec3::Zero();  ///< of the distance; about unit length, points out of the body
@@ -60,6 +68,8 @@ struct DistanceField {
   /// Any point, in metres. In stored bricks the trilinear interpolant and its exact gradient; elsewhere a
   /// distance that is never farther from 0 than the true one, and the direction of the corners' interpolant.
   FieldSample at(const Vec3& point) const;
+  /// Of all stored bricks, as words.
+  std::vector<uint32_t> evenness() const;
 };
 
 /// The position of sample `i` `j` `k` of the whole grid (brick * kBrickCells + sample in the brick).

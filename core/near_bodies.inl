@@ -8,8 +8,10 @@ class NearBodies {
     if (candidates() == 0) return;
     friction_scale_ = groomingFactor(b, kFrictionScale, 0);
     all_ = !calm(b, input) || b.bone_pins != nullptr;  // a bone may pull strands anywhere
-    if (all_) return;
     const Box box = reach(b, input);
+    middle_ = box.center();
+    radius_ = 0.5f * box.sizes().norm();
+    if (all_) return;
     for (size_t i = 0; i < candidates(); ++i) {
       if (!meets(bodies_[candidate(i)], box)) continue;
       if (count_ == kMost) {  // then all are taken
@@ -21,37 +23,91 @@ class NearBodies {
   }
   size_t size() const { return all_ ? candidates() : count_; }
 
-  /// To be called at the start of a substep, for nearest(). `time` as of bodyAt().
+  /// To be called at the start of a substep. `time` as of bodyAt().
   void place(const StepInput& input, double time) {
-    for (size_t i = 0; i < size() && i < kPlaced; ++i) placed_[i] = place(i, input, time);
+    for (size_t i = 0; i < kept(); ++i) placed_[i] = place(i, input, time);
     input_ = &input;
     time_ = time;
+    noteMotions();
   }
   /// Of all bodies, for vertex `v`; see meet().
   Touch nearest(int v, const real3& x, const real3& x_start) const {
     const real clear = clearance(v);
+    const mask all = lit(0) < lit(1);
     Touch touch = untouched(x);
-    const size_t placed = std::min(size(), kPlaced);
-    for (size_t i = 0; i < placed; ++i) meet(placed_[i], x, x_start, clear, touch);
-    for (size_t i = placed; i < size(); ++i) meet(place(i, *input_, time_), x, x_start, clear, touch);
+    for (size_t i = 0; i < kept(); ++i) meet(placed_[i], x, x_start, clear, all, touch);
+    for (size_t i = kept(); i < size(); ++i) meet(place(i, *input_, time_), x, x_start, clear, all, touch);
     return touch;
   }
-  /// Touch::way alone; more than any where it would have to be asked for too many bodies.
-  real longestWay(const real3& x, const real3& x_start) const {
-    if (size() > kPlaced) return lit(1e9);
-    real most = lit(0);
-    for (size_t i = 0; i < size(); ++i) {
-      const SubstepBody& body = placed_[i];
-      const real3 way = x - carriedBy(x_start, spread(body.a), spread(body.a_motion), spread(body.turn));
-      most = max(most, dot(way, way));
+
+  // Rooms: a vertex that was some way off a body and has not gone as far since, seen from whatever body, cannot have met it.
+  // Of every vertex is kept how far it has gone since the start of the step, how much of it in this substep, and for each body
+  // a limit: a distance that is at most the gap at some time plus how far the vertex had gone then.
+
+  /// To be called at the start of a step, for what follows. `rows`: contactScratch() numbers.
+  void measureRooms(const StepInput& input, Scalar* rows) {
+    rows_ = rows;
+    limits_ = rows + static_cast<size_t>(kRoomPlanes) * block_.vertices * kLanes;
+    for (size_t k = 0; k < kept(); ++k) placed_[k] = place(k, input, 0);
+    const real pressed = lit(input.parameters->hair_radius);
+    for (int i = 1; i < block_.vertices; ++i) {
+      real nearest = lit(1e9);
+      for (size_t k = 0; k < kept(); ++k) {
+        const real own = leastDistance(placed_[k], load3(block_.position, i)) - pressed;
+        limit(i, k) = leastLimit(own);
+        nearest = min(nearest, own);
+      }
+      storeNearest(i, nearest);
+      store(lit(0), room(kGone, i));
     }
-    return sqrt(most);
+  }
+  /// Vertex i goes from x_start to x in this substep, seen by nothing yet.
+  void setOff(int i, const real3& x, const real3& x_start) {
+    real most = lit(0);
+    for (size_t m = 0; m < motions_; ++m) {
+      const Motion& motion = motion_[m];
+      auto along = [&](int c) {
+        const Scalar* turn = motion.turn[c];
+        return madd(x_start.x, lit(turn[0]), madd(x_start.y, lit(turn[1]), madd(x_start.z, lit(turn[2]), lit(motion.shift[c]))));
+      };
+      const real3 way = x - x_start - makeReal3(along(0), along(1), along(2));
+      most = max(most, length(way) + lit(motion.slack));
+    }
+    const real gone = load(room(kGone, i));
+    store(load(room(kNearest, i)) - gone, room(kStart, i));
+    store(gone + most, room(kGone, i));
+    store(most, room(kWay, i));
+  }
+  /// It goes on by `way`.
+  void goOn(int i, const real& way) {
+    store(load(room(kGone, i)) + way, room(kGone, i));
+    store(load(room(kWay, i)) + way, room(kWay, i));
+  }
+  mask mayMeet(int i) const { return reached(i) >= load(room(kNearest, i)); }
+  /// As nearest() above for the lanes that matter; the others touch nothing.
+  Touch nearest(int i, const real3& x, const real3& x_start, const mask& lanes) {
+    const real clear = clearance(i), gone = load(room(kGone, i)), reach = reached(i), before = load(room(kNearest, i));
+    Touch touch = untouched(x);
+    real nearest = lit(1e9);
+    for (size_t k = 0; k < kept(); ++k) {
+      real own = max(lit(limit(i, k)), before);
+      const mask looked = lanes && reach >= lit(limit(i, k));
+      if (anyTrue(looked)) {
+        own = select(looked, meet(placed_[k], x, x_start, clear, looked, touch) + gone, own);
+        limit(i, k) = leastLimit(own);
+      }
+      nearest = min(nearest, own);
+    }
+    for (size_t k = kept(); k < size(); ++k) meet(place(k, *input_, time_), x, x_start, clear, lanes, touch);
+    storeNearest(i, nearest);
+    return touch;
   }
 
  private:
-  static constexpr size_t kMost = 64, kPlaced = 16, kMostLanes = 64;
+  static constexpr size_t kMost = 64, kMostLanes = 64;
 
   const MovingPrimitive& body(size_t i) const { return bodies_[all_ ? candidate(i) : near_[i]]; }
+  size_t kept() const { return std::min<size_t>(size(), kPlacedBodies); }
   size_t candidates() const { return is_listed_ ? listed_.size() : bodies_.size(); }
   uint32_t candidate(size_t i) const { return is_listed_ ? listed_[i] : static_cast<uint32_t>(i); }
 
@@ -66,6 +122,79 @@ class NearBodies {
     const uint32_t* words = input.shapes != nullptr ? input.shapes->words.data() : nullptr;
     return bodyAt(body(i), words, time, 1.0 / p.substeps, static_cast<double>(p.time_step) / p.substeps, p.hair_radius,
                   friction_scale_);
+  }
+
+  // kNearest: the least limit; kStart: at most the least gap at the start of the substep.
+  enum RoomPlane : int { kGone, kWay, kNearest, kStart };
+  static_assert(kStart + 1 == kRoomPlanes);
+  Scalar* room(RoomPlane plane, int i) const { return rows_ + (static_cast<size_t>(i) * kRoomPlanes + plane) * kLanes; }
+  // Of body k, the least of all lanes.
+  Scalar& limit(int i, size_t k) const { return limits_[static_cast<size_t>(i) * kPlacedBodies + k]; }
+  // A lane that is not a number must not hide the others' bodies.
+  static Scalar leastLimit(const real& limits) { return leastOf(select(limits > lit(-1e9), limits, lit(-1e9))); }
+  // What is farther than that is not met. On a way w between gaps g and h some point has the gap (g + h - w) / 2 or less, and
+  // meet() looks at none that is farther than w / 10.
+  real reached(int i) const {
+    const real swept = madd(load(room(kWay, i)), lit(1.2), lit(0) - load(room(kStart, i)));
+    return load(room(kGone, i)) + max(swept, lit(0)) + contactReach();
+  }
+  void storeNearest(int i, const real& nearest) {  // of more bodies than are placed nothing is known
+    store(size() > kPlacedBodies ? lit(-1e9) : nearest, room(kNearest, i));
+  }
+
+  // How the points of a body move in a substep: by turn x point + shift, to `slack` where the strands are.
+  struct Motion {
+    Scalar turn[3][3], shift[3], slack;
+  };
+  Motion motionOf(const SubstepBody& body, Scalar substeps) const {
+    const Scalar(&w)[3] = body.turn;
+    const Scalar w2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+    Motion out;
+    Scalar off2 = 0;
+    for (int r = 0; r < 3; ++r) {  // as carriedBy() has it
+      const int s = (r + 1) % 3, t = (r + 2) % 3;
+      for (int c = 0; c < 3; ++c) out.turn[r][c] = w[r] * w[c] / 2;
+      out.turn[r][r] -= w2 / 2;
+      out.turn[r][s] -= w[t];
+      out.turn[r][t] += w[s];
+      const Scalar off = static_cast<Scalar>(middle_[r]) - body.a[r];
+      off2 += off * off;
+    }
+    for (int r = 0; r < 3; ++r) {
+      out.shift[r] = body.a_motion[r];
+      for (int c = 0; c < 3; ++c) out.shift[r] -= out.turn[r][c] * (body.a[c] - body.a_motion[c]);
+    }
+    // Of the third order: what carriedBy() leaves out, and that interpolateRotation() is not even.
+    const Scalar turn = std::sqrt(w2) * substeps;
+    out.slack = turn * turn * turn / 60 * (std::sqrt(off2) + static_cast<Scalar>(radius_));
+    return out;
+  }
+  // How much farther one moves points than the other, at most.
+  Scalar difference(const Motion& a, const Motion& b) const {
+    Scalar turn2 = 0, shift2 = 0;
+    for (int r = 0; r < 3; ++r) {
+      Scalar shift = a.shift[r] - b.shift[r];
+      for (int c = 0; c < 3; ++c) {
+        const Scalar turn = a.turn[r][c] - b.turn[r][c];
+        shift += turn * static_cast<Scalar>(middle_[c]);
+        turn2 += turn * turn;
+      }
+      shift2 += shift * shift;
+    }
+    return std::sqrt(shift2) + std::sqrt(turn2) * static_cast<Scalar>(radius_);
+  }
+  // Of the placed bodies, one for those that move alike.
+  void noteMotions() {
+    constexpr Scalar kAlike = static_cast<Scalar>(1e-4);  // m
+    motions_ = 0;
+    for (size_t k = 0; k < kept(); ++k) {
+      const Motion own = motionOf(placed_[k], static_cast<Scalar>(input_->parameters->substeps));
+      Motion* known = nullptr;
+      for (size_t m = 0; m < motions_ && known == nullptr; ++m)
+        if (difference(motion_[m], own) < kAlike) known = &motion_[m];
+      if (known != nullptr) known->slack = std::max(known->slack, own.slack + difference(*known, own));
+      else motion_[motions_++] = own;
+    }
   }
 
   // Whether the strands only move as their velocities say: no edge is stretched or stands across its frame, as after an
@@ -146,7 +275,12 @@ class NearBodies {
   size_t count_ = 0;
   bool all_ = false;
   real friction_scale_ = lit(1);
-  SubstepBody placed_[kPlaced];
+  SubstepBody placed_[kPlacedBodies];
+  Motion motion_[kPlacedBodies];
+  size_t motions_ = 0;
+  Vec3 middle_ = Vec3::Zero();  // m, of a box that holds the strands throughout the step
+  float radius_ = 0;            // m, of a ball about it
+  Scalar *rows_ = nullptr, *limits_ = nullptr;
   const StepInput* input_ = nullptr;
   double time_ = 0;
 };

@@ -25,9 +25,7 @@ enum RodScratch : int {
   kLengthPivot = kMargin,  // inverse pivots of lengths
   kRodScratchPlanes = 22
 };
-// Behind these, [vertex][2][lane]: Touch::room and Touch::way where the vertex is now.
-constexpr int kRoomPlane = kRodScratchPlanes;
-static_assert(kRoomPlane + 2 <= kBlockPlanes);  // as much scratch is there
+static_assert(kRodScratchPlanes <= kBlockPlanes);  // as much scratch is there
 
 class RodStep {
  public:
@@ -58,7 +56,7 @@ class RodStep {
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
-    if (near_.size() > 0) forgetRoom();
+    if (near_.size() > 0) near_.measureRooms(in, scratch_ + solverScratch(n, kLanes) + groomingScratch(n, kLanes));
     for (int substep = 0; substep < p.substeps; ++substep) {
       const double time = (substep + 1.0) / p.substeps;
       near_.place(in, time);
@@ -70,10 +68,7 @@ class RodStep {
       eliminateBending();
       moveByForces();
       const mask violent = isViolent(substituteLengths());
-      if (anyTrue(violent)) {
-        pullThroughBending(violent);
-        if (near_.size() > 0) forgetRoom();  // they may be anywhere now
-      }
+      if (anyTrue(violent)) pullThroughBending(violent);
       fresh_ = false;
       moveByPulls();
       substituteLengths();
@@ -93,17 +88,6 @@ class RodStep {
     set(plane + 1, i, v.y);
     set(plane + 2, i, v.z);
   }
-  Scalar* roomAt(int i) const { return scratch_ + (static_cast<size_t>(n + 2) * kRoomPlane + 2 * i) * kLanes; }
-  Scalar* wayAt(int i) const { return roomAt(i) + kLanes; }
-  void forgetRoom() {
-    for (int i = 0; i < n; ++i) store(lit(-1), roomAt(i));
-  }
-  // Vertex i has moved by `way` since its room was stored.
-  void lessRoom(int i, const real& way) {
-    store(load(roomAt(i)) - way, roomAt(i));
-    store(load(wayAt(i)) + way, wayAt(i));
-  }
-  mask mayMeet(int i) const { return load(roomAt(i)) - load(wayAt(i)) <= contactReach(); }
   size_t row(int plane, int i) const { return (static_cast<size_t>(i) * kRodScratchPlanes + plane) * kLanes; }
   real state(const Scalar* planes, int plane, int i) const { return load(planes + at(plane, i)); }
   real3 state3(const Scalar* planes, int i) const { return load3(planes, i); }
@@ -140,6 +124,7 @@ class RodStep {
   class Pulls;
   void finish();
   real3 collide(int i, const real3& x, const real3& moved);
+  real3 pressed(int i, const real3& x, const real3& moved, const mask& lanes);
   real3 keptOut(int i, const real3& placed, const real3& inner);
   real3 normalAt(int i) const { return near_.size() > 0 ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
 
@@ -315,21 +300,21 @@ inline void RodStep::eliminateBending() {
   }
 }
 
-// Contact of vertex i at x, where forces have moved it by `moved`; the normal is kept for the length solve, which must not
-// push it back in. By itself, as keptOut(), so that sweeps of hair that is near no body stay small.
-[[gnu::noinline]] inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
+// Contact of vertex i at x, where forces have moved it by `moved`.
+inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
+  if (fresh_) near_.setOff(i, x, state3(b.position, i));
+  else near_.goOn(i, length(x - get3(kNewPosition, i)));
   const real3 before = state3(b.contact, i);
-  if (fresh_) {  // seen from the bodies it comes from where the last substep has left it
-    store(lit(0), wayAt(i));
-    lessRoom(i, near_.longestWay(x, state3(b.position, i)));
-  } else {
-    lessRoom(i, length(x - get3(kNewPosition, i)));
-  }
-  if (!anyTrue(mayMeet(i) || dot(before, before) > lit(0))) return x;
-  const Touch touch = near_.nearest(i, x, state3(b.position, i));
+  const mask lanes = near_.mayMeet(i) || dot(before, before) > lit(0);
+  return anyTrue(lanes) ? pressed(i, x, moved, lanes) : x;
+}
+
+// The same of lanes that may touch something; the normal is kept for the length solve, which must not push it back in. By
+// itself, as keptOut(), so that sweeps of hair that is near no body stay small.
+[[gnu::noinline]] inline real3 RodStep::pressed(int i, const real3& x, const real3& moved, const mask& lanes) {
+  const real3 before = state3(b.contact, i);
+  const Touch touch = near_.nearest(i, x, state3(b.position, i), lanes);
   const mask touches = (touch.gap < lit(0) || dot(before, before) > lit(0)) && weight(i) > lit(0);
-  store(select(touches, lit(-1), touch.room), roomAt(i));
-  store(touch.way, wayAt(i));
   if (!anyTrue(touches)) return x;
   real3 force = before;
   const real3 out = resolveContact(x, touch.carried, moved, touch.normal, touch.gap, touch.friction,
@@ -338,27 +323,28 @@ inline void RodStep::eliminateBending() {
   store3(select(touches, force, before), b.contact, i);
   set3(kNormal, i, select(presses, touch.normal, get3(kNormal, i)));
   set(kSoftness, i, select(presses, lit(0), get(kSoftness, i)));
+  near_.goOn(i, select(touches, length(out - x), lit(0)));
   return select(touches, out, x);
 }
 
 // Vertex i once more, where making lengths exact has placed it, from `inner` on: held to the side of the bodies it was on.
 [[gnu::noinline]] inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) {
   const real off = length(placed - get3(kNewPosition, i));
-  lessRoom(i, off);
-  const mask moved = off > contactSlack() && weight(i) > lit(0) && mayMeet(i);
+  near_.goOn(i, off);
+  const mask moved = off > contactSlack() && weight(i) > lit(0) && near_.mayMeet(i);
   if (!anyTrue(moved)) return placed;
   real3 x = placed;
   for (int round = 0; round < 3; ++round) {
-    const Touch touch = near_.nearest(i, x, state3(b.position, i));
+    const Touch touch = near_.nearest(i, x, state3(b.position, i), moved);
     const mask deep = moved && touch.gap < lit(0) - contactSlack();
     if (!anyTrue(deep)) break;
-    const real length = lengthOf(i - 1);
+    const real edge = lengthOf(i - 1);
     const mask last = deep && touch.gap > lit(0) - deepestTurn() && lit(round) > lit(1.5);
-    const real3 turned = select(last, turnedOut(x, inner, touch.normal, touch.gap, length),
-                                turnedTowards(x, inner, touch.normal, touch.gap, length));
+    const real3 turned = select(last, turnedOut(x, inner, touch.normal, touch.gap, edge),
+                                turnedTowards(x, inner, touch.normal, touch.gap, edge));
+    near_.goOn(i, select(deep, length(turned - x), lit(0)));
     x = select(deep, turned, x);
   }
-  lessRoom(i, length(x - placed));
   return x;
 }
 
@@ -523,6 +509,7 @@ inline void RodStep::pullThroughBending(const mask& violent) {
       const real3 moved = get3(kStrain, e), x = get3(kNewPosition, e + 1);
       const real tension = state(b.tension, 0, e);
       set3(kNewPosition, e + 1, select(violent, madd(moved, step, x), x));
+      if (near_.size() > 0) near_.goOn(e + 1, select(violent, length(moved * step), lit(0)));
       store(select(violent, madd(get(kConjugate, e), step, tension), tension), b.tension + at(0, e));
       const real residual = get(kResidual, e) - step * dot(get3(kTangent, e), moved_in - moved);
       set(kResidual, e, residual);

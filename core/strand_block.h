@@ -80,14 +80,22 @@ enum GroomingPlane : int {
 constexpr float kPinnedMass = 1e6f;    ///< of a vertex that the rod's bending solve must not move
 constexpr float kShortestEdge = 0.1f;  ///< of the strand's mean: shorter edges bend as if they were this long
 
-constexpr int kGroomingRows = 5;  ///< scratch numbers per vertex of core/grooming.inl
+constexpr int kGroomingRows = 5;   ///< scratch numbers per vertex of core/grooming.inl
+constexpr int kRoomPlanes = 4;     ///< and of core/near_bodies.inl,
+constexpr int kPlacedBodies = 16;  ///< which has one for each of so many bodies too, whatever the lanes
 
-/// Scalars of scratch memory that a step of a block needs: those of its solver, then those of grooming.
+/// Scalars of scratch memory that a step of a block needs: those of its solver, of grooming, of contact.
 constexpr size_t solverScratch(int vertices, int lanes) {
   return static_cast<size_t>(kBlockPlanes) * (vertices + 2) * lanes;
 }
+constexpr size_t groomingScratch(int vertices, int lanes) {
+  return static_cast<size_t>(kGroomingRows) * vertices * lanes;
+}
+constexpr size_t contactScratch(int vertices, int lanes) {
+  return static_cast<size_t>(kRoomPlanes * lanes + kPlacedBodies) * vertices;
+}
 constexpr size_t blockScratch(int vertices, int lanes) {
-  return solverScratch(vertices, lanes) + static_cast<size_t>(kGroomingRows) * vertices * lanes;
+  return solverScratch(vertices, lanes) + groomingScratch(vertices, lanes) + contactScratch(vertices, lanes);
 }
 
 /// The working store of the CPU backends: strands in the order of StrandOrder, cut into blocks of `lanes`

@@ -62,43 +62,35 @@ struct Touch {
   real3 normal;    // of the same
   real3 carried;   // m, where the surface has taken the point at which the vertex was
   real friction;
-  // Of all bodies:
-  real room;       // m, at most the smallest gap
-  real way;        // m, the longest way that the vertex goes seen from one of them
 };
-inline Touch untouched(const real3& x) {
-  return {contactReach(), makeReal3(lit(0), lit(0), lit(0)), x, lit(0), lit(1e9), lit(0)};
-}
+inline Touch untouched(const real3& x) { return {contactReach(), makeReal3(lit(0), lit(0), lit(0)), x, lit(0)}; }
 
 // Looks whether this body is nearer to a vertex that goes from x_start to x in the substep. Seen from the body the vertex
 // comes from where the surface has taken x_start. If the normal there and at x are alike, the nearest point of the surface is
 // the way out; if not, the way may lead through the body, and distances tell how far it is free (conservative advancement,
 // Mirtich 1996): where that ends, the plane along the surface bounds the vertex. It has all of a convex body behind it.
-// `clear`: how far from the surface x must be, m, at most the hair's radius.
-inline void meet(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, Touch& nearest) {
+// `clear`: how far from the surface x must be, m, at most the hair's radius. Only of `lanes`. Gives at most the gap, m.
+inline real meet(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, const mask& lanes,
+                 Touch& nearest) {
   constexpr int kAdvances = 8;
   const real3 carried = carriedBy(x_start, spread(body.a), spread(body.a_motion), spread(body.turn));
   const real3 way = x - carried;
   const real way2 = dot(way, way);
-  mask near = way2 >= lit(0);
-  nearest.way = max(nearest.way, sqrt(way2));
+  mask near = lanes;
   real room = lit(0);
   if (body.kind != PrimitiveKind::kPlane) {
     const real3 off = x - spread(body.middle);
-    near = dot(off, off) < lit(body.ball2) + way2;
+    near = near && dot(off, off) < lit(body.ball2) + way2;
     room = length(off) - lit(body.ball);
-    if (!anyTrue(near)) {
-      nearest.room = min(nearest.room, room);
-      return;
-    }
+    if (!anyTrue(near)) return room;
   }
-  SurfacePoint at = surfaceAt(body, x, clear);
+  SurfacePoint at = surfaceAt(body, x, clear, near);
   real gap = at.distance - clear;
-  nearest.room = min(nearest.room, select(near, gap, room));
+  room = select(near, at.least - clear, room);
   real3 normal = at.normal;
-  const mask within = near && (gap < lit(0) || gap * gap < way2);
+  const mask within = near && (gap < lit(0) || gap * gap < way2) && at.even * at.even < way2;
   if (anyTrue(within)) {
-    at = surfaceAt(body, carried, clear);
+    at = surfaceAt(body, carried, clear, within);
     const mask from_outside = at.distance - clear > lit(0) - contactReach();
     const mask across = within && from_outside && dot(at.normal, normal) < lit(0.5);
     if (anyTrue(across)) {
@@ -106,7 +98,7 @@ inline void meet(const SubstepBody& body, const real3& x, const real3& x_start, 
       real part = lit(0);
       for (int i = 0; i < kAdvances; ++i) {
         part = min(madd(max(at.distance - clear, lit(0)), per_way, part), lit(1));
-        at = surfaceAt(body, madd(way, part, carried), clear);
+        at = surfaceAt(body, madd(way, part, carried), clear, across);
       }
       const real free = at.distance - clear;
       const mask met = across && free * per_way < lit(0.1);
@@ -119,4 +111,5 @@ inline void meet(const SubstepBody& body, const real3& x, const real3& x_start, 
   nearest.normal = select(nearer, normal, nearest.normal);
   nearest.carried = select(nearer, carried, nearest.carried);
   nearest.friction = select(nearer, body.friction, nearest.friction);
+  return room;
 }

@@ -21,5 +21,11 @@ inline real select(mask m, real a, real b) { return m ? a : b; }
 inline real load(const Scalar* p) { return *p; }
 inline void store(real value, Scalar* p) { *p = value; }
 inline bool anyTrue(mask m) { return m; }
+inline uint32_t laneBits(mask m) { return m ? 1 : 0; }  // bit 0: the first lane
+inline Scalar leastOf(real value) { return value; }       // of all lanes
+inline void storeWhole(real value, uint32_t* p) { *p = static_cast<uint32_t>(value); }  // of whole numbers from 0 on
+// The signed 16-bit numbers in the low and in the high halves of words.
+inline real lowHalves(const uint32_t* p) { return static_cast<real>(static_cast<int16_t>(*p)); }
+inline real highHalves(const uint32_t* p) { return static_cast<real>(static_cast<int16_t>(*p >> 16)); }
 
 #include "kernels/lanes_vector.inl"

@@ -53,6 +53,24 @@ HWY_INLINE real select(mask m, real a, real b) { return {hn::IfThenElse(m.m, a.v
 HWY_INLINE real load(const Scalar* p) { return {hn::Load(Tag(), p)}; }
 HWY_INLINE void store(real value, Scalar* p) { hn::Store(value.v, Tag(), p); }
 HWY_INLINE bool anyTrue(mask m) { return !hn::AllFalse(Tag(), m.m); }
+HWY_INLINE uint32_t laneBits(mask m) {
+  uint64_t bits = 0;
+  hn::StoreMaskBits(Tag(), m.m, reinterpret_cast<uint8_t*>(&bits));
+  return static_cast<uint32_t>(bits);
+}
+HWY_INLINE Scalar leastOf(real value) { return hn::GetLane(hn::MinOfLanes(Tag(), value.v)); }
+using WordTag = hn::RebindToSigned<Tag>;
+HWY_INLINE void storeWhole(real value, uint32_t* p) {
+  hn::Store(hn::ConvertTo(WordTag(), value.v), WordTag(), reinterpret_cast<int32_t*>(p));
+}
+HWY_INLINE real lowHalves(const uint32_t* p) {
+  const auto words = hn::Load(WordTag(), reinterpret_cast<const int32_t*>(p));
+  return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(hn::ShiftLeft<16>(words)))};
+}
+HWY_INLINE real highHalves(const uint32_t* p) {
+  const auto words = hn::Load(WordTag(), reinterpret_cast<const int32_t*>(p));
+  return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(words))};
+}
 
 // The order matters.
 // clang-format off

@@ -405,5 +405,36 @@ TEST(FieldBake, TheKeyIsOfWhatTheFieldDependsOn) {
   EXPECT_NE(fieldKey(mesh, resolveFieldOptions(mesh, cells(0.003f))), key);
 }
 
+// With as many cells around them as their evenness says.
+TEST(FieldEvenness, NormalsAboutEvenBricksAreLessThan60DegreesApart) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> part(0, 1);
+  for (const TriangleMesh& mesh : {shapes::sphere(0.08f, 4), shapes::box({0.05f, 0.003f, 0.05f})}) {
+    const DistanceField field = baked(mesh, kFine);
+    const FieldGrid& grid = field.grid;
+    const std::vector<uint32_t> words = field.evenness();
+    size_t even_bricks = 0, others = 0;
+    for (uint32_t n = 0; n < field.index.size(); ++n) {
+      const uint32_t entry = field.index[n];
+      if (entry >= kInsideBrick) continue;
+      const uint32_t even = words[entry / kEvennessesPerWord] >> (2 * (entry % kEvennessesPerWord)) & 3;
+      ++(even > 0 ? even_bricks : others);
+      if (even == 0) continue;
+      const float around = static_cast<float>(even - 1) * grid.cell, edge = kBrickCells * grid.cell;
+      const uint32_t x = n % grid.bricks[0], y = n / grid.bricks[0] % grid.bricks[1],
+                     z = n / grid.bricks[0] / grid.bricks[1];
+      const Vec3 low = samplePosition(grid, x * kBrickCells, y * kBrickCells, z * kBrickCells);
+      const auto normal = [&] {
+        const Vec3 at(part(random), part(random), part(random));
+        return field.at(low + (edge + 2 * around) * at - Vec3::Constant(around)).gradient.normalized();
+      };
+      for (int pair = 0; pair < 50; ++pair) ASSERT_GT(normal().dot(normal()), 0.5f) << n << ", " << even;
+    }
+    EXPECT_GT(even_bricks, 0u);
+    const bool thin = mesh.triangles.size() == 12;
+    EXPECT_TRUE(others > 0 || !thin) << "where the sides of a thin body meet";
+  }
+}
+
 }  // namespace
 }  // namespace strandcast
