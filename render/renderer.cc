@@ -15,7 +15,8 @@ namespace {
 
 constexpr float kMaxCoordinate = 1e3f;  // m; a guide farther out does not widen the shadow map
 
-constexpr float kShadowHairs = 8;  // times as many cast shadows as are drawn, up to all
+constexpr double kLengthKept = 0.99;  // of hair of fewer segments
+constexpr float kShadowHairs = 8;     // times as many cast shadows as are drawn, up to all
 
 Box boundsOf(std::span<const Vec3> positions) {
   Box box;
@@ -51,6 +52,18 @@ class PassClock {
  private:
   std::array<GLuint, kStamps> queries_{};
 };
+
+/// As few segments as leave hair its length, and with it the area that it covers, and eight a turn of a curl.
+int leastSegments(const StrandSet& guides, int segments, const std::vector<Hair>& hairs) {
+  float turns = 0;
+  for (const Hair& hair : hairs)
+    if (hair.curl_radius > 0) turns = std::max(turns, hair.curl_turns);
+  int least = segments;
+  while (least >= 8 && static_cast<float>(least / 2) >= 8 * turns &&
+         lengthKept(guides, least / 2) > kLengthKept)
+    least /= 2;
+  return least;
+}
 
 void requireTessellation() {
   GLint blocks = 0;
@@ -221,7 +234,7 @@ struct Renderer::Impl {
   Pose head;
   Box rest_bounds;
   float longest_guide = 0;  // m
-  int least_segments = 16;  // that curls need
+  int least_segments = 1;
   RenderStatistics statistics;
 };
 
@@ -239,9 +252,7 @@ void Renderer::setGroom(const GroomDescription& groom) {
   impl_->nodes.setGroom(guides);
   const HairGrowth& growth = impl_->settings.growth;
   impl_->hair.setHairs(growHairs(guides, growth), growth.lock_profile);
-  float turns = 0;
-  for (const Hair& hair : impl_->hair.hairs()) turns = std::max(turns, hair.curl_turns);
-  impl_->least_segments = growth.curl_radius > 0 ? std::max(16, static_cast<int>(8 * turns)) : 16;
+  impl_->least_segments = leastSegments(guides, impl_->settings.segments, impl_->hair.hairs());
   impl_->longest_guide = 0;
   for (size_t g = 0; g < guides.strands(); ++g) {
     const float length = arcLength(guides.strand(g));
