@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 
 #include "core/error.h"
 #include "render/body_pass.h"
@@ -65,12 +66,19 @@ int leastSegments(const StrandSet& guides, int segments, const std::vector<Hair>
   return least;
 }
 
-void requireTessellation() {
+/// Both paths read buffers in a stage where a device need not be able to.
+void requireBuffers(GrowthPath path) {
+  const bool tessellator = path == GrowthPath::kTessellator;
   GLint blocks = 0;
-  glGetIntegerv(GL_MAX_TESS_EVALUATION_SHADER_STORAGE_BLOCKS, &blocks);
-  if (blocks < 2)
-    throw Error("the OpenGL device cannot grow hair", "tessellation shaders read no storage buffers",
-                "use another driver, e.g. LIBGL_ALWAYS_SOFTWARE=1");
+  glGetIntegerv(
+      tessellator ? GL_MAX_TESS_EVALUATION_SHADER_STORAGE_BLOCKS : GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS,
+      &blocks);
+  if (blocks < (tessellator ? 5 : 3))
+    throw Error(
+        "the OpenGL device cannot grow hair",
+        std::string(tessellator ? "tessellation" : "vertex") + " shaders read " + std::to_string(blocks) +
+            " storage buffers",
+        tessellator ? "grow it in compute" : "grow it on the tessellator, or use LIBGL_ALWAYS_SOFTWARE=1");
 }
 
 void setPassState() {
@@ -239,7 +247,7 @@ struct Renderer::Impl {
 };
 
 Renderer::Renderer(const RenderSettings& settings) {
-  requireTessellation();
+  requireBuffers(settings.growth_path);
   impl_ = std::make_unique<Impl>(settings);
 }
 
