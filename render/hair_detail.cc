@@ -30,6 +30,33 @@ HairDetail detailOfSize(std::span<const Hair> hairs, float hair_pixels, float fi
   return detail;
 }
 
+double lengthKept(const StrandSet& strands, int pieces) {
+  double chords = 0, arcs = 0;
+  for (size_t s = 0; s < strands.strands(); ++s) {
+    const auto points = strands.strand(s);
+    const float length = arcLength(points);
+    if (points.size() < 2 || !std::isfinite(length) || !(length > 0)) continue;
+    arcs += length;
+    Vec3 last = points.front();
+    int piece = 1;
+    float run = 0;
+    for (size_t i = 1; i < points.size(); ++i) {
+      const float edge = (points[i] - points[i - 1]).norm();
+      for (; piece < pieces && run + edge >= length * static_cast<float>(piece) / static_cast<float>(pieces);
+           ++piece) {
+        const float part =
+            (length * static_cast<float>(piece) / static_cast<float>(pieces) - run) / std::max(edge, 1e-12f);
+        const Vec3 at = Vec3(points[i - 1] + part * (points[i] - points[i - 1]));
+        chords += static_cast<double>((at - last).norm());
+        last = at;
+      }
+      run += edge;
+    }
+    chords += static_cast<double>((points.back() - last).norm());
+  }
+  return arcs > 0 ? chords / arcs : 1;
+}
+
 int strideFor(float segment_pixels, float longest, int segments, int least_segments) {
   int stride = 1;
   while (2 * static_cast<float>(stride) * segment_pixels <= longest &&

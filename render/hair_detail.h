@@ -22,6 +22,9 @@ HairDetail detailOfPart(std::span<const Hair> hairs, float part);
 /// The same, where a hair of width 1 has `hair_pixels` where it is nearest: without those that reach no
 /// sample even there, if `finest` is the part of a pixel that a sample is; with a larger one fewer.
 HairDetail detailOfSize(std::span<const Hair> hairs, float hair_pixels, float finest);
+/// Part of the strands' length that is left when each is cut into so many straight pieces of equal arc
+/// length.
+double lengthKept(const StrandSet& strands, int pieces);
 /// The node stride, a power of 2, at which segments that have `segment_pixels` where they are nearest stay
 /// below `longest` pixels; at least `least_segments` of the `segments` are left.
 int strideFor(float segment_pixels, float longest, int segments, int least_segments);

@@ -30,6 +30,8 @@ HairVertices::HairVertices()
 
 void HairVertices::makeRoom(size_t count, int most_nodes) {
   if (most_nodes == most_nodes_ && count <= room_) return;
+  // Half as much again as it had, so that going nearer does not make new room at every picture.
+  count = std::max(count, most_nodes == most_nodes_ ? room_ + room_ / 2 : 0);
   chunks_.clear();
   room_ = count;
   most_nodes_ = most_nodes;

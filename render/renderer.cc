@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 
 #include "core/error.h"
 #include "render/body_pass.h"
@@ -15,7 +16,8 @@ namespace {
 
 constexpr float kMaxCoordinate = 1e3f;  // m; a guide farther out does not widen the shadow map
 
-constexpr float kShadowHairs = 8;  // times as many cast shadows as are drawn, up to all
+constexpr double kLengthKept = 0.99;  // of hair of fewer segments
+constexpr float kShadowHairs = 8;     // times as many cast shadows as are drawn, up to all
 
 Box boundsOf(std::span<const Vec3> positions) {
   Box box;
@@ -52,12 +54,31 @@ class PassClock {
   std::array<GLuint, kStamps> queries_{};
 };
 
-void requireTessellation() {
+/// As few segments as leave hair its length, and with it the area that it covers, and eight a turn of a curl.
+int leastSegments(const StrandSet& guides, int segments, const std::vector<Hair>& hairs) {
+  float turns = 0;
+  for (const Hair& hair : hairs)
+    if (hair.curl_radius > 0) turns = std::max(turns, hair.curl_turns);
+  int least = segments;
+  while (least >= 8 && static_cast<float>(least / 2) >= 8 * turns &&
+         lengthKept(guides, least / 2) > kLengthKept)
+    least /= 2;
+  return least;
+}
+
+/// Both paths read buffers in a stage where a device need not be able to.
+void requireBuffers(GrowthPath path) {
+  const bool tessellator = path == GrowthPath::kTessellator;
   GLint blocks = 0;
-  glGetIntegerv(GL_MAX_TESS_EVALUATION_SHADER_STORAGE_BLOCKS, &blocks);
-  if (blocks < 2)
-    throw Error("the OpenGL device cannot grow hair", "tessellation shaders read no storage buffers",
-                "use another driver, e.g. LIBGL_ALWAYS_SOFTWARE=1");
+  glGetIntegerv(
+      tessellator ? GL_MAX_TESS_EVALUATION_SHADER_STORAGE_BLOCKS : GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS,
+      &blocks);
+  if (blocks < (tessellator ? 5 : 3))
+    throw Error(
+        "the OpenGL device cannot grow hair",
+        std::string(tessellator ? "tessellation" : "vertex") + " shaders read " + std::to_string(blocks) +
+            " storage buffers",
+        tessellator ? "grow it in compute" : "grow it on the tessellator, or use LIBGL_ALWAYS_SOFTWARE=1");
 }
 
 void setPassState() {
@@ -221,12 +242,12 @@ struct Renderer::Impl {
   Pose head;
   Box rest_bounds;
   float longest_guide = 0;  // m
-  int least_segments = 16;  // that curls need
+  int least_segments = 1;
   RenderStatistics statistics;
 };
 
 Renderer::Renderer(const RenderSettings& settings) {
-  requireTessellation();
+  requireBuffers(settings.growth_path);
   impl_ = std::make_unique<Impl>(settings);
 }
 
@@ -239,9 +260,7 @@ void Renderer::setGroom(const GroomDescription& groom) {
   impl_->nodes.setGroom(guides);
   const HairGrowth& growth = impl_->settings.growth;
   impl_->hair.setHairs(growHairs(guides, growth), growth.lock_profile);
-  float turns = 0;
-  for (const Hair& hair : impl_->hair.hairs()) turns = std::max(turns, hair.curl_turns);
-  impl_->least_segments = growth.curl_radius > 0 ? std::max(16, static_cast<int>(8 * turns)) : 16;
+  impl_->least_segments = leastSegments(guides, impl_->settings.segments, impl_->hair.hairs());
   impl_->longest_guide = 0;
   for (size_t g = 0; g < guides.strands(); ++g) {
     const float length = arcLength(guides.strand(g));

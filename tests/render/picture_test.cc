@@ -90,6 +90,45 @@ TEST_F(Picture, StraightBundleCoversTheAreaOfItsHairs) {
   }
 }
 
+TEST_F(Picture, HairsThatReachNoSampleAreLeftOutAndNotMissed) {
+  RenderSettings settings = smallPicture();
+  settings.growth.hairs = 4000;
+  settings.shadows = false;
+  const GroomDescription groom = verticalBundle(8, 8, 0.02f, 0.1f, 0.2f, 8);
+  Image images[2];
+  size_t drawn[2];
+  for (const bool full : {true, false}) {
+    settings.detail = LevelOfDetail{full ? 1.0f : 0.0f, 0, 0};
+    Renderer renderer(settings);
+    renderer.setGroom(groom);
+    renderer.draw(restFrame(groom), Camera{});
+    images[full] = renderer.read();
+    drawn[full] = renderer.statistics().hairs_drawn;
+  }
+  EXPECT_EQ(images[0].rgb, images[1].rgb);
+  EXPECT_EQ(drawn[1], 4000u);
+  EXPECT_LT(drawn[0], 2000u);
+}
+
+TEST_F(Picture, FewerAndWiderHairsCoverTheSameArea) {
+  RenderSettings settings = smallPicture();
+  settings.growth.hairs = 2000;
+  settings.growth.clump_radius = 0.001f;
+  settings.shadows = false;
+  settings.hair_color = Vec3::Zero();
+  settings.light_direction = Vec3(0, -1, 0);
+  settings.background = Vec3(0.8f, 0.8f, 0.8f);
+  settings.hair_width = 2e-5f;  // a quarter of the picture is covered
+  const GroomDescription groom = verticalBundle(100, 1, 0.0025f, 0.1f, 0.2f, 8);
+  double covered[2];
+  for (const bool full : {true, false}) {
+    settings.detail = LevelOfDetail{full ? 1.0f : 0.1f, 0, 0};
+    covered[full] = coveredPixels(settings, groom, Camera{});
+  }
+  EXPECT_GT(covered[1], 200);
+  EXPECT_NEAR(covered[0] / covered[1], 1, 0.06);
+}
+
 TEST_F(Picture, SupersamplingWeighsTheSamplesOfALargerPicture) {
   RenderSettings settings = smallPicture();
   settings.width = settings.height = 48;
