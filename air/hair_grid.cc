@@ -92,14 +92,15 @@ template <class Scalar>
 void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness, double seconds) {
   if (bound_target_ != p.volume_target) boundCrowding(p.volume_target);
   const double scale = kWhole / (stiffness * crowding_bound_);
-  const CrowdView<Scalar> crowd{density_.data() + origin_,
-                                rest_density_.data(),
-                                held_.data(),
-                                largest_crowding_.data(),
-                                static_cast<Scalar>(1 / p.volume_target),
-                                static_cast<Scalar>(stiffness),
-                                static_cast<Scalar>(static_cast<double>(p.volume_hold) * seconds),
-                                static_cast<Scalar>(scale)};
+  const CrowdView<Scalar> crowd{
+      density_.data() + origin_,
+      rest_density_.data(),
+      held_.data(),
+      largest_crowding_.data(),
+      static_cast<Scalar>((1 + kDensityNoise) / static_cast<double>(p.volume_target)),
+      static_cast<Scalar>(stiffness),
+      static_cast<Scalar>(static_cast<double>(p.volume_hold) * seconds),
+      static_cast<Scalar>(scale)};
   workers_.forEach(static_cast<int>(chunks_), [&](int c) {
     std::fill(number_sums_[c].begin(), number_sums_[c].end(), 0);
     passes_.crowd(view_, firstOf(c), firstOf(c + 1), crowd, number_sums_[c].data() + origin_);

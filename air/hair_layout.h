@@ -29,6 +29,9 @@ struct HairLayout {
 HairLayout hairLayout(const Box& box, int cells);
 
 constexpr double kWhole = 1 << 30;  ///< what all hair in one node would come to in whole numbers
+/// Densities are known to about this part of themselves: floats that places are made of, whole numbers that
+/// shares are. Hair is denser than at rest only where it is by more.
+constexpr double kDensityNoise = 1e-4;
 /// A sample alone makes a density of at least this x its mass / cell^3 where it is: 0.375^3.
 constexpr double kDensityAlone = 0.05;
 constexpr double kMostHeld = 3;  ///< of what crowding comes to at most, that is held

@@ -242,27 +242,22 @@ void WindGrid<Scalar>::exchange(double seconds, const HairDrag<Scalar>& hair,
       const size_t first = shape_.at(0, j, k);
       for (GridArray<Scalar>& array : exchange_)
         std::fill_n(array.begin() + static_cast<ptrdiff_t>(first), n, Scalar(0));
-      bool any = false;
-      const bool meets = hair.nodes != nullptr && rowMeets(hair, j, k);
-      for (int i = 0; meets && i < n; ++i) {
-        const Vec3 x = placeOf(3, i, j, k);
-        bool near = true;
+      if (hair.nodes != nullptr && rowMeets(hair, j, k)) {
+        const Vec3 begin = placeOf(3, 0, j, k);
         for (int c = 0; c < 3; ++c) {
           const Scalar* f = hair.frame + 3 * c;
-          const Scalar at = f[0] * static_cast<Scalar>(x.x()) + f[1] * static_cast<Scalar>(x.y()) +
-                            f[2] * static_cast<Scalar>(x.z()) + hair.frame[9 + c];
-          places[static_cast<size_t>(c) * (row + 16) + static_cast<size_t>(i)] = at;
-          near = near && at > 0 && at < static_cast<Scalar>(hair.shape->cells - 1);
+          const Scalar first_at = f[0] * static_cast<Scalar>(begin.x()) +
+                                  f[1] * static_cast<Scalar>(begin.y()) +
+                                  f[2] * static_cast<Scalar>(begin.z()) + hair.frame[9 + c];
+          const Scalar per_cell = f[0] * static_cast<Scalar>(cell_);
+          Scalar* at = places + static_cast<size_t>(c) * (row + 16);
+          for (int i = 0; i < n; ++i) at[i] = first_at + per_cell * static_cast<Scalar>(i);
         }
-        any = any || near;
-      }
-      if (any) {
         // Nodes at the border are empty, so places beyond them get nothing.
         passes_.sample(*hair.shape, hair.nodes, places, row + 16, row, sampled);
-        for (int i = 0; i < n; ++i)
-          for (int c = 0; c < 4; ++c)
-            exchange_[c][first + static_cast<size_t>(i)] =
-                static_cast<Scalar>(seconds) * hair.rate * sampled[4 * i + (c + 3) % 4];
+        const Scalar rate = static_cast<Scalar>(seconds) * hair.rate;
+        for (size_t c = 0; c < 4; ++c)
+          for (size_t i = 0; i < row; ++i) exchange_[c][first + i] = rate * sampled[4 * i + (c + 3) % 4];
       }
       for (const WindSource& source : sources) {
         const Box reach = source.reach();

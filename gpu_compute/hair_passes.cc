@@ -114,7 +114,7 @@ void HairPasses::describe(AirSettings& s, const Pose& head, const Parameters& p,
   s.per_volume = static_cast<float>(1 / (cell * cell * cell));
   s.stiffness = static_cast<float>(stiffness);
   s.gain = static_cast<float>(static_cast<double>(p.volume_hold) * seconds);
-  s.rest_scale = 1 / p.volume_target;
+  s.rest_scale = static_cast<float>((1 + kDensityNoise) / static_cast<double>(p.volume_target));
   s.crowd_scale = stiffness > 0 ? static_cast<float>(kWhole / (stiffness * crowding_bound_)) : 0.0f;
   s.slope = static_cast<float>(-seconds / (2 * cell));
   s.friction = static_cast<float>(1 - std::exp(-static_cast<double>(p.hair_friction) * seconds));

@@ -20,7 +20,11 @@ class GpuAir : public testing::Test {
  protected:
   void SetUp() override {
     if (!gpuBackendInfo().available) GTEST_SKIP() << gpuBackendInfo().reason;
+    if (!gpu_) gpu_ = makeGpuBackend();
   }
+  static void TearDownTestSuite() { gpu_.reset(); }
+
+  static inline std::unique_ptr<Backend> gpu_;  // one for all: its programs take long to compile
 };
 
 // Everything that moves air but hair, from the same air at the start.
@@ -152,7 +156,7 @@ void expectSame(const Felt& got, const Felt& truth) {
 
 TEST_F(GpuAir, StrandsFeelWhatTheyFeelOnTheReference) {
   const Tuft tuft;
-  const std::unique_ptr<Backend> gpu = makeGpuBackend(), reference = makeReferenceBackend();
+  const std::unique_ptr<Backend> reference = makeReferenceBackend();
   WindSource fan;
   fan.position = Vec3(0, -0.1f, -0.1f);
   fan.speed = 4;
@@ -161,7 +165,7 @@ TEST_F(GpuAir, StrandsFeelWhatTheyFeelOnTheReference) {
   turbine.swirl = 2;
   {
     SCOPED_TRACE("grids");
-    const Felt got = felt(gpuAir(), *gpu, tuft, everything(), {fan, turbine}),
+    const Felt got = felt(gpuAir(), *gpu_, tuft, everything(), {fan, turbine}),
                truth = felt(cpuAir("reference"), *reference, tuft, everything(), {fan, turbine});
     expectSame(got, truth);
     EXPECT_LT((got.beside.wind - truth.beside.wind).norm(), 1e-3f);
@@ -175,29 +179,28 @@ TEST_F(GpuAir, StrandsFeelWhatTheyFeelOnTheReference) {
     Tuft own = tuft;
     own.model.air_drag_scale.assign(own.model.vertices(), 1);
     for (size_t v = 0; v < own.model.vertices(); v += 2) own.model.air_drag_scale[v] = 0.5f;
-    expectSame(felt(gpuAir(), *gpu, own, parameters, {fan}),
+    expectSame(felt(gpuAir(), *gpu_, own, parameters, {fan}),
                felt(cpuAir("reference"), *reference, own, parameters, {fan}));
   }
 }
 
 TEST_F(GpuAir, EveryRunGivesTheSameBitsAndHairAtRestFeelsNothing) {
   Tuft tuft;
-  const std::unique_ptr<Backend> gpu = makeGpuBackend();
   Parameters parameters = everything();
-  const Felt first = felt(gpuAir(), *gpu, tuft, parameters);
-  EXPECT_EQ(felt(gpuAir(), *gpu, tuft, parameters).accelerations, first.accelerations);
+  const Felt first = felt(gpuAir(), *gpu_, tuft, parameters);
+  EXPECT_EQ(felt(gpuAir(), *gpu_, tuft, parameters).accelerations, first.accelerations);
   tuft.state = restState(tuft.model, tuft.model.rest_roots);
   parameters.hair_friction = 0;
   parameters.wind_grid = 0;
   parameters.turbulence = 0;
   parameters.air_drag_along = 1;
   const std::unique_ptr<Surroundings> surroundings = gpuAir().surroundings({});
-  gpu->load(tuft.model, tuft.state);
-  surroundings->configure(tuft.model, parameters, *gpu);
+  gpu_->load(tuft.model, tuft.state);
+  surroundings->configure(tuft.model, parameters, *gpu_);
   StepInput input;
   input.parameters = &parameters;
   input.roots_begin = input.roots_end = tuft.model.rest_roots;
-  surroundings->step(input, *gpu);
+  surroundings->step(input, *gpu_);
   for (const Vec3& acceleration : surroundings->accelerations()) EXPECT_EQ(acceleration, Vec3(Vec3::Zero()));
 }
 
@@ -212,7 +215,7 @@ TEST_F(GpuAir, AStepHeedsWhatSurroundingsLeaveOnTheGpu) {
     return std::vector<Vec3>(simulation.guides().begin(), simulation.guides().end());
   };
   const std::vector<Vec3> truth = run(makeReferenceBackend(), cpuAir("reference")),
-                          got = run(makeGpuBackend(), gpuAir());
+                          got = run(std::move(gpu_), gpuAir());
   double off = 0, way = 0;
   for (size_t v = 0; v < truth.size(); ++v) {
     off = std::max(off, double{(got[v] - truth[v]).norm()});
