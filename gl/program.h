@@ -37,9 +37,6 @@ class Program {
     glProgramUniform2fv(id_, location(name), 1, v.data());
   }
   void set(const char* name, const Vec3& v) const { glProgramUniform3fv(id_, location(name), 1, v.data()); }
-  void set(const char* name, const Eigen::Vector4f& v) const {
-    glProgramUniform4fv(id_, location(name), 1, v.data());
-  }
   void set(const char* name, const Eigen::Matrix4f& m) const {
     glProgramUniformMatrix4fv(id_, location(name), 1, GL_FALSE, m.data());
   }

@@ -17,10 +17,6 @@ struct PlacedBody {  // gpu_compute/placed_bodies.h
   uint data;
   uint planes;
 };
-const uint kSphere = 0u, kCapsule = 1u, kPlane = 2u, kTaperedCapsule = 3u, kEllipsoid = 4u, kBox = 5u, kConvex = 6u,
-           kField = 7u;
-const uint kBrickSide = 9u, kBrickWords = 365u, kOutsideBrick = 0xFFFFFFFFu, kInsideBrick = 0xFFFFFFFEu;
-
 layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   vec4 gravity;
   vec4 wind;
