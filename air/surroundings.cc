@@ -47,13 +47,9 @@ class StrandSurroundings final : public Surroundings, public AirFields {
       if (!free_wind_) free_wind_.emplace();
       free_wind_->configure(p);
     }
-    const double h = static_cast<double>(p.time_step) / p.substeps;
-    auto rate = [&](double scale) {
-      return static_cast<float>((1 - std::exp(-static_cast<double>(p.air_drag) * scale * h)) / h);
-    };
-    rate_ = rate(1);
+    rate_ = dragRate(p, 1);
     rates_.clear();
-    for (const float scale : model.air_drag_scale) rates_.push_back(rate(static_cast<double>(scale)));
+    for (const float scale : model.air_drag_scale) rates_.push_back(dragRate(p, scale));
   }
 
   void reset() override {

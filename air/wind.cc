@@ -1,6 +1,7 @@
 #include "air/wind.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace strandcast {
 namespace {
@@ -22,6 +23,12 @@ void Wind::setVelocity(const std::function<Vec3(const Vec3&)>& velocity) {
 
 float windCell(const Box& box, int cells) {
   return kWindBox * std::max(box.sizes().maxCoeff(), 1e-3f) / static_cast<float>(cells);
+}
+
+float dragRate(const Parameters& p, float scale) {
+  const double h = static_cast<double>(p.time_step) / p.substeps;
+  return static_cast<float>(
+      (1 - std::exp(-static_cast<double>(p.air_drag) * static_cast<double>(scale) * h)) / h);
 }
 
 }  // namespace strandcast

@@ -9,13 +9,6 @@
 namespace strandcast::gpu {
 namespace {
 
-/// The rate at which hair takes on the velocity of the air, as a substep of the solver applies it, 1/s.
-float dragRate(const Parameters& p, float scale) {
-  const double h = static_cast<double>(p.time_step) / p.substeps;
-  return static_cast<float>(
-      (1 - std::exp(-static_cast<double>(p.air_drag) * static_cast<double>(scale) * h)) / h);
-}
-
 // Hair nodes to middles of the wind's cells.
 AirSettings::Rows windOfHair(const HairLayout& layout, const Pose& head, const WindPasses& wind) {
   const Eigen::Matrix3f turn =

@@ -140,7 +140,7 @@ void HairPasses::dispatchNodes() const {
   glDispatchCompute(tiles, tiles, tiles);
 }
 
-void HairPasses::splat(const Strands& strands) {
+void HairPasses::bindPieces(const Strands& strands) const {
   strands.positions.bindStorage(0);
   strands.velocities.bindStorage(1);
   pieces_.bindStorage(2);
@@ -148,6 +148,10 @@ void HairPasses::splat(const Strands& strands) {
   edge_masses_.bindStorage(4);
   places_.bindStorage(5);
   fastest_.bindStorage(6);
+}
+
+void HairPasses::splat(const Strands& strands) {
+  bindPieces(strands);
   sums_.bindStorage(7);
   if (!clean_) {
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -205,13 +209,7 @@ void HairPasses::findForces(bool crowds, bool rubs) {
 void HairPasses::gather(const Strands& strands, const Needs& needs, const gl::Buffer& centres,
                         const gl::Buffer& turbulence, const gl::Buffer& sources,
                         const gl::Buffer& accelerations) {
-  strands.positions.bindStorage(0);
-  strands.velocities.bindStorage(1);
-  pieces_.bindStorage(2);
-  sample_strands_.bindStorage(3);
-  edge_masses_.bindStorage(4);
-  places_.bindStorage(5);
-  fastest_.bindStorage(6);
+  bindPieces(strands);
   rates_.bindStorage(7);
   accelerations.bindStorage(8);
   changes_.bindStorage(11);

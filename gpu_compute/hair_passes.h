@@ -54,6 +54,7 @@ class HairPasses {
   std::vector<std::array<float, 4>> downloadNodes() const;
 
  private:
+  void bindPieces(const Strands& strands) const;
   void dispatchSamples(size_t per_group) const;
   void dispatchNodes() const;
   void measureRest(const StrandModel& model, AirBlock& block);

@@ -79,13 +79,17 @@ void WindPasses::dispatchFaces() const {
 }
 void WindPasses::dispatchCells() const { glDispatchCompute(groupsOf(cubed(cells_), kInvocations), 1, 1); }
 
-void WindPasses::carry() {
+void WindPasses::bindAmbient() {
   if (turbulence_seed_ != ambient_.seed()) {
     turbulence_ = gl::Buffer(ambient_.box());
     turbulence_seed_ = ambient_.seed();
   }
   turbulence_.bindStorage(13);
   sources_.bindStorage(14);
+}
+
+void WindPasses::carry() {
+  bindAmbient();
   faces().bindStorage(0);
   next().bindStorage(1);
   pressures_[0].bindStorage(3);
@@ -160,12 +164,7 @@ void WindPasses::findDisplacements(bool mac_cormack) {
 }
 
 void WindPasses::advect(bool mac_cormack) {
-  if (turbulence_seed_ != ambient_.seed()) {
-    turbulence_ = gl::Buffer(ambient_.box());
-    turbulence_seed_ = ambient_.seed();
-  }
-  turbulence_.bindStorage(13);
-  sources_.bindStorage(14);
+  bindAmbient();
   faces().bindStorage(0);
   next().bindStorage(1);
   displacements_.bindStorage(3);

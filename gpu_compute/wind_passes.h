@@ -85,6 +85,7 @@ class WindPasses {
   gl::Buffer& faces() { return faces_[now_]; }
   gl::Buffer& next(size_t by = 1) { return faces_[(now_ + by) % faces_.size()]; }
   void advance(size_t by = 1) { now_ = (now_ + by) % faces_.size(); }
+  void bindAmbient();
   void dispatchFaces() const;
   void dispatchCells() const;
   void subtractGradient();
