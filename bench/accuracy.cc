@@ -13,6 +13,7 @@
 #include "apps/console.h"
 #include "bench/accuracy_trial.h"
 #include "bench/svg_plot.h"
+#include "bench/table.h"
 #include "core/error.h"
 #include "simd/simd_backend.h"
 
@@ -111,18 +112,18 @@ void printJson(const Options& o, const std::vector<Result>& results, const Shake
                     {"straight", toJson(r.straight)},
                     {"curl", toJson(r.curl)}});
   }
-  fmt::print("{}\n",
-             nlohmann::json({{"name", "accuracy"},
-                             {"device", makeSimdBackend(o.threads)->device()},
-                             {"copies", o.copies},
-                             {"truth_error_mm",
-                              {{"straight", 1e3 * straight.truth_error}, {"curl", 1e3 * curl.truth_error}}},
-                             {"results", list}})
-                 .dump());
+  nlohmann::json out = origin();
+  out.update(
+      {{"name", "accuracy"},
+       {"device", makeSimdBackend(o.threads)->device()},
+       {"copies", o.copies},
+       {"truth_error_mm", {{"straight", 1e3 * straight.truth_error}, {"curl", 1e3 * curl.truth_error}}},
+       {"results", list}});
+  fmt::print("{}\n", out.dump());
 }
 
 void printCsv(const std::vector<Result>& results) {
-  fmt::print("solver,substeps,iterations,ns_per_vertex_frame,relative_cost");
+  fmt::print("{}solver,substeps,iterations,ns_per_vertex_frame,relative_cost", originComment());
   for (const char* strand : {"straight", "curl"})
     for (const char* column :
          {"shape_rate", "shape_rate_tip", "rest_error_mm", "tip_error_mm", "max_stretch"})

@@ -5,18 +5,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "apps/backends.h"
-#include "collision/field_bake.h"
+#include "bench/bench_scene.h"
 #include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
-#include "core/measure.h"
-#include "core/simulation.h"
 #include "groom/mesh_file.h"
-#include "scenes/scene.h"
 
 namespace strandcast {
 namespace {
@@ -25,7 +21,7 @@ struct Options {
   std::string backend = "simd", body;
   int strands = 2000, vertices = 32, substeps = 4, threads = 0, warmup = 20, steps = 60;
   float unit_meters = 1, cell = 0.002f;
-  bool json = false;
+  PrintOptions print;
 };
 
 using Clock = std::chrono::steady_clock;
@@ -48,96 +44,24 @@ class TimedBroadPhase final : public BroadPhase {
   std::vector<double>& ms_;
 };
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-struct Bake {
-  std::string mesh;
-  size_t triangles = 0, field_bytes = 0, working_bytes = 0;
-  double seconds = 0;
-  float cell = 0;
-};
-
-/// The scene's own body, or the mesh that was given, in place.
-Bake bakeInto(const TriangleMesh& mesh, const Options& o, std::vector<RigidBody>* bodies) {
-  FieldOptions options;
-  options.cell = o.cell;
-  BakeLimits limits;
-  limits.threads = o.threads;
-  const Clock::time_point start = Clock::now();
-  FieldBaker baker(mesh, options, limits);
-  ContactPrimitive shape;
-  shape.kind = PrimitiveKind::kField;
-  shape.field = std::make_shared<const DistanceField>(baker.bake());
-  Bake bake{
-      mesh.name,           mesh.triangles.size(), 0, baker.estimate().working_bytes, 1e-3 * msSince(start),
-      baker.options().cell};
-  const DistanceField& field = *shape.field;
-  bake.field_bytes = 4 * (field.index.size() + field.samples.size() + field.corners.size());
-  if (bodies != nullptr) bodies->push_back({{std::move(shape)}, true, true});
-  return bake;
-}
-
-/// Five primitives in the hair: shoulders, a comb, a hand, an ear.
-std::vector<ContactPrimitive> fivePrimitives(const Vec3& pivot) {
-  auto at = [&](float x, float y, float z) -> Vec3 { return pivot + Vec3(x, y, z); };
-  ContactPrimitive sphere{PrimitiveKind::kSphere, at(0.09f, 0.06f, 0), Vec3::UnitY(), 0.025f};
-  ContactPrimitive capsule{PrimitiveKind::kCapsule, at(-0.2f, -0.1f, 0), at(0.2f, -0.1f, 0), 0.05f};
-  ContactPrimitive tapered{PrimitiveKind::kTaperedCapsule, at(0.12f, 0, -0.05f), at(0.12f, -0.2f, -0.05f),
-                           0.03f};
-  tapered.radius_b = 0.045f;
-  ContactPrimitive ellipsoid{PrimitiveKind::kEllipsoid, at(-0.12f, -0.02f, -0.02f), Vec3::UnitY(), 0};
-  ellipsoid.extent = Vec3(0.02f, 0.06f, 0.04f);
-  ContactPrimitive box{PrimitiveKind::kBox, at(0, -0.1f, -0.14f), Vec3::UnitY(), 0};
-  box.extent = Vec3(0.1f, 0.08f, 0.01f);
-  return {sphere, capsule, tapered, ellipsoid, box};
-}
-
-struct Timing {
-  double ms = 0;
-  Measurement measured;
-  uint64_t hash = 0;
-  size_t pressed = 0;
-};
-
-/// Two simulations in turn, so that what else the machine does meets both alike.
-void timeSteps(const Options& o, const Scene& scene, std::span<Simulation> simulations,
-               std::span<Timing> out) {
-  std::vector<std::vector<double>> ms(simulations.size());
-  for (int step = 0; step < o.warmup + o.steps; ++step)
-    for (size_t i = 0; i < simulations.size(); ++i) {
-      Simulation& simulation = simulations[i];
-      simulation.setHeadPose(scene.motion(simulation.time() + simulation.parameters().time_step));
-      const Clock::time_point start = Clock::now();
-      simulation.step();
-      simulation.guides();
-      if (step >= o.warmup) ms[i].push_back(msSince(start));
-    }
-  for (size_t i = 0; i < simulations.size(); ++i) {
-    const StrandState state = simulations[i].state();
-    const auto pressed = std::count_if(state.contacts.begin(), state.contacts.end(),
-                                       [](const Vec3& force) { return force.squaredNorm() > 0; });
-    out[i] = {median(ms[i]), simulations[i].measure(), stateHash(state), static_cast<size_t>(pressed)};
-  }
+size_t pressedVertices(Simulation& simulation) {
+  const StrandState state = simulation.state();
+  return static_cast<size_t>(std::count_if(state.contacts.begin(), state.contacts.end(),
+                                           [](const Vec3& force) { return force.squaredNorm() > 0; }));
 }
 
 int run(const Options& o) {
-  SceneOptions make;
-  make.strands = o.strands;
-  make.vertices = o.vertices;
-  Scene scene = makeScene(make);
-  std::vector<RigidBody> bodies;
-  Bake bake = bakeInto(scene.body, o, &bodies);
+  const Scene scene = benchScene("straight", o.strands, o.vertices);
+  ContactPrimitive field;
+  Bake bake = bakeField(scene.body, o.cell, o.threads, field);
   bake.mesh = "procedural body";
-  bodies.push_back({fivePrimitives(scene.head_pivot), true});
+  const std::vector<RigidBody> bodies{{{field}, true, true}, {fivePrimitives(scene.head_pivot), true}};
   std::vector<Bake> bakes{bake};
   if (!o.body.empty()) {
     GroomReadOptions read;
     read.unit_meters = o.unit_meters;
-    bakes.push_back(bakeInto(loadMesh(o.body, read), o, nullptr));
+    ContactPrimitive given;
+    bakes.push_back(bakeField(loadMesh(o.body, read), o.cell, o.threads, given));
     bakes.back().mesh = std::filesystem::path(o.body).filename().string();
   }
 
@@ -148,44 +72,51 @@ int run(const Options& o) {
     return createBackend(knownBackends(), o.backend, o.threads, parameters.solver);
   };
   std::vector<double> broad_ms;
-  std::vector<Simulation> simulations;
-  simulations.emplace_back(sceneModel(scene), std::vector<RigidBody>(), parameters, backend());
-  simulations.emplace_back(sceneModel(scene), bodies, parameters, backend(), nullptr,
-                           std::make_unique<TimedBroadPhase>(broad_ms));
-  Timing timings[2];
-  timeSteps(o, scene, simulations, timings);
-  const double broad =
-      median({broad_ms.end() - std::min<long>(o.steps, static_cast<long>(broad_ms.size())), broad_ms.end()});
-  const double per = 1e6 / (static_cast<double>(simulations[0].model().vertices()) * o.substeps);
-  const double ratio = timings[1].ms / timings[0].ms;
-
-  nlohmann::json results = nlohmann::json::array(), baked = nlohmann::json::array();
-  const char* names[] = {"no body", "mesh and five primitives"};
-  if (!o.json)
-    fmt::print("{} x {}, {} substeps, {}\n  {:<26} {:>9} {:>11} {:>9} {:>9}\n", o.strands, o.vertices,
-               o.substeps, simulations[0].backend().device(), "case", "ms", "ns/vtx/sub", "pressed",
-               "depth mm");
-  for (int i = 0; i < 2; ++i) {
-    const Timing& t = timings[i];
-    if (!o.json)
-      fmt::print("  {:<26} {:>9.3f} {:>11.2f} {:>9} {:>9.3f}\n", names[i], t.ms, per * t.ms, t.pressed,
-                 1000 * t.measured.max_penetration);
-    results.push_back({{"case", names[i]},
-                       {"ms_median", t.ms},
-                       {"ns_per_vertex_substep", per * t.ms},
-                       {"vertices_pressed", t.pressed},
-                       {"max_penetration_m", t.measured.max_penetration},
-                       {"non_finite", t.measured.non_finite},
-                       {"state_hash", fmt::format("{:016x}", t.hash)}});
+  TimedSimulation free([&] { return Simulation(sceneModel(scene), {}, parameters, backend()); }, scene.motion,
+                       o.steps);
+  TimedSimulation touching(
+      [&] {
+        return Simulation(sceneModel(scene), bodies, parameters, backend(), nullptr,
+                          std::make_unique<TimedBroadPhase>(broad_ms));
+      },
+      scene.motion, o.steps);
+  // In turn, so that what else the machine does meets both alike.
+  for (int step = 1; step < o.warmup + o.steps; ++step) {
+    if (step == o.warmup) broad_ms.clear();
+    broad_ms.reserve(static_cast<size_t>(o.warmup + o.steps));
+    free.step(step >= o.warmup);
+    touching.step(step >= o.warmup);
   }
-  if (!o.json) fmt::print("  ratio {:.2f}, of it the broad phase {:.3f} ms\n", ratio, broad);
+  const MeasuredRun without = free.result(), with = touching.result();
+  const double broad = spreadOf(broad_ms).median, ratio = with.ms.median / without.ms.median;
+
+  Bench bench;
+  bench.name = "contact";
+  bench.params = {{"strands", o.strands}, {"vertices", o.vertices}, {"substeps", o.substeps}};
+  bench.heading = fmt::format("{} x {}, {} substeps\n", o.strands, o.vertices, o.substeps);
+  bench.table = Table(columnsOf({{{"case", "case"}, {"strands"}, {"vertices"}, {"substeps"}},
+                                 runColumns(),
+                                 {{"vertices_pressed", "pressed"}, {"ratio"}, {"ms_broad_phase"}}}));
+  const auto add = [&](const char* name, const MeasuredRun& run, Simulation& simulation) {
+    nlohmann::json row = cellsOf(run);
+    row.update({{"case", name},
+                {"strands", o.strands},
+                {"vertices", o.vertices},
+                {"substeps", o.substeps},
+                {"vertices_pressed", pressedVertices(simulation)}});
+    if (&run == &with) row.update({{"ratio", ratio}, {"ms_broad_phase", broad}});
+    bench.table.add(std::move(row));
+  };
+  add("no body", without, free.simulation());
+  add("mesh and five primitives", with, touching.simulation());
+  bench.closing = fmt::format("  ratio {:.2f}, of it the broad phase {:.3f} ms\n", ratio, broad);
+  nlohmann::json baked = nlohmann::json::array();
   for (const Bake& b : bakes) {
-    if (!o.json)
-      fmt::print(
-          "  field of {}: {} triangles, cells of {:.2f} mm: {:.2f} s, {:.1f} MB, {:.1f} MB besides while "
-          "baking\n",
-          b.mesh, b.triangles, 1e3 * b.cell, b.seconds, 1e-6 * static_cast<double>(b.field_bytes),
-          1e-6 * static_cast<double>(b.working_bytes));
+    bench.closing += fmt::format(
+        "  field of {}: {} triangles, cells of {:.2f} mm: {:.2f} s, {:.1f} MB, {:.1f} MB besides while "
+        "baking\n",
+        b.mesh, b.triangles, 1e3 * b.cell, b.seconds, 1e-6 * static_cast<double>(b.field_bytes),
+        1e-6 * static_cast<double>(b.working_bytes));
     baked.push_back({{"mesh", b.mesh},
                      {"triangles", b.triangles},
                      {"cell_m", b.cell},
@@ -193,19 +124,10 @@ int run(const Options& o) {
                      {"field_bytes", b.field_bytes},
                      {"working_bytes", b.working_bytes}});
   }
-  if (o.json)
-    fmt::print("{}\n",
-               nlohmann::json(
-                   {{"name", "contact"},
-                    {"backend", simulations[0].backend().name()},
-                    {"device", simulations[0].backend().device()},
-                    {"threads", o.threads},
-                    {"params", {{"strands", o.strands}, {"vertices", o.vertices}, {"substeps", o.substeps}}},
-                    {"ratio", ratio},
-                    {"ms_broad_phase", broad},
-                    {"results", results},
-                    {"bakes", baked}})
-                   .dump());
+  bench.more = {{"backend", without.backend}, {"device", without.device},
+                {"threads", o.threads},       {"ratio", ratio},
+                {"ms_broad_phase", broad},    {"bakes", baked}};
+  print(bench, o.print);
   return 0;
 }
 
@@ -231,7 +153,7 @@ std::function<int()> addContactBench(CLI::App& app) {
   app.add_option("--steps", o->steps, "steps timed, after a warm-up; medians are given")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  app.add_flag("--json", o->json, "print one JSON object");
+  addPrintOptions(app, o->print);
   return [o] { return run(*o); };
 }
 

@@ -3,19 +3,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "air/hair_grid.h"
 #include "air/wind_grid.h"
 #include "apps/backends.h"
+#include "bench/bench_scene.h"
 #include "core/backend_registry.h"
-#include "core/simulation.h"
 #include "gpu_compute/gpu_air.h"
-#include "scenes/scene.h"
 
 namespace strandcast {
 namespace {
@@ -24,7 +21,8 @@ struct Options {
   std::string backend = "simd";
   int strands = 10000, vertices = 32, threads = 0, steps = 30;
   std::vector<int> cells{32, 64, 128};
-  bool mac_cormack = false, json = false;
+  bool mac_cormack = false;
+  PrintOptions print;
 };
 
 using Clock = std::chrono::steady_clock;
@@ -44,11 +42,8 @@ class PassTimes {
   }
   const std::vector<std::string>& names() const { return names_; }
   bool has(const std::string& name) const { return ms_.contains(name); }
-  double median(const std::string& name) const {
-    std::vector<double> sorted = ms_.at(name);
-    std::sort(sorted.begin(), sorted.end());
-    return sorted[sorted.size() / 2];
-  }
+  Spread spread(const std::string& name) const { return spreadOf(ms_.at(name)); }
+  double median(const std::string& name) const { return spread(name).median; }
 
  private:
   std::vector<std::string> names_;
@@ -72,9 +67,7 @@ Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model,
   WindGrid<float> wind(passes, workers, cells, 2 * box.sizes().maxCoeff() / static_cast<float>(cells),
                        WindGrid<float>::Border::kOpen);
   Parameters parameters = scene.parameters;
-  parameters.wind = Vec3(3, 0, 1);
-  parameters.volume_stiffness = 1;
-  parameters.hair_friction = 5;
+  addAir(parameters, cells, o.mac_cormack);
   wind.ambient().configure(parameters);
   wind.centreAt(Vec3(box.center()));
   wind.reset();
@@ -122,12 +115,7 @@ Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model,
 Parameters surroundedBy(const Options& o, const Scene& scene, int cells) {
   Parameters parameters = scene.parameters;
   parameters.solver = SolverKind::kRod;
-  parameters.wind = Vec3(3, 0, 1);
-  parameters.wind_grid = 1;
-  parameters.grid_cells = cells;
-  parameters.volume_stiffness = 1;
-  parameters.hair_friction = 5;
-  parameters.mac_cormack = o.mac_cormack ? 1 : 0;
+  addAir(parameters, cells, o.mac_cormack);
   return parameters;
 }
 
@@ -180,11 +168,13 @@ class TimedSurroundings final : public Surroundings {
   PassTimes& times_;
 };
 
-/// Medians, ms: a step of the strands alone, until its positions are there; what of it a GPU worked on the
-/// strands; a step with wind and forces between hairs on grids of 32^3; and what of that went by before the
-/// strands' turn.
+/// A step of the strands alone, until its positions are there, and one with wind and forces between hairs on
+/// grids of 32^3.
 struct StepTimes {
-  double alone = 0, strands = 0, surrounded = 0, grids = 0;
+  MeasuredRun alone, surrounded;
+  double grids = 0;  ///< ms of the latter, median, that went by before the strands' turn
+  /// What of the former a GPU worked on the strands, or all of it, ms.
+  double strands() const { return alone.gpu_ms.value_or(alone.ms.median); }
 };
 StepTimes timeSteps(const Options& o, const Scene& scene, const StrandModel& model) {
   StepTimes out;
@@ -195,74 +185,82 @@ StepTimes timeSteps(const Options& o, const Scene& scene, const StrandModel& mod
       parameters.solver = SolverKind::kRod;
     }
     PassTimes times;
-    Simulation simulation(
-        model, {}, parameters, createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
-        std::make_unique<TimedSurroundings>(airOf(o.backend, o.threads).surroundings({}), times));
-    for (int step = 0; step < o.steps; ++step) {
-      times.time("step", [&] {
-        simulation.step();
-        static_cast<void>(simulation.guides());
-      });
-      if (const auto seconds = simulation.backend().gpuSeconds()) times.add("strands", 1e3 * *seconds);
-    }
-    (surrounded ? out.surrounded : out.alone) = times.median("step");
-    if (!surrounded) out.strands = times.has("strands") ? times.median("strands") : out.alone;
+    const auto make = [&] {
+      return Simulation(
+          model, {}, parameters, createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
+          std::make_unique<TimedSurroundings>(airOf(o.backend, o.threads).surroundings({}), times));
+    };
+    const auto still = [](double) { return Pose{}; };
+    (surrounded ? out.surrounded : out.alone) = measureSteps(make, still, 5, o.steps);
     if (surrounded) out.grids = times.median("grids");
   }
   return out;
 }
 
 int run(const Options& o) {
-  SceneOptions make;
-  make.strands = o.strands;
-  make.vertices = o.vertices;
-  const Scene scene = makeScene(make);
+  const Scene scene = benchScene("straight", o.strands, o.vertices);
   const StrandModel model = sceneModel(scene);
   const bool on_gpu = o.backend == "gpu";
   const std::string device = on_gpu ? createBackend(knownBackends(), o.backend, 0, SolverKind::kRod)->device()
                                     : passesOf(o.backend).name;
   const StepTimes steps = timeSteps(o, scene, model);
+  Bench bench;
+  bench.name = "grid";
+  bench.params = {{"strands", o.strands}, {"vertices", o.vertices}, {"mac_cormack", o.mac_cormack}};
+  bench.heading = fmt::format(
+      "{} strands of {} vertices on {} ({}): a step {:.2f} ms, with grids of 32^3 {:.2f} ms, {:.2f} ms of it "
+      "for the grids\n",
+      o.strands, o.vertices, o.backend, device, steps.alone.ms.median, steps.surrounded.ms.median,
+      steps.grids);
+  bench.table = Table({{"device"},
+                       {"strands"},
+                       {"vertices"},
+                       {"cells", "cells"},
+                       {"pass", "pass"},
+                       {"ms", "ms", "{:.3f}"},
+                       {"ms_min", "min", "{:.3f}"},
+                       {"ms_p95", "p95", "{:.3f}"},
+                       {"of_strand_step", "of a step", "{:.2f}"},
+                       {"pressure_iterations", "iterations", "{:.1f}"},
+                       {"divergence", "divergence", "{:.1e}"}});
   nlohmann::json results = nlohmann::json::array();
-  if (!o.json)
-    fmt::print(
-        "{} strands of {} vertices on {} ({}): a step {:.2f} ms, with grids of 32^3 {:.2f} ms, {:.2f} ms of "
-        "it "
-        "for the grids\n",
-        o.strands, o.vertices, o.backend, device, steps.alone, steps.surrounded, steps.grids);
   for (const int cells : o.cells) {
     const Result r = on_gpu ? timeGpuGrids(o, scene, model, cells) : timeGrids(o, scene, model, cells);
+    const nlohmann::json shared{
+        {"device", device}, {"strands", o.strands}, {"vertices", o.vertices}, {"cells", cells}};
     nlohmann::json passes;
-    if (!o.json) fmt::print("{}^3\n", cells);
     for (const std::string& name : r.times.names()) {
-      const double ms = r.times.median(name);
-      passes[name] = ms;
-      if (!o.json) fmt::print("  {:<26} {:>9.3f} ms\n", name, ms);
+      const Spread ms = r.times.spread(name);
+      passes[name] = ms.median;
+      nlohmann::json row = shared;
+      row.update({{"pass", name}, {"ms", ms.median}, {"ms_min", ms.min}, {"ms_p95", ms.p95}});
+      bench.table.add(std::move(row));
     }
-    if (!o.json)
-      fmt::print("  {:<26} {:>9.3f} ms, {:.0f} % of a step; {:.1f} iterations, divergence {:.1e}\n", "all",
-                 r.all, 100 * r.all / steps.strands, r.iterations, r.divergence);
+    nlohmann::json all = shared;
+    all.update({{"pass", "all"},
+                {"ms", r.all},
+                {"of_strand_step", r.all / steps.strands()},
+                {"pressure_iterations", r.iterations},
+                {"divergence", r.divergence}});
+    bench.table.add(std::move(all));
     results.push_back({{"case", fmt::format("{}^3", cells)},
                        {"ms_passes", passes},
                        {"ms_all", r.all},
-                       {"of_strand_step", r.all / steps.strands},
+                       {"of_strand_step", r.all / steps.strands()},
                        {"pressure_iterations", r.iterations},
                        {"divergence", r.divergence}});
   }
-  if (o.json)
-    fmt::print(
-        "{}\n",
-        nlohmann::json(
-            {{"name", "grid"},
-             {"backend", o.backend},
-             {"device", device},
-             {"threads", o.threads},
-             {"params", {{"strands", o.strands}, {"vertices", o.vertices}, {"mac_cormack", o.mac_cormack}}},
-             {"ms_step", steps.alone},
-             {"ms_strands", steps.strands},
-             {"ms_step_with_grids_32", steps.surrounded},
-             {"ms_grids_32_in_step", steps.grids},
-             {"results", results}})
-            .dump());
+  bench.more = {{"backend", o.backend},
+                {"device", device},
+                {"threads", o.threads},
+                {"ms_step", steps.alone.ms.median},
+                {"ms_strands", steps.strands()},
+                {"ms_step_with_grids_32", steps.surrounded.ms.median},
+                {"ms_grids_32_in_step", steps.grids},
+                {"step", cellsOf(steps.alone)},
+                {"step_with_grids_32", cellsOf(steps.surrounded)},
+                {"results", results}};
+  print(bench, o.print);
   return 0;
 }
 
@@ -284,7 +282,7 @@ std::function<int()> addGridBench(CLI::App& app) {
       ->delimiter(',')
       ->capture_default_str();
   app.add_flag("--mac-cormack", o->mac_cormack, "advect with MacCormack's correction");
-  app.add_flag("--json", o->json, "print one JSON object");
+  addPrintOptions(app, o->print);
   return [o] { return run(*o); };
 }
 

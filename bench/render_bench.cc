@@ -6,14 +6,12 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "apps/console.h"
+#include "bench/bench_scene.h"
 #include "gl/context.h"
 #include "render/hair_readback.h"
 #include "render/hair_reference.h"
 #include "render/renderer.h"
-#include "scenes/scene.h"
 
 namespace strandcast {
 namespace {
@@ -22,17 +20,13 @@ struct Options {
   std::vector<int> hairs{10000, 50000, 100000};
   int vertices = 64, guides = 2000, width = 1920, height = 1080, samples = 4, pictures = 20;
   std::string scene = "curly";
-  bool growth_only = false, json = false;
+  bool growth_only = false;
+  PrintOptions print;
 };
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-/// Median of what `work` takes by the device's clock, ms.
+/// What `work` takes by the device's clock, ms.
 template <class Work>
-double deviceMs(int times, const Work& work) {
+Spread deviceMs(int times, const Work& work) {
   GLuint stamps[2];
   glCreateQueries(GL_TIMESTAMP, 2, stamps);
   std::vector<double> ms;
@@ -46,11 +40,12 @@ double deviceMs(int times, const Work& work) {
     if (i >= 2) ms.push_back(1e-6 * static_cast<double>(end - begin));
   }
   glDeleteQueries(2, stamps);
-  return median(ms);
+  return spreadOf(std::move(ms));
 }
 
 struct GrowthTimes {
-  double distribute_ms, nodes_ms, growth_ms;
+  double distribute_ms;
+  Spread nodes_ms, growth_ms;
   size_t bytes;  ///< of grown vertices
   double error;  ///< of a sample of the vertices, over the length of their guides
 };
@@ -114,71 +109,75 @@ RenderStatistics timePasses(const Options& o, const Scene& scene, const HairGrow
         &RenderStatistics::body_ms, &RenderStatistics::hair_ms, &RenderStatistics::resolve_ms}) {
     std::vector<double> values;
     for (const RenderStatistics& s : pictures) values.push_back(s.*ms);
-    middle.*ms = median(values);
+    middle.*ms = spreadOf(values).median;
   }
   return middle;
 }
 
 int run(const Options& o) {
   gl::HeadlessContext context;
-  SceneOptions make;
-  make.name = o.scene;
-  make.strands = o.guides;
-  const Scene scene = makeScene(make);
-  nlohmann::json results = nlohmann::json::array();
-  if (!o.json)
-    fmt::print("{} guides of scene {}, {} vertices a hair, {} x {}, {} samples, on {}\n", o.guides, o.scene,
-               o.vertices, o.width, o.height, o.samples, context.renderer());
+  const Scene scene = benchScene(o.scene, o.guides, 0);
+  Bench bench;
+  bench.name = "render";
+  bench.params = {{"scene", o.scene}, {"guides", o.guides}, {"vertices", o.vertices},
+                  {"width", o.width}, {"height", o.height}, {"samples", o.samples}};
+  bench.more = {{"device", context.renderer()}};
+  bench.heading =
+      fmt::format("{} guides of scene {}, {} vertices a hair, {} x {}, {} samples, on {}\n", o.guides,
+                  o.scene, o.vertices, o.width, o.height, o.samples, context.renderer());
+  bench.table = Table({{"case", "case"},
+                       {"device"},
+                       {"guides"},
+                       {"hairs"},
+                       {"vertices"},
+                       {"distribute_ms", "placed, on CPU", "{:.1f}"},
+                       {"guide_nodes_ms", "guide nodes", "{:.3f}"},
+                       {"growth_ms", "growth ms", "{:.3f}"},
+                       {"growth_ms_min", "min", "{:.3f}"},
+                       {"growth_ms_p95", "p95", "{:.3f}"},
+                       {"hairs_per_second", "hairs/s", "{:.3g}"},
+                       {"growth_bytes"},
+                       {"growth_error", "error/length", "{:.1e}"},
+                       {"guides_ms", "guides", "{:.3f}"},
+                       {"grow_ms", "grow", "{:.3f}"},
+                       {"shadow_ms", "shadow", "{:.3f}"},
+                       {"body_ms", "body", "{:.3f}"},
+                       {"hair_ms", "hair", "{:.3f}"},
+                       {"resolve_ms", "resolve", "{:.3f}"},
+                       {"device_bytes", ""},
+                       {"hairs_drawn", "drawn"}});
   for (const int count : o.hairs) {
     HairGrowth growth;
     growth.hairs = static_cast<size_t>(count);
     growth.curl_radius = 0.003f;
     const GrowthTimes times = timeGrowth(o, scene.groom.strands, growth);
-    const double per_second = count / (1e-3 * times.growth_ms);
-    nlohmann::json result{{"case", fmt::format("{} hairs", count)},
-                          {"distribute_ms", times.distribute_ms},
-                          {"guide_nodes_ms", times.nodes_ms},
-                          {"growth_ms", times.growth_ms},
-                          {"growth_bytes", times.bytes},
-                          {"hairs_per_second", per_second},
-                          {"growth_error", times.error}};
-    if (!o.json) {
-      fmt::print("{} hairs\n  {:<34} {:>10.3f} ms\n  {:<34} {:>10.3f} ms\n", count,
-                 "chosen and placed, once, on the CPU", times.distribute_ms, "guide nodes", times.nodes_ms);
-      fmt::print("  {:<34} {:>10.3f} ms, {:.3g} hairs/s, {:.1f} MiB, error {:.1e} of the length\n",
-                 "growth in compute", times.growth_ms, per_second, static_cast<double>(times.bytes) / 1048576,
-                 times.error);
-    }
+    nlohmann::json row{{"case", fmt::format("{} hairs", count)},
+                       {"device", context.renderer()},
+                       {"guides", o.guides},
+                       {"hairs", count},
+                       {"vertices", o.vertices},
+                       {"distribute_ms", times.distribute_ms},
+                       {"guide_nodes_ms", times.nodes_ms.median},
+                       {"growth_ms", times.growth_ms.median},
+                       {"growth_ms_min", times.growth_ms.min},
+                       {"growth_ms_p95", times.growth_ms.p95},
+                       {"growth_bytes", times.bytes},
+                       {"hairs_per_second", count / (1e-3 * times.growth_ms.median)},
+                       {"growth_error", times.error}};
     if (!o.growth_only) {
       const RenderStatistics s = timePasses(o, scene, growth);
-      const std::pair<const char*, double> passes[] = {
-          {"guides_ms", s.guides_ms}, {"grow_ms", s.growth_ms}, {"shadow_ms", s.shadow_ms},
-          {"body_ms", s.body_ms},     {"hair_ms", s.hair_ms},   {"resolve_ms", s.resolve_ms}};
-      for (const auto& [name, ms] : passes) {
-        result[name] = ms;
-        if (!o.json) fmt::print("  pass {:<29} {:>10.3f} ms\n", name, ms);
-      }
-      result["device_bytes"] = s.device_bytes;
-      result["hairs_drawn"] = s.hairs_drawn;
-      if (!o.json)
-        fmt::print("  {:<34} {:>10.1f} MiB, {} hairs drawn\n", "device memory",
-                   static_cast<double>(s.device_bytes) / 1048576, s.hairs_drawn);
+      row.update({{"guides_ms", s.guides_ms},
+                  {"grow_ms", s.growth_ms},
+                  {"shadow_ms", s.shadow_ms},
+                  {"body_ms", s.body_ms},
+                  {"hair_ms", s.hair_ms},
+                  {"resolve_ms", s.resolve_ms},
+                  {"device_bytes", s.device_bytes},
+                  {"hairs_drawn", s.hairs_drawn}});
     }
-    results.push_back(std::move(result));
-    std::fflush(stdout);
+    bench.table.add(std::move(row));
   }
-  if (o.json)
-    fmt::print("{}\n", nlohmann::json({{"name", "render"},
-                                       {"device", context.renderer()},
-                                       {"params",
-                                        {{"scene", o.scene},
-                                         {"guides", o.guides},
-                                         {"vertices", o.vertices},
-                                         {"width", o.width},
-                                         {"height", o.height},
-                                         {"samples", o.samples}}},
-                                       {"results", results}})
-                           .dump());
+  print(bench, o.print);
   return 0;
 }
 
@@ -200,7 +199,7 @@ std::function<int()> addRenderBench(CLI::App& app) {
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app.add_flag("--growth-only", o->growth_only, "compute alone, no picture");
-  app.add_flag("--json", o->json, "print one JSON object");
+  addPrintOptions(app, o->print);
   return [o] { return run(*o); };
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <epoxy/gl.h>
 
+#include <atomic>
 #include <cstddef>
 #include <span>
 #include <utility>
@@ -15,6 +16,7 @@ class Buffer {
   /// bound.
   Buffer(size_t bytes, const void* data, GLbitfield flags) : bytes_(bytes < 16 ? 16 : bytes) {
     glCreateBuffers(1, &id_);
+    bytes_of_all += bytes_;
     glNamedBufferStorage(id_, static_cast<GLsizeiptr>(bytes_), bytes < 16 ? nullptr : data, flags);
     if (bytes > 0 && bytes < 16 && data != nullptr && (flags & GL_DYNAMIC_STORAGE_BIT) != 0)
       glNamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(bytes), data);
@@ -22,7 +24,9 @@ class Buffer {
   template <class T>
   explicit Buffer(std::span<const T> data) : Buffer(data.size_bytes(), data.data(), GL_DYNAMIC_STORAGE_BIT) {}
   ~Buffer() {
-    if (id_ != 0) glDeleteBuffers(1, &id_);
+    if (id_ == 0) return;
+    glDeleteBuffers(1, &id_);
+    bytes_of_all -= bytes_;
   }
   Buffer(Buffer&& other) noexcept { *this = std::move(other); }
   Buffer& operator=(Buffer&& other) noexcept {
@@ -39,8 +43,11 @@ class Buffer {
   void bindStorage(GLuint binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, id_); }
   GLuint id() const { return id_; }
   size_t bytes() const { return bytes_; }
+  /// Of all buffers of this program that are alive.
+  static size_t bytesOfAll() { return bytes_of_all; }
 
  private:
+  static inline std::atomic<size_t> bytes_of_all{0};
   GLuint id_ = 0;
   size_t bytes_ = 0;
 };

@@ -1,0 +1,10 @@
+#pragma once
+#include <string>
+
+namespace strandcast {
+
+/// The commit that this program was built from, with a + where sources had been changed since; "unknown"
+/// outside a git checkout.
+std::string buildCommit();
+
+}  // namespace strandcast

@@ -1,0 +1,193 @@
+#include "bench/step_bench.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "apps/backends.h"
+#include "bench/bench_scene.h"
+#include "bench/operation_count.h"
+#include "collision/tree_broad_phase.h"
+#include "core/backend_registry.h"
+#include "core/error.h"
+#include "gpu_compute/gpu_air.h"
+#include "simd/simd_backend.h"
+
+namespace strandcast {
+namespace {
+
+struct Options {
+  std::string backend = "auto", target, scene = "straight", solver = "rod", bodies = "none";
+  int strands = 2000, vertices = 32, substeps = 4, iterations = 6, threads = 0, warmup = 20, steps = 60;
+  int air = 0;  // cells per axis; 0 = none
+  double shake = 0;
+  uint64_t seed = 1;
+  std::optional<float> damping_time;  // s
+  PrintOptions print;
+};
+
+std::vector<RigidBody> bodiesOf(const Options& o, const Scene& scene) {
+  if (o.bodies == "none") return {};
+  if (o.bodies == "scene") return scene.bodies;
+  if (o.bodies == "mesh") {
+    ContactPrimitive field;
+    bakeField(scene.body, 0.002f, o.threads, field);
+    return {{{field}, true, true}, {fivePrimitives(scene.head_pivot), true}};
+  }
+  ContactPrimitive head;  // a sphere that hair lies on
+  head.a = scene.head_pivot + Vec3(0, 0.08f, 0);
+  head.radius = 0.06f;
+  return {{{head}, true}};
+}
+
+std::unique_ptr<Backend> backendOf(const Options& o, const std::string& name, SolverKind solver) {
+  if (o.target.empty()) return createBackend(knownBackends(), name, o.threads, solver);
+  if (name != "simd")
+    throw Error("only the simd backend has instruction sets", "--target " + o.target, "add --backend simd");
+  return makeSimdBackend(o.threads, o.target);
+}
+
+/// A row of the table.
+nlohmann::json run(const Options& o, const Scene& scene, const std::string& name) {
+  Parameters parameters = scene.parameters;
+  parameters.substeps = o.substeps;
+  parameters.iterations = o.iterations;
+  parameters.solver = solverKind(o.solver);
+  if (o.damping_time) parameters.damping_time = *o.damping_time;
+  if (o.air > 0) addAir(parameters, o.air);
+  const std::vector<RigidBody> bodies = bodiesOf(o, scene);
+  const auto make = [&] {
+    std::unique_ptr<Backend> backend = backendOf(o, name, parameters.solver);
+    std::unique_ptr<Surroundings> air =
+        o.air > 0 ? airOf(backend->name(), o.threads).surroundings({}) : nullptr;
+    return Simulation(sceneModel(scene), bodies, parameters, std::move(backend), std::move(air),
+                      makeTreeBroadPhase());
+  };
+  TimedSimulation timed(make, benchMotion(scene, o.shake), o.steps);
+  for (int step = 1; step < o.warmup; ++step) timed.step(false);
+  auto* passes = dynamic_cast<MeasuredPasses*>(timed.simulation().surroundings());
+  if (passes != nullptr) passes->measure(false);
+  for (int step = 0; step < o.steps; ++step) timed.step(true);
+  const MeasuredRun result = timed.result();
+
+  Simulation& simulation = timed.simulation();
+  const double operations =
+      operationsPerVertexSubstep(simulation.model(), simulation.state(), simulation.nextInput());
+  nlohmann::json row = cellsOf(result);
+  row.update({{"case", result.backend},
+              {"solver", o.solver},
+              {"scene", o.scene},
+              {"bodies", o.bodies},
+              {"air_cells", o.air},
+              {"strands", o.strands},
+              {"vertices", o.vertices},
+              {"substeps", o.substeps},
+              {"operations_per_vertex_substep", operations}});
+  if (parameters.solver == SolverKind::kGaussSeidel) row["iterations"] = o.iterations;
+  if (result.backend != "gpu" && o.target.empty()) {
+    const int all = static_cast<int>(std::thread::hardware_concurrency());
+    const int threads = result.backend == "reference" ? 1 : o.threads > 0 ? o.threads : all;
+    row["fraction_of_peak"] = operations * static_cast<double>(result.vertices) * o.substeps /
+                              (1e-3 * result.ms.median) / measuredPeak(threads);
+  }
+  if (passes != nullptr) {
+    std::vector<double> ms;
+    for (const auto& [pass, time] : passes->takeTimes()) ms.push_back(time);
+    if (!ms.empty()) row["air_gpu_ms"] = spreadOf(ms).median;
+  }
+  return row;
+}
+
+int step(const Options& o) {
+  const Scene scene = benchScene(o.scene, o.strands, o.vertices, o.seed);
+  Bench bench;
+  bench.name = "step";
+  bench.params = {{"scene", o.scene},       {"solver", o.solver},         {"bodies", o.bodies},
+                  {"air_cells", o.air},     {"shake_hz", o.shake},        {"strands", o.strands},
+                  {"vertices", o.vertices}, {"substeps", o.substeps},     {"iterations", o.iterations},
+                  {"seed", o.seed},         {"instruction_set", o.target}};
+  bench.more = {{"backend", o.backend}, {"threads", o.threads}};
+  bench.heading = fmt::format("scene {}, bodies {}, {} x {}, {} substeps, {} iterations, solver {}\n",
+                              o.scene, o.bodies, o.strands, o.vertices, o.substeps, o.iterations, o.solver);
+  bench.table = Table(columnsOf(
+      {{{"case", "backend"},
+        {"solver"},
+        {"scene"},
+        {"bodies"},
+        {"air_cells"},
+        {"strands"},
+        {"vertices"},
+        {"substeps"},
+        {"iterations"}},
+       runColumns(),
+       {{"air_gpu_ms"}, {"operations_per_vertex_substep"}, {"fraction_of_peak", "of peak", "{:.3f}"}}}));
+  for (const BackendInfo& info : knownBackends()) {
+    if (o.backend != "all" && o.backend != info.name && o.backend != "auto") continue;
+    const bool runs = info.available && std::find(info.solvers.begin(), info.solvers.end(),
+                                                  solverKind(o.solver)) != info.solvers.end();
+    if (!runs && o.backend == "all") continue;
+    bench.table.add(run(o, scene, o.backend == "auto" ? "auto" : info.name));
+    if (o.backend == "auto") break;
+  }
+  print(bench, o.print);
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> addStepBench(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.footer(
+      "ms:      of a step and of reading its guides, by the wall.\n"
+      "gpu ms:  of a step's dispatches alone, by the GPU's own clock.\n"
+      "B/vtx:   memory of the simulation on heap and GPU, over its vertices. On a GPU that is none "
+      "(llvmpipe)\n"
+      "         the compiled programs of the driver are part of it.\n"
+      "allocs:  calls of operator new during all timed steps.\n"
+      "of peak: the operations of the step, counted, against what the same threads reach with\n"
+      "         multiply-adds alone, measured.\n"
+      "Examples:\n"
+      "  strandbench step --backend all\n"
+      "  strandbench step --strands 100000 --substeps 6 --scene curly --shake 2 --bodies mesh --air 64");
+  app.add_option("--backend", o->backend, "auto, gpu, simd, reference or all")
+      ->check(CLI::IsMember({"auto", "gpu", "simd", "reference", "all"}))
+      ->capture_default_str();
+  app.add_option("--target", o->target, "instruction set of the simd backend: AVX3 (AVX-512), AVX2, SSE4");
+  app.add_option("--solver", o->solver, "rod or gauss_seidel")
+      ->check(CLI::IsMember({"rod", "gauss_seidel"}))
+      ->capture_default_str();
+  app.add_option("--scene", o->scene, "procedural scene")->capture_default_str();
+  app.add_option("--shake", o->shake, "Hz, a head that is shaken so; 0 = the scene's own motion")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  app.add_option(
+         "--bodies", o->bodies,
+         "none; sphere: one with friction, in the head; scene: all of the scene's; mesh: the distance "
+         "field of the scene's body and five primitives")
+      ->check(CLI::IsMember({"none", "sphere", "scene", "mesh"}))
+      ->capture_default_str();
+  app.add_option("--air", o->air,
+                 "cells per axis of grids of wind and of forces between hairs, 16 to 128; 0 = none")
+      ->check(CLI::Range(0, 128))
+      ->capture_default_str();
+  app.add_option("--strands", o->strands)->check(CLI::Range(1, 1000000))->capture_default_str();
+  app.add_option("--vertices", o->vertices, "per strand")->check(CLI::Range(2, 128))->capture_default_str();
+  app.add_option("--substeps", o->substeps)->check(CLI::Range(1, 64))->capture_default_str();
+  app.add_option("--iterations", o->iterations)->check(CLI::Range(1, 64))->capture_default_str();
+  app.add_option("--damping", o->damping_time,
+                 "s, internal damping time of the rod; the scene's own if not given")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
+  app.add_option("--steps", o->steps, "steps timed, after a warm-up")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--seed", o->seed)->capture_default_str();
+  addPrintOptions(app, o->print);
+  return [o] { return step(*o); };
+}
+
+}  // namespace strandcast

@@ -1,0 +1,13 @@
+# Writes OUT with the commit of ROOT where it is not there yet. See BuildCommit.cmake.
+execute_process(COMMAND git -C ${ROOT} describe --always --abbrev=7 --dirty=+ --exclude=*
+  OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
+if(failed)
+  set(commit unknown)
+endif()
+file(CONFIGURE OUTPUT ${OUT} @ONLY CONTENT [[
+#include "bench/build_commit.h"
+
+namespace strandcast {
+std::string buildCommit() { return "@commit@"; }
+}  // namespace strandcast
+]])
