@@ -1,6 +1,7 @@
 #include "bench/measured_run.h"
 
 #include <fmt/format.h>
+#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -8,6 +9,12 @@
 #include "bench/counted_memory.h"
 
 namespace strandcast {
+
+double processorMs() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
 
 Spread spreadOf(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -30,12 +37,14 @@ TimedSimulation::TimedSimulation(const std::function<Simulation()>& make, Motion
   run_.heap_bytes = heapBytes() - heap_before_;
   run_.gpu_bytes = gpuBufferBytes() - gpu_before_;
   ms_.reserve(static_cast<size_t>(steps));
+  cpu_ms_.reserve(static_cast<size_t>(steps));
   gpu_ms_.reserve(static_cast<size_t>(steps));
 }
 
 void TimedSimulation::step(bool timed) {
   const Pose head = motion_(simulation_.time() + simulation_.parameters().time_step);
   const uint64_t allocations_before = allocations();
+  const double processor_before = processorMs();
   const auto start = std::chrono::steady_clock::now();
   simulation_.setHeadPose(head);
   simulation_.step();
@@ -43,6 +52,7 @@ void TimedSimulation::step(bool timed) {
   const auto end = std::chrono::steady_clock::now();
   if (!timed) return;
   run_.allocations += allocations() - allocations_before;
+  cpu_ms_.push_back(processorMs() - processor_before);
   ms_.push_back(std::chrono::duration<double, std::milli>(end - start).count());
   if (const auto seconds = simulation_.backend().gpuSeconds()) gpu_ms_.push_back(1000 * *seconds);
 }
@@ -55,6 +65,7 @@ MeasuredRun TimedSimulation::result() {
   run.strands = simulation_.model().strands();
   run.vertices = simulation_.model().vertices();
   run.ms = spreadOf(ms_);
+  run.cpu_ms = spreadOf(cpu_ms_);
   if (!gpu_ms_.empty()) run.gpu_ms = spreadOf(gpu_ms_).median;
   run.measured = simulation_.measure();
   run.hash = stateHash(simulation_.state());
@@ -74,6 +85,8 @@ std::vector<Column> runColumns() {
           {"ms_min", "ms min", "{:.3f}"},
           {"ms_median", "median", "{:.3f}"},
           {"ms_p95", "p95", "{:.3f}"},
+          {"cpu_ms", "cpu ms", "{:.3f}"},
+          {"cpu_ms_min"},
           {"gpu_ms", "gpu ms", "{:.4f}"},
           {"ns_per_vertex_substep", "ns/vtx/sub", "{:.2f}"},
           {"vertices_per_s", "vtx/s", "{:.3g}"},
@@ -93,6 +106,8 @@ nlohmann::json cellsOf(const MeasuredRun& run) {
                        {"ms_min", run.ms.min},
                        {"ms_median", run.ms.median},
                        {"ms_p95", run.ms.p95},
+                       {"cpu_ms", run.cpu_ms.median},
+                       {"cpu_ms_min", run.cpu_ms.min},
                        {"ns_per_vertex_substep", run.perVertexSubstep()},
                        {"vertices_per_s", 1000 * static_cast<double>(run.vertices) / run.ms.median},
                        {"bytes", run.heap_bytes + run.gpu_bytes},

@@ -17,12 +17,16 @@ Spread spreadOf(std::vector<double> values);
 /// Sorts; `part` 0 to 1.
 double quantileOf(std::vector<double> values, double part);
 
+/// Processor time that this program has taken so far, ms, all threads.
+double processorMs();
+
 /// How long the steps of a simulation took, in what memory, and what they computed.
 struct MeasuredRun {
   std::string backend, device;
   int substeps = 0;
   size_t strands = 0, vertices = 0;
   Spread ms;                     ///< of a step and of reading its guides, by the wall
+  Spread cpu_ms;                 ///< the same in processor time of all threads of this program
   std::optional<double> gpu_ms;  ///< of a step's dispatches alone, median
   size_t heap_bytes = 0;         ///< that the simulation and all it is made of take after its first step,
   size_t gpu_bytes = 0;          ///< and its buffers on the GPU
@@ -54,7 +58,7 @@ class TimedSimulation {
   Simulation simulation_;
   Motion motion_;
   MeasuredRun run_;
-  std::vector<double> ms_, gpu_ms_;
+  std::vector<double> ms_, cpu_ms_, gpu_ms_;
 };
 
 /// Warms up, times `steps` steps.

@@ -143,6 +143,7 @@ std::function<int()> addStepBench(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.footer(
       "ms:      of a step and of reading its guides, by the wall.\n"
+      "cpu ms:  the same in processor time of all threads: what others on the machine take is not in it.\n"
       "gpu ms:  of a step's dispatches alone, by the GPU's own clock.\n"
       "B/vtx:   memory of the simulation on heap and GPU, over its vertices. On a GPU that is none "
       "(llvmpipe)\n"

@@ -9,6 +9,8 @@
 #include "bench/accuracy.h"
 #include "bench/contact_bench.h"
 #include "bench/grid_bench.h"
+#include "bench/reader_process.h"
+#include "bench/scaling_bench.h"
 #include "bench/step_bench.h"
 #include "bench/table.h"
 #ifdef STRANDCAST_HAS_RENDER
@@ -27,6 +29,8 @@ int main(int argc, char** argv) {
     verbs.emplace_back(verb, declare(*verb));
   };
   add("step", "time of a simulation step", addStepBench);
+  add("scaling", "how cost and memory grow with strands, vertices, substeps, threads, lanes, grooms, readers",
+      addScalingBench);
   add("accuracy", "cost of the solvers' settings against their error", addAccuracy);
   add("grid", "time of wind on a grid and of forces between hairs", addGridBench);
   add("contact", "cost of hair on bodies against hair without, and of baking a body's field",
@@ -34,6 +38,8 @@ int main(int argc, char** argv) {
 #ifdef STRANDCAST_HAS_RENDER
   add("render", "time of growing hair and of every pass of a picture", addRenderBench);
 #endif
+  add("reader", "the other process of scaling and end-to-end", addReader);
+  verbs.back().first->group("");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,15 @@
+#pragma once
+#include <span>
+#include <utility>
+
+namespace strandcast {
+
+/// y = factor x^exponent, by least squares of log y over log x.
+struct PowerLaw {
+  double exponent = 0, factor = 0;
+  double standard_error = 0;  ///< of the exponent; 0 where two points leave none
+};
+/// At least two points of different x, all above 0.
+PowerLaw fitPowerLaw(std::span<const std::pair<double, double>> points);
+
+}  // namespace strandcast
