@@ -9,22 +9,17 @@
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
 #include "validation/newton_rod.h"
-#include "validation/shaken_root.h"
 #include "validation/specimen.h"
 
 namespace strandcast {
 namespace {
 
 constexpr int kEdges = 32;
-constexpr double kLength = 0.25;                // m
-constexpr float kFrame = 1.0f / 60.0f;          // s
-constexpr int kFrames = 90;                     // that the root is shaken
-constexpr int kTruthSubsteps = 96;              // a frame: 5760 a second
-constexpr float kSettlingDrag = 10, kDrag = 2;  // 1/s
-constexpr int kSettlingFrames = 240;            // 4 s
-const Shake kShake{.ramp = 0.5};
-
-Pose rootAt(int frame) { return shakenRoot(static_cast<double>(frame) * kFrame, kShake); }
+constexpr double kLength = 0.25;    // m
+constexpr int kTruthSubsteps = 96;  // a frame: 5760 a second
+constexpr float kFrame = StrandTrial::kFrame, kSettlingDrag = StrandTrial::kSettlingDrag,
+                kDrag = StrandTrial::kDrag;
+constexpr int kFrames = StrandTrial::kFrames, kSettlingFrames = StrandTrial::kSettlingFrames;
 
 Parameters truthParameters(int substeps, float drag) {
   Parameters parameters;
@@ -51,11 +46,11 @@ NewtonRod restingRod(const StrandModel& model, size_t strand) {
   return rod;
 }
 
-std::vector<Eigen::Vector3d> tipOf(NewtonRod rod, const Pose& root, int substeps) {
+std::vector<Eigen::Vector3d> tipOf(NewtonRod rod, const Pose& root, const Shake& shake, int substeps) {
   rod.setParameters(truthParameters(substeps, kDrag));
   std::vector<Eigen::Vector3d> tip;
   for (int frame = 1; frame <= kFrames; ++frame) {
-    rod.step(rootAt(frame - 1) * root, rootAt(frame) * root);
+    rod.step(StrandTrial::rootAt(frame - 1, shake) * root, StrandTrial::rootAt(frame, shake) * root);
     tip.push_back(rod.positions().back());
   }
   return tip;
@@ -67,14 +62,15 @@ double rms(const std::vector<Eigen::Vector3d>& a, const std::vector<Eigen::Vecto
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-ShakenStrand truthOf(const StrandPoints& points) {
+ShakenStrand truthOf(const StrandPoints& points, const Shake& shake) {
   ShakenStrand out;
+  out.shake = shake;
   out.points = points;
   out.poses = inBothPoses(points);
   const NewtonRod upright = restingRod(out.poses, 0);
   out.rest = {upright.positions(), restingRod(out.poses, 1).positions()};
-  out.tip = tipOf(upright, out.poses.rest_roots[0], kTruthSubsteps);
-  out.truth_error = rms(out.tip, tipOf(upright, out.poses.rest_roots[0], kTruthSubsteps / 2));
+  out.tip = tipOf(upright, out.poses.rest_roots[0], shake, kTruthSubsteps);
+  out.truth_error = rms(out.tip, tipOf(upright, out.poses.rest_roots[0], shake, kTruthSubsteps / 2));
   return out;
 }
 
@@ -115,12 +111,21 @@ void chooseShapeRates(const ShakenStrand& strand, Parameters& parameters) {
 
 }  // namespace
 
-ShakenStrand straightTruth() { return truthOf(straightStrand(kLength, kEdges, -Vec3::UnitY())); }
-ShakenStrand curlTruth() { return truthOf(helixStrand(0.01, 0.01, kLength, kEdges)); }
+ShakenStrand straightTruth(const Shake& shake) {
+  return truthOf(straightStrand(kLength, kEdges, -Vec3::UnitY()), shake);
+}
+ShakenStrand curlTruth(const Shake& shake) {
+  return truthOf(helixStrand(0.01, 0.01, kLength, kEdges), shake);
+}
 
 StrandError errorOf(const ShakenStrand& strand, Parameters parameters) {
   parameters.time_step = kFrame;
   if (parameters.solver == SolverKind::kGaussSeidel) chooseShapeRates(strand, parameters);
+  return errorWith(strand, parameters);
+}
+
+StrandError errorWith(const ShakenStrand& strand, Parameters parameters) {
+  parameters.time_step = kFrame;
   Simulation simulation = rested(strand, parameters);
   StrandError out;
   out.shape_rate = parameters.shape_rate;
@@ -128,10 +133,12 @@ StrandError errorOf(const ShakenStrand& strand, Parameters parameters) {
   out.rest = restError(strand, simulation);
   std::vector<Eigen::Vector3d> tip;
   for (int frame = 1; frame <= kFrames; ++frame) {
-    simulation.setHeadPose(rootAt(frame));
+    simulation.setHeadPose(StrandTrial::rootAt(frame, strand.shake));
     simulation.step();
     tip.push_back(simulation.guides()[kEdges].cast<double>());
-    out.max_stretch = std::max(out.max_stretch, simulation.measure().max_stretch);
+    const Measurement measured = simulation.measure();
+    out.mean_stretch += measured.mean_stretch / kFrames;
+    out.max_stretch = std::max(out.max_stretch, measured.max_stretch);
   }
   out.tip = rms(tip, strand.tip);
   return out;
@@ -149,7 +156,7 @@ double costOf(const ShakenStrand& straight, const ShakenStrand& curl, Parameters
   Simulation simulation(modelOf(strands), {}, parameters, makeSimdBackend(threads));
   double shortest = std::numeric_limits<double>::infinity();
   for (int frame = 1; frame <= frames; ++frame) {
-    simulation.setHeadPose(rootAt(frame));
+    simulation.setHeadPose(StrandTrial::rootAt(frame, straight.shake));
     const auto start = std::chrono::steady_clock::now();
     simulation.step();
     simulation.guides();

@@ -14,6 +14,7 @@
 #include "apps/backends.h"
 #include "apps/console.h"
 #include "apps/daemon.h"
+#include "bench/axis_fit.h"
 #include "bench/bench_scene.h"
 #include "bench/reader_process.h"
 #include "core/backend_registry.h"
@@ -371,22 +372,6 @@ int scaling(Options o) {
 }
 
 }  // namespace
-
-double leastMs(const nlohmann::json& row) {
-  const bool one_thread = row["threads"] == 1 && row["device"].get<std::string>().ends_with("1 thread");
-  return row[one_thread ? "cpu_ms_min" : "ms_min"].get<double>();
-}
-
-std::vector<AxisFit> fitAxes(const std::vector<nlohmann::json>& rows) {
-  std::vector<AxisFit> fits;
-  for (const char* axis : {"strands", "vertices", "substeps"}) {
-    std::vector<std::pair<double, double>> points;
-    for (const nlohmann::json& row : rows)
-      if (row["axis"] == axis) points.emplace_back(row["value"].get<double>(), row["ms_min"].get<double>());
-    if (points.size() >= 2) fits.push_back({axis, fitPowerLaw(points), points.size()});
-  }
-  return fits;
-}
 
 std::function<int()> addScalingBench(CLI::App& app) {
   const auto o = std::make_shared<Options>();

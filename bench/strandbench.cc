@@ -9,6 +9,7 @@
 #include "bench/accuracy.h"
 #include "bench/contact_bench.h"
 #include "bench/grid_bench.h"
+#include "bench/peers_bench.h"
 #include "bench/reader_process.h"
 #include "bench/scaling_bench.h"
 #include "bench/step_bench.h"
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
   add("step", "time of a simulation step", addStepBench);
   add("scaling", "how cost and memory grow with strands, vertices, substeps, threads, lanes, grooms, readers",
       addScalingBench);
+  add("peers", "cost and error beside Bullet's ropes and gauss_seidel", addPeersBench);
   add("accuracy", "cost of the solvers' settings against their error", addAccuracy);
   add("grid", "time of wind on a grid and of forces between hairs", addGridBench);
   add("contact", "cost of hair on bodies against hair without, and of baking a body's field",

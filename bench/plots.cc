@@ -1,0 +1,72 @@
+#include "bench/plots.h"
+
+#include <fmt/format.h>
+
+#include <functional>
+
+#include "bench/svg_plot.h"
+
+namespace strandcast {
+namespace {
+
+/// A number of a row; not above 0, which plots leave out, where it does not apply.
+double number(const nlohmann::json& row, const std::string& key) {
+  const auto found = row.find(key);
+  return found != row.end() && found->is_number() ? found->get<double>() : 0;
+}
+
+std::string shade(const std::string& solver, int substeps) {
+  constexpr const char* kBlues[] = {"#9ecae1", "#6baed6", "#4292c6", "#2171b5", "#084594"};
+  constexpr const char* kGreens[] = {"#a1d99b", "#74c476", "#41ab5d", "#238b45", "#005a32"};
+  if (solver == "rod") return "#d55e00";
+  size_t power = 0;
+  while ((2 << power) <= substeps && power + 1 < std::size(kBlues)) ++power;
+  return solver == "bullet" ? kGreens[power] : kBlues[power];
+}
+
+std::string seriesOf(const nlohmann::json& row) {
+  const std::string solver = row["solver"];
+  const int substeps = row["substeps"];
+  if (solver == "rod") return "rod";
+  return fmt::format("{}, {} substep{}", solver == "bullet" ? "Bullet rope" : solver, substeps,
+                     substeps == 1 ? "" : "s");
+}
+
+PlotPanel peersPanel(const std::vector<nlohmann::json>& rows, const std::string& title,
+                     const std::string& key, double factor) {
+  PlotPanel panel;
+  panel.title = title;
+  for (const nlohmann::json& row : rows) {
+    const std::string name = seriesOf(row);
+    if (panel.series.empty() || panel.series.back().name != name)
+      panel.series.push_back({name, shade(row["solver"], row["substeps"]), {}});
+    const bool rod = row["solver"] == "rod";
+    const auto iterations = static_cast<int>(number(row, "iterations"));
+    // Few labels: the others follow by doubling.
+    const bool labelled = rod || iterations == 1 || iterations == 64 || iterations == 1024;
+    panel.series.back().points.push_back(
+        {number(row, "ns_per_vertex_frame"), factor * number(row, key),
+         labelled ? fmt::format("{}", rod ? row["substeps"].get<int>() : iterations) : ""});
+  }
+  return panel;
+}
+
+constexpr const char* kPeersCost = "processor time per vertex and frame of 1/60 s, ns, one thread";
+constexpr const char* kPeersNote =
+    "Beside the points: substeps of the rod, iterations a substep of the others, which double (or quadruple) "
+    "along a line.";
+
+}  // namespace
+
+std::string peersPlot(const std::vector<nlohmann::json>& rows) {
+  return logLogPlot(kPeersCost, "stretch, %", kPeersNote,
+                    {peersPanel(rows, "largest stretch", "max_stretch", 100),
+                     peersPanel(rows, "mean stretch", "mean_stretch", 100)});
+}
+
+std::string peersTipPlot(const std::vector<nlohmann::json>& rows) {
+  return logLogPlot(kPeersCost, "rms error of the shaken tip, mm", kPeersNote,
+                    {peersPanel(rows, "tip against an exact rod", "tip_error_mm", 1)});
+}
+
+}  // namespace strandcast
