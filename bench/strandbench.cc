@@ -8,12 +8,14 @@
 #include "apps/console.h"
 #include "bench/accuracy.h"
 #include "bench/contact_bench.h"
+#include "bench/end_to_end_bench.h"
 #include "bench/grid_bench.h"
 #include "bench/peers_bench.h"
 #include "bench/reader_process.h"
 #include "bench/scaling_bench.h"
 #include "bench/step_bench.h"
 #include "bench/table.h"
+#include "bench/wire_bench.h"
 #ifdef STRANDCAST_HAS_RENDER
 #include "bench/render_bench.h"
 #endif
@@ -32,6 +34,9 @@ int main(int argc, char** argv) {
   add("step", "time of a simulation step", addStepBench);
   add("scaling", "how cost and memory grow with strands, vertices, substeps, threads, lanes, grooms, readers",
       addScalingBench);
+  add("end-to-end", "latency from a motion of the head to hair that is grown in another process",
+      addEndToEndBench);
+  add("wire", "size, error and latency of what is cast, by codec", addWireBench);
   add("peers", "cost and error beside Bullet's ropes and gauss_seidel", addPeersBench);
   add("accuracy", "cost of the solvers' settings against their error", addAccuracy);
   add("grid", "time of wind on a grid and of forces between hairs", addGridBench);
