@@ -12,7 +12,7 @@ std::vector<AxisFit> fitAxes(const std::vector<nlohmann::json>& rows) {
   for (const char* axis : {"strands", "vertices", "substeps"}) {
     std::vector<std::pair<double, double>> points;
     for (const nlohmann::json& row : rows)
-      if (row["axis"] == axis) points.emplace_back(row["value"].get<double>(), row["ms_min"].get<double>());
+      if (row["axis"] == axis) points.emplace_back(row["value"].get<double>(), leastMs(row));
     if (points.size() >= 2) fits.push_back({axis, fitPowerLaw(points), points.size()});
   }
   return fits;

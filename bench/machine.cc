@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <cstdlib>
 #include <fstream>
 #include <thread>
 
@@ -32,6 +33,11 @@ Machine thisMachine() {
 std::string describe(const Machine& machine) {
   return fmt::format("{}, {} thread{}, {}", machine.cpu, machine.cores, machine.cores == 1 ? "" : "s",
                      machine.instruction_set);
+}
+
+double loadAverage() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : 0;
 }
 
 std::string folderNameOf(const std::string& name) {

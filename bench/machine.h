@@ -13,6 +13,9 @@ Machine thisMachine();
 
 /// "AMD EPYC, 2 threads, AVX3".
 std::string describe(const Machine& machine);
+/// Programs that ran or wanted to, mean of the last minute; this one is among them. Above the number of
+/// hardware threads, times by the wall are those of a busy machine.
+double loadAverage();
 /// A folder's name for a processor's: "AMD EPYC 9654 (x)" -> "amd-epyc-9654-x".
 std::string folderNameOf(const std::string& name);
 

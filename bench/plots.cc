@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <functional>
-
+#include "bench/axis_fit.h"
 #include "bench/svg_plot.h"
 
 namespace strandcast {
@@ -67,6 +66,46 @@ std::string peersPlot(const std::vector<nlohmann::json>& rows) {
 std::string peersTipPlot(const std::vector<nlohmann::json>& rows) {
   return logLogPlot(kPeersCost, "rms error of the shaken tip, mm", kPeersNote,
                     {peersPanel(rows, "tip against an exact rod", "tip_error_mm", 1)});
+}
+
+std::string scalingPlot(const std::vector<nlohmann::json>& rows) {
+  PlotPanel panel;
+  panel.title = "cost of size";
+  const std::pair<const char*, const char*> axes[] = {
+      {"strands", "#d55e00"}, {"vertices", "#0072b2"}, {"substeps", "#009e73"}};
+  for (const auto& [axis, color] : axes) {
+    PlotSeries series{axis, color, {}};
+    for (const AxisFit& fit : fitAxes(rows))
+      if (fit.axis == axis) series.name = fmt::format("{}, power of {:.2f}", axis, fit.law.exponent);
+    for (const nlohmann::json& row : rows)
+      if (row["axis"] == axis) series.points.push_back({number(row, "value"), leastMs(row), ""});
+    if (!series.points.empty()) panel.series.push_back(series);
+  }
+  return logLogPlot("strands, vertices a strand, or substeps", "least time of a step, ms",
+                    "Processor time of one thread; where there are several, or on a GPU, by the wall.",
+                    {panel});
+}
+
+std::string latencyPlot(const std::vector<nlohmann::json>& rows) {
+  PlotPanel panel;
+  panel.title = "latency, motion to hair";
+  constexpr const char* kColors[] = {"#d55e00", "#0072b2", "#009e73", "#cc79a7"};
+  for (const nlohmann::json& row : rows) {
+    PlotSeries series{fmt::format("{:g} Hz", number(row, "rate_hz")),
+                      kColors[panel.series.size() % std::size(kColors)],
+                      {}};
+    for (const auto& [key, slower] : {std::pair{"ms_p10", 0.9},
+                                      {"ms_p25", 0.75},
+                                      {"ms_median", 0.5},
+                                      {"ms_p75", 0.25},
+                                      {"ms_p90", 0.1},
+                                      {"ms_p95", 0.05},
+                                      {"ms_p99", 0.01}})
+      series.points.push_back({number(row, key), slower, ""});
+    panel.series.push_back(series);
+  }
+  return logLogPlot("latency, ms", "part of the frames that take longer",
+                    "The lowest mark is the 99th percentile.", {panel});
 }
 
 }  // namespace strandcast

@@ -1,5 +1,8 @@
 // strandbench VERB: how fast Strandcast is, and beside each time what was computed in it. Each verb has a
 // file of its own, bench/VERB_bench.h.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <utility>
@@ -7,11 +10,13 @@
 
 #include "apps/console.h"
 #include "bench/accuracy.h"
+#include "bench/all_bench.h"
 #include "bench/contact_bench.h"
 #include "bench/end_to_end_bench.h"
 #include "bench/grid_bench.h"
 #include "bench/peers_bench.h"
 #include "bench/reader_process.h"
+#include "bench/report_verb.h"
 #include "bench/scaling_bench.h"
 #include "bench/step_bench.h"
 #include "bench/table.h"
@@ -23,6 +28,7 @@
 using namespace strandcast;
 
 int main(int argc, char** argv) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("strandbench"));
   setCommand(argc, argv);
   CLI::App app("strandbench measures Strandcast, and beside each time says what was computed in it.");
   app.require_subcommand(1);
@@ -45,6 +51,8 @@ int main(int argc, char** argv) {
 #ifdef STRANDCAST_HAS_RENDER
   add("render", "time of growing hair and of every pass of a picture", addRenderBench);
 #endif
+  add("all", "all of these in under ten minutes, one table", addAllBench);
+  add("report", "docs/performance.md from the results that are kept", addReport);
   add("reader", "the other process of scaling and end-to-end", addReader);
   verbs.back().first->group("");
   try {

@@ -127,15 +127,14 @@ nlohmann::json Table::json() const {
 
 nlohmann::json origin() {
   const Machine machine = thisMachine();
-  return {{"commit", buildCommit()},
-          {"machine", machine.cpu},
-          {"hardware_threads", machine.cores},
-          {"instruction_set", machine.instruction_set},
-          {"command", command()}};
+  return {{"commit", buildCommit()},           {"machine", machine.cpu},
+          {"hardware_threads", machine.cores}, {"instruction_set", machine.instruction_set},
+          {"load_average", loadAverage()},     {"command", command()}};
 }
 
 std::string originComment() {
-  return fmt::format("# {}\n# commit {}; {}\n", command(), buildCommit(), describe(thisMachine()));
+  return fmt::format("# {}\n# commit {}; {}; load average {:.1f}\n", command(), buildCommit(),
+                     describe(thisMachine()), loadAverage());
 }
 
 void print(const Bench& bench, const PrintOptions& options) {

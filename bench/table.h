@@ -54,7 +54,8 @@ struct Bench {
 /// and `more`; or as CSV behind two lines of comment, command() and commit and machine.
 void print(const Bench& bench, const PrintOptions& options);
 
-/// What every output states of itself: commit, machine, hardware_threads, instruction_set and command; and
+/// What every output states of itself: commit, machine, hardware_threads, instruction_set,
+/// load_average and command; and
 /// the same as lines of comment for a CSV.
 nlohmann::json origin();
 std::string originComment();

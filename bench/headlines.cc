@@ -1,0 +1,158 @@
+#include "bench/headlines.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "bench/axis_fit.h"
+#include "bench/peer_ratio.h"
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+class Collector {
+ public:
+  explicit Collector(const Results& results) : results_(results) {}
+
+  /// Calls `tell` with the file's rows, where there is such a file.
+  template <class Tell>
+  void of(const std::string& name, const Tell& tell) {
+    const auto found = results_.find(name);
+    if (found == results_.end() || found->second.rows.empty()) return;
+    command_ = commandOf(found->second);
+    tell(found->second.rows);
+  }
+  void add(const std::string& what, const std::string& measured, const std::string& goal = "",
+           std::optional<bool> holds = std::nullopt) {
+    lines.push_back({what, measured, goal, holds, command_});
+  }
+  std::vector<Headline> lines;
+
+ private:
+  const Results& results_;
+  std::string command_;
+};
+
+double number(const nlohmann::json& row, const char* key) {
+  const auto found = row.find(key);
+  return found != row.end() && found->is_number() ? found->get<double>() : 0;
+}
+
+std::string sizeOf(const nlohmann::json& row) {
+  return fmt::format("{} x {}", row["strands"].dump(), row["vertices"].dump());
+}
+
+void tellStep(Collector& out, const std::vector<nlohmann::json>& rows) {
+  const nlohmann::json& row = rows[0];
+  const std::string size = sizeOf(row), device = row["device"];
+  out.add(fmt::format("step of {}, {} substeps, {}", size, row["substeps"].dump(), device),
+          fmt::format("{:.3f} ms", number(row, "ms_median")));
+  if (number(row, "fraction_of_peak") > 0)
+    out.add("of the measured peak, " + size, fmt::format("{:.0f} %", 100 * number(row, "fraction_of_peak")),
+            ">= 30 %", number(row, "fraction_of_peak") >= 0.30);
+  out.add("largest stretch, " + size, fmt::format("{:.2g} %", 100 * number(row, "max_stretch")), "<= 0.01 %",
+          number(row, "max_stretch") <= 1e-4);
+  out.add("memory per vertex, " + size, fmt::format("{:.0f} B", number(row, "bytes_per_vertex")), "<= 160 B",
+          number(row, "bytes_per_vertex") <= 160);
+  out.add("allocations of the timed steps", row["allocations"].dump(), "0", row["allocations"] == 0);
+}
+
+void tellGpu(Collector& out) {
+  struct Goal {
+    const char *file, *what;
+    double ms;
+  };
+  for (const Goal& goal : {Goal{"gpu_100k_alone", "100,000 x 32 alone", 0.56},
+                           Goal{"gpu_100k_all", "100,000 x 32 with mesh, primitives, air of 64^3", 1.0},
+                           Goal{"gpu_4k_alone", "4,000 x 32 alone", 0.045},
+                           Goal{"gpu_4k_all", "4,000 x 32 with mesh, primitives, air of 64^3", 0.15}})
+    out.of(goal.file, [&](const std::vector<nlohmann::json>& rows) {
+      const double ms = number(rows[0], "gpu_ms") + number(rows[0], "air_gpu_ms");
+      out.add(fmt::format("{}, {}", goal.what, rows[0]["device"].get<std::string>()),
+              fmt::format("{:.3f} ms", ms), fmt::format("<= {:g} ms", goal.ms), ms <= goal.ms);
+    });
+}
+
+void tellScaling(Collector& out, const std::vector<nlohmann::json>& rows) {
+  for (const AxisFit& fit : fitAxes(rows))
+    out.add(fmt::format("time grows with {} by the power of", fit.axis),
+            fmt::format("{:.2f} ± {:.2f}", fit.law.exponent, fit.law.standard_error),
+            fit.axis == "substeps" ? "" : "1");
+  for (const nlohmann::json& row : rows) {
+    const double value = number(row, "value"), speedup = number(row, "speedup");
+    if (row["axis"] == "lanes" && value > 1) {
+      const std::string device = row["device"];
+      const double goal = device.starts_with("AVX3") ? 8 : device.starts_with("AVX2") ? 4 : 0;
+      out.add(device + " over the float reference", fmt::format("{:.1f} x", speedup),
+              goal > 0 ? fmt::format(">= {:g} x", goal) : "",
+              goal > 0 ? std::optional(speedup >= goal) : std::nullopt);
+    }
+    if (row["axis"] == "threads" && value > 1) {
+      const double efficiency = number(row, "efficiency");
+      if (value == 2)
+        out.add("2 threads over one", fmt::format("{:.2f} x", speedup), ">= 1.8 x", speedup >= 1.8);
+      else
+        out.add(fmt::format("efficiency of {:g} threads", value), fmt::format("{:.0f} %", 100 * efficiency),
+                ">= 70 %", efficiency >= 0.7);
+      out.add(fmt::format("{:g} threads give the state of one", value), row["same_hash"], "yes",
+              row["same_hash"] == "yes");
+    }
+  }
+}
+
+void tellPeers(Collector& out, const std::vector<nlohmann::json>& rows) {
+  const auto ratio = bulletOverRod(rows, 4);
+  if (!ratio) return;
+  out.add(ratio->reached ? "Bullet's ropes over the rod, at equal or less stretch"
+                         : "Bullet's ropes over the rod, where they stretch least, which is more",
+          fmt::format("{:.0f} x", ratio->ratio), ">= 20 x", ratio->ratio >= 20);
+}
+
+void tellLatency(Collector& out, const std::vector<nlohmann::json>& rows) {
+  for (const nlohmann::json& row : rows) {
+    const double rate = number(row, "rate_hz");
+    const bool is_promised = rate == 120;
+    const double p99 = number(row, "ms_p99");
+    out.add(fmt::format("motion to {} at {:g} Hz, {} guides",
+                        row["hairs"] == 0 ? "decoded guides" : "grown hair", rate, sizeOf(row)),
+            fmt::format("p50 {:.2f}, p99 {:.2f} ms, {:.1f} of {:g} frames/s", number(row, "ms_median"), p99,
+                        number(row, "fps_grown"), rate),
+            is_promised ? "p99 <= 8.3 ms" : "",
+            is_promised ? std::optional(p99 <= 1000 / 120.) : std::nullopt);
+  }
+}
+
+}  // namespace
+
+std::string commandOf(const CsvFile& file) { return file.comments.empty() ? "" : file.comments.front(); }
+
+Results readResults(const std::filesystem::path& folder) {
+  Results results;
+  if (!std::filesystem::is_directory(folder))
+    throw Error("there is no such folder of results", folder.string(), "make some: strandbench all --save");
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".csv") continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    results[entry.path().stem().string()] = parseCsv(text, entry.path().string());
+  }
+  return results;
+}
+
+std::vector<Headline> headlinesOf(const Results& results) {
+  Collector out(results);
+  out.of("step_10k", [&](const auto& rows) { tellStep(out, rows); });
+  tellGpu(out);
+  out.of("scaling", [&](const auto& rows) { tellScaling(out, rows); });
+  out.of("peers", [&](const auto& rows) { tellPeers(out, rows); });
+  out.of("contact", [&](const std::vector<nlohmann::json>& rows) {
+    out.add("a mesh and five primitives over no body", fmt::format("{:.2f} x", number(rows.back(), "ratio")));
+  });
+  out.of("end_to_end", [&](const auto& rows) { tellLatency(out, rows); });
+  out.of("end_to_end_grown", [&](const auto& rows) { tellLatency(out, rows); });
+  return out.lines;
+}
+
+}  // namespace strandcast

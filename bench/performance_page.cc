@@ -1,0 +1,388 @@
+#include "bench/performance_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "bench/axis_fit.h"
+#include "bench/headlines.h"
+#include "bench/peer_ratio.h"
+#include "bench/plots.h"
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+namespace fs = std::filesystem;
+using Rows = std::vector<nlohmann::json>;
+
+constexpr const char* kIntroduction = R"(# Performance
+
+Generated from the CSV files of `bench/results` by `strandbench report`; do not edit it, a test compares. Each table stands beside the
+command that measured it, its commit and its machine.
+
+```
+./dev bench                  # everything in under ten minutes: one table, plots and CSV in out/bench
+./dev bench --save           # the same, CSV in bench/results/<processor>, and this page anew
+./dev bench --save --machine nvidia-h100      # on a machine that is known by its GPU
+```
+
+How to read it:
+
+- **ms** is a whole step and reading its guides, by the wall: least, median and 95th percentile. **cpu ms** is the processor time of
+  it, all threads: on a shared machine it stays what it is while the wall goes slow. **gpu ms** is the GPU's own clock, of the
+  dispatches alone.
+- **of peak**: floating-point operations of the step, counted by running its own text with numbers that count, over what the same
+  threads reach with fused multiply-adds alone, measured in the same run.
+- **B/vtx**: all memory that a simulation takes, on the heap (counted by the program's operator new) and in buffers of the GPU, over
+  its vertices. On llvmpipe the driver's compiled programs are part of it.
+- **allocs**: calls of operator new during all the timed steps.
+- **stretch**, **depth** and **state** are what was computed in that very run: a fast wrong answer would show.
+- AVX3 is Highway's name for AVX-512.
+- **load average** stands beside each command: above the number of hardware threads, others were at work on the machine too, and times
+  by the wall, latencies above all, are those of a busy machine. Processor times suffer less, but they do: caches and the execution
+  units of a core are shared.
+)";
+
+std::string cell(const nlohmann::json& row, const Column& column) {
+  const std::string text = shown(row.value(column.key, nlohmann::json()), column.format);
+  std::string out;
+  for (const char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);
+  return out == "-" ? "" : out;
+}
+
+std::string markdown(const std::vector<Column>& columns, const Rows& rows) {
+  std::string out = "|", line = "|";
+  for (const Column& column : columns) {
+    out += fmt::format(" {} |", column.heading);
+    line += "---|";
+  }
+  out += fmt::format("\n{}\n", line);
+  for (const nlohmann::json& row : rows) {
+    out += "|";
+    for (const Column& column : columns) out += fmt::format(" {} |", cell(row, column));
+    out += "\n";
+  }
+  return out;
+}
+
+const std::vector<Column> kStepColumns{{"case", "backend"},
+                                       {"device", "device"},
+                                       {"strands", "strands"},
+                                       {"vertices", "vertices"},
+                                       {"substeps", "substeps"},
+                                       {"ms_min", "ms min", "{:.3f}"},
+                                       {"ms_median", "median", "{:.3f}"},
+                                       {"ms_p95", "p95", "{:.3f}"},
+                                       {"cpu_ms", "cpu ms", "{:.3f}"},
+                                       {"gpu_ms", "gpu ms", "{:.4f}"},
+                                       {"air_gpu_ms", "air, gpu ms", "{:.4f}"},
+                                       {"ns_per_vertex_substep", "ns/vtx/substep", "{:.2f}"},
+                                       {"fraction_of_peak", "of peak", "{:.2f}"},
+                                       {"bytes_per_vertex", "B/vtx", "{:.0f}"},
+                                       {"allocations", "allocs"},
+                                       {"max_stretch", "max stretch", "{:.1e}"},
+                                       {"max_penetration_m", "depth m", "{:.1e}"},
+                                       {"state_hash", "state"}};
+
+/// What a file of results becomes.
+struct Section {
+  const char* file;
+  const char* title;
+  const char* text;  // above the table
+  std::vector<Column> columns;
+  std::string (*plot)(const Rows&) = nullptr;
+  std::string (*conclusions)(const Rows&) = nullptr;
+};
+
+std::string scalingConclusions(const Rows& rows) {
+  std::string out;
+  for (const AxisFit& fit : fitAxes(rows))
+    out += fmt::format("- time grows with {} by the power of {:.3f} (standard error {:.3f}, {} points)\n",
+                       fit.axis, fit.law.exponent, fit.law.standard_error, fit.points);
+  return out;
+}
+
+std::string peersConclusions(const Rows& rows) {
+  std::string out =
+      "| stretch at most | rod, ns per vertex and frame | gauss_seidel | Bullet | Bullet over rod "
+      "|\n|---|---|---|---|---|\n";
+  for (const double target : {0.1, 0.01, 0.001, 0.0001}) {
+    out += fmt::format("| {:g} % |", 100 * target);
+    double rod = 0, bullet = 0;
+    for (const char* solver : {"rod", "gauss_seidel", "bullet"}) {
+      const auto row = cheapestWithin(rows, solver, target);
+      if (!row) {
+        out += " not reached |";
+        continue;
+      }
+      const double ns = (*row)["ns_per_vertex_frame"];
+      if (std::string(solver) == "rod") rod = ns;
+      if (std::string(solver) == "bullet") bullet = ns;
+      const nlohmann::json iterations = row->value("iterations", nlohmann::json());
+      out += fmt::format(" {:.1f} ({}{}) |", ns, (*row)["substeps"].dump(),
+                         iterations.is_null() ? "" : " x " + iterations.dump());
+    }
+    out += rod > 0 && bullet > 0 ? fmt::format(" {:.0f} |\n", bullet / rod) : " |\n";
+  }
+  out += "\nIn brackets: substeps a frame x iterations a substep. ";
+  if (const auto ratio = bulletOverRod(rows, 4))
+    out += fmt::format(
+        "The rod at its default of 4 substeps stretches {:.2g} % at most; Bullet's ropes {} {:.0f} times its "
+        "cost{}.\n",
+        100 * ratio->stretch, ratio->reached ? "do as well at" : "do not get there: at", ratio->ratio,
+        ratio->reached
+            ? ""
+            : fmt::format(" they stretch {:.2g} %", 100 * ratio->bullet["max_stretch"].get<double>()));
+  else
+    out += "This run had no Bullet.\n";
+  out += "\nAt equal steps:\n\n";
+  Rows equal;
+  for (const nlohmann::json& row : rows) {
+    const nlohmann::json iterations = row.value("iterations", nlohmann::json());
+    if (row["substeps"] == 4 && (iterations.is_null() || iterations <= 16)) equal.push_back(row);
+  }
+  return out + markdown({{"solver", "solver"},
+                         {"substeps", "substeps"},
+                         {"iterations", "iterations"},
+                         {"ns_per_vertex_frame", "ns/vtx/frame", "{:.1f}"},
+                         {"mean_stretch", "mean stretch", "{:.1e}"},
+                         {"max_stretch", "max", "{:.1e}"},
+                         {"tip_error_mm", "tip error mm", "{:.1f}"},
+                         {"bytes_per_vertex", "B/vtx", "{:.0f}"},
+                         {"allocations", "allocs"}},
+                        equal);
+}
+
+const std::vector<Column> kLatencyColumns{{"rate_hz", "Hz"},
+                                          {"fps_cast", "cast/s", "{:.1f}"},
+                                          {"fps_grown", "grown/s", "{:.1f}"},
+                                          {"frames_late", "late"},
+                                          {"frames_lost", "lost"},
+                                          {"wake_ms", "wake", "{:.2f}"},
+                                          {"step_ms", "step", "{:.2f}"},
+                                          {"publish_ms", "publish", "{:.2f}"},
+                                          {"encode_ms_apart", "(encode)", "{:.2f}"},
+                                          {"wire_ms", "wire", "{:.2f}"},
+                                          {"decode_ms_apart", "(decode)", "{:.2f}"},
+                                          {"take_ms", "take", "{:.2f}"},
+                                          {"grow_ms", "grow", "{:.2f}"},
+                                          {"ms_median", "all p50", "{:.2f}"},
+                                          {"ms_p95", "p95", "{:.2f}"},
+                                          {"ms_p99", "p99", "{:.2f}"},
+                                          {"ms_max", "max", "{:.2f}"},
+                                          {"max_stretch", "max stretch", "{:.1e}"},
+                                          {"hairs", "hairs"},
+                                          {"grown_on", "grown on"}};
+
+const std::vector<Section>& sections() {
+  static const std::vector<Section> list{
+      {"step", "A step on every backend", "", kStepColumns},
+      {"step_10k", "10,000 x 32", "Curly hair under a head that is shaken twice a second.", kStepColumns},
+      {"gpu_100k_alone", "100,000 x 32 on the GPU", "", kStepColumns},
+      {"gpu_100k_all", "100,000 x 32 on the GPU with everything",
+       "A distance field, five primitives, wind and forces between hairs on grids of 64^3.", kStepColumns},
+      {"gpu_4k_alone", "4,000 x 32 on the GPU", "", kStepColumns},
+      {"gpu_4k_all", "4,000 x 32 on the GPU with everything", "", kStepColumns},
+      {"scaling",
+       "Scaling",
+       "`value` is of the axis. Sizes, lanes and grooms run on one thread and are compared in processor "
+       "time; threads by the wall, their "
+       "steps in turn. Lanes are compared with the float reference backend, grooms (one head of hair cut "
+       "into so many, all in one "
+       "process) with one. Readers are processes that read one stream over DDS.",
+       {{"axis", "axis"},
+        {"value", "value"},
+        {"device", "device"},
+        {"ms_min", "ms min", "{:.3f}"},
+        {"ms_median", "median", "{:.3f}"},
+        {"cpu_ms_min", "cpu ms min", "{:.3f}"},
+        {"bytes_per_vertex", "B/vtx", "{:.0f}"},
+        {"allocations", "allocs"},
+        {"max_stretch", "max stretch", "{:.1e}"},
+        {"speedup", "speedup", "{:.2f}"},
+        {"efficiency", "efficiency", "{:.2f}"},
+        {"same_hash", "same state"},
+        {"publish_ms", "publish ms", "{:.2f}"},
+        {"latency_ms_p50", "latency p50", "{:.2f}"},
+        {"latency_ms_p99", "p99", "{:.2f}"},
+        {"frames_lost", "lost"}},
+       scalingPlot,
+       scalingConclusions},
+      {"peers",
+       "Peers",
+       "Straight hair of 25 cm and 32 edges under gravity, its root shaken 5 cm to either side twice a "
+       "second; frames of 1/60 s. "
+       "`gauss_seidel` is the course's scheme, which is TressFX's: Verlet and distance constraints in two "
+       "colours; it runs as a rope, "
+       "without a shape. Bullet is the soft-body rope of Debian's package (its own release flags): one "
+       "`btSoftBodyHelpers::CreateRope` "
+       "a strand, links that do not give (`m_kLST = 1`) in their order from the root, which is the best "
+       "order for a rope, and as many "
+       "iterations of positions as it takes. To Bullet's favour its bodies step by themselves, without a "
+       "world, a broad phase or "
+       "collisions, and reading the positions is not counted. Masses, gravity, drag, steps and the root's "
+       "way are equal, and so is the "
+       "one thread. Times are the least processor time of a frame. Tips are held against an exact rod; "
+       "ropes, which do not bend, "
+       "cannot be right.",
+       {},
+       peersPlot,
+       peersConclusions},
+      {"end_to_end", "End to end, to decoded guides",
+       "From the motion of the head, over simulation, codec and DDS between two processes, to guides that a "
+       "renderer has. Medians by "
+       "phase, ms; `publish` is encoding and handing over to DDS, `wire` what is left until all is received "
+       "and decoded. In brackets "
+       "what encoding and decoding take by themselves, done once more beside the road.",
+       kLatencyColumns, latencyPlot},
+      {"end_to_end_grown", "End to end, to grown hair",
+       "The same until the device's fence says that the hair is grown. A renderer that is slower than the "
+       "frames skips some.",
+       kLatencyColumns, latencyPlot},
+      {"wire",
+       "Codecs",
+       "Both ends in one process; what `strandcast validate wire` scores.",
+       {{"transport", "transport"},
+        {"codec", "codec"},
+        {"strands", "guides"},
+        {"rate_hz", "Hz"},
+        {"bytes_per_vertex", "B/vertex", "{:.3f}"},
+        {"frame_bytes", "B/frame", "{:.0f}"},
+        {"max_error_mm", "error mm", "{:.2g}"},
+        {"frames_lost", "lost", "{:.0f}"},
+        {"latency_ms_p99", "latency p99", "{:.2f}"}}},
+      {"contact",
+       "Contact",
+       "",
+       {{"case", "case"},
+        {"device", "device"},
+        {"strands", "strands"},
+        {"ms_median", "ms", "{:.3f}"},
+        {"cpu_ms", "cpu ms", "{:.3f}"},
+        {"ns_per_vertex_substep", "ns/vtx/substep", "{:.2f}"},
+        {"vertices_pressed", "vertices pressed"},
+        {"ratio", "ratio", "{:.2f}"},
+        {"bytes_per_vertex", "B/vtx", "{:.0f}"},
+        {"allocations", "allocs"},
+        {"max_stretch", "max stretch", "{:.1e}"},
+        {"max_penetration_m", "depth m", "{:.1e}"}}},
+      {"grid",
+       "Air and hair on grids",
+       "",
+       {{"device", "device"},
+        {"strands", "strands"},
+        {"cells", "cells"},
+        {"pass", "pass"},
+        {"ms", "ms", "{:.3f}"},
+        {"of_strand_step", "of a step", "{:.2f}"}}},
+      {"render",
+       "Growth of hair",
+       "",
+       {{"device", "device"},
+        {"guides", "guides"},
+        {"hairs", "hairs"},
+        {"vertices", "vertices"},
+        {"guide_nodes_ms", "guide nodes ms", "{:.3f}"},
+        {"growth_ms", "growth ms", "{:.3f}"},
+        {"hairs_per_second", "hairs/s", "{:.3g}"},
+        {"growth_error", "error/length", "{:.1e}"}}},
+      {"render_growth", "Growth of hair, 100,000 hairs", "", {}},
+      {"step_rod", "The rod over sizes", "", {}},
+      {"accuracy", "Cost and error of the solvers' settings", "docs/solver.md tells what it means.", {}}};
+  return list;
+}
+
+/// All columns of a file of a few; the first of one of many.
+std::vector<Column> wholeFile(const CsvFile& file) {
+  constexpr size_t kMost = 14;
+  std::vector<Column> columns;
+  for (const std::string& key : file.columns)
+    if (columns.size() < kMost) columns.push_back({key, key});
+  return columns;
+}
+
+/// Columns that some row has.
+std::vector<Column> usedColumns(const std::vector<Column>& columns, const Rows& rows) {
+  std::vector<Column> used;
+  for (const Column& column : columns)
+    for (const nlohmann::json& row : rows)
+      if (!row.value(column.key, nlohmann::json()).is_null()) {
+        used.push_back(column);
+        break;
+      }
+  return used;
+}
+
+class Page {
+ public:
+  explicit Page(const fs::path& results) {
+    std::set<fs::path> machines;
+    if (fs::is_directory(results))
+      for (const auto& entry : fs::directory_iterator(results))
+        if (entry.is_directory()) machines.insert(entry.path());
+    if (machines.empty())
+      throw Error("there are no results", results.string(), "make some: strandbench all --save");
+    out.text = kIntroduction;
+    for (const fs::path& machine : machines) addMachine(machine.filename().string(), readResults(machine));
+  }
+  PerformancePage out;
+
+ private:
+  void addMachine(const std::string& machine, const Results& results) {
+    out.text += fmt::format("\n# {}\n", machine);
+    addHeadlines(headlinesOf(results));
+    for (const Section& section : sections())
+      if (const auto found = results.find(section.file); found != results.end())
+        addSection(machine, section, found->second);
+    for (const auto& [name, file] : results) {
+      const bool known = std::any_of(sections().begin(), sections().end(),
+                                     [&](const Section& section) { return section.file == name; });
+      if (!known) addSection(machine, {name.c_str(), name.c_str(), "", {}}, file);
+    }
+  }
+
+  void addHeadlines(const std::vector<Headline>& lines) {
+    if (lines.empty()) return;
+    Rows rows;
+    for (const Headline& line : lines)
+      rows.push_back({{"what", line.what},
+                      {"measured", line.measured},
+                      {"goal", line.goal},
+                      {"holds", !line.holds   ? ""
+                                : *line.holds ? "yes"
+                                              : "**no**"},
+                      {"command", fmt::format("`{}`", line.command)}});
+    out.text += "\n" + markdown({{"what", "what"},
+                                 {"measured", "measured"},
+                                 {"goal", "goal"},
+                                 {"holds", "holds"},
+                                 {"command", "command"}},
+                                rows);
+  }
+
+  void addSection(const std::string& machine, const Section& section, const CsvFile& file) {
+    out.text += fmt::format("\n## {}\n\n", section.title);
+    for (size_t i = 0; i < file.comments.size(); ++i)
+      out.text += i == 0 ? fmt::format("`{}`", file.comments[0]) : fmt::format("; {}", file.comments[i]);
+    out.text += fmt::format(" ([all numbers](../bench/results/{}/{}.csv))\n", machine, section.file);
+    if (*section.text != 0) out.text += fmt::format("\n{}\n", section.text);
+    if (section.plot != nullptr) {
+      const std::string name = fmt::format("performance_{}_{}.svg", machine, section.file);
+      out.images[name] = section.plot(file.rows);
+      out.text += fmt::format("\n![{}](images/{})\n", section.title, name);
+    }
+    if (section.conclusions != nullptr) out.text += fmt::format("\n{}", section.conclusions(file.rows));
+    if (std::string(section.file) == "peers") return;  // its conclusions are its tables
+    const std::vector<Column> columns = section.columns.empty() ? wholeFile(file) : section.columns;
+    out.text += fmt::format("\n{}", markdown(usedColumns(columns, file.rows), file.rows));
+  }
+};
+
+}  // namespace
+
+PerformancePage performancePage(const fs::path& results) { return Page(results).out; }
+
+}  // namespace strandcast

@@ -1,0 +1,39 @@
+// strandbench all and report as a user runs them.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "tests/bench/bench_program.h"
+
+namespace strandcast {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(AllBench, KeepsWhatItRanAndReportWritesThePageOfIt) {
+  const fs::path root = fs::temp_directory_path() / ("strandcast_all_" + std::to_string(getpid()));
+  const nlohmann::json report =
+      benchJson("all --only step_10k --out " + (root / "results/here").string() + " 2>/dev/null");
+  ASSERT_TRUE(report.is_object());
+  EXPECT_TRUE(report["failed"].empty());
+  ASSERT_FALSE(report["results"].empty());
+  EXPECT_NE(report["results"][0]["command"].get<std::string>().find("strandbench step"), std::string::npos);
+  EXPECT_TRUE(fs::exists(root / "results/here/step_10k.csv"));
+
+  fs::create_directories(root / "images");
+  const std::string call = "report --results " + (root / "results").string() + " --page " +
+                           (root / "page.md").string() + " --images " + (root / "images").string();
+  EXPECT_EQ(runBench(call + " --check").status, 1) << "there is no page yet";
+  EXPECT_FALSE(fs::exists(root / "page.md"));
+  EXPECT_EQ(runBench(call).status, 0);
+  EXPECT_EQ(runBench(call + " --check").status, 0);
+  fs::remove_all(root);
+}
+
+TEST(AllBench, RefusesWhatItDoesNotKnow) {
+  EXPECT_EQ(runBench("all --only everything 2>/dev/null").status, 2);
+}
+
+}  // namespace
+}  // namespace strandcast

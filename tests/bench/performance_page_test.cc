@@ -1,0 +1,106 @@
+#include "bench/performance_page.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "bench/headlines.h"
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string contents(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+class ScratchResults {
+ public:
+  ScratchResults() : root(fs::temp_directory_path() / ("strandcast_results_" + std::to_string(getpid()))) {
+    fs::create_directories(root / "machine");
+  }
+  ~ScratchResults() { fs::remove_all(root); }
+  void write(const std::string& name, const std::string& text) {
+    std::ofstream(root / "machine" / name) << text;
+  }
+  const fs::path root;
+};
+
+const Headline& lineOf(const std::vector<Headline>& lines, const std::string& what) {
+  for (const Headline& line : lines)
+    if (line.what.find(what) != std::string::npos) return line;
+  throw Error("there is no such headline", what, "");
+}
+
+TEST(PerformancePage, IsWhatTheResultsThatAreKeptSay) {
+  const fs::path project = STRANDCAST_SOURCE_DIR;
+  const PerformancePage page = performancePage(project / "bench" / "results");
+  EXPECT_TRUE(page.text == contents(project / "docs" / "performance.md"))
+      << "docs/performance.md is not what bench/results say: run strandbench report";
+  EXPECT_FALSE(page.images.empty());
+  for (const auto& [name, svg] : page.images)
+    EXPECT_TRUE(svg == contents(project / "docs" / "images" / name)) << name;
+}
+
+TEST(PerformancePage, HasEveryFileBesideItsCommand) {
+  ScratchResults results;
+  results.write(
+      "step_10k.csv",
+      "# strandbench step --csv\n# commit abc; A, 2 threads, AVX3\n"
+      "case,device,strands,vertices,substeps,ms_median,fraction_of_peak,max_stretch,bytes_per_vertex,"
+      "allocations,state_hash\nsimd,\"AVX3, 2 threads\",10000,32,6,9.5,0.31,3e-6,210.4,0,00ab\n");
+  results.write("of_tomorrow.csv", "# strandbench tomorrow\na,b\n1,x|y\n");
+  const std::string page = performancePage(results.root).text;
+  for (const char* part : {"# machine", "`strandbench step --csv`; commit abc", "0.31", "| 00ab |",
+                           "## of_tomorrow", "`strandbench tomorrow`", "x\\|y"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  EXPECT_EQ(page.find("gpu ms |"), std::string::npos) << "no column without a number";
+}
+
+TEST(PerformancePage, ResultsThatAreDamagedOrMissingAreErrors) {
+  ScratchResults results;
+  results.write("step.csv", "a,b\n1\n");
+  EXPECT_THROW(performancePage(results.root), Error);
+  EXPECT_THROW(performancePage(results.root / "nowhere"), Error);
+}
+
+TEST(Headlines, SayWhetherAGoalIsMet) {
+  ScratchResults results;
+  results.write("step_10k.csv",
+                "# c\ncase,device,strands,vertices,substeps,ms_median,fraction_of_peak,max_stretch,"
+                "bytes_per_vertex,allocations\nsimd,S,10000,32,6,9.5,0.29,3e-6,160,1\n");
+  results.write(
+      "scaling.csv",
+      "# d\naxis,value,device,threads,ms_min,cpu_ms_min,speedup,efficiency,same_hash\n"
+      "strands,100,\"A, 1 thread\",1,9,1,,,\nstrands,1000,\"A, 1 thread\",1,9,10,,,\n"
+      "threads,2,\"A, 2 threads\",2,1,1,1.9,0.95,yes\nthreads,16,\"A, 16 threads\",16,1,1,9,0.5625,no\n"
+      "lanes,16,\"AVX3, 1 thread\",1,1,1,8.1,,\nlanes,4,\"SSE4, 1 thread\",1,1,1,2,,\n");
+  results.write("end_to_end.csv",
+                "# e\nrate_hz,strands,vertices,hairs,ms_median,ms_p99,fps_grown\n"
+                "60,5000,32,0,5,30,60\n120,5000,32,0,4,8.4,120\n");
+  results.write("gpu_4k_all.csv", "# f\ndevice,gpu_ms,air_gpu_ms\nG,0.06,0.08\n");
+  const std::vector<Headline> lines = headlinesOf(readResults(results.root / "machine"));
+  EXPECT_EQ(lineOf(lines, "measured peak").holds, false);
+  EXPECT_EQ(lineOf(lines, "stretch").holds, true);
+  EXPECT_EQ(lineOf(lines, "memory").holds, true);
+  EXPECT_EQ(lineOf(lines, "allocations").holds, false);
+  EXPECT_EQ(lineOf(lines, "2 threads over").holds, true);
+  EXPECT_EQ(lineOf(lines, "efficiency of 16").holds, false);
+  EXPECT_EQ(lineOf(lines, "16 threads give").holds, false);
+  EXPECT_EQ(lineOf(lines, "AVX3").holds, true);
+  EXPECT_FALSE(lineOf(lines, "SSE4").holds) << "nothing is promised of it";
+  EXPECT_FALSE(lineOf(lines, "60 Hz").holds);
+  EXPECT_EQ(lineOf(lines, "120 Hz").holds, false);
+  EXPECT_EQ(lineOf(lines, "4,000 x 32 with").holds, true);
+  EXPECT_EQ(lineOf(lines, "4,000 x 32 with").measured, "0.140 ms");
+  EXPECT_EQ(lineOf(lines, "strands by the power").measured, "1.00 ± 0.00") << "of processor time";
+  EXPECT_EQ(lineOf(lines, "strands by the power").command, "d");
+}
+
+}  // namespace
+}  // namespace strandcast
