@@ -10,5 +10,7 @@ double operationsPerVertexSubstep(const StrandModel& model, const StrandState& s
 /// Floating-point operations per second that `threads` threads reach with independent fused multiply-adds on
 /// the widest vectors of this machine, measured; the pair counts two.
 double measuredPeak(int threads);
+/// The same of one thread per second of processor time, in which what else the machine does is not counted.
+double measuredPeakOfProcessor();
 
 }  // namespace strandcast

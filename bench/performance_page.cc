@@ -35,7 +35,7 @@ How to read it:
   it, all threads: on a shared machine it stays what it is while the wall goes slow. **gpu ms** is the GPU's own clock, of the
   dispatches alone.
 - **of peak**: floating-point operations of the step, counted by running its own text with numbers that count, over what the same
-  threads reach with fused multiply-adds alone, measured in the same run.
+  threads reach with fused multiply-adds alone, measured in the same run; **cpu** beside it is the same of the least processor times.
 - **B/vtx**: all memory that a simulation takes, on the heap (counted by the program's operator new) and in buffers of the GPU, over
   its vertices. On llvmpipe the driver's compiled programs are part of it.
 - **allocs**: calls of operator new during all the timed steps.
@@ -81,6 +81,7 @@ const std::vector<Column> kStepColumns{{"case", "backend"},
                                        {"air_gpu_ms", "air, gpu ms", "{:.4f}"},
                                        {"ns_per_vertex_substep", "ns/vtx/substep", "{:.2f}"},
                                        {"fraction_of_peak", "of peak", "{:.2f}"},
+                                       {"fraction_of_peak_cpu", "cpu", "{:.2f}"},
                                        {"bytes_per_vertex", "B/vtx", "{:.0f}"},
                                        {"allocations", "allocs"},
                                        {"max_stretch", "max stretch", "{:.1e}"},

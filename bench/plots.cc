@@ -82,8 +82,7 @@ std::string scalingPlot(const std::vector<nlohmann::json>& rows) {
     if (!series.points.empty()) panel.series.push_back(series);
   }
   return logLogPlot("strands, vertices a strand, or substeps", "least time of a step, ms",
-                    "Processor time of one thread; where there are several, or on a GPU, by the wall.",
-                    {panel});
+                    "Processor time of one thread; of several, or a GPU, wall time.", {panel});
 }
 
 std::string latencyPlot(const std::vector<nlohmann::json>& rows) {

@@ -91,8 +91,9 @@ nlohmann::json run(const Options& o, const Scene& scene, const std::string& name
   if (result.backend != "gpu" && o.target.empty()) {
     const int all = static_cast<int>(std::thread::hardware_concurrency());
     const int threads = result.backend == "reference" ? 1 : o.threads > 0 ? o.threads : all;
-    row["fraction_of_peak"] = operations * static_cast<double>(result.vertices) * o.substeps /
-                              (1e-3 * result.ms.median) / measuredPeak(threads);
+    const double done = operations * static_cast<double>(result.vertices) * o.substeps;
+    row["fraction_of_peak"] = done / (1e-3 * result.ms.median) / measuredPeak(threads);
+    row["fraction_of_peak_cpu"] = done / (1e-3 * result.cpu_ms.min) / measuredPeakOfProcessor();
   }
   if (passes != nullptr) {
     std::vector<double> ms;
@@ -150,7 +151,7 @@ std::function<int()> addStepBench(CLI::App& app) {
       "         the compiled programs of the driver are part of it.\n"
       "allocs:  calls of operator new during all timed steps.\n"
       "of peak: the operations of the step, counted, against what the same threads reach with\n"
-      "         multiply-adds alone, measured.\n"
+      "         multiply-adds alone, measured; then the same of least processor times.\n"
       "Examples:\n"
       "  strandbench step --backend all\n"
       "  strandbench step --strands 100000 --substeps 6 --scene curly --shake 2 --bodies mesh --air 64");

@@ -39,6 +39,7 @@ std::string escaped(const std::string& text) {
 
 std::string text(double x, double y, const std::string& anchor, const std::string& what,
                  const std::string& more = "") {
+  if (what.empty()) return "";
   return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}>{}</text>\n", x, y, anchor, more,
                      escaped(what));
 }
@@ -70,12 +71,19 @@ class LogAxis {
       }
   }
   const std::vector<double>& ticks() const { return ticks_; }
+  /// What is written beside a tick: over many decades only at powers of ten, or they would run together.
+  std::string label(double tick) const {
+    const double power = std::log10(tick);
+    const bool is_power = std::abs(power - std::round(power)) < 1e-6;
+    return is_power || ticks_.back() / ticks_.front() < kManyDecades ? fmt::format("{:g}", tick) : "";
+  }
   /// 0 at the low end, 1 at the high end.
   double part(double value) const {
     return std::log(value / ticks_.front()) / std::log(ticks_.back() / ticks_.front());
   }
 
  private:
+  static constexpr double kManyDecades = 3000;
   static constexpr double kMargin = 1.3;  // keeps points and their labels inside
   double low_ = std::numeric_limits<double>::infinity(), high_ = 0;
   std::vector<double> ticks_;
@@ -89,11 +97,11 @@ std::string panelOf(const PlotPanel& panel, double left, bool first, const LogAx
   std::string out = text(left + kPanelWidth / 2, kTop - 12, "middle", panel.title, " font-weight=\"bold\"");
   for (const double tick : x_axis.ticks()) {
     out += line(x(tick), kTop, x(tick), bottom, "#dddddd", 1);
-    out += text(x(tick), bottom + 18, "middle", fmt::format("{:g}", tick));
+    out += text(x(tick), bottom + 18, "middle", x_axis.label(tick));
   }
   for (const double tick : y_axis.ticks()) {
     out += line(left, y(tick), right, y(tick), "#dddddd", 1);
-    if (first) out += text(left - 8, y(tick) + 4, "end", fmt::format("{:g}", tick));
+    if (first) out += text(left - 8, y(tick) + 4, "end", y_axis.label(tick));
   }
   out +=
       fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#444444\"/>\n",

@@ -27,6 +27,7 @@ find_package(CycloneDDS QUIET)  # for the tests alone
 find_program(CYCLONE_IDLC idlc)
 pkg_check_modules(LCM IMPORTED_TARGET lcm)
 find_program(LCM_GEN lcm-gen)
+find_package(benchmark QUIET)
 pkg_check_modules(BULLET IMPORTED_TARGET bullet)  # a peer of the benchmarks, for them alone
 find_program(GLSLANG_VALIDATOR glslangValidator)
 

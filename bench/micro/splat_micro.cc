@@ -1,0 +1,27 @@
+// Hair onto the grid of forces between hairs, by backend, on one thread.
+#include <benchmark/benchmark.h>
+
+#include "air/hair_grid.h"
+#include "bench/bench_scene.h"
+
+namespace strandcast {
+namespace {
+
+void splat(benchmark::State& state, const char* backend) {
+  const Scene scene = benchScene("curly", 1000, 32);
+  const StrandModel model = sceneModel(scene);
+  const Workers workers(1);
+  HairGrid<float> grid(passesOf(backend), workers, model, static_cast<int>(state.range(0)), restBox(model));
+  const StrandState rest = restState(model, model.rest_roots);
+  for (auto _ : state) {
+    grid.locate(rest.positions, rest.velocities, Pose{});
+    grid.splat();
+  }
+  benchmark::DoNotOptimize(grid.splatHash());
+  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(model.vertices()));
+}
+BENCHMARK_CAPTURE(splat, simd, "simd")->Arg(32)->Arg(64);
+BENCHMARK_CAPTURE(splat, reference, "reference")->Arg(32);
+
+}  // namespace
+}  // namespace strandcast
