@@ -75,7 +75,8 @@ bool GuideDecoder::readPreamble(const GuideChunk& chunk, const StrandRun& run) {
     return false;
   }
   preamble_.exact.resize(exact_strands);
-  std::memcpy(preamble_.exact.data(), bytes.data(), exact_strands * sizeof(uint16_t));
+  if (exact_strands > 0)
+    std::memcpy(preamble_.exact.data(), bytes.data(), exact_strands * sizeof(uint16_t));
   bytes = bytes.subspan(exact_strands * sizeof(uint16_t));
   size_t exact_bytes = 0;
   for (size_t i = 0; i < exact_strands; ++i) {
