@@ -6,6 +6,7 @@ struct Tile {
   size_t rows = 0;                       ///< vertices of the longest
   std::array<size_t, kLanes> counts{};   ///< vertices of each strand; 0 in lanes beyond the run
   std::array<size_t, kLanes> vertices{};  ///< where each strand begins in the run
+  size_t lanes = 0;                       ///< that have a strand
 
   Tile(const GuideGeometry& geometry, const StrandRun& run, uint32_t first_strand) : first(first_strand) {
     for (size_t l = 0; l < kLanes; ++l) {
@@ -15,6 +16,7 @@ struct Tile {
       vertices[l] = offset[0] - run.first_vertex;
       counts[l] = offset[1] - offset[0];
       rows = std::max(rows, counts[l]);
+      ++lanes;
     }
   }
   /// Of a strand's first edge, in the run.
@@ -25,34 +27,95 @@ constexpr size_t kRow = static_cast<size_t>(kLanes);
 
 HWY_INLINE real row(const float* rows, size_t i) { return {hn::LoadU(Tag(), rows + i * kRow)}; }
 HWY_INLINE void setRow(float* rows, size_t i, real value) { hn::StoreU(value.v, Tag(), rows + i * kRow); }
-/// Three planes of rows, `plane` floats from one to the next.
-HWY_INLINE real3 row3(const float* rows, size_t plane, size_t i) {
-  return makeReal3(row(rows, i), row(rows + plane, i), row(rows + 2 * plane, i));
+/// Three rows per vertex.
+HWY_INLINE real3 row3(const float* rows, size_t i) {
+  return makeReal3(row(rows, 3 * i), row(rows, 3 * i + 1), row(rows, 3 * i + 2));
 }
-HWY_INLINE void setRow3(float* rows, size_t plane, size_t i, const real3& value) {
-  setRow(rows, i, value.x);
-  setRow(rows + plane, i, value.y);
-  setRow(rows + 2 * plane, i, value.z);
+HWY_INLINE void setRow3(float* rows, size_t i, const real3& value) {
+  setRow(rows, 3 * i, value.x);
+  setRow(rows, 3 * i + 1, value.y);
+  setRow(rows, 3 * i + 2, value.z);
 }
 
-/// `count` numbers of `from`, every `stride`th, down a lane of rows.
-HWY_INLINE void pour(const float* from, size_t stride, size_t count, float* lane) {
-  for (size_t i = 0; i < count; ++i) lane[i * kRow] = from[i * stride];
-}
-/// And back.
-HWY_INLINE void draw(const float* lane, size_t count, float* to, size_t stride) {
-  for (size_t i = 0; i < count; ++i) to[i * stride] = lane[i * kRow];
-}
-HWY_INLINE void pour3(const Vec3* from, size_t count, float* lane, size_t plane) {
-  const float* const numbers = reinterpret_cast<const float*>(from);
-  for (size_t i = 0; i < count; ++i) {
-    for (size_t c = 0; c < 3; ++c) lane[c * plane + i * kRow] = numbers[3 * i + c];
+// Numbers of strands become rows of lanes by transposing 4 x 4 of them in every 128 bits of a vector.
+
+#if HWY_TARGET != HWY_SCALAR
+/// Four numbers of every fourth strand.
+template <class D>
+HWY_INLINE hn::Vec<D> loadQuads(D d, const float* const* strands, size_t at) {
+  if constexpr (hn::MaxLanes(D()) <= 4) {
+    return hn::LoadU(d, strands[0] + at);
+  } else {
+    const hn::Half<D> half;
+    return hn::Combine(d, loadQuads(half, strands + hn::MaxLanes(D()) / 2, at), loadQuads(half, strands, at));
   }
 }
-HWY_INLINE void draw3(const float* lane, size_t plane, size_t count, Vec3* to) {
-  float* const numbers = reinterpret_cast<float*>(to);
-  for (size_t i = 0; i < count; ++i) {
-    for (size_t c = 0; c < 3; ++c) numbers[3 * i + c] = lane[c * plane + i * kRow];
+template <class D>
+HWY_INLINE void storeQuads(D d, hn::Vec<D> quads, float* const* strands, size_t at) {
+  if constexpr (hn::MaxLanes(D()) <= 4) {
+    hn::StoreU(quads, d, strands[0] + at);
+  } else {
+    const hn::Half<D> half;
+    storeQuads(half, hn::LowerHalf(half, quads), strands, at);
+    storeQuads(half, hn::UpperHalf(half, quads), strands + hn::MaxLanes(D()) / 2, at);
+  }
+}
+
+HWY_INLINE void transposeQuads(real (&r)[4]) {
+  const hn::RepartitionToWide<Tag> wide;
+  const auto low01 = hn::BitCast(wide, hn::InterleaveLower(Tag(), r[0].v, r[1].v));
+  const auto low23 = hn::BitCast(wide, hn::InterleaveLower(Tag(), r[2].v, r[3].v));
+  const auto high01 = hn::BitCast(wide, hn::InterleaveUpper(Tag(), r[0].v, r[1].v));
+  const auto high23 = hn::BitCast(wide, hn::InterleaveUpper(Tag(), r[2].v, r[3].v));
+  r[0].v = hn::BitCast(Tag(), hn::InterleaveLower(wide, low01, low23));
+  r[1].v = hn::BitCast(Tag(), hn::InterleaveUpper(wide, low01, low23));
+  r[2].v = hn::BitCast(Tag(), hn::InterleaveLower(wide, high01, high23));
+  r[3].v = hn::BitCast(Tag(), hn::InterleaveUpper(wide, high01, high23));
+}
+#endif
+
+/// Where each lane's numbers are, and how many; `least` of the lanes that there are.
+template <class Pointer>
+struct Streams {
+  std::array<Pointer, kLanes> at{};
+  std::array<size_t, kLanes> counts{};
+  size_t lanes = 0, least = 0;
+  HWY_INLINE void add(Pointer from, size_t count) {
+    least = lanes == 0 ? count : std::min(least, count);
+    at[lanes] = from;
+    counts[lanes++] = count;
+  }
+};
+
+/// `count` numbers of each lane down the rows.
+HWY_INLINE void pour(Streams<const float*>& streams, float* rows) {
+  size_t done = 0;
+#if HWY_TARGET != HWY_SCALAR
+  for (size_t l = streams.lanes; l < kRow; ++l) streams.at[l] = streams.at[0];
+  for (; streams.lanes > 0 && done + 4 <= streams.least; done += 4) {
+    real r[4];
+    for (size_t k = 0; k < 4; ++k) r[k].v = loadQuads(Tag(), streams.at.data() + k, done);
+    transposeQuads(r);
+    for (size_t k = 0; k < 4; ++k) setRow(rows, done + k, r[k]);
+  }
+#endif
+  for (size_t l = 0; l < streams.lanes; ++l) {
+    for (size_t i = done; i < streams.counts[l]; ++i) rows[i * kRow + l] = streams.at[l][i];
+  }
+}
+/// And back.
+HWY_INLINE void draw(const float* rows, const Streams<float*>& streams) {
+  size_t done = 0;
+#if HWY_TARGET != HWY_SCALAR
+  for (; streams.lanes == kRow && done + 4 <= streams.least; done += 4) {
+    real r[4];
+    for (size_t k = 0; k < 4; ++k) r[k] = row(rows, done + k);
+    transposeQuads(r);
+    for (size_t k = 0; k < 4; ++k) storeQuads(Tag(), r[k].v, streams.at.data() + k, done);
+  }
+#endif
+  for (size_t l = 0; l < streams.lanes; ++l) {
+    for (size_t i = done; i < streams.counts[l]; ++i) streams.at[l][i] = rows[i * kRow + l];
   }
 }
 
@@ -74,7 +137,7 @@ HWY_INLINE real3 perStrand(const Tile& tile, const Vec3* values) {
     if (tile.counts[l] == 0) break;
     for (size_t c = 0; c < 3; ++c) numbers[c * kRow + l] = values[tile.first + l][static_cast<int>(c)];
   }
-  return row3(numbers.data(), kRow, 0);
+  return row3(numbers.data(), 0);
 }
 
 /// HeadFrame in lanes, with the sums in the order that Eigen takes them.

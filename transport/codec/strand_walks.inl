@@ -26,18 +26,37 @@ HWY_INLINE void forTiles(const GuideGeometry& geometry, const StrandRun& run, co
 
 size_t edgesOf(const StrandRun& run) { return run.vertex_count - run.strand_count; }
 
-/// The world positions of a tile into lanes of rows.
-HWY_INLINE void pourPositions(const Tile& tile, const Vec3* positions, float* rows, size_t plane) {
-  for (size_t l = 0; l < kRow; ++l) pour3(positions + tile.vertices[l], tile.counts[l], rows + l, plane);
+/// The world positions of a tile into three rows per vertex.
+HWY_INLINE void pourPositions(const Tile& tile, const Vec3* positions, float* rows) {
+  Streams<const float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l) streams.add(positions[tile.vertices[l]].data(), 3 * tile.counts[l]);
+  pour(streams, rows);
 }
-HWY_INLINE void drawPositions(const Tile& tile, const float* rows, size_t plane, Vec3* positions) {
-  for (size_t l = 0; l < kRow; ++l) draw3(rows + l, plane, tile.counts[l], positions + tile.vertices[l]);
+HWY_INLINE void drawPositions(const Tile& tile, const float* rows, Vec3* positions) {
+  Streams<float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l) streams.add(positions[tile.vertices[l]].data(), 3 * tile.counts[l]);
+  draw(rows, streams);
 }
-/// What belongs to the edge that ends at row i: row 0 has nothing.
+/// What belongs to the edge that ends at vertex i, in its row: row 0 has nothing.
 HWY_INLINE void pourLengths(const Tile& tile, const GuideGeometry& geometry, const StrandRun& run,
                             float* rows) {
-  const float* const lengths = geometry.lengths.data() + run.first_vertex;
-  for (size_t l = 0; l < kRow; ++l) pour(lengths + tile.vertices[l], 1, tile.counts[l], rows + l);
+  Streams<const float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l)
+    streams.add(&geometry.lengths[run.first_vertex + tile.vertices[l]], tile.counts[l]);
+  pour(streams, rows);
+}
+/// Vectors per edge of the run.
+HWY_INLINE void pourDirections(const Tile& tile, const Vec3* edges, float* rows) {
+  Streams<const float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l)
+    streams.add(reinterpret_cast<const float*>(edges + tile.edge(l)), 3 * (tile.counts[l] - 1));
+  pour(streams, rows + 3 * kRow);
+}
+HWY_INLINE void drawDirections(const Tile& tile, const float* rows, Vec3* edges) {
+  Streams<float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l)
+    streams.add(reinterpret_cast<float*>(edges + tile.edge(l)), 3 * (tile.counts[l] - 1));
+  draw(rows + 3 * kRow, streams);
 }
 HWY_INLINE void pourEdges(const Tile& tile, const uint16_t* edges, uint16_t* rows) {
   for (size_t l = 0; l < kRow; ++l)
@@ -56,12 +75,12 @@ void encodeDelta(const StrandEncoding& job, LaneRows& lane_rows) {
   const real step = lit(job.step), most = lit(kMaxGridIndex);
   const size_t edges = edgesOf(job.run);
   forTiles(job.geometry, job.run, [&](const Tile& tile) {
-    pourPositions(tile, job.positions, rows.numbers, rows.plane);
+    pourPositions(tile, job.positions, rows.numbers);
     const Lengths lengths(tile);
     Judgement judgement(frame, job.squared_limit, tile, job.worst);
     real3 before = perStrand(tile, job.roots);
     for (size_t i = 1; i < tile.rows; ++i) {
-      const real3 wanted = row3(rows.numbers, rows.plane, i), local = frame.toHead(wanted);
+      const real3 wanted = row3(rows.numbers, i), local = frame.toHead(wanted);
       const mask is_there = lengths.has(i);
       const real3 index = makeReal3(gridNumber(local.x, step, most), gridNumber(local.y, step, most),
                                     gridNumber(local.z, step, most));
@@ -114,9 +133,9 @@ void decodeDelta(const StrandDecoding& job, LaneRows& lane_rows) {
         z = hn::Add(z, signedOf(along_z.next(i)));
       }
       const real3 local = makeReal3(realOf(x) * step, realOf(y) * step, realOf(z) * step);
-      setRow3(rows.numbers, rows.plane, i, frame.toWorld(local));
+      setRow3(rows.numbers, i, frame.toWorld(local));
     }
-    drawPositions(tile, rows.numbers, rows.plane, job.positions);
+    drawPositions(tile, rows.numbers, job.positions);
   });
 }
 
@@ -131,14 +150,14 @@ void encodeOctahedral(const StrandEncoding& job, LaneRows& lane_rows) {
   const size_t edges = edgesOf(job.run);
   float* const length_rows = rows.numbers + 3 * rows.plane;
   forTiles(job.geometry, job.run, [&](const Tile& tile) {
-    pourPositions(tile, job.positions, rows.numbers, rows.plane);
+    pourPositions(tile, job.positions, rows.numbers);
     pourLengths(tile, job.geometry, job.run, length_rows);
     const Lengths lengths(tile);
     Judgement judgement(frame, job.squared_limit, tile, job.worst);
     real3 before = perStrand(tile, job.roots);
     for (size_t i = 1; i < tile.rows; ++i) {
       // Aimed from where the receiver has the vertex before: errors do not add up.
-      const real3 wanted = row3(rows.numbers, rows.plane, i), edge = frame.toHead(wanted) - before;
+      const real3 wanted = row3(rows.numbers, i), edge = frame.toHead(wanted) - before;
       const real squared = edge.x * edge.x + (edge.y * edge.y + edge.z * edge.z);
       const mask has_direction = squared > lit(0) && squared < lit(kMaxSquaredEdge);  // not where it is no number
       const OctahedralPoint nearest = toOctahedral(edge, steps);
@@ -168,13 +187,13 @@ void decodeOctahedral(const StrandDecoding& job, LaneRows& lane_rows) {
     Symbols u{rows.symbols, job.along_strand, mask};
     Symbols v{rows.symbols + rows.symbol_plane, job.along_strand, mask};
     real3 at = perStrand(tile, job.roots);
-    setRow3(rows.numbers, rows.plane, 0, frame.toWorld(at));
+    setRow3(rows.numbers, 0, frame.toWorld(at));
     for (size_t i = 1; i < tile.rows; ++i) {
       const OctahedralPoint point{realOf(u.next(i)), realOf(v.next(i))};
       at = at + fromOctahedral(point, steps) * row(length_rows, i);
-      setRow3(rows.numbers, rows.plane, i, frame.toWorld(at));
+      setRow3(rows.numbers, i, frame.toWorld(at));
     }
-    drawPositions(tile, rows.numbers, rows.plane, job.positions);
+    drawPositions(tile, rows.numbers, job.positions);
   });
 }
 
@@ -187,22 +206,20 @@ class Predictor {
   Predictor(const GuideGeometry& geometry, const StrandRun& run, const TangentHistory* history, float* rows,
             size_t plane)
       : geometry_(geometry), run_(run), history_(history), rows_(rows), plane_(plane) {}
-  HWY_INLINE void pour(const Tile& tile) {
-    for (size_t l = 0; l < kRow; ++l) {
-      if (tile.counts[l] < 2) continue;
-      const size_t edges = tile.counts[l] - 1;
-      float* const lane = rows_ + kRow + l;
-      if (history_) {
-        pour3(history_->last.data() + tile.edge(l), edges, lane, plane_);
-        pour3(history_->before.data() + tile.edge(l), edges, lane + 3 * plane_, plane_);
-      } else {
-        pour3(geometry_.directions.data() + run_.first_vertex + tile.vertices[l] + 1, edges, lane, plane_);
-      }
+  HWY_INLINE void take(const Tile& tile) {
+    if (history_) {
+      pourDirections(tile, history_->last.data(), rows_);
+      pourDirections(tile, history_->before.data(), rows_ + 3 * plane_);
+      return;
     }
+    Streams<const float*> streams;  // per vertex, from the root on
+    for (size_t l = 0; l < tile.lanes; ++l)
+      streams.add(geometry_.directions[run_.first_vertex + tile.vertices[l]].data(), 3 * tile.counts[l]);
+    pour(streams, rows_);
   }
   HWY_INLINE real3 next(size_t i) {
-    real3 reference = row3(rows_, plane_, i);
-    if (history_) reference = unit((reference + reference) - row3(rows_ + 3 * plane_, plane_, i));
+    real3 reference = row3(rows_, i);
+    if (history_) reference = unit((reference + reference) - row3(rows_ + 3 * plane_, i));
     const real3 predicted = i == 1 ? reference : turned(reference, reference_, direction_);
     reference_ = reference;
     return predicted;
@@ -219,11 +236,6 @@ class Predictor {
   real3 reference_{}, direction_{};  // of the edge before
 };
 
-HWY_INLINE void drawDirections(const Tile& tile, const float* rows, size_t plane, Vec3* directions) {
-  for (size_t l = 0; l < kRow; ++l)
-    if (tile.counts[l] > 1) draw3(rows + kRow + l, plane, tile.counts[l] - 1, directions + tile.edge(l));
-}
-
 HWY_INLINE real atLeast(real a, double least) { return select(a > lit(least), a, lit(least)); }
 
 void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
@@ -234,14 +246,14 @@ void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
   float* const length_rows = rows.numbers + 3 * rows.plane;
   Predictor predictor(job.geometry, job.run, job.history, rows.numbers + 4 * rows.plane, rows.plane);
   forTiles(job.geometry, job.run, [&](const Tile& tile) {
-    pourPositions(tile, job.positions, rows.numbers, rows.plane);
+    pourPositions(tile, job.positions, rows.numbers);
     pourLengths(tile, job.geometry, job.run, length_rows);
-    predictor.pour(tile);
+    predictor.take(tile);
     const Lengths lengths(tile);
     Judgement judgement(frame, job.squared_limit, tile, job.worst);
     real3 at = perStrand(tile, job.roots);
     for (size_t i = 1; i < tile.rows; ++i) {
-      const real3 wanted = row3(rows.numbers, rows.plane, i), way = frame.toHead(wanted) - at;
+      const real3 wanted = row3(rows.numbers, i), way = frame.toHead(wanted) - at;
       const real3 predicted = predictor.next(i);
       real3 axis_u, axis_v;
       axesAcross(predicted, axis_u, axis_v);
@@ -259,10 +271,10 @@ void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
       at = at + direction * length;
       judgement.look(lengths.has(i), at, wanted);
       predictor.learn(direction);
-      setRow3(rows.numbers, rows.plane, i, direction);
+      setRow3(rows.numbers, i, direction);
     }
     for (size_t c = 0; c < 2; ++c) drawEdges(tile, rows.symbols + c * rows.symbol_plane, job.edges + c * edges);
-    if (job.directions) drawDirections(tile, rows.numbers, rows.plane, job.directions);
+    if (job.directions) drawDirections(tile, rows.numbers, job.directions);
     judgement.write(tile, job.worst);
   });
 }
@@ -279,9 +291,9 @@ void decodeTangents(const StrandDecoding& job, LaneRows& lane_rows) {
     for (size_t c = 0; c < 2; ++c)
       pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
     pourLengths(tile, job.geometry, job.run, length_rows);
-    predictor.pour(tile);
+    predictor.take(tile);
     real3 at = perStrand(tile, job.roots);
-    setRow3(rows.numbers, rows.plane, 0, frame.toWorld(at));
+    setRow3(rows.numbers, 0, frame.toWorld(at));
     for (size_t i = 1; i < tile.rows; ++i) {
       const real3 predicted = predictor.next(i);
       real3 axis_u, axis_v;
@@ -292,10 +304,10 @@ void decodeTangents(const StrandDecoding& job, LaneRows& lane_rows) {
       const real3 direction = unit((predicted + axis_u * (u * by)) + axis_v * (v * by));
       at = at + direction * length;
       predictor.learn(direction);
-      setRow3(rows.numbers, rows.plane, i, frame.toWorld(at));
-      setRow3(reference_rows, rows.plane, i, direction);  // the reference is not needed any more
+      setRow3(rows.numbers, i, frame.toWorld(at));
+      setRow3(reference_rows, i, direction);  // the reference is not needed any more
     }
-    drawPositions(tile, rows.numbers, rows.plane, job.positions);
-    drawDirections(tile, reference_rows, rows.plane, job.directions);
+    drawPositions(tile, rows.numbers, job.positions);
+    drawDirections(tile, reference_rows, job.directions);
   });
 }
