@@ -11,6 +11,7 @@ if(STRANDCAST_SANITIZE)
   target_link_options(strandcast_options INTERFACE -fsanitize=${STRANDCAST_SANITIZE})
 endif()
 if(STRANDCAST_FUZZ)
-  target_compile_options(strandcast_options INTERFACE -fsanitize=fuzzer-no-link,address,undefined)
+  target_compile_options(strandcast_options INTERFACE
+    -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined)  # a finding ends the run
   target_link_options(strandcast_options INTERFACE -fsanitize=address,undefined)
 endif()

@@ -26,7 +26,7 @@ const std::map<std::string, Folders> kAllowed = {
     {"groom", {"core", "kernels"}},
     {"scenes", {"core", "kernels", "collision", "groom"}},
     {"validation", {"core", "kernels", "air", "collision"}},
-    {"transport", {"core", "kernels"}},
+    {"transport", {"core", "kernels", "simd"}},
     {"render", {"core", "kernels", "groom", "transport", "gl"}},
 };
 const Folders kAnything = {"apps", "bench", "tests"};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <random>
 
 #include "transport/assembler.h"
 
@@ -165,6 +166,20 @@ size_t fuzzChunks(const uint8_t* data, size_t size) {
     }
   }
   return completed;
+}
+
+std::vector<FuzzSeeds> chunkSeeds() {
+  constexpr int kTried = 20000;
+  std::vector<FuzzSeeds> seeds = {{"chunks", {}}};
+  std::mt19937 random(1);
+  for (int i = 0; i < kTried; ++i) {
+    std::vector<uint8_t> bytes(random() % 512);
+    for (uint8_t& byte : bytes)
+      byte =
+          static_cast<uint8_t>(random() % 40 == 0 ? random() : random() % (2 + static_cast<uint32_t>(i) % 3));
+    if (fuzzChunks(bytes.data(), bytes.size()) > 0) seeds[0].inputs.push_back(std::move(bytes));
+  }
+  return seeds;
 }
 
 }  // namespace strandcast

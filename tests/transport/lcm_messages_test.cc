@@ -84,18 +84,9 @@ TEST(LcmMessages, AreThoseOfTheSchema) {
 }
 
 TEST(LcmMessages, DamagedOnesAreRefusedOrHarmless) {
-  const GroomDescription groom = hairGroom(40, [](size_t s) { return 1 + s % 20; });
-  std::vector<std::vector<uint8_t>> sound(6);
-  toBytes(splitGroom(groom)[0], sound[0]);
-  toBytes(splitBody(sampleBody(10))[0], sound[1]);
-  toBytes(Command{1, 7, CommandKind::kSetParameter, "wind", {1, 2, 3}}, sound[2]);
-  toBytes(Status(), sound[3]);
-  toBytes(ReaderSign{1, 1, true}, sound[4]);
-  toBytes(splitFrame(groom, hairFrame(groom, 1))[0], sound[5]);
-  for (const CodecInfo& info : codecList()) {
-    sound.emplace_back();
-    toBytes(splitFrame(groom, hairFrame(groom, 1), {info.codec})[0], sound.back());
-  }
+  std::vector<std::vector<uint8_t>> sound;
+  for (const FuzzSeeds& seeds : messageSeeds())
+    sound.insert(sound.end(), seeds.inputs.begin(), seeds.inputs.end());
   std::mt19937 random(4);
   size_t read = 0;
   for (const auto& message : sound) {

@@ -37,4 +37,22 @@ size_t fuzzMessages(const uint8_t* data, size_t size) {
   return read;
 }
 
+std::vector<FuzzSeeds> messageSeeds() {
+  const GroomDescription groom = hairGroom(40, [](size_t s) { return 1 + s % 20; });
+  std::vector<FuzzSeeds> seeds;
+  const auto add = [&](const char* of, const auto& message) {
+    if (seeds.empty() || seeds.back().of != of) seeds.push_back({of, {}});
+    toBytes(message, seeds.back().inputs.emplace_back());
+  };
+  add("groom", splitGroom(groom)[0]);
+  add("groom", splitGroom(sampleGroom(6, [](size_t s) { return 1 + s; }))[0]);  // every array
+  add("body", splitBody(sampleBody(10))[0]);
+  for (const CodecInfo& info : codecList())
+    add("guides", splitFrame(groom, hairFrame(groom, 1), {info.codec})[0]);
+  add("command", Command{1, 7, CommandKind::kSetParameter, "wind", {1, 2, 3}});
+  add("status", Status());
+  add("reader", ReaderSign{1, 1, true});
+  return seeds;
+}
+
 }  // namespace strandcast

@@ -1,6 +1,19 @@
+#include <optional>
+
+#include "fuzzed_part.h"
 #include "message_fuzz.h"
 
+namespace {
+std::optional<strandcast::FuzzedPart> part;
+}
+
+extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
+  part.emplace(*count, *arguments, strandcast::messageSeeds(), 8);
+  return 0;
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  strandcast::fuzzMessages(data, size);
+  const std::span<const uint8_t> input = part->input(data, size);
+  strandcast::fuzzMessages(input.data(), input.size());
   return 0;
 }

@@ -5,9 +5,16 @@
 #include "transport/codec/guide_decoder.h"
 
 namespace strandcast {
+namespace {
+
+GroomDescription payloadGroom() {
+  return hairGroom(40, [](size_t s) { return 1 + s % 20; });
+}
+
+}  // namespace
 
 bool fuzzPayload(const uint8_t* data, size_t size) {
-  static const GroomDescription kGroom = hairGroom(40, [](size_t s) { return 1 + s % 20; });
+  static const GroomDescription kGroom = payloadGroom();
   static const GuideChunk kKey = splitFrame(kGroom, payloadFrame(kGroom, 1), {Codec::kTemporal})[0];
   if (size == 0) return false;
   static GuideDecoder decoder;  // its zstd context takes longer to make than all the rest
@@ -24,6 +31,25 @@ bool fuzzPayload(const uint8_t* data, size_t size) {
     if (!position.allFinite()) std::abort();
   }
   return true;
+}
+
+std::vector<FuzzSeeds> payloadSeeds() {
+  const GroomDescription groom = payloadGroom();
+  std::vector<FuzzSeeds> seeds;
+  for (const CodecInfo& info : codecList()) {
+    seeds.push_back({info.name, {}});
+    GuideEncoder encoder({info.codec});
+    encoder.setGroom(groom.guides);
+    for (uint64_t number = 1; number <= 2; ++number) {
+      GuideChunk chunk;
+      encoder.encode(payloadFrame(groom, number), 0, chunk);
+      std::vector<uint8_t>& input = seeds.back().inputs.emplace_back(std::move(chunk.payload));
+      const auto head =
+          static_cast<uint8_t>(static_cast<uint32_t>(chunk.encoding) + kFuzzedEncodings * chunk.key_frame);
+      input.insert(input.begin(), head);
+    }
+  }
+  return seeds;
 }
 
 }  // namespace strandcast

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fuzz_seeds.h"
 #include "moving_hair.h"
 
 namespace strandcast {
@@ -19,5 +20,8 @@ inline GuideFrame payloadFrame(const GroomDescription& groom, uint64_t number) {
 /// Decodes arbitrary bytes as the payload of a chunk of payloadFrame() 2, behind a sound one of frame 1;
 /// aborts when what comes out is not finite. The fuzzer's entry point. Returns whether it was taken.
 bool fuzzPayload(const uint8_t* data, size_t size);
+
+/// Of each codec, payloads of payloadFrame() 1 and 2 as fuzzPayload() takes them.
+std::vector<FuzzSeeds> payloadSeeds();
 
 }  // namespace strandcast

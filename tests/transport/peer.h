@@ -28,11 +28,11 @@ class PeerSetting {
   const char* name_;
 };
 
-/// A transport_peer; killed when it is still there at the end.
+/// A transport_peer, or another program; killed when it is still there at the end.
 class Peer {
  public:
-  explicit Peer(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), STRANDCAST_TRANSPORT_PEER);
+  explicit Peer(std::vector<std::string> arguments, const std::string& program = STRANDCAST_TRANSPORT_PEER) {
+    arguments.insert(arguments.begin(), program);
     std::vector<char*> pointers;
     for (std::string& argument : arguments) pointers.push_back(argument.data());
     pointers.push_back(nullptr);
@@ -42,8 +42,8 @@ class Peer {
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-    if (posix_spawn(&pid_, STRANDCAST_TRANSPORT_PEER, &actions, nullptr, pointers.data(), environ) != 0) {
-      throw std::runtime_error("transport_peer cannot be started");
+    if (posix_spawn(&pid_, program.c_str(), &actions, nullptr, pointers.data(), environ) != 0) {
+      throw std::runtime_error(program + " cannot be started");
     }
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
@@ -89,6 +89,7 @@ class Peer {
     return (had_ended ? "had ended with wait status " + std::to_string(status) : std::string("was alive")) +
            ", said:\n" + text_;
   }
+  pid_t pid() const { return pid_; }
   const Results& results() const { return results_; }
   int exitCode() const { return exit_code_; }
   const std::string& text() const { return text_; }

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 
 #include "core/content_hash.h"
 #include "core/error.h"
+#include "moving_hair.h"
+#include "tests/groom/scratch_folder.h"
 #include "transport/message_bytes.h"
+#include "transport/recording/recorder.h"
 #include "transport/recording/recording.h"
 
 namespace strandcast {
@@ -70,6 +74,33 @@ size_t fuzzRecording(const uint8_t* data, size_t size) {
   } catch (const Error&) {
   }
   return read;
+}
+
+std::vector<FuzzSeeds> recordingSeeds() {
+  const ScratchFolder folder;
+  std::vector<FuzzSeeds> seeds;
+  for (const CodecInfo& info : codecList()) {
+    const std::filesystem::path file = folder / "a.rec";
+    RecordingOptions options;
+    options.codec.codec = info.codec;
+    options.source = "how it was made";
+    Recorder recorder(file, options);
+    for (const uint64_t session : {11, 12}) {
+      GroomDescription groom = hairGroom(60, [](size_t s) { return 2 + s % 5; });
+      groom.session = session;
+      recorder.setGroom(groom, sampleBody(4));
+      for (uint64_t number = 1; number <= 5; ++number) {
+        if (number == 3) recorder.addInput({1, 33, CommandKind::kSetParameter, "wind", {1, 2, 3}});
+        recorder.addFrame(hairFrame(groom, number));
+      }
+    }
+    recorder.close();
+    std::ifstream stream(file, std::ios::binary);
+    std::vector<uint8_t> input = {1};  // hashes are repaired
+    input.insert(input.end(), std::istreambuf_iterator<char>(stream), {});
+    seeds.push_back({info.name, {std::move(input)}});
+  }
+  return seeds;
 }
 
 }  // namespace strandcast

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "fuzz_seeds.h"
 #include "transport/recording/record_file.h"
 
 namespace strandcast {
@@ -25,5 +26,8 @@ void repairHashes(std::vector<uint8_t>& recording);
 /// Reads everything in what may be a recording, forwards, backwards and by time. The first byte says whether
 /// hashes are repaired before. Aborts where a frame does not fit its groom. Gives the frames that were read.
 size_t fuzzRecording(const uint8_t* data, size_t size);
+
+/// Recordings of a few frames, as fuzzRecording() takes them.
+std::vector<FuzzSeeds> recordingSeeds();
 
 }  // namespace strandcast

@@ -50,15 +50,6 @@ void print(const char* key, double value) {
   std::fflush(stdout);
 }
 
-/// MB that this process occupies.
-double residentMb() {
-  long pages = 0, resident = 0;
-  FILE* const file = std::fopen("/proc/self/statm", "r");
-  if (file == nullptr || std::fscanf(file, "%ld %ld", &pages, &resident) != 2) resident = 0;
-  if (file != nullptr) std::fclose(file);
-  return static_cast<double>(resident * sysconf(_SC_PAGESIZE)) * 1e-6;
-}
-
 /// Casts frames on time until `seconds` are over or it is told to shut down.
 int cast(Publisher& publisher, double seconds) {
   GroomDescription groom = uniformGroom(kPeerGuides, 16);
@@ -66,7 +57,7 @@ int cast(Publisher& publisher, double seconds) {
   publisher.announce(groom, sampleBody(60));
   Status status;
   GuideFrame frame;
-  double slowest_ms = 0, most_late_ms = 0, warm_mb = 0;
+  double slowest_ms = 0, most_late_ms = 0;
   const auto frames = static_cast<uint64_t>(seconds * 60);
   const auto first = Clock::now();
   uint64_t number = 0;
@@ -86,13 +77,11 @@ int cast(Publisher& publisher, double seconds) {
       is_over = command->kind == CommandKind::kShutdown;
     }
     if (number % 30 == 0) publisher.publishStatus(status);
-    if (number == frames / 3 || number == 60) warm_mb = residentMb();
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // repairs of the last frames
   print("published", static_cast<double>(number));
   print("slowest_publish_ms", slowest_ms);
   print("most_late_ms", most_late_ms);
-  print("grown_mb", residentMb() - warm_mb);
   return 0;
 }
 
@@ -126,7 +115,6 @@ int read(std::unique_ptr<Subscriber> subscriber, double seconds, int work_ms) {
   print("groom", static_cast<double>(subscriber->groom()->guides.strands()));
   print("groom_after_ms", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   uint64_t after = 0, seen = 0, wrong = 0, skipped = 0;
-  double warm_mb = 0;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   while (Clock::now() < end) {
     const auto frame = subscriber->waitForFrame(after, std::chrono::milliseconds(200));
@@ -135,7 +123,6 @@ int read(std::unique_ptr<Subscriber> subscriber, double seconds, int work_ms) {
       print("first_frame_after_ms", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
       print("first_frame", static_cast<double>(frame->frame));
     }
-    if (seen == 60 || seen == static_cast<uint64_t>(seconds * 20)) warm_mb = residentMb();
     if (after != 0) skipped += frame->frame - after - 1;
     after = frame->frame;
     ++seen;
@@ -150,7 +137,6 @@ int read(std::unique_ptr<Subscriber> subscriber, double seconds, int work_ms) {
   print("lost", static_cast<double>(statistics.frames_lost));
   print("concealed", static_cast<double>(statistics.frames_concealed));
   print("strands_concealed", static_cast<double>(statistics.strands_concealed));
-  print("grown_mb", residentMb() - warm_mb);
   print("rejected", static_cast<double>(statistics.chunks_rejected));
   print("latency_ms_p50", statistics.latency_ms_p50);
   print("latency_ms_p99", statistics.latency_ms_p99);

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <utility>
-
-#include "transport/codec/octahedral.h"
 
 namespace strandcast {
 namespace {
@@ -22,7 +19,11 @@ bool allFinite(std::span<const Vec3> positions) {
   return any == 0;
 }
 
-int32_t signed16(uint16_t symbol) { return static_cast<int16_t>(symbol); }
+HeadFrame headOf(const GuideChunk& chunk) {
+  Pose head{Vec3(chunk.head_position.data()), Quat::Identity()};
+  head.rotation.coeffs() = Eigen::Map<const Eigen::Vector4f>(chunk.head_rotation.data());
+  return HeadFrame(head);
+}
 
 }  // namespace
 
@@ -48,10 +49,6 @@ DecodeResult GuideDecoder::decode(const GuideChunk& chunk, std::span<Vec3> posit
   if (result != DecodeResult::kDone || chunk.encoding == Encoding::kFloat32)
     return result == DecodeResult::kDone && !allFinite(positions) ? DecodeResult::kDamaged : result;
 
-  Pose head{Vec3(chunk.head_position.data()), Quat::Identity()};
-  head.rotation.coeffs() = Eigen::Map<const Eigen::Vector4f>(chunk.head_rotation.data());
-  const HeadFrame frame(head);
-  for (Vec3& position : positions) position = frame.toWorld(position);
   const uint8_t* exact = preamble_.exact_positions.data();
   for (const uint16_t number : preamble_.exact) {
     const uint32_t s = run.first_strand + number, first = geometry_.offsets[s];
@@ -75,7 +72,7 @@ bool GuideDecoder::readPreamble(const GuideChunk& chunk, const StrandRun& run) {
     return false;
   }
   preamble_.exact.resize(exact_strands);
-  std::memcpy(preamble_.exact.data(), bytes.data(), exact_strands * sizeof(uint16_t));
+  if (exact_strands > 0) std::memcpy(preamble_.exact.data(), bytes.data(), exact_strands * sizeof(uint16_t));
   bytes = bytes.subspan(exact_strands * sizeof(uint16_t));
   size_t exact_bytes = 0;
   for (size_t i = 0; i < exact_strands; ++i) {
@@ -93,12 +90,19 @@ bool GuideDecoder::readPreamble(const GuideChunk& chunk, const StrandRun& run) {
 DecodeResult GuideDecoder::decodeSymbols(const GuideChunk& chunk, const StrandRun& run,
                                          std::span<Vec3> positions) {
   if (preamble_.mode > kAlongStrand || chunk.key_frame != 0) return DecodeResult::kDamaged;
-  SymbolPrediction prediction;
-  prediction.along_strand = (preamble_.mode & kAlongStrand) != 0;
-  prediction.edge_bits = edgeBits(chunk.encoding);
-  prediction.strand_ends = strand_ends_;
-  if (!unpacker_.unpack(preamble_.symbols, prediction, symbols_)) return DecodeResult::kDamaged;
-  rebuild(run, chunk.encoding, positions);
+  if (!unpacker_.unpack(preamble_.symbols, symbols_)) return DecodeResult::kDamaged;
+  placeRoots(run, chunk.encoding);
+  const HeadFrame head = headOf(chunk);
+  const StrandDecoding job{.geometry = geometry_,
+                           .run = run,
+                           .head = head,
+                           .roots = roots_.data(),
+                           .step = preamble_.step,
+                           .bits = edgeBits(chunk.encoding),
+                           .along_strand = (preamble_.mode & kAlongStrand) != 0,
+                           .edges = symbols_.edges.data(),
+                           .positions = positions.data()};
+  (chunk.encoding == Encoding::kDelta16 ? coder_.decode_delta : coder_.decode_octahedral)(job, rows_);
   return DecodeResult::kDone;
 }
 
@@ -113,56 +117,39 @@ DecodeResult GuideDecoder::decodeTangents(const GuideChunk& chunk, const StrandR
       return DecodeResult::kNoKey;
     history = &memory->second.history;
   }
-  static const TangentSizes kNone;
-  if (!unpackTangents(preamble_.symbols, strand_ends_, history ? history->sizes : kNone, sizes_, symbols_))
+  sizes_.resize(run.vertex_count - run.strand_count);
+  if (!coder_.unpack_tangents(preamble_.symbols, strand_ends_, history ? history->sizes.data() : nullptr,
+                              sizes_.data(), symbols_))
     return DecodeResult::kDamaged;
-  for (uint32_t s = 0; s < run.strand_count; ++s) {
-    Vec3& root = positions[geometry_.offsets[run.first_strand + s] - run.first_vertex];
-    for (int c = 0; c < 3; ++c)
-      root[c] =
-          geometry_.roots[run.first_strand + s][c] + gridPosition(rootSymbol(run, s, c), preamble_.step);
-  }
-  const size_t plane = run.vertex_count - run.strand_count;
-  directions_.resize(plane);
-  walkTangents(geometry_, run, history, positions, directions_,
-               [&](const tangent::Edge& edge, tangent::Lanes& x, tangent::Lanes& y) {
-                 tangent::loadOffsets(edge, symbols_, preamble_.step, x, y);
-               });
+  placeRoots(run, chunk.encoding);
+  directions_.resize(run.vertex_count - run.strand_count);
+  const HeadFrame head = headOf(chunk);
+  const StrandDecoding job{.geometry = geometry_,
+                           .run = run,
+                           .head = head,
+                           .roots = roots_.data(),
+                           .step = preamble_.step,
+                           .history = history,
+                           .edges = symbols_.edges.data(),
+                           .directions = directions_.data(),
+                           .positions = positions.data()};
+  coder_.decode_tangents(job, rows_);
   remember(run).history.accept(chunk.frame, chunk.key_frame == 0, directions_, sizes_);
   return DecodeResult::kDone;
 }
 
-int32_t GuideDecoder::rootSymbol(const StrandRun& run, uint32_t number, int component) const {
-  return signed16(symbols_.roots[static_cast<size_t>(component) * run.strand_count + number]);
-}
-
-void GuideDecoder::rebuild(const StrandRun& run, Encoding encoding, std::span<Vec3> positions) const {
-  const size_t plane = run.vertex_count - run.strand_count;
-  const int bits = edgeBits(encoding);
+void GuideDecoder::placeRoots(const StrandRun& run, Encoding encoding) {
   const float step = preamble_.step;
-  const uint16_t* const edges = symbols_.edges.data();
+  roots_.resize(run.strand_count);
   for (uint32_t s = 0; s < run.strand_count; ++s) {
-    const uint32_t strand = run.first_strand + s, first = geometry_.offsets[strand];
-    const uint32_t count = geometry_.offsets[strand + 1] - first;
-    Vec3* const out = positions.data() + (first - run.first_vertex);
-    int32_t index[3];
+    const Vec3& rest = geometry_.roots[run.first_strand + s];
     for (int c = 0; c < 3; ++c) {
-      index[c] = gridIndex(geometry_.roots[strand][c], step) + rootSymbol(run, s, c);
-    }
-    Vec3 at(gridPosition(index[0], step), gridPosition(index[1], step), gridPosition(index[2], step));
-    out[0] = at;
-    size_t edge = first - run.first_vertex - s;
-    if (encoding == Encoding::kDelta16) {
-      for (uint32_t i = 1; i < count; ++i, ++edge) {
-        for (size_t c = 0; c < 3; ++c) index[c] += signed16(edges[c * plane + edge]);
-        out[i] =
-            Vec3(gridPosition(index[0], step), gridPosition(index[1], step), gridPosition(index[2], step));
-      }
-    } else {
-      for (uint32_t i = 1; i < count; ++i, ++edge) {
-        at += geometry_.lengths[first + i] * fromOctahedral({edges[edge], edges[plane + edge]}, bits);
-        out[i] = at;
-      }
+      const int32_t symbol =
+          static_cast<int16_t>(symbols_.roots[static_cast<size_t>(c) * run.strand_count + s]);
+      const int32_t index = gridIndex(rest[c], step) + symbol;
+      roots_[s][c] = encoding == Encoding::kTangent   ? rest[c] + gridPosition(symbol, step)
+                     : encoding == Encoding::kDelta16 ? static_cast<float>(index)
+                                                      : gridPosition(index, step);
     }
   }
 }

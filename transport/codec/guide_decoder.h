@@ -5,8 +5,8 @@
 
 #include "transport/chunks.h"
 #include "transport/codec/guide_payload.h"
-#include "transport/codec/guide_symbols.h"
-#include "transport/codec/tangent_walk.h"
+#include "transport/codec/strand_coder.h"
+#include "transport/codec/symbol_packer.h"
 
 namespace strandcast {
 
@@ -20,6 +20,8 @@ enum class DecodeResult {
 /// and by what was received. Chunks that build on others come in the order in which they were encoded.
 class GuideDecoder {
  public:
+  /// Any `coder` reads the same positions.
+  explicit GuideDecoder(const StrandCoder& coder = strandCoder()) : coder_(coder), unpacker_(coder) {}
   /// `guides` as an assembler or a checked announcement made them.
   void setGroom(const StrandSet& guides);
   /// World positions of the chunk's vertices into `positions`, finite, as many as the chunk's vertex_count.
@@ -43,10 +45,10 @@ class GuideDecoder {
   bool readPreamble(const GuideChunk& chunk, const StrandRun& run);
   DecodeResult decodeSymbols(const GuideChunk& chunk, const StrandRun& run, std::span<Vec3> positions);
   DecodeResult decodeTangents(const GuideChunk& chunk, const StrandRun& run, std::span<Vec3> positions);
-  void rebuild(const StrandRun& run, Encoding encoding, std::span<Vec3> positions) const;
-  int32_t rootSymbol(const StrandRun& run, uint32_t number, int component) const;
+  void placeRoots(const StrandRun& run, Encoding encoding);
   Memory& remember(const StrandRun& run);
 
+  StrandCoder coder_;
   GuideGeometry geometry_;
   std::map<uint32_t, Memory> memories_;  // by first strand
   uint64_t remembered_strands_ = 0;
@@ -54,6 +56,8 @@ class GuideDecoder {
   GuideSymbols symbols_;
   std::vector<uint32_t> strand_ends_;
   SymbolUnpacker unpacker_;
+  LaneRows rows_;
+  std::vector<Vec3> roots_;       // of the chunk under way, per strand: StrandDecoding::roots
   std::vector<Vec3> directions_;  // of the chunk under way, per edge
   TangentSizes sizes_;
 };

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
-#include <utility>
+#include <limits>
 
-#include "transport/codec/octahedral.h"
+#include "transport/codec/bit_stream.h"
 
 namespace strandcast {
 namespace {
@@ -34,13 +34,7 @@ Encoding encodingOf(Codec codec) {
   return Encoding::kDelta16;
 }
 
-constexpr float kMaxSquaredEdge = 1e12f;  // m^2, beyond any hair
-
-float squaredError(const HeadFrame& head, const Vec3& decoded, const Vec3& wanted) {
-  return (head.toWorld(decoded) - wanted).squaredNorm();
-}
-
-bool fits16(int32_t value) { return value >= -32768 && value <= 32767; }
+constexpr float kNotHeld = std::numeric_limits<float>::infinity();
 
 void writeFloat32(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
   chunk.encoding = Encoding::kFloat32;
@@ -62,144 +56,78 @@ void GuideEncoder::setGroom(const StrandSet& guides) {
   squared_limit_ = options_.max_error * options_.max_error;
 }
 
-Vec3 GuideEncoder::quantizeRoot(const HeadFrame& head, const Vec3& root, uint32_t number,
-                                const StrandRun& run, int32_t (&index)[3], Fit& fit) {
-  const Vec3 local = head.toHead(root);
-  const Vec3& rest = geometry_.roots[run.first_strand + number];
-  Vec3 decoded;
-  for (int c = 0; c < 3; ++c) {
-    index[c] = gridIndex(local[c], step_);
-    const int32_t moved = index[c] - gridIndex(rest[c], step_);
-    fit.holds &= fits16(moved);
-    symbols_.roots[static_cast<size_t>(c) * run.strand_count + number] = static_cast<uint16_t>(moved);
-    decoded[c] = gridPosition(index[c], step_);
-  }
-  const float error = squaredError(head, decoded, root);
-  fit.squared_error = std::max(fit.squared_error, error);
-  fit.holds &= error <= squared_limit_;  // false for NaN
-  return decoded;
-}
-
-// Both go through the whole strand before they look at how it fits: a strand that does not is rare, and
-// waiting for each vertex costs more than the work.
-
-void GuideEncoder::quantizeDelta(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number,
-                                 size_t first_edge, const StrandRun& run, Fit& fit) {
-  int32_t before[3];
-  quantizeRoot(head, strand[0], number, run, before, fit);
-  const size_t plane = run.vertex_count - run.strand_count;
-  uint16_t* const edges = symbols_.edges.data() + first_edge;
-  float worst = fit.squared_error;
-  bool holds = fit.holds;
-  for (size_t i = 1; i < strand.size(); ++i) {
-    const Vec3 local = head.toHead(strand[i]);
-    Vec3 decoded;
-    for (size_t c = 0; c < 3; ++c) {
-      const int32_t index = gridIndex(local[static_cast<int>(c)], step_), edge = index - before[c];
-      holds &= fits16(edge);
-      edges[c * plane + i - 1] = static_cast<uint16_t>(edge);
-      before[c] = index;
-      decoded[static_cast<int>(c)] = gridPosition(index, step_);
+void GuideEncoder::quantizeRoots(const GuideFrame& frame, const StrandRun& run, const HeadFrame& head,
+                                 Encoding encoding) {
+  roots_.resize(run.strand_count);
+  worst_.resize(run.strand_count);
+  const bool is_tangent = encoding == Encoding::kTangent;
+  const float step = is_tangent ? tangent_step_ : step_;
+  for (uint32_t s = 0; s < run.strand_count; ++s) {
+    const Vec3& wanted = frame.positions[geometry_.offsets[run.first_strand + s]];
+    const Vec3& rest = geometry_.roots[run.first_strand + s];
+    const Vec3 local = head.toHead(wanted);
+    Vec3 decoded, index;
+    bool fits = true;
+    for (int c = 0; c < 3; ++c) {
+      // Tangents: steps off the rest; else the grid's points.
+      const int32_t place = gridIndex(is_tangent ? local[c] - rest[c] : local[c], step);
+      const int32_t moved = is_tangent ? place : place - gridIndex(rest[c], step);
+      const int32_t symbol = std::clamp(moved, -32767, 32767);
+      fits &= symbol == moved;
+      symbols_.roots[static_cast<size_t>(c) * run.strand_count + s] = static_cast<uint16_t>(symbol);
+      index[c] = static_cast<float>(place);
+      decoded[c] = is_tangent ? rest[c] + gridPosition(symbol, step) : gridPosition(place, step);
     }
-    const float error = squaredError(head, decoded, strand[i]);
-    worst = std::max(worst, error);
-    holds &= error <= squared_limit_;
+    const float error = (head.toWorld(decoded) - wanted).squaredNorm();
+    roots_[s] = encoding == Encoding::kDelta16 ? index : decoded;
+    worst_[s] = fits && error <= squared_limit_ ? error : kNotHeld;  // also where it is not a number
   }
-  fit = {worst, holds};
 }
 
-void GuideEncoder::quantizeOctahedral(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number,
-                                      size_t first_edge, const StrandRun& run, int bits, Fit& fit) {
-  int32_t root[3];
-  Vec3 before = quantizeRoot(head, strand[0], number, run, root, fit);
-  const size_t plane = run.vertex_count - run.strand_count;
-  const size_t first_vertex = geometry_.offsets[run.first_strand + number];
-  uint16_t* const edges = symbols_.edges.data() + first_edge;
-  float worst = fit.squared_error;
-  bool holds = fit.holds;
-  for (size_t i = 1; i < strand.size(); ++i) {
-    // Aimed from where the receiver has the vertex before: errors do not add up.
-    const Vec3 edge = head.toHead(strand[i]) - before;
-    const float squared_length = edge.squaredNorm();
-    const bool has_direction = squared_length > 0 && squared_length < kMaxSquaredEdge;  // false for NaN
-    const OctahedralPoint point = has_direction ? toOctahedral(edge, bits) : OctahedralPoint{};
-    edges[i - 1] = point.u;
-    edges[plane + i - 1] = point.v;
-    before += geometry_.lengths[first_vertex + i] * fromOctahedral(point, bits);
-    const float error = squaredError(head, before, strand[i]);
-    worst = std::max(worst, error);
-    holds &= error <= squared_limit_;
-  }
-  fit = {worst, holds};
-}
-
-void GuideEncoder::quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding) {
+void GuideEncoder::quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding,
+                            const TangentHistory* history) {
   shapeSymbols(geometry_, run, encoding, symbols_, strand_ends_);
   const HeadFrame head(frame.head);
-  const size_t plane = run.vertex_count - run.strand_count;
+  quantizeRoots(frame, run, head, encoding);
+  StrandEncoding job{.geometry = geometry_,
+                     .run = run,
+                     .head = head,
+                     .positions = frame.positions.data() + run.first_vertex,
+                     .roots = roots_.data(),
+                     .step = encoding == Encoding::kTangent ? tangent_step_ : step_,
+                     .squared_limit = squared_limit_,
+                     .bits = edgeBits(encoding),
+                     .history = history,
+                     .edges = symbols_.edges.data(),
+                     .worst = worst_.data()};
+  if (encoding == Encoding::kDelta16) {
+    coder_.encode_delta(job, rows_);
+  } else if (encoding != Encoding::kTangent) {
+    coder_.encode_octahedral(job, rows_);
+  } else {
+    directions_.resize(histories_.empty() ? 0 : run.vertex_count - run.strand_count);
+    if (!histories_.empty()) job.directions = directions_.data();
+    coder_.encode_tangents(job, rows_);
+  }
   exact_.clear();
   worst_squared_ = 0;
   for (uint32_t s = 0; s < run.strand_count; ++s) {
-    const uint32_t first = geometry_.offsets[run.first_strand + s];
-    const std::span<const Vec3> strand(frame.positions.data() + first,
-                                       geometry_.offsets[run.first_strand + s + 1] - first);
-    const size_t first_edge = first - run.first_vertex - s;
-    Fit fit;
-    if (encoding == Encoding::kDelta16) {
-      quantizeDelta(head, strand, s, first_edge, run, fit);
-    } else {
-      quantizeOctahedral(head, strand, s, first_edge, run, edgeBits(encoding), fit);
-    }
-    judge(s, fit);
-    if (fit.holds) continue;
+    if (worst_[s] != kNotHeld)
+      worst_squared_ = std::max(worst_squared_, worst_[s]);
+    else
+      exact_.push_back(static_cast<uint16_t>(s));
+  }
+}
+
+/// Symbols of strands that are sent as they are tell nothing: zeros cost least.
+void GuideEncoder::forgetExactStrands(const StrandRun& run) {
+  const size_t plane = run.vertex_count - run.strand_count;
+  for (const uint16_t s : exact_) {
+    const size_t begin = s == 0 ? 0 : strand_ends_[s - 1u], end = strand_ends_[s];
     for (size_t c = 0; c < 3; ++c) symbols_.roots[c * run.strand_count + s] = 0;
     for (size_t c = 0; c < static_cast<size_t>(symbols_.edge_planes); ++c)
-      std::fill_n(symbols_.edges.begin() + static_cast<ptrdiff_t>(c * plane + first_edge), strand.size() - 1,
-                  uint16_t{0});
-  }
-}
-
-void GuideEncoder::judge(uint32_t number, const Fit& fit) {
-  if (fit.holds)
-    worst_squared_ = std::max(worst_squared_, fit.squared_error);
-  else
-    exact_.push_back(static_cast<uint16_t>(number));
-}
-
-void GuideEncoder::quantizeTangents(const GuideFrame& frame, const StrandRun& run,
-                                    const TangentHistory* history) {
-  shapeSymbols(geometry_, run, Encoding::kTangent, symbols_, strand_ends_);
-  const HeadFrame head(frame.head);
-  const Vec3* const positions = frame.positions.data() + run.first_vertex;
-  wanted_.resize(run.vertex_count);
-  decoded_.resize(run.vertex_count);
-  directions_.resize(run.vertex_count - run.strand_count);
-  for (uint32_t v = 0; v < run.vertex_count; ++v) wanted_[v] = head.toHead(positions[v]);
-  for (uint32_t s = 0; s < run.strand_count; ++s) {
-    const Vec3& rest = geometry_.roots[run.first_strand + s];
-    const uint32_t v = geometry_.offsets[run.first_strand + s] - run.first_vertex;
-    for (int c = 0; c < 3; ++c) {
-      const int32_t moved = gridIndex(wanted_[v][c] - rest[c], tangent_step_), most = 32767;
-      const int32_t symbol = std::clamp(moved, -most, most);
-      symbols_.roots[static_cast<size_t>(c) * run.strand_count + s] = static_cast<uint16_t>(symbol);
-      decoded_[v][c] = rest[c] + gridPosition(symbol, tangent_step_);
-    }
-  }
-  walkTangents(geometry_, run, history, decoded_, directions_,
-               [&](const tangent::Edge& edge, tangent::Lanes& x, tangent::Lanes& y) {
-                 tangent::chooseOffsets(edge, wanted_, tangent_step_, symbols_, x, y);
-               });
-  exact_.clear();
-  worst_squared_ = 0;
-  uint32_t v = 0;
-  for (uint32_t s = 0; s < run.strand_count; ++s) {
-    Fit fit;
-    for (const uint32_t end = geometry_.offsets[run.first_strand + s + 1] - run.first_vertex; v < end; ++v) {
-      const float error = squaredError(head, decoded_[v], positions[v]);
-      fit.squared_error = std::max(fit.squared_error, error);
-      fit.holds &= error <= squared_limit_;  // false for NaN
-    }
-    judge(s, fit);
+      std::fill(symbols_.edges.begin() + static_cast<ptrdiff_t>(c * plane + begin),
+                symbols_.edges.begin() + static_cast<ptrdiff_t>(c * plane + end), uint16_t{0});
   }
 }
 
@@ -221,10 +149,20 @@ void GuideEncoder::writePreamble(const GuideFrame& frame, const StrandRun& run, 
   }
 }
 
+void GuideEncoder::packTangents(const TangentHistory* history, std::vector<uint8_t>& bytes) {
+  const size_t symbols = symbols_.roots.size() + symbols_.edges.size(), begin = bytes.size();
+  sizes_.resize(symbols_.edges.size() / 2);
+  bytes.resize(begin + symbols * kMostRiceBits / 8 + 9);
+  const uint8_t* const end = coder_.pack_tangents(
+      symbols_, strand_ends_, history ? history->sizes.data() : nullptr, sizes_.data(), bytes.data() + begin);
+  bytes.resize(static_cast<size_t>(end - bytes.data()));
+}
+
 void GuideEncoder::writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
   SymbolPrediction prediction;
   prediction.edge_bits = edgeBits(chunk.encoding);
   prediction.strand_ends = strand_ends_;
+  forgetExactStrands(run);
   prediction.along_strand = SymbolPacker::prefersAlongStrand(symbols_, prediction);
   writePreamble(frame, run, prediction.along_strand ? uint8_t{kAlongStrand} : uint8_t{0}, step_,
                 chunk.payload);
@@ -241,7 +179,7 @@ void GuideEncoder::encodeTangents(const GuideFrame& frame, const StrandRun& run,
     const uint64_t phase = frame.frame + uint64_t{index} * options_.key_interval / runs_.size();
     if (phase % options_.key_interval != 0) history = own;
   }
-  quantizeTangents(frame, run, history);
+  quantize(frame, run, Encoding::kTangent, history);
   if (exact_.size() * kUnfitShare > run.strand_count) {
     if (own) own->frame = 0;  // nobody is told of it
     chunk.encoding = Encoding::kDelta16;
@@ -249,8 +187,7 @@ void GuideEncoder::encodeTangents(const GuideFrame& frame, const StrandRun& run,
   }
   chunk.key_frame = history ? history->frame : 0;
   writePreamble(frame, run, 0, tangent_step_, chunk.payload);
-  static const TangentSizes kNone;
-  packTangents(symbols_, strand_ends_, history ? history->sizes : kNone, sizes_, chunk.payload);
+  packTangents(history, chunk.payload);
   if (own) own->accept(frame.frame, history == nullptr, directions_, sizes_);
 }
 
@@ -271,10 +208,10 @@ void GuideEncoder::encode(const GuideFrame& frame, uint32_t index, GuideChunk& c
   }
   if (chunk.encoding == Encoding::kTangent) encodeTangents(frame, run, index, chunk);
   if (chunk.encoding != Encoding::kTangent) {
-    quantize(frame, run, chunk.encoding);
+    quantize(frame, run, chunk.encoding, nullptr);
     if (chunk.encoding != Encoding::kDelta16 && exact_.size() * kUnfitShare > run.strand_count) {
       chunk.encoding = Encoding::kDelta16;
-      quantize(frame, run, chunk.encoding);
+      quantize(frame, run, chunk.encoding, nullptr);
     }
     writeSymbols(frame, run, chunk);
   }

@@ -4,8 +4,8 @@
 #include "transport/chunks.h"
 #include "transport/codec/codec.h"
 #include "transport/codec/guide_payload.h"
-#include "transport/codec/guide_symbols.h"
-#include "transport/codec/tangent_walk.h"
+#include "transport/codec/strand_coder.h"
+#include "transport/codec/symbol_packer.h"
 
 namespace strandcast {
 
@@ -13,8 +13,9 @@ namespace strandcast {
 /// and, for kTemporal, of two frames; encode() does not allocate once it has seen a frame or two.
 class GuideEncoder {
  public:
-  /// `options` as checkCodecOptions accepts them.
-  explicit GuideEncoder(const CodecOptions& options) : options_(options) {}
+  /// `options` as checkCodecOptions accepts them. Any `coder` writes the same bytes.
+  explicit GuideEncoder(const CodecOptions& options, const StrandCoder& coder = strandCoder())
+      : options_(options), coder_(coder), packer_(coder) {}
   /// `guides` of a checked announcement.
   void setGroom(const StrandSet& guides);
   /// One chunk each; a frame is these in order.
@@ -26,26 +27,18 @@ class GuideEncoder {
   const EncodingReport& report() const { return report_; }
 
  private:
-  /// How well the symbols of a strand hold it.
-  struct Fit {
-    float squared_error = 0;  // m^2, the largest
-    bool holds = true;        // false where a number does not fit its symbol or is none
-  };
   void encodeTangents(const GuideFrame& frame, const StrandRun& run, uint32_t index, GuideChunk& chunk);
-  void quantizeTangents(const GuideFrame& frame, const StrandRun& run, const TangentHistory* history);
-  void quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding);
-  void quantizeDelta(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number, size_t first_edge,
-                     const StrandRun& run, Fit& fit);
-  void quantizeOctahedral(const HeadFrame& head, std::span<const Vec3> strand, uint32_t number,
-                          size_t first_edge, const StrandRun& run, int bits, Fit& fit);
-  Vec3 quantizeRoot(const HeadFrame& head, const Vec3& root, uint32_t number, const StrandRun& run,
-                    int32_t (&index)[3], Fit& fit);
-  void judge(uint32_t number, const Fit& fit);
+  void quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding,
+                const TangentHistory* history);
+  void quantizeRoots(const GuideFrame& frame, const StrandRun& run, const HeadFrame& head, Encoding encoding);
+  void forgetExactStrands(const StrandRun& run);
+  void packTangents(const TangentHistory* history, std::vector<uint8_t>& bytes);
   void writePreamble(const GuideFrame& frame, const StrandRun& run, uint8_t mode, float step,
                      std::vector<uint8_t>& bytes) const;
   void writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk);
 
   CodecOptions options_;
+  StrandCoder coder_;
   GuideGeometry geometry_;
   std::vector<StrandRun> runs_;
   std::vector<TangentHistory> histories_;  // per run; kTemporal only
@@ -60,8 +53,10 @@ class GuideEncoder {
   std::vector<uint16_t> exact_;  // strands of the run that are sent as they are
   float worst_squared_ = 0;      // m^2, of the others
   SymbolPacker packer_;
-  std::vector<Vec3> wanted_, decoded_;  // per vertex, m, in the head's frame
-  std::vector<Vec3> directions_;        // per edge
+  LaneRows rows_;
+  std::vector<Vec3> roots_;       // per strand: StrandEncoding::roots
+  std::vector<float> worst_;      // per strand: StrandEncoding::worst
+  std::vector<Vec3> directions_;  // per edge; kTemporal only
   TangentSizes sizes_;
 };
 

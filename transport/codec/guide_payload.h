@@ -41,6 +41,8 @@ class HeadFrame {
       : rotation_(head.rotation.toRotationMatrix()), position_(head.position) {}
   Vec3 toWorld(const Vec3& local) const { return rotation_ * local + position_; }
   Vec3 toHead(const Vec3& world) const { return rotation_.transpose() * (world - position_); }
+  const auto& rotation() const { return rotation_; }
+  const Vec3& position() const { return position_; }
 
  private:
   Eigen::Matrix<float, 3, 3, Eigen::DontAlign> rotation_;

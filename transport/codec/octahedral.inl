@@ -1,0 +1,66 @@
+// Directions as a point of the octahedron |x| + |y| + |z| = 1, its lower half folded outwards onto the unit
+// square (Meyer et al., On Floating-Point Normal Vectors, EGSR 2010; Cigolle et al., A Survey of Efficient
+// Representations for Independent Unit Vectors, JCGT 2014). Coordinates are whole numbers from 0 to `steps`,
+// 2^bits - 1. In the lane vocabulary of kernels/README.md; nothing is fused.
+
+struct OctahedralPoint {
+  real u, v;
+};
+
+FN real octahedralFold(real across, real along) {
+  return (lit(1) - abs(across)) * select(along >= lit(0), lit(1), lit(-1));
+}
+
+/// How far the direction turns when the point moves by (du, dv), squared and to first order: what is left of
+/// the movement on the octahedron without its part along the direction.
+struct OctahedralMetric {
+  real uu, uv, vv;
+};
+FN real turnOf(const OctahedralMetric& metric, real du, real dv) {
+  return metric.uu * du * du + lit(2) * metric.uv * du * dv + metric.vv * dv * dv;
+}
+
+/// Of a direction of any length but 0: the point whose direction is nearest. Rounding each coordinate by
+/// itself would err by half as much again where the octahedron's faces are steepest to its axes.
+FN OctahedralPoint toOctahedral(const real3& direction, real steps) {
+  const real3 p = direction * (lit(1) / (abs(direction.x) + abs(direction.y) + abs(direction.z)));
+  const real sign_x = select(p.x >= lit(0), lit(1), lit(-1)), sign_y = select(p.y >= lit(0), lit(1), lit(-1));
+  const mask below = p.z < lit(0);
+  const real at_u =
+      clamp(select(below, octahedralFold(p.y, p.x), p.x) * lit(0.5) + lit(0.5), lit(0), lit(1)) * steps;
+  const real at_v =
+      clamp(select(below, octahedralFold(p.x, p.y), p.y) * lit(0.5) + lit(0.5), lit(0), lit(1)) * steps;
+  const real u = nearestWhole(at_u), v = nearestWhole(at_v);
+  const real off_u = u - at_u, off_v = v - at_v;
+  real other_u = u - select(off_u < lit(0), lit(-1), lit(1)), other_v = v - select(off_v < lit(0), lit(-1), lit(1));
+  other_u = select(other_u < lit(0) || other_u > steps, u, other_u);
+  other_v = select(other_v < lit(0) || other_v > steps, v, other_v);
+  // The axes are (1, 0, -sign_x) and (0, 1, -sign_y) above; below (0, turned, -sign_x), (turned, 0, -sign_y).
+  const real across = sign_x * sign_y, turned = lit(0) - across;
+  const real radial_u = select(below, turned * p.y, p.x) - sign_x * p.z;
+  const real radial_v = select(below, turned * p.x, p.y) - sign_y * p.z;
+  const real inverse_square = lit(1) / (p.x * p.x + (p.y * p.y + p.z * p.z));
+  const OctahedralMetric metric{lit(2) - radial_u * radial_u * inverse_square,
+                                across - radial_u * radial_v * inverse_square,
+                                lit(2) - radial_v * radial_v * inverse_square};
+  OctahedralPoint best{u, v};
+  real least = turnOf(metric, off_u, off_v);
+  const OctahedralPoint others[] = {{other_u, v}, {u, other_v}, {other_u, other_v}};
+  for (const OctahedralPoint& other : others) {
+    const real turn = turnOf(metric, other.u - at_u, other.v - at_v);
+    const mask is_better = turn < least;
+    least = select(is_better, turn, least);
+    best = {select(is_better, other.u, best.u), select(is_better, other.v, best.v)};
+  }
+  return best;
+}
+
+/// Of unit length.
+FN real3 fromOctahedral(const OctahedralPoint& point, real steps) {
+  const real step = lit(2) / steps;
+  const real x = point.u * step - lit(1), y = point.v * step - lit(1);
+  const real z = lit(1) - abs(x) - abs(y);
+  const mask below = z < lit(0);
+  const real3 p = makeReal3(select(below, octahedralFold(y, x), x), select(below, octahedralFold(x, y), y), z);
+  return p * (lit(1) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z));
+}

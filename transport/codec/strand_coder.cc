@@ -1,0 +1,102 @@
+// Compiled once per instruction set: Highway's foreach_target includes this file again for each.
+#include "transport/codec/strand_coder.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "simd/simd_targets.h"
+#include "transport/codec/bit_stream.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "transport/codec/strand_coder.cc"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace strandcast::codec::HWY_NAMESPACE {
+
+// The order matters.
+// clang-format off
+#include "simd/lanes_highway.inl"
+#include "transport/codec/grid.inl"
+#include "transport/codec/octahedral.inl"
+#include "transport/codec/tangent_plane.inl"
+#include "transport/codec/strand_tile.inl"
+#include "transport/codec/strand_walks.inl"
+#include "transport/codec/tangent_symbols.inl"
+#include "kernels/end_lanes.inl"
+// clang-format on
+
+void fold(const uint16_t* symbols, size_t count, bool along, int bits, uint8_t* low, uint8_t* high) {
+  const int spare = 16 - bits;
+  const auto mask = static_cast<uint16_t>((1 << bits) - 1);
+  const auto put = [&](size_t i, uint16_t value) {
+    const auto extended = static_cast<int16_t>(static_cast<int16_t>(value << spare) >> spare);
+    const auto folded = static_cast<uint16_t>((extended << 1 ^ extended >> 15) & mask);
+    low[i] = static_cast<uint8_t>(folded);
+    high[i] = static_cast<uint8_t>(folded >> 8);
+  };
+  if (count == 0) return;
+  put(0, symbols[0]);
+  if (along) {
+    for (size_t i = 1; i < count; ++i) put(i, static_cast<uint16_t>(symbols[i] - symbols[i - 1]));
+  } else {
+    for (size_t i = 1; i < count; ++i) put(i, symbols[i]);
+  }
+}
+
+void unfold(const uint8_t* low, const uint8_t* high, size_t count, uint16_t* symbols) {
+  for (size_t i = 0; i < count; ++i) {
+    const auto folded = static_cast<uint16_t>(low[i] | high[i] << 8);
+    symbols[i] = static_cast<uint16_t>(folded >> 1 ^ (0 - (folded & 1)));
+  }
+}
+
+StrandCoder coder() {
+  StrandCoder made;
+  made.encode_delta = &encodeDelta;
+  made.encode_octahedral = &encodeOctahedral;
+  made.encode_tangents = &encodeTangents;
+  made.decode_delta = &decodeDelta;
+  made.decode_octahedral = &decodeOctahedral;
+  made.decode_tangents = &decodeTangents;
+  made.fold = &fold;
+  made.unfold = &unfold;
+  made.pack_tangents = &packTangents;
+  made.unpack_tangents = &unpackTangents;
+  return made;
+}
+
+}  // namespace strandcast::codec::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace strandcast {
+namespace codec {
+
+HWY_EXPORT(coder);
+
+}  // namespace codec
+
+std::vector<StrandCoder> runnableStrandCoders() {
+  std::vector<StrandCoder> out;
+  // HWY_TARGETS is what was compiled. Lower bits are better.
+  for (int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
+    const int64_t target = left & -left;
+    hwy::ChosenTarget chosen;  // of its own: the process-wide choice stays as it is
+    chosen.Update(target);
+    out.push_back(codec::HWY_DISPATCH_TABLE(coder)[chosen.GetIndex()]());
+    out.back().name = hwy::TargetName(target);
+  }
+  return out;
+}
+
+const StrandCoder& strandCoder() {
+  static const StrandCoder best = runnableStrandCoders().front();
+  return best;
+}
+
+}  // namespace strandcast
+#endif  // HWY_ONCE

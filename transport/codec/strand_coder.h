@@ -1,0 +1,85 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "transport/codec/guide_payload.h"
+#include "transport/codec/tangent_history.h"
+
+namespace strandcast {
+
+/// What encoders and decoders do along strands, as many strands side by side as the machine's vectors have
+/// lanes. Compiled once per instruction set; all give the same bits, because they are sums, products,
+/// quotients and square roots of float32, none of them fused.
+
+/// Rows of lanes that a coder works in, kept for the next chunk: its memory is that of the longest strand,
+/// once per lane.
+struct LaneRows {
+  std::vector<float> numbers;
+  std::vector<uint16_t> symbols;
+};
+
+struct StrandEncoding {
+  const GuideGeometry& geometry;
+  const StrandRun& run;
+  const HeadFrame& head;
+  const Vec3* positions;  ///< per vertex of the run, world, m; may be not finite
+  const Vec3*
+      roots;   ///< per strand of the run, as it is decoded: head's frame, m; delta16: in steps of the grid
+  float step;  ///< m; not of octahedral
+  float squared_limit;                      ///< m^2
+  int bits = 16;                            ///< octahedral: 12 or 16
+  const TangentHistory* history = nullptr;  ///< tangents: what this frame builds on, or null
+  uint16_t* edges;                          ///< out: the planes of GuideSymbols::edges
+  Vec3* directions = nullptr;  ///< tangents, out: per edge of the run, head's frame, unit; may be null
+  /// Per strand of the run, in and out: m^2, how far off it is; infinite where its symbols do not hold it.
+  float* worst;
+};
+
+struct StrandDecoding {
+  const GuideGeometry& geometry;
+  const StrandRun& run;
+  const HeadFrame& head;
+  const Vec3* roots;  ///< as above
+  float step;         ///< m; not of octahedral
+  int bits = 16;
+  bool along_strand = false;  ///< not of tangents: symbols are differences to the edge before
+  const TangentHistory* history = nullptr;
+  const uint16_t* edges;       ///< the planes of GuideSymbols::edges
+  Vec3* directions = nullptr;  ///< tangents, out: per edge of the run
+  Vec3* positions;             ///< out: per vertex of the run, world, m
+};
+
+struct StrandCoder {
+  std::string name;  ///< of the instruction set, as Highway calls it
+  void (*encode_delta)(const StrandEncoding& job, LaneRows& rows) = nullptr;
+  void (*encode_octahedral)(const StrandEncoding& job, LaneRows& rows) = nullptr;
+  void (*encode_tangents)(const StrandEncoding& job, LaneRows& rows) = nullptr;
+  void (*decode_delta)(const StrandDecoding& job, LaneRows& rows) = nullptr;
+  void (*decode_octahedral)(const StrandDecoding& job, LaneRows& rows) = nullptr;
+  void (*decode_tangents)(const StrandDecoding& job, LaneRows& rows) = nullptr;
+  /// Each symbol, `along` less the one before it (0 before the first), modulo 2^bits and folded to small
+  /// numbers: low and high bytes.
+  void (*fold)(const uint16_t* symbols, size_t count, bool along, int bits, uint8_t* low,
+               uint8_t* high) = nullptr;
+  /// The symbols, or differences, of these.
+  void (*unfold)(const uint8_t* low, const uint8_t* high, size_t count, uint16_t* symbols) = nullptr;
+  /// The symbols of a chunk of tangents as bits, into room for kMostRiceBits of each and 8 bytes more; where
+  /// they end. `strand_ends` as SymbolPrediction's; `before`, TangentHistory::sizes, or null; `sizes` are
+  /// set.
+  const uint8_t* (*pack_tangents)(const GuideSymbols& symbols, std::span<const uint32_t> strand_ends,
+                                  const uint16_t* before, uint16_t* sizes, uint8_t* to) = nullptr;
+  /// Into `symbols`, whose planes have the lengths that are expected. False on bytes that are damaged, too
+  /// few or too many; `symbols` and `sizes` are arbitrary then.
+  bool (*unpack_tangents)(std::span<const uint8_t> bytes, std::span<const uint32_t> strand_ends,
+                          const uint16_t* before, uint16_t* sizes, GuideSymbols& symbols) = nullptr;
+};
+
+/// Of the best instruction set of this machine.
+const StrandCoder& strandCoder();
+/// All that this program was compiled for and the machine can run, best first.
+std::vector<StrandCoder> runnableStrandCoders();
+
+}  // namespace strandcast

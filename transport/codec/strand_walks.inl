@@ -1,0 +1,313 @@
+// The coders, tile after tile: what docs/wire.md says of each encoding. Included behind strand_tile.inl.
+
+/// Planes of rows for the tiles of a run.
+struct Rows {
+  size_t plane = 0, symbol_plane = 0;
+  float* numbers = nullptr;
+  uint16_t* symbols = nullptr;
+  Rows(LaneRows& rows, const GuideGeometry& geometry, const StrandRun& run, size_t planes,
+       size_t symbol_planes) {
+    size_t most = 0;
+    for (uint32_t s = run.first_strand; s < run.first_strand + run.strand_count; ++s)
+      most = std::max<size_t>(most, geometry.offsets[s + 1] - geometry.offsets[s]);
+    plane = symbol_plane = most * kRow;
+    // Lanes whose strand has ended compute with what is left there, and nobody looks at it.
+    if (rows.numbers.size() < planes * plane) rows.numbers.resize(planes * plane);
+    if (rows.symbols.size() < symbol_planes * plane) rows.symbols.resize(symbol_planes * plane);
+    numbers = rows.numbers.data();
+    symbols = rows.symbols.data();
+  }
+};
+
+template <class Work>
+HWY_INLINE void forTiles(const GuideGeometry& geometry, const StrandRun& run, const Work& work) {
+  for (uint32_t s = 0; s < run.strand_count; s += kRow) work(Tile(geometry, run, s));
+}
+
+size_t edgesOf(const StrandRun& run) { return run.vertex_count - run.strand_count; }
+
+/// The world positions of a tile into three rows per vertex.
+HWY_INLINE void pourPositions(const Tile& tile, const Vec3* positions, float* rows) {
+  Streams<const float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l) streams.add(positions[tile.vertices[l]].data(), 3 * tile.counts[l]);
+  pour(streams, rows);
+}
+HWY_INLINE void drawPositions(const Tile& tile, const float* rows, Vec3* positions) {
+  Streams<float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l) streams.add(positions[tile.vertices[l]].data(), 3 * tile.counts[l]);
+  draw(rows, streams);
+}
+/// What belongs to the edge that ends at vertex i, in its row: row 0 has nothing.
+HWY_INLINE void pourLengths(const Tile& tile, const GuideGeometry& geometry, const StrandRun& run,
+                            float* rows) {
+  Streams<const float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l)
+    streams.add(&geometry.lengths[run.first_vertex + tile.vertices[l]], tile.counts[l]);
+  pour(streams, rows);
+}
+/// Vectors per edge of the run.
+HWY_INLINE void pourDirections(const Tile& tile, const Vec3* edges, float* rows) {
+  Streams<const float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l)
+    streams.add(reinterpret_cast<const float*>(edges + tile.edge(l)), 3 * (tile.counts[l] - 1));
+  pour(streams, rows + 3 * kRow);
+}
+HWY_INLINE void drawDirections(const Tile& tile, const float* rows, Vec3* edges) {
+  Streams<float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l)
+    streams.add(reinterpret_cast<float*>(edges + tile.edge(l)), 3 * (tile.counts[l] - 1));
+  draw(rows + 3 * kRow, streams);
+}
+HWY_INLINE void pourEdges(const Tile& tile, const uint16_t* edges, uint16_t* rows) {
+  for (size_t l = 0; l < kRow; ++l)
+    if (tile.counts[l] > 1) pourSymbols(edges + tile.edge(l), tile.counts[l] - 1, rows + kRow + l);
+}
+HWY_INLINE void drawEdges(const Tile& tile, const uint16_t* rows, uint16_t* edges) {
+  for (size_t l = 0; l < kRow; ++l)
+    if (tile.counts[l] > 1) drawSymbols(rows + kRow + l, tile.counts[l] - 1, edges + tile.edge(l));
+}
+
+// ---- delta16
+
+void encodeDelta(const StrandEncoding& job, LaneRows& lane_rows) {
+  const Rows rows(lane_rows, job.geometry, job.run, 3, 3);
+  const LaneFrame frame(job.head);
+  const real step = lit(job.step), most = lit(kMaxGridIndex);
+  const size_t edges = edgesOf(job.run);
+  forTiles(job.geometry, job.run, [&](const Tile& tile) {
+    pourPositions(tile, job.positions, rows.numbers);
+    const Lengths lengths(tile);
+    Judgement judgement(frame, job.squared_limit, tile, job.worst);
+    real3 before = perStrand(tile, job.roots);
+    for (size_t i = 1; i < tile.rows; ++i) {
+      const real3 wanted = row3(rows.numbers, i), local = frame.toHead(wanted);
+      const mask is_there = lengths.has(i);
+      const real3 index = makeReal3(gridNumber(local.x, step, most), gridNumber(local.y, step, most),
+                                    gridNumber(local.z, step, most));
+      const real3 edge = index - before;
+      const real low = min(edge.x, min(edge.y, edge.z)), high = max(edge.x, max(edge.y, edge.z));
+      const mask fits = low >= lit(-32768) && high <= lit(32767);
+      judgement.is_lost = judgement.is_lost || (is_there && !fits);
+      judgement.look(is_there, index * step, wanted);
+      setSymbolRow(rows.symbols, i, edge.x);
+      setSymbolRow(rows.symbols + rows.symbol_plane, i, edge.y);
+      setSymbolRow(rows.symbols + 2 * rows.symbol_plane, i, edge.z);
+      before = index;
+    }
+    for (size_t c = 0; c < 3; ++c) drawEdges(tile, rows.symbols + c * rows.symbol_plane, job.edges + c * edges);
+    judgement.write(tile, job.worst);
+  });
+}
+
+/// The symbols of one plane, along the strand.
+struct Symbols {
+  const uint16_t* rows;
+  bool along;
+  Words mask, before = hn::Zero(WordTag());
+  HWY_INLINE Words next(size_t i) {
+    Words own = symbolRow(rows, i);
+    if (along) own = before = hn::And(hn::Add(own, before), mask);
+    return hn::And(own, mask);
+  }
+};
+
+void decodeDelta(const StrandDecoding& job, LaneRows& lane_rows) {
+  const Rows rows(lane_rows, job.geometry, job.run, 3, 3);
+  const LaneFrame frame(job.head);
+  const real step = lit(job.step);
+  const size_t edges = edgesOf(job.run);
+  forTiles(job.geometry, job.run, [&](const Tile& tile) {
+    for (size_t c = 0; c < 3; ++c)
+      pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
+    const real3 root = perStrand(tile, job.roots);
+    Words x = hn::ConvertTo(WordTag(), root.x.v), y = hn::ConvertTo(WordTag(), root.y.v),
+          z = hn::ConvertTo(WordTag(), root.z.v);
+    const Words mask = hn::Set(WordTag(), 0xffff);
+    Symbols along_x{rows.symbols, job.along_strand, mask};
+    Symbols along_y{rows.symbols + rows.symbol_plane, job.along_strand, mask};
+    Symbols along_z{rows.symbols + 2 * rows.symbol_plane, job.along_strand, mask};
+    for (size_t i = 0; i < tile.rows; ++i) {
+      if (i > 0) {
+        x = hn::Add(x, signedOf(along_x.next(i)));
+        y = hn::Add(y, signedOf(along_y.next(i)));
+        z = hn::Add(z, signedOf(along_z.next(i)));
+      }
+      const real3 local = makeReal3(realOf(x) * step, realOf(y) * step, realOf(z) * step);
+      setRow3(rows.numbers, i, frame.toWorld(local));
+    }
+    drawPositions(tile, rows.numbers, job.positions);
+  });
+}
+
+// ---- octahedral
+
+constexpr double kMaxSquaredEdge = 1e12;  // m^2, beyond any hair
+
+void encodeOctahedral(const StrandEncoding& job, LaneRows& lane_rows) {
+  const Rows rows(lane_rows, job.geometry, job.run, 4, 2);
+  const LaneFrame frame(job.head);
+  const real steps = lit((1 << job.bits) - 1);
+  const size_t edges = edgesOf(job.run);
+  float* const length_rows = rows.numbers + 3 * rows.plane;
+  forTiles(job.geometry, job.run, [&](const Tile& tile) {
+    pourPositions(tile, job.positions, rows.numbers);
+    pourLengths(tile, job.geometry, job.run, length_rows);
+    const Lengths lengths(tile);
+    Judgement judgement(frame, job.squared_limit, tile, job.worst);
+    real3 before = perStrand(tile, job.roots);
+    for (size_t i = 1; i < tile.rows; ++i) {
+      // Aimed from where the receiver has the vertex before: errors do not add up.
+      const real3 wanted = row3(rows.numbers, i), edge = frame.toHead(wanted) - before;
+      const real squared = edge.x * edge.x + (edge.y * edge.y + edge.z * edge.z);
+      const mask has_direction = squared > lit(0) && squared < lit(kMaxSquaredEdge);  // not where it is no number
+      const OctahedralPoint nearest = toOctahedral(edge, steps);
+      const OctahedralPoint point{select(has_direction, nearest.u, lit(0)),
+                                  select(has_direction, nearest.v, lit(0))};
+      setSymbolRow(rows.symbols, i, point.u);
+      setSymbolRow(rows.symbols + rows.symbol_plane, i, point.v);
+      before = before + fromOctahedral(point, steps) * row(length_rows, i);
+      judgement.look(lengths.has(i), before, wanted);
+    }
+    for (size_t c = 0; c < 2; ++c) drawEdges(tile, rows.symbols + c * rows.symbol_plane, job.edges + c * edges);
+    judgement.write(tile, job.worst);
+  });
+}
+
+void decodeOctahedral(const StrandDecoding& job, LaneRows& lane_rows) {
+  const Rows rows(lane_rows, job.geometry, job.run, 4, 2);
+  const LaneFrame frame(job.head);
+  const real steps = lit((1 << job.bits) - 1);
+  const size_t edges = edgesOf(job.run);
+  float* const length_rows = rows.numbers + 3 * rows.plane;
+  forTiles(job.geometry, job.run, [&](const Tile& tile) {
+    for (size_t c = 0; c < 2; ++c)
+      pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
+    pourLengths(tile, job.geometry, job.run, length_rows);
+    const Words mask = hn::Set(WordTag(), (1 << job.bits) - 1);
+    Symbols u{rows.symbols, job.along_strand, mask};
+    Symbols v{rows.symbols + rows.symbol_plane, job.along_strand, mask};
+    real3 at = perStrand(tile, job.roots);
+    setRow3(rows.numbers, 0, frame.toWorld(at));
+    for (size_t i = 1; i < tile.rows; ++i) {
+      const OctahedralPoint point{realOf(u.next(i)), realOf(v.next(i))};
+      at = at + fromOctahedral(point, steps) * row(length_rows, i);
+      setRow3(rows.numbers, i, frame.toWorld(at));
+    }
+    drawPositions(tile, rows.numbers, job.positions);
+  });
+}
+
+// ---- tangents
+
+/// Predicts the edges of a tile from their references.
+class Predictor {
+ public:
+  /// `planes`: 6 with a history, else 3.
+  Predictor(const GuideGeometry& geometry, const StrandRun& run, const TangentHistory* history, float* rows,
+            size_t plane)
+      : geometry_(geometry), run_(run), history_(history), rows_(rows), plane_(plane) {}
+  HWY_INLINE void take(const Tile& tile) {
+    if (history_) {
+      pourDirections(tile, history_->last.data(), rows_);
+      pourDirections(tile, history_->before.data(), rows_ + 3 * plane_);
+      return;
+    }
+    Streams<const float*> streams;  // per vertex, from the root on
+    for (size_t l = 0; l < tile.lanes; ++l)
+      streams.add(geometry_.directions[run_.first_vertex + tile.vertices[l]].data(), 3 * tile.counts[l]);
+    pour(streams, rows_);
+  }
+  HWY_INLINE real3 next(size_t i) {
+    real3 reference = row3(rows_, i);
+    if (history_) reference = unit((reference + reference) - row3(rows_ + 3 * plane_, i));
+    const real3 predicted = i == 1 ? reference : turned(reference, reference_, direction_);
+    reference_ = reference;
+    return predicted;
+  }
+  /// What became of the edge that was predicted.
+  HWY_INLINE void learn(const real3& direction) { direction_ = direction; }
+
+ private:
+  const GuideGeometry& geometry_;
+  const StrandRun& run_;
+  const TangentHistory* const history_;
+  float* const rows_;
+  const size_t plane_;
+  real3 reference_{}, direction_{};  // of the edge before
+};
+
+HWY_INLINE real atLeast(real a, double least) { return select(a > lit(least), a, lit(least)); }
+
+void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
+  const Rows rows(lane_rows, job.geometry, job.run, 10, 2);
+  const LaneFrame frame(job.head);
+  const real step = lit(job.step);
+  const size_t edges = edgesOf(job.run);
+  float* const length_rows = rows.numbers + 3 * rows.plane;
+  Predictor predictor(job.geometry, job.run, job.history, rows.numbers + 4 * rows.plane, rows.plane);
+  forTiles(job.geometry, job.run, [&](const Tile& tile) {
+    pourPositions(tile, job.positions, rows.numbers);
+    pourLengths(tile, job.geometry, job.run, length_rows);
+    predictor.take(tile);
+    const Lengths lengths(tile);
+    Judgement judgement(frame, job.squared_limit, tile, job.worst);
+    real3 at = perStrand(tile, job.roots);
+    for (size_t i = 1; i < tile.rows; ++i) {
+      const real3 wanted = row3(rows.numbers, i), way = frame.toHead(wanted) - at;
+      const real3 predicted = predictor.next(i);
+      real3 axis_u, axis_v;
+      axesAcross(predicted, axis_u, axis_v);
+      const real length = row(length_rows, i), long_enough = atLeast(length, kShortestEdge);
+      const real ahead = plainDot(way, predicted), scale = long_enough / (ahead * step);
+      const real u = plainDot(way, axis_u) * scale, v = plainDot(way, axis_v) * scale;
+      // Where it does not hold, as for numbers that are none, the strand is found to be off and sent as it is.
+      const mask holds =
+          ahead > lit(0.05f) * long_enough && abs(u) < lit(32767) && abs(v) < lit(32767);
+      const real whole_u = nearestWhole(select(holds, u, lit(0))), whole_v = nearestWhole(select(holds, v, lit(0)));
+      setSymbolRow(rows.symbols, i, whole_u);
+      setSymbolRow(rows.symbols + rows.symbol_plane, i, whole_v);
+      const real by = step / long_enough;
+      const real3 direction = unit((predicted + axis_u * (whole_u * by)) + axis_v * (whole_v * by));
+      at = at + direction * length;
+      judgement.look(lengths.has(i), at, wanted);
+      predictor.learn(direction);
+      setRow3(rows.numbers, i, direction);
+    }
+    for (size_t c = 0; c < 2; ++c) drawEdges(tile, rows.symbols + c * rows.symbol_plane, job.edges + c * edges);
+    if (job.directions) drawDirections(tile, rows.numbers, job.directions);
+    judgement.write(tile, job.worst);
+  });
+}
+
+void decodeTangents(const StrandDecoding& job, LaneRows& lane_rows) {
+  const Rows rows(lane_rows, job.geometry, job.run, 10, 2);
+  const LaneFrame frame(job.head);
+  const real step = lit(job.step);
+  const size_t edges = edgesOf(job.run);
+  float* const length_rows = rows.numbers + 3 * rows.plane;
+  float* const reference_rows = rows.numbers + 4 * rows.plane;
+  Predictor predictor(job.geometry, job.run, job.history, reference_rows, rows.plane);
+  forTiles(job.geometry, job.run, [&](const Tile& tile) {
+    for (size_t c = 0; c < 2; ++c)
+      pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
+    pourLengths(tile, job.geometry, job.run, length_rows);
+    predictor.take(tile);
+    real3 at = perStrand(tile, job.roots);
+    setRow3(rows.numbers, 0, frame.toWorld(at));
+    for (size_t i = 1; i < tile.rows; ++i) {
+      const real3 predicted = predictor.next(i);
+      real3 axis_u, axis_v;
+      axesAcross(predicted, axis_u, axis_v);
+      const real length = row(length_rows, i), by = step / atLeast(length, kShortestEdge);
+      const real u = realOf(signedOf(symbolRow(rows.symbols, i)));
+      const real v = realOf(signedOf(symbolRow(rows.symbols + rows.symbol_plane, i)));
+      const real3 direction = unit((predicted + axis_u * (u * by)) + axis_v * (v * by));
+      at = at + direction * length;
+      predictor.learn(direction);
+      setRow3(rows.numbers, i, frame.toWorld(at));
+      setRow3(reference_rows, i, direction);  // the reference is not needed any more
+    }
+    drawPositions(tile, rows.numbers, job.positions);
+    drawDirections(tile, reference_rows, job.directions);
+  });
+}

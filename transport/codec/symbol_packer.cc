@@ -1,0 +1,113 @@
+#include "transport/codec/symbol_packer.h"
+
+#include <bit>
+#include <cstring>
+
+namespace strandcast {
+namespace {
+
+constexpr int kLevel = 1;  // higher ones take several times as long for a few percent
+
+/// Small for small residuals of either sign; `residual` modulo 2^bits.
+uint16_t zigzag(uint32_t residual, int bits) {
+  const auto extended = static_cast<int32_t>(residual << (32 - bits)) >> (32 - bits);
+  return static_cast<uint16_t>((extended << 1 ^ extended >> 31) & ((1 << bits) - 1));
+}
+
+/// Bits of the residuals of some edges of a strand.
+uint64_t bitsOf(std::span<const uint16_t> edges, bool along, int bits) {
+  uint64_t sum = 0;
+  uint32_t before = 0;
+  for (const uint32_t own : edges) {
+    sum += static_cast<uint64_t>(std::bit_width(zigzag(along ? own - before : own, bits)));
+    before = own;
+  }
+  return sum;
+}
+
+/// A section's length in front of it.
+void putLength(size_t length, uint8_t* to) {
+  const auto value = static_cast<uint32_t>(length);
+  std::memcpy(to, &value, sizeof value);
+}
+
+}  // namespace
+
+SymbolPacker::SymbolPacker(const StrandCoder& coder) : fold_(coder.fold), context_(ZSTD_createCCtx()) {
+  // The receiver knows what comes out.
+  ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kLevel);
+  ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_contentSizeFlag, 0);
+}
+
+bool SymbolPacker::prefersAlongStrand(const GuideSymbols& symbols, const SymbolPrediction& prediction) {
+  // A few strands of one plane tell as much as all of them.
+  constexpr size_t kSampleEvery = 8;
+  const size_t count = symbols.edges.size() / static_cast<size_t>(symbols.edge_planes);
+  uint64_t bits[2] = {};
+  for (size_t s = 0; s < prediction.strand_ends.size(); s += kSampleEvery) {
+    const size_t first = s == 0 ? 0 : prediction.strand_ends[s - 1];
+    const size_t length = prediction.strand_ends[s] - first;
+    for (const bool along : {false, true}) {
+      for (size_t at = first; at < symbols.edges.size(); at += count)
+        bits[along ? 1 : 0] += bitsOf({symbols.edges.data() + at, length}, along, prediction.edge_bits);
+    }
+  }
+  return bits[1] < bits[0];
+}
+
+void SymbolPacker::foldEdges(const GuideSymbols& symbols, const SymbolPrediction& prediction, size_t roots) {
+  const size_t count = symbols.edges.size() / static_cast<size_t>(symbols.edge_planes);
+  const int bits = prediction.edge_bits;
+  for (size_t at = 0; at < symbols.edges.size(); at += count) {
+    const uint16_t* const plane = symbols.edges.data() + at;
+    uint8_t *const low = low_.data() + roots + at, *const high = high_.data() + roots + at;
+    fold_(plane, count, prediction.along_strand, bits, low, high);
+    if (!prediction.along_strand) continue;
+    // A strand's first edge has none before it.
+    for (const uint32_t first : prediction.strand_ends) {
+      if (first < count) fold_(plane + first, 1, false, bits, low + first, high + first);
+    }
+  }
+}
+
+void SymbolPacker::pack(const GuideSymbols& symbols, const SymbolPrediction& prediction,
+                        std::vector<uint8_t>& bytes) {
+  const size_t roots = symbols.roots.size(), count = roots + symbols.edges.size();
+  low_.resize(count);
+  high_.resize(count);
+  fold_(symbols.roots.data(), roots, false, 16, low_.data(), high_.data());
+  foldEdges(symbols, prediction, roots);
+  for (const std::vector<uint8_t>* plane : {&low_, &high_}) {
+    const size_t start = bytes.size();
+    bytes.resize(start + 4 + ZSTD_compressBound(count));
+    const size_t length = ZSTD_compress2(context_.get(), bytes.data() + start + 4, bytes.size() - start - 4,
+                                         plane->data(), count);
+    putLength(length, bytes.data() + start);
+    bytes.resize(start + 4 + length);
+  }
+}
+
+SymbolUnpacker::SymbolUnpacker(const StrandCoder& coder)
+    : unfold_(coder.unfold), context_(ZSTD_createDCtx()) {}
+
+bool SymbolUnpacker::unpack(std::span<const uint8_t> bytes, GuideSymbols& symbols) {
+  const size_t roots = symbols.roots.size(), count = roots + symbols.edges.size();
+  for (std::vector<uint8_t>* plane : {&low_, &high_}) {
+    uint32_t length = 0;
+    if (bytes.size() < sizeof length) return false;
+    std::memcpy(&length, bytes.data(), sizeof length);
+    bytes = bytes.subspan(sizeof length);
+    if (length > bytes.size()) return false;
+    plane->resize(count);
+    // Never writes more than there is room for; an error code is larger than any count.
+    if (ZSTD_decompressDCtx(context_.get(), plane->data(), count, bytes.data(), length) != count)
+      return false;
+    bytes = bytes.subspan(length);
+  }
+  if (!bytes.empty()) return false;
+  unfold_(low_.data(), high_.data(), roots, symbols.roots.data());
+  unfold_(low_.data() + roots, high_.data() + roots, symbols.edges.size(), symbols.edges.data());
+  return true;
+}
+
+}  // namespace strandcast
