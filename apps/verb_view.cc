@@ -115,7 +115,7 @@ int view(const Options& o) {
     if (subscriber.groom() != groom) {
       groom = subscriber.groom();
       const auto body = subscriber.body();
-      setPicture(renderer, o.picture, *groom, *body);
+      setScene(renderer, o.picture, *groom, *body);
       box = pictureBox(*groom, *body);
     }
     const auto frame = player.next();
