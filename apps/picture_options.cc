@@ -71,7 +71,8 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
       {"Camera", "from where"},
       {"Growth", "how the full head of hair follows the guides"},
       {"Light", "what shines on it"},
-      {"Shadow", "deep opacity maps of the hair beside a depth map of the body"}};
+      {"Shadow", "deep opacity maps of the hair beside a depth map of the body"},
+      {"Marks", "what there is to look for"}};
   app.add_option_function<std::string>(
          "--preset", [&options](const std::string& file) { readPresetOption(options, file); },
          "TOML file with any of the settings below, as the viewer saves it; options after it win")
@@ -105,7 +106,8 @@ void setScene(Renderer& renderer, const PictureOptions& options, const GroomDesc
               const BodyDescription& body) {
   renderer.setGroom(groom);
   renderer.setBody(body);
-  if (options.keep_out) renderer.setObstacles(hairObstacles(body));
+  const RenderSettings& settings = options.settings;
+  if (settings.keep_out || settings.marks.needBodies()) renderer.setObstacles(hairObstacles(body));
 }
 
 Camera pictureCamera(const PictureOptions& options, const Box& box) {

@@ -147,7 +147,7 @@ void addGrowth(std::vector<PictureSetting>& list) {
                         AT(settings.growth.curl_pitch)));
   list.push_back(flag(group, "keep-out",
                       "keep grown hair out of the body, whose distance field is baked for it once",
-                      AT(keep_out)));
+                      AT(settings.keep_out)));
   list.push_back(
       number(group, "clearance", "m", 0, 0.1, "that it keeps from the body", AT(settings.clearance)));
   list.push_back(file(group, "density-map",
@@ -194,6 +194,20 @@ void addShadow(std::vector<PictureSetting>& list) {
                         AT(settings.opacity.filter)));
 }
 
+void addMarks(std::vector<PictureSetting>& list) {
+  const char* group = "Marks";
+  list.push_back(flag(group, "mark-guides", "the guides' curves, a colour each", AT(settings.marks.guides)));
+  list.push_back(flag(group, "mark-tangents",
+                      "tangents of guides, 1 cm long: red, green, blue as they lie along x, y, z",
+                      AT(settings.marks.tangents)));
+  list.push_back(flag(group, "mark-collided",
+                      "vertices of guides that touch the body: yellow, red inside; bakes its field once",
+                      AT(settings.marks.collided)));
+  list.push_back(flag(group, "mark-inside",
+                      "vertices of grown hair inside the body (growth: compute); bakes its field once",
+                      AT(settings.marks.inside)));
+}
+
 #undef AT
 
 }  // namespace
@@ -201,7 +215,7 @@ void addShadow(std::vector<PictureSetting>& list) {
 const std::vector<PictureSetting>& pictureSettings() {
   static const std::vector<PictureSetting> list = [] {
     std::vector<PictureSetting> all;
-    for (const auto add : {addPicture, addCamera, addGrowth, addLight, addShadow}) add(all);
+    for (const auto add : {addPicture, addCamera, addGrowth, addLight, addShadow, addMarks}) add(all);
     return all;
   }();
   return list;

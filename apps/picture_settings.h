@@ -14,7 +14,6 @@ struct PictureOptions {
   RenderSettings settings;
   double azimuth = 25, elevation = 5;  ///< degrees; 0 looks at the face
   double zoom = 1;
-  bool keep_out = false;                             ///< grown hair of the body
   std::filesystem::path density_map, thickness_map;  ///< empty = none
 };
 

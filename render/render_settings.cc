@@ -49,7 +49,7 @@ OpacityLayers clipped(const OpacityLayers& layers) {
 
 const char* nameOf(RenderPass pass) {
   constexpr const char* kNames[] = {"guides", "growth", "solid-shadow", "hair-shadow", "background",
-                                    "body",   "ground", "hair",         "resolve"};
+                                    "body",   "ground", "hair",         "marks",       "resolve"};
   return kNames[static_cast<size_t>(pass)];
 }
 

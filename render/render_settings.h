@@ -5,6 +5,7 @@
 #include "core/geometry.h"
 #include "render/deep_opacity.h"
 #include "render/hair_growth.h"
+#include "render/mark_settings.h"
 #include "render/supersampling.h"
 
 namespace strandcast {
@@ -35,6 +36,7 @@ enum class RenderPass {
   kBody,
   kGround,
   kHair,
+  kMarks,   ///< RenderSettings::marks
   kResolve  ///< of samples, to the picture that is shown
 };
 inline constexpr RenderPass kLastPass = RenderPass::kResolve;
@@ -54,7 +56,9 @@ struct RenderSettings {
   GrowthPath growth_path = GrowthPath::kCompute;
   HairGeometry geometry = HairGeometry::kLines;
   LevelOfDetail detail;
-  int segments = 32;           ///< per hair, 1 to 256
+  int segments = 32;      ///< per hair, 1 to 256
+  bool keep_out = false;  ///< hair of the obstacles that the renderer is given
+  MarkSettings marks;
   float clearance = 1e-4f;     ///< m, that grown hair keeps from obstacles
   float hair_width = 120e-6f;  ///< m, drawn width, more than a hair's as 40,000 stand for 100,000; narrower
                                ///< than a pixel it covers that part of the pixel

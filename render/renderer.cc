@@ -9,6 +9,7 @@
 #include "render/body_pass.h"
 #include "render/framebuffer.h"
 #include "render/hair_pass.h"
+#include "render/marks.h"
 #include "render/pass_clock.h"
 #include "render/shadow_map.h"
 
@@ -18,6 +19,7 @@ namespace {
 constexpr float kMaxCoordinate = 1e3f;  // m; a guide farther out does not widen the shadow map
 
 constexpr double kLengthKept = 0.99;  // of hair of fewer segments
+constexpr float kTouching = 5e-5f;    // m, beyond its radius, at which a guide counts as touching
 constexpr float kShadowHairs = 8;     // times as many cast shadows as are drawn, up to all
 
 Box boundsOf(std::span<const Vec3> positions) {
@@ -118,6 +120,7 @@ struct Renderer::Impl {
     if (other_hair) hair->bodies().setObstacles(obstacles);
     if (other_nodes) nodes = std::make_unique<GuideNodes>(next.segments);
     hair->setClearance(next.clearance);
+    hair->keepOut(next.keep_out);
     settings = next;
     if (hair_moves) placeHair();
   }
@@ -266,6 +269,11 @@ struct Renderer::Impl {
       case RenderPass::kHair:
         drawHair();
         return;
+      case RenderPass::kMarks:
+        if (!settings.marks.any()) return;
+        beginPicture();
+        marks.draw(settings.marks, *nodes, *hair, hair_radius + kTouching);
+        return;
       case RenderPass::kResolve:
         picture->resolve();
         if (still) still->draw(picture->resolvedTexture());
@@ -299,6 +307,7 @@ struct Renderer::Impl {
   std::unique_ptr<HairPass> hair;
   std::vector<HairObstacle> obstacles;
   BodyPass body;
+  Marks marks;
   PassClock clock;
   gl::Buffer scene_buffer;
   float widest_line = 1;
@@ -307,6 +316,7 @@ struct Renderer::Impl {
   Pose head;
   Box rest_bounds;
   float longest_guide = 0;  // m
+  float hair_radius = 0;    // m, of the groom
   int least_segments = 1;
   // Of the picture that is being drawn.
   SceneBlock block{};
@@ -333,6 +343,7 @@ void Renderer::setGroom(const GroomDescription& groom) {
   if (guides.offsets.empty() || guides.offsets.back() != guides.positions.size())
     throw Error("a groom is damaged", groom.name, "its strands and its vertices do not fit together");
   impl_->rest_guides = guides;
+  impl_->hair_radius = groom.hair_radius;
   impl_->placeHair();
   impl_->longest_guide = 0;
   for (size_t g = 0; g < guides.strands(); ++g) {

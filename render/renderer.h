@@ -46,7 +46,8 @@ class Renderer {
   void setGroom(const GroomDescription& groom);
   /// A mesh without triangles draws no body.
   void setBody(const BodyDescription& body);
-  /// Bodies that grown hair is kept out of; none at first. Throws Error where a shape is not sound.
+  /// Bodies that grown hair is kept out of, or that are marked where it is not; none at first. Throws Error
+  /// where a shape is not sound.
   void setObstacles(std::vector<HairObstacle> obstacles);
   /// Draws into the renderer's own framebuffer. Leaves the default framebuffer bound.
   void draw(const GuideFrame& frame, const Camera& camera);

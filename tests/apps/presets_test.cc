@@ -50,7 +50,7 @@ TEST(Presets, WhatIsWrittenIsRead) {
   picture.settings.hair_width = 1.23456789e-4f;
   picture.settings.growth.interpolation = Interpolation::kSingleStrand;
   picture.settings.background = Vec3(0.1f, 0.2f, 0.3f);
-  picture.keep_out = true;
+  picture.settings.keep_out = true;
   picture.zoom = 2.5;
   picture.density_map = "a \"map\" \\ of.png";
   std::swap(picture.settings.passes[4], picture.settings.passes[7]);
@@ -75,7 +75,8 @@ TEST(Presets, WhatIsNotNamedStays) {
 
 TEST(Presets, MistakesAreSaidWithTheirLineAndChangeNothing) {
   for (const auto& [text, says] : std::vector<std::pair<std::string, std::string>>{
-           {"[picture]\nsamples = 2\nsampels = 2\n", "preset line 3, picture.sampels; did you mean 'samples'"},
+           {"[picture]\nsamples = 2\nsampels = 2\n",
+            "preset line 3, picture.sampels; did you mean 'samples'"},
            {"[picture]\nsamples = 99\n", "out of range"},
            {"[picture]\nsamples = 'many'\n", "not a number"},
            {"[picture]\ngeometry = \"tubes\"\n", "choose one of"},
