@@ -383,11 +383,11 @@ Image Renderer::read() {
   return image;
 }
 
-void Renderer::present(int window_width, int window_height) {
-  if (window_width <= 0 || window_height <= 0) return;
+void Renderer::present(int left, int below, int width, int height) {
+  if (width <= 0 || height <= 0) return;
   glDisable(GL_FRAMEBUFFER_SRGB);  // the picture is stored as it is shown
-  glBlitNamedFramebuffer(impl_->shownFramebuffer(), 0, 0, 0, impl_->settings.width, impl_->settings.height, 0,
-                         0, window_width, window_height, GL_COLOR_BUFFER_BIT, GL_LINEAR);
+  glBlitNamedFramebuffer(impl_->shownFramebuffer(), 0, 0, 0, impl_->settings.width, impl_->settings.height,
+                         left, below, left + width, below + height, GL_COLOR_BUFFER_BIT, GL_LINEAR);
 }
 
 RenderStatistics Renderer::statistics() const {

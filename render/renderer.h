@@ -53,8 +53,9 @@ class Renderer {
   void draw(const GuideFrame& frame, const Camera& camera);
   /// Copies the last picture out.
   Image read();
-  /// Copies the last picture to the default framebuffer of a window, stretched to its size.
-  void present(int window_width, int window_height);
+  /// Copies the last picture to a part of the default framebuffer, stretched to its size; pixels, from the
+  /// left and from below.
+  void present(int left, int below, int width, int height);
   /// Waits for the newest picture.
   RenderStatistics statistics() const;
 
