@@ -82,9 +82,10 @@ Scene makeSceneAloud(SceneOptions options) {
   return scene;
 }
 
-EmbeddedDaemon::EmbeddedDaemon(const Settings& settings) {
+EmbeddedDaemon::EmbeddedDaemon(const Settings& settings, SimulationObserver observer) {
   std::tie(publisher_, subscriber_) = makeInProcessChannel(settings.groom_id);
   daemon_ = std::make_unique<Daemon>(settings, makeSceneAloud(settings.scene), *publisher_, newSession());
+  daemon_->setObserver(std::move(observer));
   daemon_->announce();
   thread_ = std::thread([this] { daemon_->run(stop_); });
 }
@@ -94,9 +95,9 @@ EmbeddedDaemon::~EmbeddedDaemon() {
   thread_.join();
 }
 
-Stream::Stream(const Settings& settings, bool here, double timeout) {
+Stream::Stream(const Settings& settings, bool here, double timeout, SimulationObserver observer) {
   if (here)
-    embedded_ = std::make_unique<EmbeddedDaemon>(settings);
+    embedded_ = std::make_unique<EmbeddedDaemon>(settings, std::move(observer));
   else
     remote_ = subscribe(settings);
   if (!subscriber().waitForGroom(std::chrono::milliseconds(static_cast<int>(1000 * timeout))))

@@ -1,5 +1,6 @@
 #pragma once
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <thread>
 
@@ -16,12 +17,15 @@ std::unique_ptr<Subscriber> subscribe(const Settings& settings);
 /// Joins the network as the daemon of settings.groom_id; an Error when another daemon has that id.
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session);
 
+/// Looks at a simulation after each frame, in the daemon's thread.
+using SimulationObserver = std::function<void(Simulation&)>;
+
 /// A daemon in a thread of this process, cast over the in-process channel: what `strandcast view --scene`
 /// runs on.
 class EmbeddedDaemon {
  public:
   /// Makes the scene first, with a progress bar; throws Error.
-  explicit EmbeddedDaemon(const Settings& settings);
+  explicit EmbeddedDaemon(const Settings& settings, SimulationObserver observer = {});
   ~EmbeddedDaemon();
   Subscriber& subscriber() { return *subscriber_; }
 
@@ -38,7 +42,8 @@ class EmbeddedDaemon {
 class Stream {
  public:
   /// Waits until groom and body are known; throws Error after `timeout` seconds.
-  Stream(const Settings& settings, bool here, double timeout);
+  /// `observer` is called where the daemon is in this process.
+  Stream(const Settings& settings, bool here, double timeout, SimulationObserver observer = {});
   Subscriber& subscriber() { return embedded_ ? embedded_->subscriber() : *remote_; }
 
  private:

@@ -1,14 +1,6 @@
-#define TOML_HEADER_ONLY 1
-#include <stdexcept>
-
-// toml++ 3.3 asserts on some malformed keys; a configuration file must never end the program.
-[[noreturn, maybe_unused]] static void refuseMalformedText() { throw std::invalid_argument("malformed text"); }
-#define TOML_ASSERT(condition) ((condition) ? static_cast<void>(0) : refuseMalformedText())
-#define TOML_ASSERT_ASSUME(condition) TOML_ASSERT(condition)
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <toml++/toml.h>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -17,6 +9,7 @@
 #include <sstream>
 
 #include "apps/settings.h"
+#include "apps/toml.h"
 #include "core/error.h"
 #include "transport/dds.h"
 
@@ -333,56 +326,13 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   });
 }
 
-/// Where the string whose opening quote is at `at` ends; where its line does when it is not closed.
-size_t endOfString(const std::string& text, size_t at) {
-  const std::string quote(text.compare(at, 3, std::string(3, text[at])) == 0 ? 3 : 1, text[at]);
-  for (size_t i = at + quote.size(); i < text.size(); ++i) {
-    if (text[i] == '\\' && quote[0] == '"') {
-      ++i;
-    } else if (text.compare(i, quote.size(), quote) == 0) {
-      return i + quote.size();
-    } else if (text[i] == '\n' && quote.size() == 1) {
-      return i;
-    }
-  }
-  return text.size();
-}
-
-/// TOML has other characters than ASCII in strings and comments alone; behind a value, toml++ 3.0 runs into code
-/// that it calls unreachable.
-void refuseBareUnicode(const std::string& text, const std::string& name) {
-  const std::string byte_order_mark = "\xef\xbb\xbf";
-  int line = 1;
-  for (size_t i = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0; i < text.size();) {
-    const char c = text[i];
-    if (static_cast<unsigned char>(c) >= 0x80) {
-      throw Error("not valid TOML: a character that is not ASCII", fmt::format("{} line {}", name, line),
-                  "put names and paths that have one in quotes");
-    }
-    const size_t end = c == '#'                ? std::min(text.find('\n', i), text.size())
-                       : c == '"' || c == '\'' ? endOfString(text, i)
-                                               : i + 1;
-    line += static_cast<int>(std::count(text.begin() + static_cast<ptrdiff_t>(i),
-                                        text.begin() + static_cast<ptrdiff_t>(end), '\n'));
-    i = end;
-  }
-}
-
 }  // namespace
 
 void readConfigText(const std::string& text, const std::string& name, Settings& settings) {
-  refuseBareUnicode(text, name);
-  try {
-    const toml::table table = toml::parse(text, name);
-    Section root(table, "", name);
-    readSections(root, std::filesystem::path(name).parent_path(), settings);
-    root.refuseRest();
-  } catch (const toml::parse_error& error) {
-    throw Error("not valid TOML: " + std::string(error.description()),
-                fmt::format("{} line {}", name, error.source().begin.line), "");
-  } catch (const std::invalid_argument& error) {
-    throw Error("not valid TOML: " + std::string(error.what()), name, "check its keys");
-  }
+  const toml::table table = parsedToml(text, name);
+  Section root(table, "", name);
+  readSections(root, std::filesystem::path(name).parent_path(), settings);
+  root.refuseRest();
 }
 
 std::string configText(const std::filesystem::path& file) {

@@ -17,8 +17,10 @@ namespace strandcast {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr size_t kStepWindow = 1200;            // steps that the timing statistics look back on
-constexpr double kStatusInterval = 0.5;         // s
+constexpr size_t kStepWindow = 1200;     // steps that the timing statistics look back on
+constexpr double kStatusInterval = 0.5;  // s
+constexpr double kPullSeconds = 1;       // of simulation, after which a hand lets go that nobody moves
+constexpr int kMostStepsAsked = 1000;
 constexpr double kRampedHeadPoseSeconds = 0.2;  // a commanded head pose is reached in this time, smoothly
 
 double milliseconds(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
@@ -36,6 +38,16 @@ HeadMotion rampTo(const Pose& from, const Pose& to) {
     const double t = std::clamp(seconds / kRampedHeadPoseSeconds, 0.0, 1.0);
     return interpolate(from, to, static_cast<float>(t * t * (3 - 2 * t)));
   };
+}
+
+/// The one value of a command.
+int wholeNumber(const Command& command, int low, int high) {
+  const bool one = command.values.size() == 1;
+  if (!one || !(command.values[0] >= low && command.values[0] <= high) ||
+      std::fmod(command.values[0], 1) != 0)
+    throw Error(fmt::format("give one whole number from {} to {}", low, high),
+                fmt::format("command {}", command.id), "");
+  return static_cast<int>(command.values[0]);
 }
 
 }  // namespace
@@ -118,8 +130,29 @@ void Daemon::apply(const Command& command) {
     case CommandKind::kShutdown:
       shutdown_ = true;
       return;
+    case CommandKind::kPause:
+      paused_ = wholeNumber(command, 0, 1) == 1;
+      return;
+    case CommandKind::kStep:
+      if (!paused_) throw Error("only a paused simulation takes single steps", where, "pause it first");
+      steps_asked_ = wholeNumber(command, 1, kMostStepsAsked);
+      return;
+    case CommandKind::kPull:
+      pull(command);
+      return;
   }
   throw Error("unknown kind of command", where, "is the sender newer than this daemon?");
+}
+
+void Daemon::pull(const Command& command) {
+  const auto& v = command.values;
+  if (v.empty()) return simulation_.letGo();
+  if (v.size() != 8)
+    throw Error("a pull takes 8 numbers", fmt::format("command {}", command.id),
+                "where it closes, radius, where it is, rate; none lets go");
+  const auto at = [&](size_t i) { return Vec3(Eigen::Vector3d(v[i], v[i + 1], v[i + 2]).cast<float>()); };
+  simulation_.pullHair(at(0), static_cast<float>(v[3]), at(4), static_cast<float>(v[7]));
+  pull_until_ = simulation_.time() + kPullSeconds;
 }
 
 void Daemon::obey(const Command& command) {
@@ -131,6 +164,7 @@ void Daemon::obey(const Command& command) {
 
 void Daemon::advance() {
   const Clock::time_point start = Clock::now();
+  if (simulation_.pulledVertices() > 0 && simulation_.time() > pull_until_) simulation_.letGo();
   simulation_.setHeadPose(motion_(simulation_.time() + simulation_.parameters().time_step - motion_start_));
   simulation_.step();
   status_.strands_reset +=
@@ -154,6 +188,7 @@ void Daemon::publishFrame() {
                                                   .count());
   publisher_.publish(frame_);
   status_.frames = frame_.frame;
+  if (observer_) observer_(simulation_);
 }
 
 void Daemon::publishStatus() {
@@ -173,6 +208,11 @@ void Daemon::publishStatus() {
 bool Daemon::castFrame(const std::atomic<bool>& stop) {
   while (const std::optional<Command> command = publisher_.takeCommand()) obey(*command);
   const double step = simulation_.parameters().time_step;
+  for (; steps_asked_ > 0 && !stop; --steps_asked_) advance();
+  if (paused_) {
+    publishFrame();
+    return true;
+  }
   for (owed_ += 1 / settings_.rate; owed_ > step * (1 - 1e-6); owed_ -= step) {
     if (stop) return false;
     advance();

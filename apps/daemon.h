@@ -31,10 +31,13 @@ class Daemon {
   /// What run() does for each frame: obeys commands, steps to its time, publishes it. False when `stop` came
   /// first.
   bool castFrame(const std::atomic<bool>& stop);
+  /// Called in the thread of run() after each frame, with the simulation as the frame has it.
+  void setObserver(std::function<void(Simulation&)> observer) { observer_ = std::move(observer); }
 
  private:
   void obey(const Command& command);
   void apply(const Command& command);
+  void pull(const Command& command);
   void advance();
   void publishFrame();
   void publishStatus();
@@ -53,6 +56,10 @@ class Daemon {
   size_t step_count_ = 0;
   double owed_ = 0;  ///< s of simulation time
   bool shutdown_ = false;
+  bool paused_ = false;
+  int steps_asked_ = 0;    ///< while paused
+  double pull_until_ = 0;  ///< s of simulation time
+  std::function<void(Simulation&)> observer_;
 };
 
 /// A number that names one start of a daemon: never 0, different each time.

@@ -1,7 +1,5 @@
 #pragma once
-#include <filesystem>
-#include <vector>
-
+#include "apps/picture_settings.h"
 #include "render/renderer.h"
 
 namespace CLI {
@@ -10,25 +8,14 @@ class App;
 
 namespace strandcast {
 
-/// What `render`, `compare` and `view` have in common: how the picture looks and from where.
-struct PictureOptions {
-  RenderSettings settings;
-  double azimuth = 25, elevation = 5;  ///< degrees; 0 looks at the face
-  double zoom = 1;
-  std::vector<float> hair_color;                     ///< red green blue, linear; empty = the settings' own
-  std::vector<float> lock_profile;                   ///< root, middle, tip; empty = the settings' own
-  bool keep_out = false;                             ///< grown hair of the body
-  std::filesystem::path density_map, thickness_map;  ///< empty = none
-};
+/// Every setting of pictures as an option, with help, and --preset.
 void addPictureOptions(CLI::App& app, PictureOptions& options);
-/// The settings with every option laid over them. Throws Error where a map cannot be read.
-RenderSettings renderSettings(const PictureOptions& options);
 
 /// The box that pictures frame: of the hair, and of the body around it.
 Box pictureBox(const GroomDescription& groom, const BodyDescription& body);
 /// Tells the renderer what it draws.
-void setPicture(Renderer& renderer, const PictureOptions& options, const GroomDescription& groom,
-                const BodyDescription& body);
+void setScene(Renderer& renderer, const PictureOptions& options, const GroomDescription& groom,
+              const BodyDescription& body);
 /// Looks at `box` from where the options say.
 Camera pictureCamera(const PictureOptions& options, const Box& box);
 

@@ -67,6 +67,9 @@ void Replay::apply(const Command& command) {
       return;
     case CommandKind::kHeadPose:
     case CommandKind::kHeadMotion:
+    case CommandKind::kPause:
+    case CommandKind::kStep:
+    case CommandKind::kPull:
       break;
   }
   throw Error("a recording does not obey this", fmt::format("command {}", command.id),

@@ -172,6 +172,19 @@ Verb addCtl(CLI::App& app) {
       ->required();
   verb("reset", "put the hair back to its rest shape",
        [o] { return sendCommand(*o, CommandKind::kReset, "", {}); });
+  verb("pause", "hold the simulation; frames go on being sent",
+       [o] { return sendCommand(*o, CommandKind::kPause, "", {1}); });
+  verb("go", "let it go on", [o] { return sendCommand(*o, CommandKind::kPause, "", {0}); });
+  verb("step", "single steps while it is paused",
+       [o] { return sendCommand(*o, CommandKind::kStep, "", o->values); })
+      ->add_option("STEPS", o->values, "1 to 1000")
+      ->expected(1)
+      ->required();
+  verb("pull", "a hand in the hair for a second; without numbers it lets go",
+       [o] { return sendCommand(*o, CommandKind::kPull, "", o->values); })
+      ->add_option("X Y Z RADIUS TOX TOY TOZ RATE", o->values,
+                   "where it closes, m, about what, m, where it pulls to, m, and how hard, 1/s")
+      ->expected(0, 8);
   verb("stop", "end the daemon", [o] { return sendCommand(*o, CommandKind::kShutdown, "", {}); });
   return [run] { return (*run)(); };
 }

@@ -8,9 +8,9 @@
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
+#include "apps/stream_recording.h"
 #include "apps/verbs.h"
 #include "core/error.h"
-#include "transport/recording/recorder.h"
 
 namespace strandcast {
 namespace {
@@ -25,50 +25,31 @@ struct Options {
   bool json = false;
 };
 
-/// The groom that a frame is of, once it is complete here.
-bool describe(Subscriber& subscriber, const GuideFrame& frame, Recorder& recorder) {
-  const auto groom = subscriber.groom();
-  const auto body = subscriber.body();
-  const auto fits = [&](const auto& description) {
-    return description && description->session == frame.session && description->revision == frame.revision;
-  };
-  if (!fits(groom) || !fits(body)) return false;
-  recorder.setGroom(*groom, *body);
-  return true;
-}
-
 int record(const Options& o) {
   const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
   RecordingOptions options;
   options.groom_id = o.network.groom_id;
   options.codec = {codecNamed(o.codec, "--codec"), static_cast<float>(1e-3 * o.codec_error_mm)};
-  Recorder recorder(o.file, options);
-  uint64_t session = 0, newest = 0, skipped = 0;
-  uint32_t revision = 0;
+  StreamRecording recording(*subscriber, o.file, options);
+  const Recorder& recorder = recording.recorder();
   auto heard = std::chrono::steady_clock::now();
   {
     ProgressBar bar;
     while (!g_interrupted && (o.seconds == 0 || recorder.seconds() < o.seconds - 1e-6)) {
-      const auto frame = subscriber->waitForFrame(newest, std::chrono::milliseconds(100));
+      const bool came = recording.take(std::chrono::milliseconds(100));
       const auto now = std::chrono::steady_clock::now();
-      if (!frame) {
+      if (!came) {
         if (std::chrono::duration<double>(now - heard).count() > o.timeout) break;
         continue;
       }
       heard = now;
-      const bool is_new = frame->session != session || frame->revision != revision;
-      if (!is_new && frame->frame > newest + 1) skipped += frame->frame - newest - 1;
-      newest = frame->frame;
-      if (is_new && !describe(*subscriber, *frame, recorder)) continue;
-      session = frame->session;
-      revision = frame->revision;
-      recorder.addFrame(*frame);
       bar.show(fmt::format("{:.1f} s, {:.1f} MB", recorder.seconds(),
                            1e-6 * static_cast<double>(recorder.bytes())),
                o.seconds > 0 ? recorder.seconds() / o.seconds : 0);
     }
   }
-  recorder.close();
+  recording.close();
+  const uint64_t skipped = recording.skipped();
   if (recorder.frames() == 0 && !g_interrupted)
     throw Error("no frame came", fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
                 "start strandcastd, or check --domain and --groom-id");

@@ -199,7 +199,7 @@ int render(const Options& o) {
       if (subscriber.groom() != groom) {
         groom = subscriber.groom();
         const auto body = subscriber.body();
-        setPicture(renderer, o.picture, *groom, *body);
+        setScene(renderer, o.picture, *groom, *body);
         box = pictureBox(*groom, *body);
       }
       if (const auto now = subscriber.status()) status = now;

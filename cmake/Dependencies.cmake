@@ -1,4 +1,4 @@
-# Everything comes from Debian's packages (./dev setup). GL, DDS, LCM and GLFW may be missing: that part is then switched off,
+# Everything comes from Debian's packages (./dev setup). GL, DDS, LCM, GLFW and Dear ImGui may be missing: that part is then switched off,
 # said so here and in `strandcast info --backends`, and the rest still builds.
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
@@ -20,6 +20,7 @@ pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(EPOXY IMPORTED_TARGET epoxy)
 pkg_check_modules(EGL IMPORTED_TARGET egl)
 find_package(glfw3 QUIET)
+pkg_check_modules(IMGUI IMPORTED_TARGET imgui)  # with its GLFW and OpenGL backends, of the window
 find_package(fastrtps QUIET)
 find_package(fastcdr QUIET)
 find_program(FASTDDSGEN fastddsgen)

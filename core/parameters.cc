@@ -13,9 +13,6 @@ namespace {
 
 struct Entry {
   ParameterInfo info;
-  double low, high;
-  bool whole;
-  int multiple;  ///< of whole numbers
   std::function<double(const Parameters&, int)> get;
   std::function<void(Parameters&, int, double)> set;
 };
@@ -23,21 +20,13 @@ struct Entry {
 template <class T>
 Entry scalar(const char* name, const char* unit, double low, double high, const char* range, const char* help,
              T Parameters::*member, int multiple = 1) {
-  return {{name, unit, range, help, 1},
-          low,
-          high,
-          std::is_integral_v<T>,
-          multiple,
+  return {{name, unit, range, help, 1, low, high, std::is_integral_v<T>, multiple},
           [=](const Parameters& p, int) { return static_cast<double>(p.*member); },
           [=](Parameters& p, int, double v) { p.*member = static_cast<T>(v); }};
 }
 
 Entry vector(const char* name, const char* unit, const char* help, double limit, Vec3 Parameters::*member) {
-  return {{name, unit, fmt::format("each within +-{:g}", limit), help, 3},
-          -limit,
-          limit,
-          false,
-          1,
+  return {{name, unit, fmt::format("each within +-{:g}", limit), help, 3, -limit, limit, false},
           [=](const Parameters& p, int c) { return static_cast<double>((p.*member)[c]); },
           [=](Parameters& p, int c, double v) { (p.*member)[c] = static_cast<float>(v); }};
 }
@@ -106,11 +95,12 @@ const Entry& entry(const std::string& name, const std::string& where) {
 }
 
 void checkRange(const Entry& e, const std::vector<double>& value, const std::string& where) {
+  const ParameterInfo& info = e.info;
   for (double v : value) {
-    if (!std::isfinite(v) || v < e.low * (1 - 1e-6) - 1e-12 || v > e.high * (1 + 1e-6) ||
-        (e.whole && std::fmod(v, e.multiple) != 0))
-      throw Error(fmt::format("'{}' = {} is out of range", e.info.name, v), where,
-                  fmt::format("give {}{} {}", e.whole ? "a whole number, " : "", e.info.range, e.info.unit));
+    if (!std::isfinite(v) || v < info.low * (1 - 1e-6) - 1e-12 || v > info.high * (1 + 1e-6) ||
+        (info.whole && std::fmod(v, info.multiple) != 0))
+      throw Error(fmt::format("'{}' = {} is out of range", info.name, v), where,
+                  fmt::format("give {}{} {}", info.whole ? "a whole number, " : "", info.range, info.unit));
   }
 }
 

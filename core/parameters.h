@@ -51,7 +51,10 @@ struct ParameterInfo {
   std::string unit;   ///< e.g. "1/s"
   std::string range;  ///< e.g. "0 or more"
   std::string help;
-  int components;  ///< 1, or 3 for vectors
+  int components;    ///< 1, or 3 for vectors
+  double low, high;  ///< of each component
+  bool whole;
+  int multiple = 1;  ///< of which whole numbers are
 };
 const std::vector<ParameterInfo>& parameterList();
 

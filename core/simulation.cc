@@ -223,12 +223,38 @@ StepInput Simulation::nextInput() {
 void Simulation::step() {
   StepInput input = nextInput();
   if (surrounded_) surroundings_->step(input, *backend_);
+  if (pull_) addPull(input);
   backend_->step(input);
   std::swap(roots_begin_, roots_end_);
   bones_begin_ = bones_end_;
   for (PlacedBody& body : bodies_) body.begin = body.end;
   time_ += parameters_.time_step;
   ++steps_;
+}
+
+void Simulation::pullHair(const Vec3& from, float radius, const Vec3& to, float rate) {
+  const bool sound =
+      from.allFinite() && to.allFinite() && radius >= 0 && radius <= 10 && rate >= 0 && rate <= 1000;
+  if (!sound)
+    throw Error("hair cannot be pulled so", "Simulation::pullHair",
+                "give finite places, a radius of 0 to 10 m and a rate of 0 to 1000 1/s");
+  if (!backend_->takesAccelerations())
+    throw Error("hair cannot be pulled on this backend", backend_->name(), "choose simd, gpu or reference");
+  if (!pull_ || !pull_->closedAt(from, radius)) pull_.emplace(model_, guides(), from, radius);
+  pull_->moveTo(to, rate);
+  backend_->expectAccelerations();
+  pull_accelerations_.resize(model_.vertices());
+}
+
+void Simulation::addPull(StepInput& input) {
+  if (surrounded_) {
+    const std::span<const Vec3> others = surroundings_->accelerations();
+    std::copy(others.begin(), others.end(), pull_accelerations_.begin());
+  } else {
+    std::fill(pull_accelerations_.begin(), pull_accelerations_.end(), Vec3::Zero());
+  }
+  pull_->addTo(pull_accelerations_, guides(), backend_->velocities(), parameters_.time_step);
+  input.accelerations = pull_accelerations_;
 }
 
 bool needsSurroundings(const Parameters& p) {

@@ -1,9 +1,11 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/backend.h"
+#include "core/hair_pull.h"
 #include "core/measure.h"
 #include "core/strand_order.h"
 #include "core/surroundings.h"
@@ -58,6 +60,13 @@ class Simulation {
   void removeBody(BodyId body);
   size_t bodies() const { return bodies_.size(); }
 
+  /// Draws hair to a hand that closes at `from` and is at `to` from the next step on (HairPull). The same
+  /// `from` and `radius` as before move the hand; others close it anew. `radius` 0 to 10 m, `rate` 0 to 1000
+  /// 1/s. Error where a number is out of range or not finite, or on a backend that takes no accelerations.
+  void pullHair(const Vec3& from, float radius, const Vec3& to, float rate);
+  void letGo() { pull_.reset(); }
+  size_t pulledVertices() const { return pull_ ? pull_->vertices() : 0; }
+
   /// Error: see checkParameters and the constructor.
   void setParameters(const Parameters& parameters);
   const Parameters& parameters() const { return parameters_; }
@@ -107,6 +116,7 @@ class Simulation {
   PlacedBody placed(RigidBody body, const char* where);
   /// The rest shape where roots and bones are now, at rest.
   StrandState restNow() const;
+  void addPull(StepInput& input);
   /// Readies surroundings and backend for settings that need them; says whether they do. Throws Error.
   bool configureSurroundings(const Parameters& parameters);
 
@@ -117,7 +127,9 @@ class Simulation {
   Parameters parameters_;
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<Surroundings> surroundings_;
-  bool surrounded_ = false;                    ///< the settings need them
+  bool surrounded_ = false;  ///< the settings need them
+  std::optional<HairPull> pull_;
+  std::vector<Vec3> pull_accelerations_;       ///< of all that acts while a hand pulls
   std::vector<Pose> bones_begin_, bones_end_;  ///< of the model's bones
   std::vector<Pose> roots_begin_, roots_end_;
   std::vector<float> lengths_;  ///< of strands at rest, m

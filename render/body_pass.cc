@@ -88,9 +88,7 @@ void BodyPass::drawBody(const Pose& head) const { drawMesh(body_, head); }
 void BodyPass::drawBackground() const {
   background_.use();
   glBindVertexArray(empty_vertices_);
-  glDisable(GL_DEPTH_TEST);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  glEnable(GL_DEPTH_TEST);
+  glDrawArrays(GL_TRIANGLES, 0, 3);  // at the far end: whatever was drawn before stays
   glBindVertexArray(0);
 }
 

@@ -19,6 +19,8 @@ struct OpacityLayers {
   float depth = 0.12f;  ///< m, of all layers together, unless they are to reach
   int map_size = 512;   ///< texels a side, 16 to 8192
   int filter = 0;       ///< texels to either side that are averaged beyond bilinear filtering, 0 to 4
+
+  bool operator==(const OpacityLayers&) const = default;
 };
 
 constexpr int kMostOpacityLayers = 15;

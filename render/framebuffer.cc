@@ -81,6 +81,12 @@ PictureBuffer::~PictureBuffer() {
   glDeleteRenderbuffers(2, renderbuffers_);
 }
 
+void PictureBuffer::clear() const {
+  const float black[4] = {0, 0, 0, 1}, far_depth = 1;
+  glClearNamedFramebufferfv(drawing_, GL_COLOR, 0, black);
+  glClearNamedFramebufferfv(drawing_, GL_DEPTH, 0, &far_depth);
+}
+
 void PictureBuffer::bindForDrawing() const {
   glBindFramebuffer(GL_FRAMEBUFFER, drawing_);
   glViewport(0, 0, width_, height_);

@@ -59,6 +59,7 @@ class PictureBuffer {
   PictureBuffer& operator=(const PictureBuffer&) = delete;
 
   int samples() const { return samples_; }
+  void clear() const;  ///< depth to the far end, colour to black
   void bindForDrawing() const;
   void resolve() const;
   GLuint resolvedFramebuffer() const { return resolved_.id(); }

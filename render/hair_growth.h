@@ -62,6 +62,8 @@ struct HairGrowth {
   std::shared_ptr<const ScalpMap> density{};    ///< part of the hairs that grow; null = all
   std::shared_ptr<const ScalpMap> thickness{};  ///< factor of their width; null = 1
   uint64_t seed = 1;
+
+  bool operator==(const HairGrowth&) const = default;
 };
 
 /// What the shaders know of all hairs at once: the std140 block of shaders/hair_curve.glsl, field for field.

@@ -61,13 +61,22 @@ void HairPass::setHairs(std::vector<Hair> hairs, const Vec3& lock_profile) {
 }
 
 void HairPass::grow(const GuideNodes& nodes, const HairDetail& detail) {
-  block_.segments = static_cast<uint32_t>(nodes.segments());
-  block_.bodies = static_cast<uint32_t>(bodies_.obstacles());
-  block_buffer_.write(std::span<const GrowthBlock>(&block_, 1));
+  writeBlock(nodes, keep_out_ ? bodies_.obstacles() : 0);
   bindHair(nodes);
   if (block_.bodies > 0) bodies_.find(detail.hairs, nodes.segments());
   if (path_ == GrowthPath::kCompute)
     vertices_.grow(detail.hairs, nodes.segments(), detail.node_stride, block_.bodies > 0);
+}
+
+void HairPass::writeBlock(const GuideNodes& nodes, size_t bodies) {
+  block_.segments = static_cast<uint32_t>(nodes.segments());
+  block_.bodies = static_cast<uint32_t>(bodies);
+  block_buffer_.write(std::span<const GrowthBlock>(&block_, 1));
+}
+
+void HairPass::bindForMarks(const GuideNodes& nodes) {
+  writeBlock(nodes, bodies_.obstacles());
+  bindHair(nodes);
 }
 
 void HairPass::bindHair(const GuideNodes& nodes) const {

@@ -26,6 +26,8 @@ class HairPass {
   void setHairs(std::vector<Hair> hairs, const Vec3& lock_profile);
   /// What the hair is kept out of and how far, m.
   HairBodies& bodies() { return bodies_; }
+  /// Or lets it in: then they are only there for marks.
+  void keepOut(bool keep) { keep_out_ = keep; }
   void setClearance(float clearance) { block_.clearance = clearance; }
   const std::vector<Hair>& hairs() const { return hairs_; }
   HairDetail all() const { return detailOfPart(hairs_, 1); }
@@ -42,6 +44,8 @@ class HairPass {
   /// Makes `program` (of tessellatedStages) current with the buffers and uniforms for what `detail` has.
   void bind(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail) const;
   void drawPatches(const GuideNodes& nodes, const HairDetail& detail) const;
+  /// Binds guides, hairs and obstacles, whether hair is kept out of them or not.
+  void bindForMarks(const GuideNodes& nodes);
   /// Grown last, by kCompute.
   const HairVertices& vertices() const { return vertices_; }
   size_t bytes() const {
@@ -54,6 +58,7 @@ class HairPass {
     gl::Program front, opacity, color;
   };
   static Programs makePrograms(GrowthPath path, HairGeometry geometry);
+  void writeBlock(const GuideNodes& nodes, size_t bodies);
   void bindHair(const GuideNodes& nodes) const;
   void drawGrown(const gl::Program& program, size_t count, bool strips) const;
 
@@ -61,6 +66,7 @@ class HairPass {
   HairGeometry geometry_;
   std::vector<Hair> hairs_;
   GrowthBlock block_{};
+  bool keep_out_ = true;
   gl::Buffer hair_buffer_, block_buffer_;
   HairVertices vertices_;
   HairBodies bodies_;

@@ -1,9 +1,11 @@
 #pragma once
 #include <cstdint>
+#include <vector>
 
 #include "core/geometry.h"
 #include "render/deep_opacity.h"
 #include "render/hair_growth.h"
+#include "render/mark_settings.h"
 #include "render/supersampling.h"
 
 namespace strandcast {
@@ -24,6 +26,25 @@ struct LevelOfDetail {
   float longest_segment = 1;  ///< pixels: so many segments are left out as leave them shorter
 };
 
+/// What is done for a picture. Where a pass is left out, what follows sees what it left the time before.
+enum class RenderPass {
+  kGuides,       ///< the guides' curves, for kGrowth
+  kGrowth,       ///< hair from guides, for every pass that draws hair
+  kSolidShadow,  ///< depth of solids from the light
+  kHairShadow,   ///< front and opacity layers of the hair from the light
+  kBackground,
+  kBody,
+  kGround,
+  kHair,
+  kMarks,   ///< RenderSettings::marks
+  kResolve  ///< of samples, to the picture that is shown
+};
+inline constexpr RenderPass kLastPass = RenderPass::kResolve;
+/// e.g. "hair-shadow".
+const char* nameOf(RenderPass pass);
+/// All, in the order above.
+std::vector<RenderPass> allPasses();
+
 /// Colours are linear, 0 to 1. Values out of range are clipped to it.
 struct RenderSettings {
   int width = 1280, height = 720;               ///< 16 to 16384 pixels
@@ -35,7 +56,9 @@ struct RenderSettings {
   GrowthPath growth_path = GrowthPath::kCompute;
   HairGeometry geometry = HairGeometry::kLines;
   LevelOfDetail detail;
-  int segments = 32;           ///< per hair, 1 to 256
+  int segments = 32;      ///< per hair, 1 to 256
+  bool keep_out = false;  ///< hair of the obstacles that the renderer is given
+  MarkSettings marks;
   float clearance = 1e-4f;     ///< m, that grown hair keeps from obstacles
   float hair_width = 120e-6f;  ///< m, drawn width, more than a hair's as 40,000 stand for 100,000; narrower
                                ///< than a pixel it covers that part of the pixel
@@ -45,11 +68,9 @@ struct RenderSettings {
   Vec3 light_direction{-0.45f, -0.75f, -0.5f};  ///< the way the light travels
   bool shadows = true;
   OpacityLayers opacity;  ///< shadow of the hair
+  /// In this order; one named twice is done once. Those that draw may come in any order, as depth decides.
+  std::vector<RenderPass> passes = allPasses();
 };
-
-/// For devices in software: a smaller picture with fewer, wider hairs of fewer segments; about a third of the
-/// default's work, and still a full head.
-RenderSettings softwareSettings();
 
 /// `settings` with every value in its range and not-finite ones replaced by the defaults.
 RenderSettings clipped(const RenderSettings& settings);

@@ -9,6 +9,8 @@
 #include "render/body_pass.h"
 #include "render/framebuffer.h"
 #include "render/hair_pass.h"
+#include "render/marks.h"
+#include "render/pass_clock.h"
 #include "render/shadow_map.h"
 
 namespace strandcast {
@@ -17,6 +19,7 @@ namespace {
 constexpr float kMaxCoordinate = 1e3f;  // m; a guide farther out does not widen the shadow map
 
 constexpr double kLengthKept = 0.99;  // of hair of fewer segments
+constexpr float kTouching = 5e-5f;    // m, beyond its radius, at which a guide counts as touching
 constexpr float kShadowHairs = 8;     // times as many cast shadows as are drawn, up to all
 
 Box boundsOf(std::span<const Vec3> positions) {
@@ -33,26 +36,6 @@ Box moved(const Box& box, const Pose& pose) {
     result.extend(Eigen::Vector3f(pose.apply(box.corner(static_cast<Box::CornerType>(corner)))));
   return result;
 }
-
-/// Time stamps of the device between passes.
-class PassClock {
- public:
-  static constexpr int kStamps = 7;
-  PassClock() { glCreateQueries(GL_TIMESTAMP, kStamps, queries_.data()); }
-  ~PassClock() { glDeleteQueries(kStamps, queries_.data()); }
-  PassClock(const PassClock&) = delete;
-  PassClock& operator=(const PassClock&) = delete;
-  void stamp(int i) { glQueryCounter(queries_[i], GL_TIMESTAMP); }
-  double milliseconds(int from) const {
-    GLuint64 begin = 0, end = 0;
-    glGetQueryObjectui64v(queries_[from], GL_QUERY_RESULT, &begin);
-    glGetQueryObjectui64v(queries_[from + 1], GL_QUERY_RESULT, &end);
-    return end > begin ? 1e-6 * static_cast<double>(end - begin) : 0;
-  }
-
- private:
-  std::array<GLuint, kStamps> queries_{};
-};
 
 /// As few segments as leave hair its length, and with it the area that it covers, and eight a turn of a curl.
 int leastSegments(const StrandSet& guides, int segments, const std::vector<Hair>& hairs) {
@@ -81,6 +64,25 @@ void requireBuffers(GrowthPath path) {
         tessellator ? "grow it in compute" : "grow it on the tessellator, or use LIBGL_ALWAYS_SOFTWARE=1");
 }
 
+/// What of the statistics a pass's time belongs to.
+double RenderStatistics::*sumOf(RenderPass pass) {
+  switch (pass) {
+    case RenderPass::kGuides:
+      return &RenderStatistics::guides_ms;
+    case RenderPass::kGrowth:
+      return &RenderStatistics::growth_ms;
+    case RenderPass::kSolidShadow:
+    case RenderPass::kHairShadow:
+      return &RenderStatistics::shadow_ms;
+    case RenderPass::kHair:
+      return &RenderStatistics::hair_ms;
+    case RenderPass::kResolve:
+      return &RenderStatistics::resolve_ms;
+    default:
+      return &RenderStatistics::body_ms;
+  }
+}
+
 void setPassState() {
   for (GLenum off : {GL_BLEND, GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_SAMPLE_ALPHA_TO_COVERAGE})
     glDisable(off);
@@ -95,20 +97,49 @@ void setPassState() {
 
 struct Renderer::Impl {
   explicit Impl(const RenderSettings& wanted)
-      : settings(clipped(wanted)),
-        picture(settings.width * settings.supersampling, settings.height * settings.supersampling,
-                settings.samples),
-        shadows(settings.opacity),
-        nodes(settings.segments),
-        hair(settings.growth_path, settings.geometry),
-        scene_buffer(sizeof(SceneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT) {
-    if (settings.supersampling > 1)
-      still = std::make_unique<Supersampling>(settings.width, settings.height, settings.supersampling,
-                                              settings.filter);
-    hair.setClearance(settings.clearance);
+      : scene_buffer(sizeof(SceneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT) {
     GLfloat range[2] = {1, 1};
     glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range);
     widest_line = std::max(range[1], 1.0f);
+    setSettings(clipped(wanted));
+  }
+
+  /// What cannot be made throws Error and leaves all as it was, but for hair that is too much: there is none
+  /// then.
+  void setSettings(const RenderSettings& next) {
+    const auto changed = [&](auto... member) { return ((settings.*member != next.*member) || ...); };
+    const bool first = !picture;
+    const bool other_nodes = first || changed(&RenderSettings::segments);
+    const bool other_hair = first || changed(&RenderSettings::growth_path, &RenderSettings::geometry);
+    const bool hair_moves = !first && (other_nodes || other_hair || changed(&RenderSettings::growth));
+    if (first || changed(&RenderSettings::width, &RenderSettings::height, &RenderSettings::samples,
+                         &RenderSettings::supersampling, &RenderSettings::filter))
+      makePicture(next);
+    if (first || changed(&RenderSettings::opacity)) shadows = std::make_unique<ShadowMap>(next.opacity);
+    if (other_hair) hair = std::make_unique<HairPass>(next.growth_path, next.geometry);
+    if (other_hair) hair->bodies().setObstacles(obstacles);
+    if (other_nodes) nodes = std::make_unique<GuideNodes>(next.segments);
+    hair->setClearance(next.clearance);
+    hair->keepOut(next.keep_out);
+    settings = next;
+    if (hair_moves) placeHair();
+  }
+
+  void makePicture(const RenderSettings& next) {
+    const int factor = next.supersampling;
+    auto made = std::make_unique<PictureBuffer>(next.width * factor, next.height * factor, next.samples);
+    still =
+        factor > 1 ? std::make_unique<Supersampling>(next.width, next.height, factor, next.filter) : nullptr;
+    picture = std::move(made);
+  }
+
+  /// Chooses which guides each hair follows.
+  void placeHair() {
+    hair->setHairs({}, settings.growth.lock_profile);
+    nodes->setGroom(rest_guides);
+    hair->setHairs(growHairs(rest_guides, settings.growth), settings.growth.lock_profile);
+    least_segments = leastSegments(rest_guides, settings.segments, hair->hairs());
+    statistics.hairs_grown = hair->hairs().size();
   }
 
   Box content() const {
@@ -119,12 +150,12 @@ struct Renderer::Impl {
   }
 
   /// Pixels across a hair of width 1 where the hair is nearest to the eye.
-  float widestHair(const SceneBlock& block, const Box& box) const {
+  float widestHair(const Box& box) const {
     const float distance = box.isEmpty() ? 1 : box.exteriorDistance(block.eye.head<3>());
     return block.hair_color.w() * block.eye.w() / std::max(distance, 0.02f);
   }
 
-  void placeGround(SceneBlock& block) const {
+  void placeGround() {
     const Box& base = body.bounds().isEmpty() ? rest_bounds : body.bounds();
     if (base.isEmpty()) {
       block.ground = {0, -0.5f, 0, 2};
@@ -136,37 +167,27 @@ struct Renderer::Impl {
   }
 
   /// `widest`: pixels of a hair of width 1 where it is nearest.
-  HairDetail detailFor(const SceneBlock& block, float widest) const {
+  HairDetail detailFor(float widest) const {
     const LevelOfDetail& wanted = settings.detail;
     const float finest =
-        wanted.finest_hair > 0 ? wanted.finest_hair : 1 / static_cast<float>(picture.samples());
-    HairDetail detail = wanted.part > 0 ? detailOfPart(hair.hairs(), wanted.part)
-                                        : detailOfSize(hair.hairs(), widest, finest);
+        wanted.finest_hair > 0 ? wanted.finest_hair : 1 / static_cast<float>(picture->samples());
+    HairDetail chosen = wanted.part > 0 ? detailOfPart(hair->hairs(), wanted.part)
+                                        : detailOfSize(hair->hairs(), widest, finest);
     const float segment_pixels =
         longest_guide / static_cast<float>(settings.segments) * widest / block.hair_color.w();
-    detail.node_stride = strideFor(segment_pixels, wanted.longest_segment, settings.segments, least_segments);
-    return detail;
+    chosen.node_stride = strideFor(segment_pixels, wanted.longest_segment, settings.segments, least_segments);
+    return chosen;
   }
 
   /// Light reaches through many hairs, so that with as few as the eye sees its maps would be grainy.
   HairDetail shadowDetailFor(const HairDetail& seen) const {
-    HairDetail detail = detailOfSize(hair.hairs(), kShadowHairs * seen.threshold, 1);
-    detail.node_stride = seen.node_stride;
-    return detail;
-  }
-
-  void drawShadows(const HairDetail& detail) {
-    shadows.beginSolids();
-    body.drawDepth(head);
-    shadows.beginHairFront();
-    hair.drawFront(nodes, detail);
-    shadows.beginHairOpacity();
-    hair.drawOpacity(nodes, detail, shadows.opacitySize());
-    shadows.end();
+    HairDetail chosen = detailOfSize(hair->hairs(), kShadowHairs * seen.threshold, 1);
+    chosen.node_stride = seen.node_stride;
+    return chosen;
   }
 
   void accept(const GuideFrame& frame) {
-    const bool fits = frame.positions.size() == nodes.vertices() && frame.head.position.allFinite() &&
+    const bool fits = frame.positions.size() == nodes->vertices() && frame.head.position.allFinite() &&
                       frame.head.rotation.coeffs().allFinite() && frame.head.rotation.norm() > 1e-6f;
     if (!fits) {
       ++statistics.frames_ignored;
@@ -177,72 +198,129 @@ struct Renderer::Impl {
   }
 
   void draw(const Camera& camera) {
-    RenderSettings large = settings;
-    large.width *= settings.supersampling;
-    large.height *= settings.supersampling;
-    SceneBlock block = makeSceneBlock(large, camera);
-    shadows.fit(block, content());
-    placeGround(block);
-    const float widest = widestHair(block, boundsOf(guides));
-    block.sampling.x() = static_cast<float>(picture.samples());
-    const HairDetail detail = detailFor(block, widest);
-    block.sampling.y() = std::clamp(1.25f * widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
-    scene_buffer.write(std::span<const SceneBlock>(&block, 1));
-    glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_buffer.id());
-
+    prepare(camera);
     setPassState();
-    clock.stamp(0);
-    statistics.guides_unusable = nodes.update(guides, head);
-    clock.stamp(1);
-    hair.bodies().place(head);
-    const HairDetail shadow_detail = shadowDetailFor(detail);
-    hair.grow(nodes, shadow_detail.hairs > detail.hairs ? shadow_detail : detail);
-    clock.stamp(2);
-    if (settings.shadows) drawShadows(shadow_detail);
-    clock.stamp(3);
-    picture.bindForDrawing();
-    glClear(GL_DEPTH_BUFFER_BIT);
-    shadows.bindTextures();
-    body.drawBackground();
-    body.drawBody(head);
-    body.drawGround();
-    clock.stamp(4);
-    if (settings.coverage == HairCoverage::kAlphaToCoverage && picture.samples() > 1)
-      glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-    hair.drawColor(nodes, block, detail);
-    glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-    statistics.hairs_drawn = detail.hairs;
-    statistics.segments_drawn = (settings.segments + detail.node_stride - 1) / detail.node_stride;
-    clock.stamp(5);
-    picture.resolve();
-    if (still) still->draw(picture.resolvedTexture());
-    clock.stamp(6);
+    picture->clear();
+    clock.restart();
+    clock.stamp();
+    for (const RenderPass pass : settings.passes) {
+      run(pass);
+      clock.stamp();
+    }
     glDisable(GL_FRAMEBUFFER_SRGB);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glUseProgram(0);
     ++statistics.frames_drawn;
   }
 
-  GLuint shownTexture() const { return still ? still->texture().id() : picture.resolvedTexture(); }
+  /// What the passes of this picture have in common.
+  void prepare(const Camera& camera) {
+    RenderSettings large = settings;
+    large.width *= settings.supersampling;
+    large.height *= settings.supersampling;
+    block = makeSceneBlock(large, camera);
+    shadows->fit(block, content());
+    placeGround();
+    const float widest = widestHair(boundsOf(guides));
+    block.sampling.x() = static_cast<float>(picture->samples());
+    detail = detailFor(widest);
+    shadow_detail = shadowDetailFor(detail);
+    block.sampling.y() = std::clamp(1.25f * widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
+    scene_buffer.write(std::span<const SceneBlock>(&block, 1));
+    glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_buffer.id());
+    statistics.hairs_drawn = detail.hairs;
+    statistics.segments_drawn = (settings.segments + detail.node_stride - 1) / detail.node_stride;
+  }
+
+  void run(RenderPass pass) {
+    switch (pass) {
+      case RenderPass::kGuides:
+        statistics.guides_unusable = nodes->update(guides, head);
+        return;
+      case RenderPass::kGrowth:
+        hair->bodies().place(head);
+        hair->grow(*nodes, shadow_detail.hairs > detail.hairs ? shadow_detail : detail);
+        return;
+      case RenderPass::kSolidShadow:
+        if (!settings.shadows) return;
+        shadows->beginSolids();
+        body.drawDepth(head);
+        return;
+      case RenderPass::kHairShadow:
+        if (!settings.shadows) return;
+        shadows->beginHairFront();
+        hair->drawFront(*nodes, shadow_detail);
+        shadows->beginHairOpacity();
+        hair->drawOpacity(*nodes, shadow_detail, shadows->opacitySize());
+        shadows->end();
+        return;
+      case RenderPass::kBackground:
+        beginPicture();
+        body.drawBackground();
+        return;
+      case RenderPass::kBody:
+        beginPicture();
+        body.drawBody(head);
+        return;
+      case RenderPass::kGround:
+        beginPicture();
+        body.drawGround();
+        return;
+      case RenderPass::kHair:
+        drawHair();
+        return;
+      case RenderPass::kMarks:
+        if (!settings.marks.any()) return;
+        beginPicture();
+        marks.draw(settings.marks, *nodes, *hair, hair_radius + kTouching);
+        return;
+      case RenderPass::kResolve:
+        picture->resolve();
+        if (still) still->draw(picture->resolvedTexture());
+        return;
+    }
+  }
+
+  void beginPicture() const {
+    picture->bindForDrawing();
+    shadows->bindTextures();
+  }
+
+  void drawHair() {
+    beginPicture();
+    if (settings.coverage == HairCoverage::kAlphaToCoverage && picture->samples() > 1)
+      glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+    hair->drawColor(*nodes, block, detail);
+    glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  }
+
+  GLuint shownTexture() const { return still ? still->texture().id() : picture->resolvedTexture(); }
   GLuint shownFramebuffer() const {
-    return still ? still->framebuffer().id() : picture.resolvedFramebuffer();
+    return still ? still->framebuffer().id() : picture->resolvedFramebuffer();
   }
 
   RenderSettings settings;
-  PictureBuffer picture;
+  std::unique_ptr<PictureBuffer> picture;
   std::unique_ptr<Supersampling> still;  // null without supersampling
-  ShadowMap shadows;
-  GuideNodes nodes;
-  HairPass hair;
+  std::unique_ptr<ShadowMap> shadows;
+  std::unique_ptr<GuideNodes> nodes;
+  std::unique_ptr<HairPass> hair;
+  std::vector<HairObstacle> obstacles;
   BodyPass body;
+  Marks marks;
   PassClock clock;
   gl::Buffer scene_buffer;
   float widest_line = 1;
+  StrandSet rest_guides;
   std::vector<Vec3> guides;  // of the newest frame that fitted
   Pose head;
   Box rest_bounds;
   float longest_guide = 0;  // m
+  float hair_radius = 0;    // m, of the groom
   int least_segments = 1;
+  // Of the picture that is being drawn.
+  SceneBlock block{};
+  HairDetail detail, shadow_detail;
   RenderStatistics statistics;
 };
 
@@ -253,14 +331,20 @@ Renderer::Renderer(const RenderSettings& settings) {
 
 Renderer::~Renderer() = default;
 
+void Renderer::setSettings(const RenderSettings& settings) {
+  requireBuffers(settings.growth_path);
+  impl_->setSettings(clipped(settings));
+}
+
+const RenderSettings& Renderer::settings() const { return impl_->settings; }
+
 void Renderer::setGroom(const GroomDescription& groom) {
   const StrandSet& guides = groom.guides;
   if (guides.offsets.empty() || guides.offsets.back() != guides.positions.size())
     throw Error("a groom is damaged", groom.name, "its strands and its vertices do not fit together");
-  impl_->nodes.setGroom(guides);
-  const HairGrowth& growth = impl_->settings.growth;
-  impl_->hair.setHairs(growHairs(guides, growth), growth.lock_profile);
-  impl_->least_segments = leastSegments(guides, impl_->settings.segments, impl_->hair.hairs());
+  impl_->rest_guides = guides;
+  impl_->hair_radius = groom.hair_radius;
+  impl_->placeHair();
   impl_->longest_guide = 0;
   for (size_t g = 0; g < guides.strands(); ++g) {
     const float length = arcLength(guides.strand(g));
@@ -270,13 +354,13 @@ void Renderer::setGroom(const GroomDescription& groom) {
   impl_->head = Pose{};
   impl_->rest_bounds = boundsOf(guides.positions);
   impl_->statistics.guides = guides.strands();
-  impl_->statistics.hairs_grown = impl_->hair.hairs().size();
 }
 
 void Renderer::setBody(const BodyDescription& body) { impl_->body.setBody(body); }
 
 void Renderer::setObstacles(std::vector<HairObstacle> obstacles) {
-  impl_->hair.bodies().setObstacles(std::move(obstacles));
+  impl_->hair->bodies().setObstacles(obstacles);
+  impl_->obstacles = std::move(obstacles);
 }
 
 void Renderer::draw(const GuideFrame& frame, const Camera& camera) {
@@ -299,21 +383,21 @@ Image Renderer::read() {
   return image;
 }
 
-void Renderer::present(int window_width, int window_height) {
-  if (window_width <= 0 || window_height <= 0) return;
+void Renderer::present(int left, int below, int width, int height) {
+  if (width <= 0 || height <= 0) return;
   glDisable(GL_FRAMEBUFFER_SRGB);  // the picture is stored as it is shown
-  glBlitNamedFramebuffer(impl_->shownFramebuffer(), 0, 0, 0, impl_->settings.width, impl_->settings.height, 0,
-                         0, window_width, window_height, GL_COLOR_BUFFER_BIT, GL_LINEAR);
+  glBlitNamedFramebuffer(impl_->shownFramebuffer(), 0, 0, 0, impl_->settings.width, impl_->settings.height,
+                         left, below, left + width, below + height, GL_COLOR_BUFFER_BIT, GL_LINEAR);
 }
 
 RenderStatistics Renderer::statistics() const {
   RenderStatistics statistics = impl_->statistics;
   if (statistics.frames_drawn == 0) return statistics;
-  double RenderStatistics::*const passes[] = {&RenderStatistics::guides_ms, &RenderStatistics::growth_ms,
-                                              &RenderStatistics::shadow_ms, &RenderStatistics::body_ms,
-                                              &RenderStatistics::hair_ms,   &RenderStatistics::resolve_ms};
-  for (int i = 0; i < 6; ++i) statistics.*passes[i] = impl_->clock.milliseconds(i);
-  statistics.device_bytes = impl_->nodes.bytes() + impl_->hair.bytes() + impl_->shadows.bytes();
+  statistics.passes.clear();
+  for (size_t i = 0; i < impl_->settings.passes.size(); ++i)
+    statistics.passes.push_back({impl_->settings.passes[i], impl_->clock.milliseconds(i)});
+  for (const PassTime& time : statistics.passes) statistics.*sumOf(time.pass) += time.ms;
+  statistics.device_bytes = impl_->nodes->bytes() + impl_->hair->bytes() + impl_->shadows->bytes();
   return statistics;
 }
 

@@ -225,7 +225,7 @@ void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, u
 }
 
 bool isSound(const Command& command) {
-  return command.id != 0 && command.kind <= CommandKind::kShutdown && command.name.size() <= kMaxTextBytes &&
+  return command.id != 0 && command.kind <= CommandKind::kPull && command.name.size() <= kMaxTextBytes &&
          command.values.size() <= 64 &&
          std::all_of(command.values.begin(), command.values.end(), [](double v) { return std::isfinite(v); });
 }

@@ -49,15 +49,21 @@ enum class CommandKind : uint32_t {
   kHeadPose = 1,
   kHeadMotion = 2,
   kReset = 3,
-  kShutdown = 4
+  kShutdown = 4,
+  kPause = 5,
+  kStep = 6,
+  kPull = 7
 };
 
 struct Command {
   uint32_t groom_id = 0;
   uint64_t id = 0;  ///< chosen by the sender, not 0; echoed in Status::last_command
   CommandKind kind = CommandKind::kReset;
-  std::string name;            ///< parameter, or name of a head motion
-  std::vector<double> values;  ///< parameter components; head pose: position x y z, rotation x y z w
+  std::string name;  ///< parameter, or name of a head motion
+  /// Parameter components; head pose: position x y z, rotation x y z w; pause: 1, or 0 to go on; step: how
+  /// many; pull: where a hand closes, x y z and radius, where it is, x y z, and rate (Simulation::pullHair),
+  /// or nothing to let go.
+  std::vector<double> values;
 };
 
 /// What the channel made of the newest frame.

@@ -246,6 +246,58 @@ TEST_F(Picture, SameInputGivesTheSamePicture) {
   EXPECT_EQ(images[0].rgb, images[1].rgb);
 }
 
+TEST_F(Picture, PassesThatDrawMayComeInAnyOrder) {
+  const GroomDescription groom = verticalBundle(8, 8, 0.01f, 0.1f, 0.2f, 8);
+  const BodyDescription body = sphere(0.05f, Vec3(0, 0, 0));
+  RenderSettings settings = smallPicture();
+  const auto picture = [&] {
+    Renderer renderer(settings);
+    renderer.setGroom(groom);
+    renderer.setBody(body);
+    renderer.draw(restFrame(groom), Camera{});
+    EXPECT_EQ(renderer.statistics().passes.size(), settings.passes.size());
+    return renderer.read();
+  };
+  const Image usual = picture();
+  std::swap(settings.passes[4], settings.passes[7]);  // hair first, then body and ground, the background last
+  EXPECT_EQ(settings.passes[4], RenderPass::kHair);
+  EXPECT_EQ(picture().rgb, usual.rgb);
+  std::erase(settings.passes, RenderPass::kHair);
+  EXPECT_NE(picture().rgb, usual.rgb);
+  settings.passes = {RenderPass::kBackground, RenderPass::kResolve, RenderPass::kBackground};
+  Renderer renderer(settings);
+  renderer.draw(GuideFrame{}, Camera{});
+  EXPECT_EQ(renderer.statistics().passes.size(), 2u) << "a pass named twice is done once";
+}
+
+TEST_F(Picture, SettingsThatChangeLaterGiveThePictureThatTheyGiveFromTheStart) {
+  const GroomDescription groom = verticalBundle(8, 8, 0.01f, 0.1f, 0.2f, 8);
+  const BodyDescription body = sphere(0.05f, Vec3(0, 0, 0));
+  const auto scene = [&](Renderer& renderer) {
+    renderer.setGroom(groom);
+    renderer.setBody(body);
+  };
+  std::vector<RenderSettings> all(8, smallPicture());
+  all[1].segments = 5;
+  all[2].geometry = HairGeometry::kStrips;
+  all[3].growth.hairs = 300;
+  all[4].opacity.layers = 15;
+  all[5].supersampling = 2;
+  all[5].width = 90;
+  all[6].growth_path = GrowthPath::kTessellator;
+  all[7].hair_color = Vec3(0.5f, 0.5f, 0.1f);
+  Renderer changing(all[0]);
+  scene(changing);
+  for (size_t i : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 0u}) {
+    Renderer fresh(all[i]);
+    scene(fresh);
+    fresh.draw(restFrame(groom), Camera{});
+    changing.setSettings(all[i]);
+    changing.draw(restFrame(groom), Camera{});
+    EXPECT_EQ(changing.read().rgb, fresh.read().rgb) << i;
+  }
+}
+
 TEST_F(Picture, BodyFollowsTheHeadByItsWeights) {
   RenderSettings settings = smallPicture();
   BodyDescription body = sphere(0.1f, Vec3::Zero());

@@ -1,0 +1,268 @@
+#include "apps/picture_settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "core/error.h"
+#include "core/nearest_name.h"
+
+namespace strandcast {
+namespace {
+
+// `ref` gives the place of the setting in PictureOptions, const or not.
+
+template <class Ref>
+PictureSetting number(const char* group, const char* name, const char* unit, double low, double high,
+                      const char* help, Ref ref) {
+  using Value = std::remove_reference_t<decltype(ref(std::declval<PictureOptions&>()))>;
+  PictureSetting setting{
+      {name, unit, fmt::format("{:g} to {:g}", low, high), help, 1, low, high, std::is_integral_v<Value>},
+      group};
+  setting.get = [ref](const PictureOptions& o) { return std::vector{static_cast<double>(ref(o))}; };
+  setting.set = [ref](PictureOptions& o, const std::vector<double>& v) { ref(o) = static_cast<Value>(v[0]); };
+  return setting;
+}
+
+template <class Ref>
+PictureSetting vector(const char* group, const char* name, const char* unit, double low, double high,
+                      const char* help, Ref ref) {
+  PictureSetting setting{{name, unit, fmt::format("each {:g} to {:g}", low, high), help, 3, low, high, false},
+                         group};
+  setting.get = [ref](const PictureOptions& o) {
+    const Vec3& v = ref(o);
+    return std::vector<double>{v.x(), v.y(), v.z()};
+  };
+  setting.set = [ref](PictureOptions& o, const std::vector<double>& v) {
+    ref(o) = Eigen::Vector3d(v.data()).cast<float>();
+  };
+  return setting;
+}
+
+template <class Value, class Ref>
+PictureSetting choice(const char* group, const char* name, const char* help,
+                      std::vector<std::pair<std::string, Value>> choices, Ref ref) {
+  PictureSetting setting{{name, "", "", help, 1, 0, static_cast<double>(choices.size() - 1), true}, group};
+  for (const auto& [word, meaning] : choices) setting.choices.push_back(word);
+  setting.get = [ref, choices](const PictureOptions& o) {
+    const auto known =
+        std::find_if(choices.begin(), choices.end(), [&](const auto& c) { return c.second == ref(o); });
+    return std::vector{static_cast<double>(known == choices.end() ? 0 : known - choices.begin())};
+  };
+  setting.set = [ref, choices](PictureOptions& o, const std::vector<double>& v) {
+    ref(o) = choices[static_cast<size_t>(v[0])].second;
+  };
+  return setting;
+}
+
+template <class Ref>
+PictureSetting flag(const char* group, const char* name, const char* help, Ref ref) {
+  return choice<bool>(group, name, help, {{"off", false}, {"on", true}}, ref);
+}
+
+PictureSetting file(const char* group, const char* name, const char* help,
+                    std::filesystem::path PictureOptions::*member) {
+  PictureSetting setting{{name, "", "", help, 0, 0, 0, false}, group};
+  setting.file = member;
+  return setting;
+}
+
+#define AT(member) \
+  [](auto& o) -> auto& { return o.member; }
+
+void addPicture(std::vector<PictureSetting>& list) {
+  const char* group = "Picture";
+  list.push_back(number(group, "width", "pixels", 16, 16384, "of the picture", AT(settings.width)));
+  list.push_back(number(group, "height", "pixels", 16, 16384, "of the picture", AT(settings.height)));
+  list.push_back(number(group, "samples", "", 1, 8, "per pixel (multisampling)", AT(settings.samples)));
+  list.push_back(choice<HairCoverage>(
+      group, "coverage", "of hairs thinner than a pixel: other samples for each hair, or alpha to coverage",
+      {{"stochastic", HairCoverage::kStochastic}, {"alpha", HairCoverage::kAlphaToCoverage}},
+      AT(settings.coverage)));
+  list.push_back(number(group, "supersampling", "", 1, 4, "for stills: so many times as many pixels a side",
+                        AT(settings.supersampling)));
+  list.push_back(choice<PixelFilter>(
+      group, "filter", "of supersampling, the softest to the sharpest: tent, gaussian, box, mitchell",
+      {{"box", PixelFilter::kBox},
+       {"tent", PixelFilter::kTent},
+       {"gaussian", PixelFilter::kGaussian},
+       {"mitchell", PixelFilter::kMitchell}},
+      AT(settings.filter)));
+  list.push_back(number(group, "detail", "", 0, 1,
+                        "part of the hairs that is drawn, the wider; 0: by their size in the picture",
+                        AT(settings.detail.part)));
+  list.push_back(
+      number(group, "finest-hair", "pixels", 0, 100,
+             "as many hairs are left out as make the rest this wide; 0: those that reach no sample",
+             AT(settings.detail.finest_hair)));
+  list.push_back(number(group, "longest-segment", "pixels", 0, 10000,
+                        "as many segments are left out as leave them no longer",
+                        AT(settings.detail.longest_segment)));
+  list.push_back(choice<HairGeometry>(
+      group, "geometry", "hairs as lines with width as alpha, or as strips that face the eye",
+      {{"lines", HairGeometry::kLines}, {"strips", HairGeometry::kStrips}}, AT(settings.geometry)));
+  list.push_back(number(group, "hair-width", "m", 1e-6, 0.1,
+                        "drawn width of a hair; more where few stand for many", AT(settings.hair_width)));
+  list.push_back(vector(group, "hair-color", "", 0, 1, "red green blue, linear", AT(settings.hair_color)));
+  list.push_back(vector(group, "body-color", "", 0, 1, "red green blue, linear", AT(settings.body_color)));
+  list.push_back(vector(group, "background", "", 0, 1, "red green blue, linear", AT(settings.background)));
+}
+
+void addCamera(std::vector<PictureSetting>& list) {
+  const char* group = "Camera";
+  list.push_back(number(group, "azimuth", "degrees", -36000, 36000,
+                        "of the camera about the head; 0 looks at the face", AT(azimuth)));
+  list.push_back(number(group, "elevation", "degrees", -89, 89, "of the camera", AT(elevation)));
+  list.push_back(number(group, "zoom", "", 0.05, 50, "1 fills the picture with the hair", AT(zoom)));
+}
+
+void addGrowth(std::vector<PictureSetting>& list) {
+  const char* group = "Growth";
+  list.push_back(number(group, "hairs", "", 1, 4000000, "grown from the guides", AT(settings.growth.hairs)));
+  list.push_back(number(group, "segments", "", 1, 256, "per hair", AT(settings.segments)));
+  list.push_back(choice<Interpolation>(group, "interpolation",
+                                       "between three guides, in locks about one, or from three to one",
+                                       {{"multi", Interpolation::kMultiStrand},
+                                        {"single", Interpolation::kSingleStrand},
+                                        {"combined", Interpolation::kCombined}},
+                                       AT(settings.growth.interpolation)));
+  list.push_back(number(group, "clump-radius", "m", 0, 1, "of a lock about one guide",
+                        AT(settings.growth.clump_radius)));
+  list.push_back(vector(group, "lock-profile", "", 0, 10,
+                        "factors of the clump radius at root, middle and tip",
+                        AT(settings.growth.lock_profile)));
+  list.push_back(number(group, "clump", "", 0, 1, "combined: how far tips close in on one guide at most",
+                        AT(settings.growth.clump)));
+  list.push_back(number(group, "tip-deviation", "m", 0, 1,
+                        "by which 30 % of the hairs stray near their tip, at most",
+                        AT(settings.growth.tip_deviation)));
+  list.push_back(number(group, "whole-deviation", "m", 0, 1,
+                        "by which 10 % of the hairs stray along their whole length, at most",
+                        AT(settings.growth.whole_deviation)));
+  list.push_back(number(group, "curl-radius", "m", 0, 1, "of curls laid on the hair; 0 = none",
+                        AT(settings.growth.curl_radius)));
+  list.push_back(number(group, "curl-pitch", "m", 0.001, 100, "length of hair in a turn of a curl",
+                        AT(settings.growth.curl_pitch)));
+  list.push_back(flag(group, "keep-out",
+                      "keep grown hair out of the body, whose distance field is baked for it once",
+                      AT(settings.keep_out)));
+  list.push_back(
+      number(group, "clearance", "m", 0, 0.1, "that it keeps from the body", AT(settings.clearance)));
+  list.push_back(file(group, "density-map",
+                      "PNG over the scalp (the groom's uvs, or longitude and latitude, face in the middle): "
+                      "white grows all hairs, black none",
+                      &PictureOptions::density_map));
+  list.push_back(file(group, "thickness-map", "PNG over the scalp: the grey value times the hair's width",
+                      &PictureOptions::thickness_map));
+  list.push_back(
+      number(group, "hair-seed", "", 0, 1e15, "of the hairs' random numbers", AT(settings.growth.seed)));
+  list.push_back(
+      choice<GrowthPath>(group, "growth", "where hair is grown; the same hair",
+                         {{"compute", GrowthPath::kCompute}, {"tessellator", GrowthPath::kTessellator}},
+                         AT(settings.growth_path)));
+}
+
+void addLight(std::vector<PictureSetting>& list) {
+  const char* group = "Light";
+  list.push_back(vector(group, "light-direction", "", -1, 1, "the way that the light travels",
+                        AT(settings.light_direction)));
+}
+
+void addShadow(std::vector<PictureSetting>& list) {
+  const char* group = "Shadow";
+  list.push_back(flag(group, "shadows", "of hair and body", AT(settings.shadows)));
+  list.push_back(choice<int>(group, "shadow-layers", "of the hair's deep opacity map",
+                             {{"3", 3}, {"7", 7}, {"11", 11}, {"15", 15}}, AT(settings.opacity.layers)));
+  list.push_back(choice<LayerSizes>(group, "layer-sizes", "how the layers grow from the front on",
+                                    {{"constant", LayerSizes::kConstant},
+                                     {"linear", LayerSizes::kLinear},
+                                     {"power-of-two", LayerSizes::kPowerOfTwo},
+                                     {"fibonacci", LayerSizes::kFibonacci}},
+                                    AT(settings.opacity.sizes)));
+  list.push_back(choice<BeyondLayers>(
+      group, "beyond-layers", "hair behind the last layer casts no shadow, counts in it, or there is none",
+      {{"ignore", BeyondLayers::kIgnore},
+       {"last", BeyondLayers::kLastLayer},
+       {"reach", BeyondLayers::kReach}},
+      AT(settings.opacity.beyond)));
+  list.push_back(number(group, "shadow-depth", "m", 1e-4, 1000, "of all layers together; not used with reach",
+                        AT(settings.opacity.depth)));
+  list.push_back(number(group, "shadow-map", "", 16, 8192, "texels a side", AT(settings.opacity.map_size)));
+  list.push_back(number(group, "shadow-filter", "", 0, 4, "texels to either side that are averaged",
+                        AT(settings.opacity.filter)));
+}
+
+void addMarks(std::vector<PictureSetting>& list) {
+  const char* group = "Marks";
+  list.push_back(flag(group, "mark-guides", "the guides' curves, a colour each", AT(settings.marks.guides)));
+  list.push_back(flag(group, "mark-tangents",
+                      "tangents of guides, 1 cm long: red, green, blue as they lie along x, y, z",
+                      AT(settings.marks.tangents)));
+  list.push_back(flag(group, "mark-collided",
+                      "vertices of guides that touch the body: yellow, red inside; bakes its field once",
+                      AT(settings.marks.collided)));
+  list.push_back(flag(group, "mark-inside",
+                      "vertices of grown hair inside the body (growth: compute); bakes its field once",
+                      AT(settings.marks.inside)));
+}
+
+#undef AT
+
+}  // namespace
+
+const std::vector<PictureSetting>& pictureSettings() {
+  static const std::vector<PictureSetting> list = [] {
+    std::vector<PictureSetting> all;
+    for (const auto add : {addPicture, addCamera, addGrowth, addLight, addShadow, addMarks}) add(all);
+    return all;
+  }();
+  return list;
+}
+
+const PictureSetting& pictureSetting(const std::string& name, const std::string& where) {
+  std::vector<std::string> names;
+  for (const PictureSetting& setting : pictureSettings()) {
+    if (setting.info.name == name) return setting;
+    names.push_back(setting.info.name);
+  }
+  throw Error("unknown setting of a picture '" + name + "'", where,
+              "did you mean '" + nearestName(name, names) + "'?");
+}
+
+void setPicture(PictureOptions& options, const PictureSetting& setting, const std::vector<double>& values,
+                const std::string& where) {
+  const ParameterInfo& info = setting.info;
+  if (setting.file != nullptr) throw Error("'" + info.name + "' takes the name of a file", where, "");
+  if (values.size() != static_cast<size_t>(info.components))
+    throw Error(fmt::format("'{}' takes {} number{}, not {}", info.name, info.components,
+                            info.components == 1 ? "" : "s", values.size()),
+                where, "");
+  for (const double v : values)
+    if (!std::isfinite(v) || v < info.low || v > info.high || (info.whole && std::fmod(v, 1) != 0))
+      throw Error(fmt::format("'{}' = {} is out of range", info.name, v), where,
+                  fmt::format("give {}{} {}", info.whole ? "a whole number, " : "", info.range, info.unit));
+  setting.set(options, values);
+}
+
+std::vector<double> choiceNamed(const PictureSetting& setting, const std::string& choice,
+                                const std::string& where) {
+  const auto known = std::find(setting.choices.begin(), setting.choices.end(), choice);
+  if (known == setting.choices.end())
+    throw Error(fmt::format("'{}' cannot be '{}'", setting.info.name, choice), where,
+                fmt::format("choose one of {}", fmt::join(setting.choices, ", ")));
+  return {static_cast<double>(known - setting.choices.begin())};
+}
+
+RenderSettings renderSettings(const PictureOptions& options) {
+  RenderSettings settings = options.settings;
+  const auto map = [](const std::filesystem::path& file) {
+    return file.empty() ? nullptr : std::make_shared<const ScalpMap>(readScalpMap(file));
+  };
+  settings.growth.density = map(options.density_map);
+  settings.growth.thickness = map(options.thickness_map);
+  return settings;
+}
+
+}  // namespace strandcast

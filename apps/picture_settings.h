@@ -1,0 +1,45 @@
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/parameters.h"
+#include "render/render_settings.h"
+
+namespace strandcast {
+
+/// What `render`, `compare` and `view` have in common: how the picture looks and from where.
+struct PictureOptions {
+  RenderSettings settings;
+  double azimuth = 25, elevation = 5;  ///< degrees; 0 looks at the face
+  double zoom = 1;
+  std::filesystem::path density_map, thickness_map;  ///< empty = none
+};
+
+/// One setting of a picture, as options, presets and the viewer's panel know it. Its values are numbers, or
+/// the index of a choice, or a file.
+struct PictureSetting {
+  ParameterInfo info;  ///< "hair-width" is the option --hair-width; of a file only name and help count
+  std::string group;
+  std::vector<std::string> choices{};  ///< names of the values 0, 1, ...
+  std::function<std::vector<double>(const PictureOptions&)> get{};
+  std::function<void(PictureOptions&, const std::vector<double>&)> set{};  ///< unchecked
+  std::filesystem::path PictureOptions::*file = nullptr;
+};
+/// Settings of a group follow each other.
+const std::vector<PictureSetting>& pictureSettings();
+/// Error, naming `where`, on an unknown name, with the nearest known one.
+const PictureSetting& pictureSetting(const std::string& name, const std::string& where);
+
+/// Error, naming `where`, on a wrong number of values or one out of range.
+void setPicture(PictureOptions& options, const PictureSetting& setting, const std::vector<double>& values,
+                const std::string& where);
+/// The index of a choice as numbers have it. Error, naming `where`, on an unknown one.
+std::vector<double> choiceNamed(const PictureSetting& setting, const std::string& choice,
+                                const std::string& where);
+
+/// The settings with the maps that the options name. Throws Error where one cannot be read.
+RenderSettings renderSettings(const PictureOptions& options);
+
+}  // namespace strandcast

@@ -1,0 +1,153 @@
+#include "apps/presets.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "apps/settings.h"
+#include "apps/toml.h"
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+/// Short, and the same float when it is read.
+std::string numberText(double value) { return fmt::format("{:.9g}", value); }
+
+std::string numbersText(const std::vector<double>& values) {
+  if (values.size() == 1) return numberText(values[0]);
+  std::vector<std::string> texts;
+  for (const double v : values) texts.push_back(numberText(v));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
+/// As a TOML string with escapes.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    else
+      out += c;
+  }
+  return out + '"';
+}
+
+std::string valueText(const PictureSetting& setting, const PictureOptions& picture) {
+  if (setting.file != nullptr) return quoted((picture.*setting.file).string());
+  const std::vector<double> values = setting.get(picture);
+  return setting.choices.empty() ? numbersText(values)
+                                 : quoted(setting.choices[static_cast<size_t>(values[0])]);
+}
+
+std::vector<double> numbersOf(const toml::node& node, const std::string& where) {
+  std::vector<double> values;
+  const auto add = [&](const toml::node& one) {
+    const std::optional<double> value = one.value<double>();
+    if (!value) throw Error("not a number", where, "give a number, or three in brackets");
+    values.push_back(*value);
+  };
+  if (const toml::array* array = node.as_array())
+    for (const toml::node& one : *array) add(one);
+  else
+    add(node);
+  return values;
+}
+
+std::string textOf(const toml::node& node, const std::string& where) {
+  const std::optional<std::string> text = node.value_exact<std::string>();
+  if (!text) throw Error("not a text", where, "give a text in quotes");
+  return *text;
+}
+
+std::vector<RenderPass> passesOf(const toml::node& node, const std::string& where) {
+  const toml::array* array = node.as_array();
+  if (array == nullptr) throw Error("not a list", where, "give names of passes in brackets");
+  std::vector<RenderPass> passes;
+  for (const toml::node& one : *array) {
+    const std::string name = textOf(one, where);
+    const std::vector<RenderPass> all = allPasses();
+    const auto known =
+        std::find_if(all.begin(), all.end(), [&](RenderPass pass) { return nameOf(pass) == name; });
+    if (known == all.end()) throw Error("there is no pass '" + name + "'", where, "");
+    passes.push_back(*known);
+  }
+  return passes;
+}
+
+void readPicture(const toml::table& table, const std::string& file, PictureOptions& picture) {
+  for (const auto& [key, node] : table) {
+    const std::string name(key.str());
+    const std::string where = fmt::format("{} line {}, picture.{}", file, node.source().begin.line, name);
+    if (name == "passes") {
+      picture.settings.passes = passesOf(node, where);
+      continue;
+    }
+    const PictureSetting& setting = pictureSetting(name, where);
+    if (setting.file != nullptr)
+      picture.*setting.file = textOf(node, where);
+    else if (setting.choices.empty())
+      setPicture(picture, setting, numbersOf(node, where), where);
+    else
+      setPicture(picture, setting, choiceNamed(setting, textOf(node, where), where), where);
+  }
+}
+
+}  // namespace
+
+std::string presetText(const NamedValues& parameters, const PictureOptions& picture) {
+  std::string text;
+  if (!parameters.empty()) {
+    text += "[parameters]\n";
+    for (const auto& [name, values] : parameters) text += fmt::format("{} = {}\n", name, numbersText(values));
+    text += '\n';
+  }
+  text += "[picture]\n";
+  for (const PictureSetting& setting : pictureSettings())
+    text += fmt::format("{} = {}\n", setting.info.name, valueText(setting, picture));
+  std::vector<std::string> passes;
+  for (const RenderPass pass : picture.settings.passes) passes.push_back(quoted(nameOf(pass)));
+  return text + fmt::format("passes = [{}]\n", fmt::join(passes, ", "));
+}
+
+NamedValues readPresetText(const std::string& text, const std::string& name, PictureOptions& picture) {
+  const toml::table root = parsedToml(text, name);
+  PictureOptions read = picture;
+  NamedValues parameters;
+  Parameters checked;
+  for (const auto& [key, node] : root) {
+    const std::string section(key.str());
+    const toml::table* table = node.as_table();
+    if (table == nullptr || (section != "parameters" && section != "picture"))
+      throw Error("'" + section + "' is not known", fmt::format("{} line {}", name, node.source().begin.line),
+                  "a preset has the tables [parameters] and [picture]");
+    if (section == "picture") {
+      readPicture(*table, name, read);
+      continue;
+    }
+    for (const auto& [parameter, value] : *table) {
+      const std::string where = fmt::format("{} line {}, parameters.{}", name, value.source().begin.line,
+                                            std::string(parameter.str()));
+      parameters.emplace_back(parameter.str(), numbersOf(value, where));
+      setParameter(checked, parameters.back().first, parameters.back().second, where);
+    }
+  }
+  picture = std::move(read);
+  return parameters;
+}
+
+void writePreset(const std::filesystem::path& file, const NamedValues& parameters,
+                 const PictureOptions& picture) {
+  std::ofstream stream(file);
+  stream << presetText(parameters, picture);
+  if (!stream.flush()) throw Error("the preset cannot be written", file.string(), "is its folder there?");
+}
+
+NamedValues readPreset(const std::filesystem::path& file, PictureOptions& picture) {
+  return readPresetText(configText(file), file.string(), picture);
+}
+
+}  // namespace strandcast

@@ -1,0 +1,30 @@
+#include "apps/stream_recording.h"
+
+namespace strandcast {
+
+/// The groom that a frame is of, once it is complete here.
+bool StreamRecording::describe(const GuideFrame& frame) {
+  const auto groom = subscriber_.groom();
+  const auto body = subscriber_.body();
+  const auto fits = [&](const auto& description) {
+    return description && description->session == frame.session && description->revision == frame.revision;
+  };
+  if (!fits(groom) || !fits(body)) return false;
+  recorder_.setGroom(*groom, *body);
+  return true;
+}
+
+bool StreamRecording::take(std::chrono::milliseconds timeout) {
+  const auto frame = subscriber_.waitForFrame(newest_, timeout);
+  if (!frame) return false;
+  const bool is_new = frame->session != session_ || frame->revision != revision_;
+  if (!is_new && frame->frame > newest_ + 1) skipped_ += frame->frame - newest_ - 1;
+  newest_ = frame->frame;
+  if (is_new && !describe(*frame)) return true;
+  session_ = frame->session;
+  revision_ = frame->revision;
+  recorder_.addFrame(*frame);
+  return true;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,34 @@
+#pragma once
+#include <chrono>
+#include <filesystem>
+
+#include "transport/recording/recorder.h"
+#include "transport/subscriber.h"
+
+namespace strandcast {
+
+/// Writes what a subscriber receives into a recording, frame after frame.
+class StreamRecording {
+ public:
+  /// Throws Error when the file cannot be made. `subscriber` outlives it.
+  StreamRecording(Subscriber& subscriber, const std::filesystem::path& file, const RecordingOptions& options)
+      : subscriber_(subscriber), recorder_(file, options) {}
+
+  /// Waits for the next frame and writes it; false when none came in time. Throws Error as Recorder.
+  bool take(std::chrono::milliseconds timeout);
+  void close() { recorder_.close(); }
+
+  const Recorder& recorder() const { return recorder_; }
+  /// That were lost on the way or came faster than they could be written.
+  uint64_t skipped() const { return skipped_; }
+
+ private:
+  bool describe(const GuideFrame& frame);
+
+  Subscriber& subscriber_;
+  Recorder recorder_;
+  uint64_t session_ = 0, newest_ = 0, skipped_ = 0;
+  uint32_t revision_ = 0;
+};
+
+}  // namespace strandcast

@@ -1,0 +1,78 @@
+#pragma once
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "apps/picture_settings.h"
+#include "apps/viewer/hair_tool.h"
+#include "apps/viewer/image_texture.h"
+#include "apps/viewer/network_list.h"
+#include "apps/viewer/plots.h"
+#include "apps/viewer/session.h"
+#include "core/distance_field.h"
+#include "render/renderer.h"
+
+namespace strandcast {
+
+/// What the panel asks the viewer's loop for.
+struct PanelRequests {
+  bool picture_changed = false;
+  bool screenshot = false, single_step = false, reset = false;
+  std::optional<uint32_t> join;  ///< a groom on the network
+};
+
+/// Everything beside the picture: values that the user turns, buttons, plots.
+class ViewerPanel {
+ public:
+  static constexpr float kWidth = 420, kPlotHeight = 150;  // pixels
+
+  /// `picture`: as the command line has it, which is what resets go back to.
+  ViewerPanel(const PictureOptions& picture, const std::string& preset_file);
+
+  /// Draws all panels into a window of that size.
+  PanelRequests draw(ViewerSession& session, NetworkList& network, const RenderStatistics& rendered,
+                     float width, float height);
+  /// Once a picture.
+  void measure(ViewerSession& session, const RenderStatistics& rendered, double pictures_per_second);
+  /// A line for the user, the newest first.
+  void say(const std::string& message);
+  /// Lays a preset over what is set.
+  void loadPreset(ViewerSession& session);
+  void setFields(std::vector<std::shared_ptr<const DistanceField>> fields);
+
+  PictureOptions picture;
+  MouseTool tool = MouseTool::kOrbit;
+  HandSettings hand;
+  bool shown = true, plots_shown = true, paused = false;
+
+ private:
+  void drawTop(ViewerSession& session, PanelRequests& requests);
+  void drawTools(ViewerSession& session);
+  void drawNetwork(ViewerSession& session, NetworkList& network, PanelRequests& requests);
+  void drawParameters(ViewerSession& session);
+  void drawPicture(PanelRequests& requests);
+  void drawPasses(const RenderStatistics& rendered, PanelRequests& requests);
+  void drawSlices(ViewerSession& session);
+  void drawFields();
+  void drawPresets(ViewerSession& session, PanelRequests& requests);
+  void drawMessages();
+  void drawPlots(float left, float top, float width);
+  bool matches(const std::string& name) const;
+
+  const PictureOptions usual_;
+  std::string preset_file_, record_file_ = "take.rec", filter_;
+  std::deque<std::string> messages_;
+  Plot phases_{"time by phase", "ms", {}}, latency_{"latency", "ms", {}}, stretch_{"stretch", "%", {}},
+      loss_{"frames", "", {}};
+  ReceiveStatistics received_;
+  bool slice_wanted_ = false;
+  SliceRequest slice_request_;
+  ImageTexture slice_, field_slice_;
+  std::string slice_scale_;
+  std::vector<std::shared_ptr<const DistanceField>> fields_;
+  int field_ = 0, field_axis_ = 0;
+  float field_part_ = 0.5f;
+  bool field_stale_ = true;
+};
+
+}  // namespace strandcast

@@ -1,0 +1,136 @@
+#include "apps/viewer/session.h"
+
+#include "apps/stream_recording.h"
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+constexpr int kSliceSize = 192;  // pixels
+constexpr std::chrono::milliseconds kSliceInterval{200};
+
+}  // namespace
+
+ViewerSession::ViewerSession(const Settings& settings, bool here, double timeout, Playout playout)
+    : here_(here),
+      groom_id_(settings.groom_id),
+      stream_(settings, here, timeout, [this](Simulation& simulation) { observe(simulation); }),
+      player_(stream_.subscriber(), playout),
+      commands_(stream_.subscriber()) {}
+
+ViewerSession::~ViewerSession() { stopRecording(); }
+
+std::optional<std::vector<double>> ViewerSession::parameter(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  if (const auto sent = sent_.find(name); sent != sent_.end()) return sent->second;
+  if (known_) return strandcast::parameter(*known_, name);
+  return std::nullopt;
+}
+
+std::vector<double> ViewerSession::usualParameter(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return strandcast::parameter(first_known_.value_or(Parameters()), name);
+}
+
+void ViewerSession::setParameter(const std::string& name, const std::vector<double>& values) {
+  {
+    const std::lock_guard lock(mutex_);
+    sent_[name] = values;
+  }
+  commands_.send(CommandKind::kSetParameter, name, values);
+}
+
+std::vector<CommandOutcome> ViewerSession::takeOutcomes() {
+  std::vector<CommandOutcome> outcomes = commands_.takeOutcomes();
+  const std::lock_guard lock(mutex_);
+  for (const CommandOutcome& outcome : outcomes)
+    if (outcome.kind == CommandKind::kSetParameter && !outcome.refusal.empty()) sent_.erase(outcome.name);
+  return outcomes;
+}
+
+NamedValues ViewerSession::parameters() const {
+  NamedValues all;
+  for (const ParameterInfo& info : parameterList())
+    if (const auto values = parameter(info.name)) all.emplace_back(info.name, *values);
+  return all;
+}
+
+void ViewerSession::askForSlice(const std::optional<SliceRequest>& request) {
+  const std::lock_guard lock(mutex_);
+  request_ = request;
+  if (!here_) slice_problem_ = "a daemon does not cast its grids: name a --scene to simulate here";
+}
+
+std::optional<AirSlice> ViewerSession::takeSlice() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(slice_, std::nullopt);
+}
+
+std::string ViewerSession::sliceProblem() const {
+  const std::lock_guard lock(mutex_);
+  return slice_problem_;
+}
+
+void ViewerSession::observe(Simulation& simulation) {
+  std::optional<SliceRequest> wanted;
+  {
+    const std::lock_guard lock(mutex_);
+    known_ = simulation.parameters();
+    if (!first_known_) first_known_ = known_;
+    const auto now = std::chrono::steady_clock::now();
+    if (!request_ || now < slice_due_) return;
+    slice_due_ = now + kSliceInterval;
+    wanted = request_;
+  }
+  std::optional<AirSlice> slice;
+  std::string problem;
+  try {
+    const AirFields* fields = airFields(simulation.surroundings());
+    if (fields == nullptr)
+      throw Error("this backend's grids cannot be looked at", simulation.backend().name(), "choose simd");
+    checkHas(*fields, wanted->quantity);
+    slice = airSlice(*fields, wanted->quantity, wanted->axis, simulation.guides(), kSliceSize);
+  } catch (const Error& error) {
+    problem = error.what();
+  }
+  const std::lock_guard lock(mutex_);
+  if (slice) slice_ = std::move(slice);
+  slice_problem_ = problem;
+}
+
+void ViewerSession::startRecording(const std::filesystem::path& file) {
+  stopRecording();
+  RecordingOptions options;
+  options.groom_id = groom_id_;
+  auto recording = std::make_shared<StreamRecording>(subscriber(), file, options);
+  stop_recording_ = false;
+  recorded_seconds_ = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    recording_problem_.clear();
+  }
+  recording_ = std::thread([this, recording] {
+    try {
+      while (!stop_recording_) {
+        recording->take(std::chrono::milliseconds(100));
+        recorded_seconds_ = recording->recorder().seconds();
+      }
+      recording->close();
+    } catch (const Error& error) {
+      const std::lock_guard lock(mutex_);
+      recording_problem_ = error.what();
+    }
+  });
+}
+
+void ViewerSession::stopRecording() {
+  stop_recording_ = true;
+  if (recording_.joinable()) recording_.join();
+}
+
+std::string ViewerSession::recordingProblem() const {
+  const std::lock_guard lock(mutex_);
+  return recording_problem_;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,80 @@
+#pragma once
+#include <atomic>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "apps/air_slices.h"
+#include "apps/channel.h"
+#include "apps/presets.h"
+#include "apps/viewer/command_queue.h"
+
+namespace strandcast {
+
+/// Which slice through the air the viewer wants to see.
+struct SliceRequest {
+  AirQuantity quantity = AirQuantity::kWind;
+  int axis = 2;
+};
+
+/// A stream that the viewer shows: frames in, commands out, and what is known of the simulation behind it.
+class ViewerSession {
+ public:
+  /// Waits until groom and body are known; throws Error after `timeout` seconds.
+  ViewerSession(const Settings& settings, bool here, double timeout, Playout playout);
+  ~ViewerSession();
+
+  Subscriber& subscriber() { return stream_.subscriber(); }
+  FramePlayer& player() { return player_; }
+  CommandQueue& commands() { return commands_; }
+  bool isHere() const { return here_; }  ///< the simulation is in this process
+  uint32_t groomId() const { return groom_id_; }
+
+  /// What a parameter is set to, where that is known: of a simulation in this process, or what was sent.
+  std::optional<std::vector<double>> parameter(const std::string& name) const;
+  void setParameter(const std::string& name, const std::vector<double>& values);
+  /// What resets go back to: as the simulation had it when it was first seen, else as all have it.
+  std::vector<double> usualParameter(const std::string& name) const;
+  /// What became of commands since the last call; a value that was refused is forgotten.
+  std::vector<CommandOutcome> takeOutcomes();
+  /// All that are known.
+  NamedValues parameters() const;
+
+  /// Slices of a simulation in this process, a few times a second, until nothing is asked for.
+  void askForSlice(const std::optional<SliceRequest>& request);
+  /// The newest since the last call, or why there is none.
+  std::optional<AirSlice> takeSlice();
+  std::string sliceProblem() const;
+
+  /// Writes frames from now on; throws Error.
+  void startRecording(const std::filesystem::path& file);
+  void stopRecording();
+  bool records() const { return recording_.joinable(); }
+  double recordedSeconds() const { return recorded_seconds_; }
+  std::string recordingProblem() const;
+
+ private:
+  void observe(Simulation& simulation);
+
+  const bool here_;
+  const uint32_t groom_id_;
+  mutable std::mutex mutex_;  // of all below but the stream
+  std::optional<Parameters> known_, first_known_;
+  std::map<std::string, std::vector<double>> sent_;
+  std::optional<SliceRequest> request_;
+  std::optional<AirSlice> slice_;
+  std::string slice_problem_, recording_problem_;
+  std::chrono::steady_clock::time_point slice_due_{};
+  std::atomic<bool> stop_recording_{false};
+  std::atomic<double> recorded_seconds_{0};
+  std::thread recording_;
+  Stream stream_;
+  FramePlayer player_;
+  CommandQueue commands_;
+};
+
+}  // namespace strandcast

@@ -1,0 +1,128 @@
+#include "apps/viewer/window.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <epoxy/gl.h>
+#include <imgui/backends/imgui_impl_glfw.h>
+#include <imgui/backends/imgui_impl_opengl3.h>
+#include <imgui/imgui.h>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+Error windowError() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return Error("no window can be opened", text != nullptr ? text : "GLFW",
+               "run it on a desktop with OpenGL 4.5, or use `strandcast render`");
+}
+
+void setStyle() {
+  ImGui::StyleColorsDark();
+  ImGuiStyle& style = ImGui::GetStyle();
+  style.WindowRounding = 0;
+  style.FrameRounding = 3;
+  style.GrabRounding = 3;
+  style.WindowBorderSize = 0;
+  style.FramePadding = {6, 3};
+  style.ItemSpacing = {6, 5};
+  style.WindowPadding = {10, 8};
+  style.Colors[ImGuiCol_WindowBg] = {0.10f, 0.105f, 0.115f, 0.97f};
+  style.Colors[ImGuiCol_Header] = {0.20f, 0.24f, 0.29f, 1};
+  style.Colors[ImGuiCol_HeaderHovered] = {0.26f, 0.33f, 0.41f, 1};
+  style.Colors[ImGuiCol_HeaderActive] = {0.28f, 0.38f, 0.48f, 1};
+  style.Colors[ImGuiCol_FrameBg] = {0.17f, 0.18f, 0.20f, 1};
+  style.Colors[ImGuiCol_FrameBgHovered] = {0.23f, 0.26f, 0.30f, 1};
+  style.Colors[ImGuiCol_Button] = {0.22f, 0.28f, 0.35f, 1};
+}
+
+}  // namespace
+
+const int ViewerWindow::kEscape = GLFW_KEY_ESCAPE, ViewerWindow::kTab = GLFW_KEY_TAB;
+
+ViewerWindow::ViewerWindow(int width, int height) {
+  if (glfwInit() == GLFW_FALSE) throw windowError();
+  glfwWindowHint(GLFW_CONTEXT_CREATION_API,
+                 GLFW_EGL_CONTEXT_API);  // as the GPU backend's, which hands it back
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  window_ = glfwCreateWindow(width, height, "Strandcast", nullptr, nullptr);
+  if (window_ == nullptr) {
+    const Error error = windowError();
+    glfwTerminate();
+    throw error;
+  }
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;  // panels are where they are
+  setStyle();
+  // Dear ImGui 1.86 only knows which keys are down when a frame begins. It calls on what was here before it.
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+    if (action == GLFW_PRESS)
+      static_cast<ViewerWindow*>(glfwGetWindowUserPointer(window))->pressed_.push_back(key);
+  });
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);
+  if (!ImGui_ImplOpenGL3_Init("#version 450 core")) {
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+    throw Error("the panels cannot be drawn", "Dear ImGui", "is libGL.so of the system's OpenGL installed?");
+  }
+}
+
+ViewerWindow::~ViewerWindow() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+bool ViewerWindow::isOpen() const { return glfwWindowShouldClose(window_) == GLFW_FALSE; }
+void ViewerWindow::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+
+int ViewerWindow::width() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  return width;
+}
+
+int ViewerWindow::height() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  return height;
+}
+
+void ViewerWindow::beginFrame() {
+  pressed_.clear();
+  glfwPollEvents();
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+}
+
+bool ViewerWindow::mouseIsFree() const { return !ImGui::GetIO().WantCaptureMouse; }
+bool ViewerWindow::keysAreFree() const { return !ImGui::GetIO().WantTextInput; }
+
+void ViewerWindow::clear() {
+  const float grey[4] = {0.06f, 0.06f, 0.065f, 1};
+  glClearNamedFramebufferfv(0, GL_COLOR, 0, grey);
+}
+
+void ViewerWindow::endFrame(const std::string& title) {
+  ImGui::Render();
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, width(), height());
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  glfwSetWindowTitle(window_, title.c_str());
+  glfwSwapBuffers(window_);
+}
+
+}  // namespace strandcast

@@ -1,0 +1,38 @@
+#pragma once
+#include <string>
+#include <vector>
+
+struct GLFWwindow;
+
+namespace strandcast {
+
+/// A window with an OpenGL 4.5 context, current as long as it lives, and Dear ImGui in it.
+class ViewerWindow {
+ public:
+  static const int kEscape, kTab;       ///< keys; letters and digits are their capital ASCII codes
+  ViewerWindow(int width, int height);  ///< pixels; throws Error where there is no display
+  ~ViewerWindow();
+  ViewerWindow(const ViewerWindow&) = delete;
+  ViewerWindow& operator=(const ViewerWindow&) = delete;
+
+  bool isOpen() const;
+  void close();
+  int width() const;  ///< pixels
+  int height() const;
+
+  void beginFrame();  ///< takes events; panels may be made from now on
+  /// Whether the panels leave the mouse, and keys, to the picture.
+  bool mouseIsFree() const;
+  bool keysAreFree() const;
+  /// Pressed since the last beginFrame(), also those that are up again.
+  const std::vector<int>& pressedKeys() const { return pressed_; }
+  /// Draws the panels over what the window shows, and shows it.
+  void endFrame(const std::string& title);
+  void clear();  ///< to dark grey
+
+ private:
+  GLFWwindow* window_ = nullptr;
+  std::vector<int> pressed_;
+};
+
+}  // namespace strandcast

@@ -1,0 +1,23 @@
+#include "render/pass_clock.h"
+
+namespace strandcast {
+
+PassClock::~PassClock() { glDeleteQueries(static_cast<GLsizei>(queries_.size()), queries_.data()); }
+
+void PassClock::stamp() {
+  if (stamps_ == queries_.size()) {
+    queries_.push_back(0);
+    glCreateQueries(GL_TIMESTAMP, 1, &queries_.back());
+  }
+  glQueryCounter(queries_[stamps_++], GL_TIMESTAMP);
+}
+
+double PassClock::milliseconds(size_t from) const {
+  if (from + 1 >= stamps_) return 0;
+  GLuint64 begin = 0, end = 0;
+  glGetQueryObjectui64v(queries_[from], GL_QUERY_RESULT, &begin);
+  glGetQueryObjectui64v(queries_[from + 1], GL_QUERY_RESULT, &end);
+  return end > begin ? 1e-6 * static_cast<double>(end - begin) : 0;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,203 @@
+// The window as a user has it: a daemon, the viewer on a virtual display, and mouse and keys that come as
+// events.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "apps/presets.h"
+#include "render/image.h"
+#include "tests/transport/dds_domain.h"
+#include "transport/recording/recording.h"
+
+namespace strandcast {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+bool isInstalled(const std::string& program) {
+  return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+class ViewerWindowTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* program : {"Xvfb", "xdotool"})
+      if (!isInstalled(program)) GTEST_SKIP() << program << " is not installed";
+    folder_ = std::filesystem::temp_directory_path() / ("strandcast_viewer_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    // A display that nobody has; Xvfb says which by writing its number.
+    const auto number = folder_ / "display";
+    display_ = start("exec Xvfb -displayfd 1 -screen 0 1000x700x24 >" + number.string() + " 2>/dev/null");
+    ASSERT_TRUE(until(seconds(20), [&] {
+      return std::filesystem::exists(number) && std::filesystem::file_size(number) > 1;
+    }));
+    std::string digits;
+    std::getline(std::ifstream(number) >> std::ws, digits);
+    setenv("DISPLAY", (":" + digits).c_str(), 1);
+  }
+  void TearDown() override {
+    for (const pid_t child : std::set<pid_t>(running_)) {
+      kill(child, SIGKILL);
+      wait(child);
+    }
+    if (!folder_.empty()) std::filesystem::remove_all(folder_);
+  }
+
+  pid_t start(const std::string& command) {
+    const pid_t child = fork();
+    if (child == 0) {
+      if (!folder_.empty() && chdir(folder_.c_str()) != 0) _exit(126);
+      execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
+      _exit(127);
+    }
+    running_.insert(child);
+    return child;
+  }
+  int wait(pid_t child) {
+    int status = 0;
+    running_.erase(child);
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+  }
+  static bool until(seconds patience, const std::function<bool()>& ready) {
+    const auto deadline = std::chrono::steady_clock::now() + patience;
+    while (!ready()) {
+      if (std::chrono::steady_clock::now() > deadline) return false;
+      std::this_thread::sleep_for(milliseconds(50));
+    }
+    return true;
+  }
+  /// Events, and time for a few pictures.
+  static void input(const std::string& words) {
+    EXPECT_EQ(std::system(("xdotool " + words).c_str()), 0) << words;
+    std::this_thread::sleep_for(milliseconds(900));
+  }
+  /// Held for a few pictures.
+  static void press(const std::string& key) {
+    input("keydown " + key);
+    input("keyup " + key);
+  }
+  /// Presses, drags in steps and lets go, in the window's pixels.
+  static void drag(int x, int y, int to_x, int to_y) {
+    input("mousemove " + std::to_string(x) + " " + std::to_string(y));
+    input("mousedown 1");
+    for (int step = 1; step <= 3; ++step)
+      input("mousemove " + std::to_string(x + (to_x - x) * step / 3) + " " +
+            std::to_string(y + (to_y - y) * step / 3));
+    input("mouseup 1");
+  }
+
+  std::filesystem::path folder_;
+  std::set<pid_t> running_;
+  pid_t display_ = 0;
+  const std::string daemon_ = STRANDCAST_DAEMON, program_ = STRANDCAST_PROGRAM;
+};
+
+/// What a daemon's recording has of commands, by kind.
+std::map<CommandKind, std::vector<Command>> commandsOf(const std::filesystem::path& file) {
+  std::map<CommandKind, std::vector<Command>> found;
+  Recording recording(file);
+  RecordedFrame frame;
+  for (uint64_t n = 0; n < recording.frames(); ++n) {
+    recording.read(n, frame);
+    for (const Command& command : frame.inputs) found[command.kind].push_back(command);
+  }
+  return found;
+}
+
+// The panel is 420 pixels wide; the picture is beside it, the head in its middle.
+constexpr int kPanel = 420, kHairX = kPanel + 122, kHairY = 190;
+
+TEST_F(ViewerWindowTest, MouseAndKeysReachTheDaemonAndTheDisk) {
+  const std::string domain = std::to_string(testDomain(1));
+  const pid_t daemon =
+      start("exec " + daemon_ +
+            " --scene straight --strands 60 --vertices 10 --motion still --backend reference "
+            "--quiet --record daemon.rec --domain " +
+            domain + " >daemon.log 2>&1");
+  const pid_t viewer = start("exec " + program_ +
+                             " view --width 320 --height 320 --hairs 400 --hair-width 0.001 --segments 8 "
+                             "--samples 1 --shadow-map 64 "
+                             "--shadows off --domain " +
+                             domain + " >viewer.log 2>&1");
+  ASSERT_TRUE(until(seconds(30), [] {
+    return std::system("xdotool search --name 'Strandcast: straight' >/dev/null 2>&1") == 0;
+  })) << "the window shows the daemon's groom";
+  std::this_thread::sleep_for(seconds(2));
+
+  input("mousemove 600 100 key p");
+  ASSERT_TRUE(until(seconds(10), [&] { return std::filesystem::exists(folder_ / "strandcast_0000.png"); }));
+  std::this_thread::sleep_for(milliseconds(300));
+  const Image before = readPng(folder_ / "strandcast_0000.png");
+  EXPECT_EQ(before.height, 320);
+
+  drag(600, 100, 690, 100);  // orbits
+  input("key p");
+  ASSERT_TRUE(until(seconds(10), [&] { return std::filesystem::exists(folder_ / "strandcast_0001.png"); }));
+  std::this_thread::sleep_for(milliseconds(300));
+  EXPECT_NE(readPng(folder_ / "strandcast_0001.png").rgb, before.rgb);
+  drag(690, 100, 600, 100);  // and back
+
+  // The panel: find a parameter, type a value.
+  input("mousemove 200 155 click 1");
+  input("type air_drag");
+  input("mousemove 235 203 keydown ctrl");
+  input("mousedown 1");
+  input("mouseup 1");
+  input("keyup ctrl");
+  input("type 7");
+  press("Return");
+
+  input("mousemove 600 100 key 4");
+  drag(kHairX, kHairY, kHairX - 40, kHairY - 20);  // pulls
+  input("key 2");
+  drag(600, 100, 640, 100);  // moves the head
+  input("key space");
+  input("key period");
+  input("key space");
+  input("mousemove 310 36 click 1");  // record
+  std::this_thread::sleep_for(seconds(1));
+  input("click 1");
+
+  input("mousemove 600 100 key Escape");
+  EXPECT_EQ(wait(viewer), 0);
+  kill(daemon, SIGINT);
+  wait(daemon);
+
+  const auto commands = commandsOf(folder_ / "daemon.rec");
+  const auto of = [&](CommandKind kind) {
+    const auto found = commands.find(kind);
+    return found == commands.end() ? std::vector<Command>{} : found->second;
+  };
+  const std::vector<Command> set = of(CommandKind::kSetParameter), pulls = of(CommandKind::kPull),
+                             heads = of(CommandKind::kHeadPose), pauses = of(CommandKind::kPause);
+  ASSERT_FALSE(set.empty());
+  EXPECT_EQ(set.back().name, "air_drag");
+  EXPECT_EQ(set.back().values, std::vector<double>{7});
+  ASSERT_GE(pulls.size(), 2u);
+  EXPECT_EQ(pulls.front().values.size(), 8u);
+  EXPECT_TRUE(pulls.back().values.empty()) << "lets go in the end";
+  ASSERT_FALSE(heads.empty());
+  EXPECT_NE(heads.back().values[0], 0);
+  ASSERT_GE(pauses.size(), 3u);
+  EXPECT_EQ(pauses.front().values, std::vector<double>{1});
+  EXPECT_EQ(pauses.back().values, std::vector<double>{0});
+  EXPECT_EQ(of(CommandKind::kStep).size(), 1u);
+  EXPECT_GT(Recording(folder_ / "take.rec").frames(), 5u);
+}
+
+}  // namespace
+}  // namespace strandcast
