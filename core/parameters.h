@@ -11,10 +11,14 @@ enum class SolverKind {
   kRod           ///< an elastic rod: direct solves for twist, bending and length
 };
 
+/// s. A substep of the rod is no longer: what a Simulation is told to do in fewer substeps it does in as many
+/// as that takes. In longer ones the tensions of violent motion are forgotten too slowly.
+constexpr float kLongestSubstep = 1.0f / 60.0f;
+
 /// Everything that may change while a simulation runs. SI units.
 struct Parameters {
   float time_step = 1.0f / 60.0f;                ///< s, fixed; 1e-5 to 1/30
-  int substeps = 4;                              ///< per step, 1 to 64
+  int substeps = 4;                              ///< per step, 1 to 64; see kLongestSubstep
   int iterations = 6;                            ///< of {angular, distance, contact} per substep, 1 to 64
   SolverKind solver = SolverKind::kGaussSeidel;  ///< of a simulation's whole life
   Vec3 gravity{0, -9.81f, 0};                    ///< m/s^2

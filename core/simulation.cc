@@ -1,6 +1,7 @@
 #include "core/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/error.h"
@@ -27,6 +28,14 @@ std::vector<float> restDistances(const StrandModel& model, std::span<const Movin
   return out;
 }
 
+Parameters inShortSubsteps(Parameters parameters) {
+  if (parameters.solver == SolverKind::kRod) {
+    const int least = static_cast<int>(std::ceil(parameters.time_step / kLongestSubstep - 1e-3f));
+    parameters.substeps = std::max(parameters.substeps, least);
+  }
+  return parameters;
+}
+
 }  // namespace
 
 Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
@@ -45,6 +54,7 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
       bound_to_root_(order_.neighbourhoods(), true),
       strand_boxes_(order_.neighbourhoods()) {
   checkParameters(parameters_, "Simulation");
+  stepped_ = inShortSubsteps(parameters_);
   std::vector<MovingPrimitive> rooted;
   std::vector<float> depths;
   for (RigidBody& body : bodies) {
@@ -161,6 +171,7 @@ void Simulation::setParameters(const Parameters& parameters) {
   checkParameters(parameters, "Simulation::setParameters");
   surrounded_ = configureSurroundings(parameters);
   parameters_ = parameters;
+  stepped_ = inShortSubsteps(parameters_);
 }
 
 void Simulation::placeRoots(const std::vector<Pose>& bones, std::vector<Pose>& roots) const {
@@ -215,9 +226,9 @@ StepInput Simulation::nextInput() {
   // Strands of the rod stay within their length of their root, whatever pushes them; others may stretch.
   const bool listed = parameters_.solver == SolverKind::kRod && !primitives_.empty();
   if (listed) findNearBodies();
-  return {&parameters_, roots_begin_, roots_end_,
-          primitives_,  bones_begin_, bones_end_,
-          {},           &shapes_,     listed ? &near_ : nullptr};
+  return {&stepped_,   roots_begin_, roots_end_,
+          primitives_, bones_begin_, bones_end_,
+          {},          &shapes_,     listed ? &near_ : nullptr};
 }
 
 void Simulation::step() {

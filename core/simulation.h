@@ -125,6 +125,7 @@ class Simulation {
   BodyId next_body_ = 0;
   ShapeData shapes_;
   Parameters parameters_;
+  Parameters stepped_;  ///< the same as backends are given them: see kLongestSubstep
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<Surroundings> surroundings_;
   bool surrounded_ = false;  ///< the settings need them

@@ -270,6 +270,21 @@ RigidBody floorAt(float height) {
   return floor;
 }
 
+TEST(Simulation, TheRodTakesNoSubstepLongerThanASixtiethOfASecond) {
+  const auto run = [](float time_step, int substeps) {
+    Parameters parameters;
+    parameters.solver = SolverKind::kRod;
+    parameters.time_step = time_step;
+    parameters.substeps = substeps;
+    Simulation simulation = makeSimulation(parameters);
+    for (int i = 0; i < 10; ++i) simulation.step();
+    EXPECT_EQ(simulation.parameters().substeps, substeps) << "as it was told";
+    return stateHash(simulation.state());
+  };
+  EXPECT_EQ(run(1.0f / 30, 1), run(1.0f / 30, 2));
+  EXPECT_NE(run(1.0f / 60, 1), run(1.0f / 60, 2));
+}
+
 TEST(Simulation, BodiesComeMoveAndGo) {
   Parameters parameters;
   parameters.solver = SolverKind::kRod;
