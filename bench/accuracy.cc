@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,6 +13,7 @@
 #include "bench/accuracy_trial.h"
 #include "bench/svg_plot.h"
 #include "bench/table.h"
+#include "bench/text_file.h"
 #include "core/error.h"
 #include "simd/simd_backend.h"
 
@@ -83,12 +83,11 @@ PlotPanel panelOf(const std::string& title, const std::vector<Result>& results, 
 }
 
 void writePlot(const std::filesystem::path& file, const std::vector<Result>& results) {
-  std::ofstream out(file);
-  out << logLogPlot("cost of a frame, in that of the rod at one substep", "rms error of the shaken tip, mm",
-                    "Beside the points: substeps of the rod, iterations of gauss_seidel.",
-                    {panelOf("straight, 25 cm", results, &Result::straight),
-                     panelOf("curl, 25 cm", results, &Result::curl)});
-  if (!out.flush()) throw Error("the plot cannot be written", file.string(), "check the folder and the disk");
+  writeText(file, logLogPlot("cost of a frame, in that of the rod at one substep",
+                             "rms error of the shaken tip, mm",
+                             "Beside the points: substeps of the rod, iterations of gauss_seidel.",
+                             {panelOf("straight, 25 cm", results, &Result::straight),
+                              panelOf("curl, 25 cm", results, &Result::curl)}));
 }
 
 nlohmann::json toJson(const StrandError& e) {

@@ -9,7 +9,6 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 
@@ -18,6 +17,7 @@
 #include "bench/headlines.h"
 #include "bench/machine.h"
 #include "bench/plots.h"
+#include "bench/text_file.h"
 #include "core/error.h"
 #ifdef STRANDCAST_HAS_RENDER
 #include "gl/context.h"
@@ -102,12 +102,6 @@ std::optional<std::string> outputOf(const std::string& arguments) {
   return status == 0 ? std::optional(text) : std::nullopt;
 }
 
-void writeFile(const fs::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  if (!out.flush()) throw Error("the file cannot be written", file.string(), "check the folder and the disk");
-}
-
 void writePlots(const fs::path& folder, const Results& results) {
   const std::tuple<const char*, const char*, std::string (*)(const std::vector<nlohmann::json>&)> plots[] = {
       {"peers", "peers", peersPlot},
@@ -116,7 +110,7 @@ void writePlots(const fs::path& folder, const Results& results) {
       {"end_to_end", "end_to_end", latencyPlot},
       {"end_to_end_grown", "end_to_end_grown", latencyPlot}};
   for (const auto& [file, name, plot] : plots)
-    if (results.contains(file)) writeFile(folder / fmt::format("{}.svg", name), plot(results.at(file).rows));
+    if (results.contains(file)) writeText(folder / fmt::format("{}.svg", name), plot(results.at(file).rows));
 }
 
 int all(const Options& o) {
@@ -140,7 +134,7 @@ int all(const Options& o) {
       failed.push_back(jobs[i].arguments);
       continue;
     }
-    writeFile(folder / (jobs[i].name + ".csv"), *csv);
+    writeText(folder / (jobs[i].name + ".csv"), *csv);
     results[jobs[i].name] = parseCsv(*csv, jobs[i].name);
     fmt::print(stderr, "  {:.1f} s\n", seconds() - before);
   }

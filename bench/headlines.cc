@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "bench/axis_fit.h"
 #include "bench/peer_ratio.h"
+#include "bench/text_file.h"
 #include "core/error.h"
 
 namespace strandcast {
@@ -136,9 +134,7 @@ Results readResults(const std::filesystem::path& folder) {
     throw Error("there is no such folder of results", folder.string(), "make some: strandbench all --save");
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".csv") continue;
-    std::ifstream file(entry.path(), std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
-    results[entry.path().stem().string()] = parseCsv(text, entry.path().string());
+    results[entry.path().stem().string()] = parseCsv(textOf(entry.path()), entry.path().string());
   }
   return results;
 }

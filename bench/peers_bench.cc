@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <numbers>
 
@@ -15,7 +14,7 @@
 #include "bench/bullet_ropes.h"
 #include "bench/peer_ratio.h"
 #include "bench/plots.h"
-#include "core/error.h"
+#include "bench/text_file.h"
 #include "core/measure.h"
 #include "simd/simd_backend.h"
 
@@ -226,12 +225,7 @@ int peers(Options o) {
   bench.closing += conclusions(bench.table.rows());
   bench.more["device"] = makeSimdBackend(1)->device();
   print(bench, o.print);
-  if (!o.plot.empty()) {
-    std::ofstream out(o.plot);
-    out << peersPlot(bench.table.rows());
-    if (!out.flush())
-      throw Error("the plot cannot be written", o.plot.string(), "check the folder and the disk");
-  }
+  if (!o.plot.empty()) writeText(o.plot, peersPlot(bench.table.rows()));
   return 0;
 }
 

@@ -237,7 +237,7 @@ const std::vector<Section>& sections() {
        "renderer has. Medians by "
        "phase, ms; `publish` is encoding and handing over to DDS, `wire` what is left until all is received "
        "and decoded. In brackets "
-       "what encoding and decoding take by themselves, done once more beside the road.",
+       "what encoding and decoding take by themselves, on further frames.",
        kLatencyColumns, latencyPlot},
       {"end_to_end_grown", "End to end, to grown hair",
        "The same until the device's fence says that the hair is grown. A renderer that is slower than the "

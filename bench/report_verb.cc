@@ -4,13 +4,11 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "apps/console.h"
 #include "bench/performance_page.h"
-#include "core/error.h"
+#include "bench/text_file.h"
 
 namespace strandcast {
 namespace {
@@ -22,23 +20,14 @@ struct Options {
   bool check = false;
 };
 
-std::string contents(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 int report(const Options& o) {
   const PerformancePage page = performancePage(o.results);
   bool same = true;
   const auto put = [&](const fs::path& file, const std::string& text) {
-    if (contents(file) == text) return;
+    if (textOf(file) == text) return;
     same = false;
     fmt::print("{} {}\n", o.check ? "differs:" : "written:", file.string());
-    if (o.check) return;
-    std::ofstream out(file, std::ios::binary);
-    out << text;
-    if (!out.flush())
-      throw Error("the file cannot be written", file.string(), "check the folder and the disk");
+    if (!o.check) writeText(file, text);
   };
   put(o.page, page.text);
   for (const auto& [name, svg] : page.images) put(o.images / name, svg);

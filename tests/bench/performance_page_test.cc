@@ -4,9 +4,9 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "bench/headlines.h"
+#include "bench/text_file.h"
 #include "core/error.h"
 
 namespace strandcast {
@@ -14,20 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string contents(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 class ScratchResults {
  public:
   ScratchResults() : root(fs::temp_directory_path() / ("strandcast_results_" + std::to_string(getpid()))) {
     fs::create_directories(root / "machine");
   }
   ~ScratchResults() { fs::remove_all(root); }
-  void write(const std::string& name, const std::string& text) {
-    std::ofstream(root / "machine" / name) << text;
-  }
+  void write(const std::string& name, const std::string& text) { writeText(root / "machine" / name, text); }
   const fs::path root;
 };
 
@@ -40,11 +33,11 @@ const Headline& lineOf(const std::vector<Headline>& lines, const std::string& wh
 TEST(PerformancePage, IsWhatTheResultsThatAreKeptSay) {
   const fs::path project = STRANDCAST_SOURCE_DIR;
   const PerformancePage page = performancePage(project / "bench" / "results");
-  EXPECT_TRUE(page.text == contents(project / "docs" / "performance.md"))
+  EXPECT_TRUE(page.text == textOf(project / "docs" / "performance.md"))
       << "docs/performance.md is not what bench/results say: run strandbench report";
   EXPECT_FALSE(page.images.empty());
   for (const auto& [name, svg] : page.images)
-    EXPECT_TRUE(svg == contents(project / "docs" / "images" / name)) << name;
+    EXPECT_TRUE(svg == textOf(project / "docs" / "images" / name)) << name;
 }
 
 TEST(PerformancePage, HasEveryFileBesideItsCommand) {

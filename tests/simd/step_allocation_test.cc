@@ -1,59 +1,14 @@
 // Counts every operator new of the process while the CPU backends step.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 
 #include "air/air_maker.h"
+#include "bench/counted_memory.h"
 #include "collision/tree_broad_phase.h"
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
 #include "tests/conformance/conformance_model.h"
-
-// g++ sees malloc through operator new below where it inlines the one and not the other, and calls free a
-// mismatch.
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-#endif
-
-namespace {
-
-std::atomic<size_t> allocations{0};
-
-void* take(size_t bytes, size_t alignment) {
-  ++allocations;
-  const size_t rounded = (std::max<size_t>(bytes, 1) + alignment - 1) / alignment * alignment;
-  if (void* memory = std::aligned_alloc(alignment, rounded)) return memory;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(size_t bytes) { return take(bytes, alignof(std::max_align_t)); }
-void* operator new[](size_t bytes) { return take(bytes, alignof(std::max_align_t)); }
-void* operator new(size_t bytes, std::align_val_t alignment) { return take(bytes, size_t(alignment)); }
-void* operator new[](size_t bytes, std::align_val_t alignment) { return take(bytes, size_t(alignment)); }
-void* operator new(size_t bytes, const std::nothrow_t&) noexcept {
-  ++allocations;
-  return std::malloc(std::max<size_t>(bytes, 1));
-}
-void* operator new[](size_t bytes, const std::nothrow_t&) noexcept {
-  ++allocations;
-  return std::malloc(std::max<size_t>(bytes, 1));
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete[](void* p) noexcept { std::free(p); }
-void operator delete(void* p, size_t) noexcept { std::free(p); }
-void operator delete[](void* p, size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, size_t, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, size_t, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, const std::nothrow_t&) noexcept { std::free(p); }
-void operator delete[](void* p, const std::nothrow_t&) noexcept { std::free(p); }
 
 namespace strandcast {
 namespace {
@@ -63,13 +18,13 @@ void expectNoAllocation(std::unique_ptr<Backend> backend) {
   RigidBody head{{{PrimitiveKind::kSphere, Vec3(0, -0.1f, 0), Vec3::UnitY(), 0.09f, 0.3f}}, true};
   Simulation simulation(awkwardModel(257, 91), {head}, Parameters(), std::move(backend));
   simulation.step();  // worker threads start with the first
-  const size_t before = allocations;
+  const size_t before = allocations();
   for (int i = 0; i < 20; ++i) {
     simulation.setHeadPose({Vec3(0.001f * i, 0, 0), Quat::Identity()});
     simulation.step();
     ASSERT_EQ(simulation.guides().size(), simulation.model().vertices());
   }
-  EXPECT_EQ(allocations - before, 0u) << device;
+  EXPECT_EQ(allocations() - before, 0u) << device;
 }
 
 TEST(StepAllocation, ManyBodiesThatMoveAllocateNothing) {
@@ -90,19 +45,19 @@ TEST(StepAllocation, ManyBodiesThatMoveAllocateNothing) {
                             false,
                             place(i, 0)}));
   simulation.step();
-  const size_t before = allocations;
+  const size_t before = allocations();
   for (int step = 1; step <= 10; ++step) {
     for (size_t i = 0; i < bodies.size(); ++i) simulation.setBodyPose(bodies[i], place(i, step));
     simulation.step();
   }
-  EXPECT_EQ(allocations - before, 0u);
+  EXPECT_EQ(allocations() - before, 0u);
 }
 
 TEST(StepAllocation, TheCounterCounts) {
-  const size_t before = allocations;
+  const size_t before = allocations();
   auto number = std::make_unique<int>(3);
   EXPECT_EQ(*number, 3);
-  EXPECT_GT(allocations, before);
+  EXPECT_GT(allocations(), before);
 }
 
 TEST(StepAllocation, WindAndForcesBetweenHairsAllocateNothing) {
@@ -118,12 +73,12 @@ TEST(StepAllocation, WindAndForcesBetweenHairsAllocateNothing) {
     Simulation simulation(awkwardModel(257, 91), {head}, parameters, makeSimdBackend(threads),
                           cpuAir("simd", threads).surroundings({}));
     simulation.step();
-    const size_t before = allocations;
+    const size_t before = allocations();
     for (int i = 0; i < 20; ++i) {
       simulation.setHeadPose({Vec3(0.02f * static_cast<float>(i), 0, 0), Quat::Identity()});
       simulation.step();
     }
-    EXPECT_EQ(allocations - before, 0u) << threads;
+    EXPECT_EQ(allocations() - before, 0u) << threads;
   }
 }
 
@@ -131,10 +86,10 @@ TEST(StepAllocation, AirThatIsOffAllocatesNothing) {
   auto allocationsOf = [](std::unique_ptr<Surroundings> surroundings) {
     std::unique_ptr<Backend> backend = makeSimdBackend(1);
     const StrandModel model = awkwardModel(257, 91);
-    const size_t before = allocations;
+    const size_t before = allocations();
     Simulation simulation(model, {}, Parameters(), std::move(backend), std::move(surroundings));
     simulation.step();
-    return allocations - before;
+    return allocations() - before;
   };
   EXPECT_EQ(allocationsOf(cpuAir("simd", 1).surroundings({})), allocationsOf(nullptr));
 }
