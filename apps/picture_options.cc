@@ -200,11 +200,14 @@ Box pictureBox(const GroomDescription& groom, const BodyDescription& body) {
   return box.merged(around.intersection(body.mesh.bounds()));
 }
 
-void setPicture(Renderer& renderer, const PictureOptions& options, const GroomDescription& groom,
-                const BodyDescription& body) {
+void setPicture(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body) {
   renderer.setGroom(groom);
   renderer.setBody(body);
-  if (options.keep_out) renderer.setObstacles(hairObstacles(body));
+}
+
+void setObstacles(Renderer& renderer, const PictureOptions& options, const ColliderSet* colliders,
+                  const BodyDescription& body) {
+  if (options.keep_out) renderer.setObstacles(hairObstacles(colliders, body));
 }
 
 Camera pictureCamera(const PictureOptions& options, const Box& box) {

@@ -27,8 +27,10 @@ RenderSettings renderSettings(const PictureOptions& options);
 /// The box that pictures frame: of the hair, and of the body around it.
 Box pictureBox(const GroomDescription& groom, const BodyDescription& body);
 /// Tells the renderer what it draws.
-void setPicture(Renderer& renderer, const PictureOptions& options, const GroomDescription& groom,
-                const BodyDescription& body);
+void setPicture(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body);
+/// Keeps grown hair out of what it is to be kept out of, where that is asked for: hairObstacles().
+void setObstacles(Renderer& renderer, const PictureOptions& options, const ColliderSet* colliders,
+                  const BodyDescription& body);
 /// Looks at `box` from where the options say.
 Camera pictureCamera(const PictureOptions& options, const Box& box);
 

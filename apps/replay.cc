@@ -67,6 +67,9 @@ void Replay::apply(const Command& command) {
       return;
     case CommandKind::kHeadPose:
     case CommandKind::kHeadMotion:
+    case CommandKind::kAddCollider:
+    case CommandKind::kMoveCollider:
+    case CommandKind::kRemoveCollider:
       break;
   }
   throw Error("a recording does not obey this", fmt::format("command {}", command.id),

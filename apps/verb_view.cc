@@ -107,16 +107,23 @@ int view(const Options& o) {
   FramePlayer player(subscriber, o.playout == "latest" ? Playout::kLatest : Playout::kSmooth);
   Renderer renderer(renderSettings(o.picture));
   std::shared_ptr<const GroomDescription> groom;
+  std::shared_ptr<const BodyDescription> body;
+  std::shared_ptr<const ColliderSet> colliders;
   Box box;
   const auto start = std::chrono::steady_clock::now();
   auto last = start;
   while (window.open() && !g_interrupted) {
     window.poll();
-    if (subscriber.groom() != groom) {
+    const bool is_new = subscriber.groom() != groom;
+    if (is_new) {
       groom = subscriber.groom();
-      const auto body = subscriber.body();
-      setPicture(renderer, o.picture, *groom, *body);
+      body = subscriber.body();
+      setPicture(renderer, *groom, *body);
       box = pictureBox(*groom, *body);
+    }
+    if (is_new || subscriber.colliders() != colliders) {
+      colliders = subscriber.colliders();
+      setObstacles(renderer, o.picture, colliders.get(), *body);
     }
     const auto frame = player.next();
     if (!frame) continue;

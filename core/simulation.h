@@ -57,6 +57,10 @@ class Simulation {
   /// Error on an unknown body.
   void removeBody(BodyId body);
   size_t bodies() const { return bodies_.size(); }
+  /// Of all there are, in the order in which they were added.
+  std::vector<BodyId> bodyIds() const;
+  /// As it was added. Error on an unknown body.
+  const RigidBody& body(BodyId body) const;
 
   /// Error: see checkParameters and the constructor.
   void setParameters(const Parameters& parameters);

@@ -174,6 +174,7 @@ struct Renderer::Impl {
     }
     guides = frame.positions;
     head = frame.head;
+    colliders = frame.colliders;
   }
 
   void draw(const Camera& camera) {
@@ -194,7 +195,7 @@ struct Renderer::Impl {
     clock.stamp(0);
     statistics.guides_unusable = nodes.update(guides, head);
     clock.stamp(1);
-    hair.bodies().place(head);
+    hair.bodies().place(head, colliders);
     const HairDetail shadow_detail = shadowDetailFor(detail);
     hair.grow(nodes, shadow_detail.hairs > detail.hairs ? shadow_detail : detail);
     clock.stamp(2);
@@ -240,6 +241,7 @@ struct Renderer::Impl {
   float widest_line = 1;
   std::vector<Vec3> guides;  // of the newest frame that fitted
   Pose head;
+  std::vector<PlacedCollider> colliders;
   Box rest_bounds;
   float longest_guide = 0;  // m
   int least_segments = 1;

@@ -21,6 +21,11 @@ class Publisher {
   /// in by the channel. Throws Error on what a receiver would refuse: no strands, counts that do not fit,
   /// non-finite numbers, a strand of more than kMaxWireVertices vertices.
   virtual void announce(const GroomDescription& groom, const BodyDescription& body) = 0;
+  /// Tells everyone, now and later, what hair collides with; again, with a higher revision, when that
+  /// changes. Where colliders are that do not follow the head is in the frames. `groom_id` and, over DDS and
+  /// LCM, `session` are filled in by the channel. Throws Error on what a receiver would refuse: shapes that
+  /// are not sound, two colliders of one id, more than kMaxColliderShapes shapes.
+  virtual void announceColliders(const ColliderSet& colliders) = 0;
   /// Neither blocks on slow readers nor throws. `frame` fits the groom last announced (another vertex count
   /// or revision is the program's own fault: nothing is sent then); its `groom_id` and, over DDS, `session`
   /// are filled in by the channel.

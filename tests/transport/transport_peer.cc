@@ -55,6 +55,7 @@ int cast(Publisher& publisher, double seconds) {
   GroomDescription groom = uniformGroom(kPeerGuides, 16);
   groom.session = static_cast<uint64_t>(getpid());
   publisher.announce(groom, sampleBody(60));
+  publisher.announceColliders(sampleColliders(groom.session));
   Status status;
   GuideFrame frame;
   double slowest_ms = 0, most_late_ms = 0;
