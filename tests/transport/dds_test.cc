@@ -67,9 +67,11 @@ TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
   fewer.revision = 2;
   publisher->announceColliders(fewer);
   ASSERT_TRUE(becomesTrue([&] { return subscriber->colliders()->revision == 2; }));
-  const auto late = makeDdsSubscriber({testDomain(1), 1, 0, {}});
-  ASSERT_TRUE(becomesTrue([&] { return late->colliders() != nullptr; }));
-  EXPECT_TRUE(areAlike(*late->colliders(), fewer));
+  {
+    const auto late = makeDdsSubscriber({domain, 1, 0, {}});
+    ASSERT_TRUE(becomesTrue([&] { return late->colliders() != nullptr; }));
+    EXPECT_TRUE(areAlike(*late->colliders(), fewer));
+  }
   for (uint64_t number = 1; number <= 20; ++number) {
     publisher->publish(sampleFrame(groom, number));
     const auto frame = subscriber->waitForFrame(number - 1, milliseconds(2000));
