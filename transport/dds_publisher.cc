@@ -15,9 +15,8 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 
 const eprosima::fastrtps::Duration_t kFarewell{1, 0};
-/// A new daemon hears of no other for so long. With keys, Fast DDS 2.9.1 repeats a message of a handshake
-/// that was lost only after a second.
-constexpr std::chrono::milliseconds kSettles{1500}, kSecureSettles{4500};
+/// A new daemon that shares its groom hears of no other for so long.
+constexpr std::chrono::milliseconds kSettles{1500};
 
 class DdsPublisher final : public Publisher {
  public:
@@ -37,7 +36,7 @@ class DdsPublisher final : public Publisher {
     guide_writer_ = participant_.createWriter(kGuidesTopic, new GuideChunkType, &readers_);
     if (options.claim) {
       claim_.emplace(options.groom_id, options.session, *options.claim);
-      claim_->start(participant_, options.keys.empty() ? kSettles : kSecureSettles);
+      claim_->start(participant_, options.keys.empty() ? kSettles : kSecureRivalListenTime);
     }
     publishStatus({});  // so that rivals hear of this session at once
   }

@@ -97,7 +97,8 @@ DdsOptions ddsOptions(int domain) {
 int publish(int domain, double seconds) {
   const auto publisher = makeDdsPublisher(ddsOptions(domain));
   const auto start = Clock::now();
-  while (Clock::now() - start < kRivalListenTime && !publisher->rivalSession()) {
+  const auto listen_time = ddsOptions(domain).keys.empty() ? kRivalListenTime : kSecureRivalListenTime;
+  while (Clock::now() - start < listen_time && !publisher->rivalSession()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   if (const auto rival = publisher->rivalSession()) {
