@@ -51,7 +51,8 @@ std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session
     throw Error("daemons cannot share a groom over LCM", "--claim", "use --transport dds");
   std::unique_ptr<Publisher> publisher = usesLcm(settings) ? makeLcmPublisher(lcmOptions(settings, session))
                                                            : makeDdsPublisher(ddsOptions(settings, session));
-  const auto deadline = std::chrono::steady_clock::now() + kRivalListenTime;
+  const auto listen_time = settings.keys.empty() ? kRivalListenTime : kSecureRivalListenTime;
+  const auto deadline = std::chrono::steady_clock::now() + listen_time;
   while (std::chrono::steady_clock::now() < deadline) {
     if (const auto rival = publisher->rivalSession())
       throw Error(fmt::format("another daemon already casts groom {}", settings.groom_id),

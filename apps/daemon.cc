@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <random>
 #include <thread>
 
 #include "apps/scene_simulation.h"
 #include "core/error.h"
 #include "transport/answers.h"
+#include "transport/collider_chunks.h"
 
 namespace strandcast {
 namespace {
@@ -21,7 +23,7 @@ constexpr size_t kStepWindow = 1200;     // steps that the timing statistics loo
 constexpr double kStatusInterval = 0.5;  // s
 constexpr double kPullSeconds = 1;       // of simulation, after which a hand lets go that nobody moves
 constexpr int kMostStepsAsked = 1000;
-constexpr double kRampedHeadPoseSeconds = 0.2;  // a commanded head pose is reached in this time, smoothly
+constexpr double kRampSeconds = 0.2;     // a commanded pose is reached in this time, smoothly
 
 double milliseconds(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
 
@@ -33,11 +35,49 @@ double quantile(std::vector<double> values, double q) {
 }
 
 /// From one pose to another and then still, with no jump in velocity.
+Pose onTheWay(const Pose& from, const Pose& to, double seconds, double of) {
+  const double t = of > 0 ? std::clamp(seconds / of, 0.0, 1.0) : 1;
+  return interpolate(from, to, static_cast<float>(t * t * (3 - 2 * t)));
+}
+
 HeadMotion rampTo(const Pose& from, const Pose& to) {
-  return [=](double seconds) {
-    const double t = std::clamp(seconds / kRampedHeadPoseSeconds, 0.0, 1.0);
-    return interpolate(from, to, static_cast<float>(t * t * (3 - 2 * t)));
-  };
+  return [=](double seconds) { return onTheWay(from, to, seconds, kRampSeconds); };
+}
+
+/// Position x y z, rotation x y z w.
+Pose poseOf(const std::vector<double>& values, size_t first, const std::string& where) {
+  const double* const v = values.data() + first;
+  if (!std::all_of(v, v + 7, [](double x) { return std::isfinite(x) && std::fabs(x) < 1e3; }))
+    throw Error("a pose takes 7 finite numbers", where, "position, rotation x y z w");
+  const Quat rotation(Eigen::Quaterniond(v[6], v[3], v[4], v[5]).cast<float>());
+  if (!(rotation.norm() > 0.5f)) throw Error("a rotation is not a unit quaternion", where, "");
+  return {Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()), rotation.normalized()};
+}
+
+/// docs/wire.md, "Command": kind, whether it follows the head, pose, and the numbers of a shape.
+ContactPrimitive commandedShape(const std::vector<double>& values, const std::string& where) {
+  constexpr size_t kBefore = 9;
+  if (values.size() != kBefore + kShapeNumbers)
+    throw Error("a collider takes 25 numbers", where, "kind, follows the head, pose, and 16 of its shape");
+  const double kind = values[0];
+  if (kind != std::floor(kind) || kind < 0 || kind > static_cast<double>(PrimitiveKind::kBox))
+    throw Error("a collider of this kind cannot be added by command", where,
+                "kinds 0 to 5 can: sphere to box; others are of the scene");
+  ContactPrimitive shape;
+  shape.kind = static_cast<PrimitiveKind>(static_cast<uint32_t>(kind));
+  const double* number = values.data() + kBefore;
+  shapeNumbers(shape, [&](float& into) { into = static_cast<float>(*number++); });
+  checkPrimitive(shape, where);
+  return shape;
+}
+
+BodyId namedCollider(const std::map<std::string, BodyId>& named, const std::string& name,
+                     const std::string& where) {
+  const auto known = named.find(name);
+  if (known == named.end())
+    throw Error("there is no collider '" + name + "'", where,
+                "only those that were added by command can be moved");
+  return known->second;
 }
 
 /// The one value of a command.
@@ -93,6 +133,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
 
 void Daemon::announce() {
   publisher_.announce(groom_, body_);
+  announceColliders();
   groom_ = {};
   body_ = {};
 }
@@ -106,19 +147,8 @@ void Daemon::apply(const Command& command) {
       simulation_.setParameters(parameters);
       return;
     }
-    case CommandKind::kHeadPose: {
-      const auto& v = command.values;
-      const bool finite =
-          std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x) && std::fabs(x) < 1e3; });
-      if (v.size() != 7 || !finite)
-        throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
-      const Quat rotation(Eigen::Quaterniond(v[6], v[3], v[4], v[5]).cast<float>());
-      if (!(rotation.norm() > 0.5f)) throw Error("the head's rotation is not a unit quaternion", where, "");
-      const Pose to{Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()), rotation.normalized()};
-      motion_ = rampTo(simulation_.headPose(), to);
-      motion_start_ = simulation_.time();
-      return;
-    }
+    case CommandKind::kHeadPose:
+      return moveHead(command, where);
     case CommandKind::kHeadMotion: {
       motion_ = headMotion(command.name, head_pivot_);
       motion_start_ = simulation_.time();
@@ -140,6 +170,12 @@ void Daemon::apply(const Command& command) {
     case CommandKind::kPull:
       pull(command);
       return;
+    case CommandKind::kAddCollider:
+      return addCollider(command, where);
+    case CommandKind::kMoveCollider:
+      return moveCollider(command, where);
+    case CommandKind::kRemoveCollider:
+      return removeCollider(command, where);
   }
   throw Error("unknown kind of command", where, "is the sender newer than this daemon?");
 }
@@ -155,6 +191,64 @@ void Daemon::pull(const Command& command) {
   pull_until_ = simulation_.time() + kPullSeconds;
 }
 
+void Daemon::moveHead(const Command& command, const std::string& where) {
+  if (command.values.size() != 7)
+    throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
+  motion_ = rampTo(simulation_.headPose(), poseOf(command.values, 0, where));
+  motion_start_ = simulation_.time();
+}
+
+void Daemon::addCollider(const Command& command, const std::string& where) {
+  if (command.name.empty() || named_.contains(command.name))
+    throw Error("there is a collider '" + command.name + "'", where, "give it a name of its own");
+  RigidBody body;
+  body.primitives = {commandedShape(command.values, where)};
+  body.follows_head = command.values[1] != 0;
+  body.pose = poseOf(command.values, 2, where);
+  size_t free = body.follows_head ? 0 : 1, shapes = 1;
+  for (const BodyId id : simulation_.bodyIds()) {
+    free += simulation_.body(id).follows_head ? 0 : 1;
+    shapes += simulation_.body(id).primitives.size();
+  }
+  if (free > kMaxPlacedColliders || simulation_.bodies() >= kMaxColliders || shapes > kMaxColliderShapes)
+    throw Error("there are too many colliders", where, "remove one first");
+  named_[command.name] = simulation_.addBody(std::move(body));
+  announceColliders();
+}
+
+void Daemon::moveCollider(const Command& command, const std::string& where) {
+  const BodyId id = namedCollider(named_, command.name, where);
+  if (command.values.size() != 7 && command.values.size() != 8)
+    throw Error("a collider's pose takes 7 numbers, and seconds", where, "position, rotation x y z w");
+  if (simulation_.body(id).follows_head)
+    throw Error("collider '" + command.name + "' follows the head", where, "move the head");
+  const double seconds = command.values.size() == 8 ? command.values[7] : kRampSeconds;
+  if (!(seconds >= 0 && seconds <= 3600)) throw Error("a collider takes 0 to 3600 s to move", where, "");
+  ways_[id] = {simulation_.bodyPose(id), poseOf(command.values, 0, where), simulation_.time(), seconds};
+}
+
+void Daemon::removeCollider(const Command& command, const std::string& where) {
+  const BodyId id = namedCollider(named_, command.name, where);
+  simulation_.removeBody(id);
+  named_.erase(command.name);
+  ways_.erase(id);
+  announceColliders();
+}
+
+void Daemon::announceColliders() {
+  ColliderSet set;
+  set.session = frame_.session;
+  set.revision = ++collider_revision_;
+  frame_.colliders.clear();
+  for (const BodyId id : simulation_.bodyIds()) {
+    const RigidBody& body = simulation_.body(id);
+    if (body.primitives.empty()) continue;
+    if (!body.follows_head) frame_.colliders.push_back({static_cast<uint32_t>(id), body.pose});
+    set.colliders.push_back({static_cast<uint32_t>(id), body.follows_head, true, body.primitives});
+  }
+  publisher_.announceColliders(set);
+}
+
 void Daemon::obey(const Command& command) {
   answerCommand(
       command, [&] { apply(command); }, status_);
@@ -165,7 +259,13 @@ void Daemon::obey(const Command& command) {
 void Daemon::advance() {
   const Clock::time_point start = Clock::now();
   if (simulation_.pulledVertices() > 0 && simulation_.time() > pull_until_) simulation_.letGo();
-  simulation_.setHeadPose(motion_(simulation_.time() + simulation_.parameters().time_step - motion_start_));
+  const double end = simulation_.time() + simulation_.parameters().time_step;
+  simulation_.setHeadPose(motion_(end - motion_start_));
+  for (auto way = ways_.begin(); way != ways_.end();) {
+    const auto& [id, w] = *way;
+    simulation_.setBodyPose(id, onTheWay(w.from, w.to, end - w.start, w.seconds));
+    way = end - w.start >= w.seconds ? ways_.erase(way) : std::next(way);
+  }
   simulation_.step();
   status_.strands_reset +=
       simulation_.resetBroken();  // waits for the backend: the time is that of the whole step
@@ -177,12 +277,17 @@ void Daemon::advance() {
   ++step_count_;
 }
 
+void Daemon::placeColliders() {
+  for (PlacedCollider& placed : frame_.colliders) placed.pose = simulation_.bodyPose(placed.id);
+}
+
 void Daemon::publishFrame() {
   const std::span<const Vec3> guides = simulation_.guides();
   std::copy(guides.begin(), guides.end(), frame_.positions.begin());
   ++frame_.frame;
   frame_.simulation_time = simulation_.time();
   frame_.head = simulation_.headPose();
+  placeColliders();
   frame_.publish_time = static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
                                                   std::chrono::system_clock::now().time_since_epoch())
                                                   .count());

@@ -1,6 +1,8 @@
 #pragma once
 #include <atomic>
 #include <functional>
+#include <map>
+#include <string>
 
 #include "apps/settings.h"
 #include "core/simulation.h"
@@ -38,6 +40,12 @@ class Daemon {
   void obey(const Command& command);
   void apply(const Command& command);
   void pull(const Command& command);
+  void moveHead(const Command& command, const std::string& where);
+  void addCollider(const Command& command, const std::string& where);
+  void moveCollider(const Command& command, const std::string& where);
+  void removeCollider(const Command& command, const std::string& where);
+  void announceColliders();
+  void placeColliders();
   void advance();
   void publishFrame();
   void publishStatus();
@@ -46,6 +54,14 @@ class Daemon {
   Publisher& publisher_;
   GroomDescription groom_;  ///< until announce()
   BodyDescription body_;
+  /// Of a collider that a command has moved, until it is there.
+  struct Way {
+    Pose from, to;
+    double start, seconds;  ///< of simulation time
+  };
+  std::map<std::string, BodyId> named_;  ///< colliders that commands have added
+  std::map<BodyId, Way> ways_;
+  uint32_t collider_revision_ = 0;
   HeadMotion motion_;
   Vec3 head_pivot_;          ///< m, the joint that procedural motions turn about
   double motion_start_ = 0;  ///< s of simulation time

@@ -15,6 +15,8 @@ namespace {
 constexpr float kCell =
     0.003f;  // m; grown hair may be seen through a body's edge by no more than a tenth of it
 
+constexpr uint32_t kNoCollider = 0xFFFFFFFF;
+
 /// The triangles whose corners belong to the head, or those whose do not.
 TriangleMesh partOf(const BodyDescription& body, bool head) {
   TriangleMesh part = body.mesh;
@@ -27,9 +29,7 @@ TriangleMesh partOf(const BodyDescription& body, bool head) {
   return part;
 }
 
-}  // namespace
-
-std::vector<HairObstacle> hairObstacles(const BodyDescription& body) {
+std::vector<HairObstacle> bakedObstacles(const BodyDescription& body) {
   std::vector<HairObstacle> obstacles;
   const FieldCache cache(defaultFieldCache());
   for (const bool head : {true, false}) {
@@ -46,11 +46,28 @@ std::vector<HairObstacle> hairObstacles(const BodyDescription& body) {
             bar.show("body: " + what, done);
             return !g_interrupted;
           }).field);
-      obstacles.push_back({std::move(shape), head});
+      obstacles.push_back({std::move(shape), head, kNoCollider, Pose{}});
     } catch (const Error& error) {
       spdlog::warn("grown hair is not kept out of a part of the body: {}", error.what());
     }
   }
+  return obstacles;
+}
+
+}  // namespace
+
+std::vector<HairObstacle> hairObstacles(const ColliderSet* colliders, const BodyDescription& body) {
+  std::vector<HairObstacle> obstacles;
+  bool is_whole = colliders != nullptr && !colliders->colliders.empty();
+  if (colliders) {
+    for (const Collider& collider : colliders->colliders) {
+      is_whole &= collider.is_whole;
+      for (const ContactPrimitive& shape : collider.shapes)
+        obstacles.push_back({shape, collider.follows_head, collider.id, Pose{}});
+    }
+  }
+  if (is_whole) return obstacles;
+  for (HairObstacle& baked : bakedObstacles(body)) obstacles.push_back(std::move(baked));
   return obstacles;
 }
 

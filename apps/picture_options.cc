@@ -102,12 +102,16 @@ Box pictureBox(const GroomDescription& groom, const BodyDescription& body) {
   return box.merged(around.intersection(body.mesh.bounds()));
 }
 
-void setScene(Renderer& renderer, const PictureOptions& options, const GroomDescription& groom,
-              const BodyDescription& body) {
+void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body) {
   renderer.setGroom(groom);
   renderer.setBody(body);
+}
+
+void setObstacles(Renderer& renderer, const PictureOptions& options, const ColliderSet* colliders,
+                  const BodyDescription& body) {
   const RenderSettings& settings = options.settings;
-  if (settings.keep_out || settings.marks.needBodies()) renderer.setObstacles(hairObstacles(body));
+  if (settings.keep_out || settings.marks.needBodies())
+    renderer.setObstacles(hairObstacles(colliders, body));
 }
 
 Camera pictureCamera(const PictureOptions& options, const Box& box) {

@@ -14,8 +14,10 @@ void addPictureOptions(CLI::App& app, PictureOptions& options);
 /// The box that pictures frame: of the hair, and of the body around it.
 Box pictureBox(const GroomDescription& groom, const BodyDescription& body);
 /// Tells the renderer what it draws.
-void setScene(Renderer& renderer, const PictureOptions& options, const GroomDescription& groom,
-              const BodyDescription& body);
+void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body);
+/// Keeps grown hair out of what it is to be kept out of, or marks where it is in it, where that is asked for.
+void setObstacles(Renderer& renderer, const PictureOptions& options, const ColliderSet* colliders,
+                  const BodyDescription& body);
 /// Looks at `box` from where the options say.
 Camera pictureCamera(const PictureOptions& options, const Box& box);
 

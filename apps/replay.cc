@@ -70,6 +70,9 @@ void Replay::apply(const Command& command) {
     case CommandKind::kPause:
     case CommandKind::kStep:
     case CommandKind::kPull:
+    case CommandKind::kAddCollider:
+    case CommandKind::kMoveCollider:
+    case CommandKind::kRemoveCollider:
       break;
   }
   throw Error("a recording does not obey this", fmt::format("command {}", command.id),

@@ -59,6 +59,7 @@ class RecordedInputs final : public Publisher {
       throw Error("the groom is not the one that was recorded", name_,
                   "have its files changed, or is it another version of the program?");
   }
+  void announceColliders(const ColliderSet&) override {}
   std::optional<Command> takeCommand() override {
     if (inputs_.empty()) return std::nullopt;
     Command command = std::move(inputs_.front());

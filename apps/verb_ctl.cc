@@ -11,6 +11,7 @@
 #include "apps/interrupt.h"
 #include "apps/verbs.h"
 #include "core/error.h"
+#include "transport/collider_chunks.h"
 
 namespace strandcast {
 namespace {
@@ -21,8 +22,10 @@ struct Options {
   Settings network;
   bool json = false;
   double timeout = 10;  // s
-  std::string name;
+  std::string name, shape;
   std::vector<double> values;
+  bool follows_head = false;
+  double seconds = 0.2;
 };
 
 /// Polls until `ready` gives true; false on timeout or interrupt.
@@ -120,12 +123,100 @@ int printStatus(const Options& o) {
   return 0;
 }
 
-std::vector<double> headPose(const std::vector<double>& v) {
+std::vector<double> poseValues(const std::vector<double>& v) {
   const auto radians = [&](size_t i) { return v.size() > i ? v[i] * kPi / 180 : 0.0; };
   const Eigen::Quaterniond turn = Eigen::AngleAxisd(radians(3), Eigen::Vector3d::UnitY()) *
                                   Eigen::AngleAxisd(radians(4), Eigen::Vector3d::UnitX()) *
                                   Eigen::AngleAxisd(radians(5), Eigen::Vector3d::UnitZ());
   return {v[0], v[1], v[2], turn.x(), turn.y(), turn.z(), turn.w()};
+}
+
+struct ShapeForm {
+  PrimitiveKind kind;
+  const char* name;
+  size_t numbers;
+  const char* help;
+};
+constexpr ShapeForm kShapes[] = {
+    {PrimitiveKind::kSphere, "sphere", 4, "X Y Z RADIUS"},
+    {PrimitiveKind::kCapsule, "capsule", 7, "X Y Z to X Y Z, RADIUS"},
+    {PrimitiveKind::kPlane, "plane", 6, "X Y Z, normal X Y Z"},
+    {PrimitiveKind::kTaperedCapsule, "tapered-capsule", 8, "X Y Z to X Y Z, RADIUS RADIUS"},
+    {PrimitiveKind::kEllipsoid, "ellipsoid", 6, "X Y Z, half axes X Y Z"},
+    {PrimitiveKind::kBox, "box", 6, "X Y Z, half edges X Y Z"}};
+
+/// The values of kAddCollider: the shape is at the origin of the collider, and the collider where it is asked
+/// to be; with the head, the shape itself is there.
+std::vector<double> colliderValues(const std::string& kind, const std::vector<double>& v, bool follows_head) {
+  const ShapeForm* form = nullptr;
+  for (const ShapeForm& known : kShapes)
+    if (kind == known.name) form = &known;
+  if (form == nullptr || v.size() != form->numbers)
+    throw Error(form == nullptr ? "there is no shape '" + kind + "'" : "a " + kind + " takes other numbers",
+                "ctl collider add", form == nullptr ? "see --help" : form->help);
+  const auto vec = [&](size_t i) {
+    return Vec3(static_cast<float>(v[i]), static_cast<float>(v[i + 1]), static_cast<float>(v[i + 2]));
+  };
+  ContactPrimitive shape;
+  shape.kind = form->kind;
+  const Vec3 at = vec(0), own = follows_head ? at : Vec3(Vec3::Zero());
+  shape.a = own;
+  const auto number = [&](size_t i) { return static_cast<float>(v[i]); };
+  switch (form->kind) {
+    case PrimitiveKind::kSphere:
+      shape.radius = number(3);
+      break;
+    case PrimitiveKind::kCapsule:
+    case PrimitiveKind::kTaperedCapsule:
+      shape.b = vec(3) - at + own;
+      shape.radius = number(6);
+      shape.radius_b = number(v.size() - 1);
+      break;
+    case PrimitiveKind::kPlane:
+      shape.b = vec(3).normalized();
+      break;
+    default:
+      shape.extent = vec(3);
+  }
+  std::vector<double> values = {static_cast<double>(form->kind), follows_head ? 1.0 : 0.0};
+  for (int c = 0; c < 3; ++c) values.push_back(static_cast<double>(follows_head ? 0.0f : at[c]));
+  for (const double component : {0.0, 0.0, 0.0, 1.0}) values.push_back(component);
+  shapeNumbers(shape, [&](float n) { values.push_back(static_cast<double>(n)); });
+  return values;
+}
+
+void addColliderVerbs(CLI::App& app, const std::shared_ptr<Options>& o, const std::shared_ptr<Verb>& run) {
+  app.require_subcommand(1);
+  std::string shapes;
+  for (const ShapeForm& form : kShapes) shapes += fmt::format("\n  {:<16} {}", form.name, form.help);
+  CLI::App* add = app.add_subcommand("add", "a body that hair collides with, for as long as the daemon runs");
+  add->add_option("NAME", o->name, "of its own")->required();
+  add->add_option("SHAPE", o->shape, "what it is")->required();
+  add->add_option("VALUE", o->values, "m, in the world:" + shapes)->expected(4, 8)->required();
+  add->add_flag("--head", o->follows_head, "it moves with the head, which is at rest where it is placed");
+  add->callback([o, run] {
+    *run = [o] {
+      return sendCommand(*o, CommandKind::kAddCollider, o->name,
+                         colliderValues(o->shape, o->values, o->follows_head));
+    };
+  });
+  CLI::App* move = app.add_subcommand("move", "to a pose, smoothly");
+  move->add_option("NAME", o->name, "one that was added")->required();
+  move->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "m, degrees")->expected(3, 6)->required();
+  move->add_option("--seconds", o->seconds, "that it takes")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  move->callback([o, run] {
+    *run = [o] {
+      std::vector<double> values = poseValues(o->values);
+      values.push_back(o->seconds);
+      return sendCommand(*o, CommandKind::kMoveCollider, o->name, values);
+    };
+  });
+  CLI::App* remove = app.add_subcommand("remove", "one that was added");
+  remove->add_option("NAME", o->name, "one that was added")->required();
+  remove->callback(
+      [o, run] { *run = [o] { return sendCommand(*o, CommandKind::kRemoveCollider, o->name, {}); }; });
 }
 
 }  // namespace
@@ -144,7 +235,9 @@ Verb addCtl(CLI::App& app) {
       "  strandcast ctl wind 3 0 0\n"
       "  strandcast ctl set air_drag 2\n"
       "  strandcast ctl head 0 0 0 30         turn the head 30 degrees to its left\n"
-      "  strandcast ctl motion nod+turn");
+      "  strandcast ctl motion nod+turn\n"
+      "  strandcast ctl collider add ball sphere 0 0.1 0.3 0.05\n"
+      "  strandcast ctl collider move ball 0 0.1 0 --seconds 2");
   const auto verb = [&](const char* name, const char* help, Verb body) {
     CLI::App* sub = app.add_subcommand(name, help);
     sub->callback([run, body = std::move(body)] { *run = body; });
@@ -162,7 +255,7 @@ Verb addCtl(CLI::App& app) {
   set->add_option("NAME", o->name, "parameter")->required();
   set->add_option("VALUE", o->values, "1 or 3 numbers")->expected(1, 3)->required();
   verb("head", "move the head to a pose",
-       [o] { return sendCommand(*o, CommandKind::kHeadPose, "", headPose(o->values)); })
+       [o] { return sendCommand(*o, CommandKind::kHeadPose, "", poseValues(o->values)); })
       ->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "offset from rest in m, angles in degrees")
       ->expected(3, 6)
       ->required();
@@ -170,6 +263,8 @@ Verb addCtl(CLI::App& app) {
        [o] { return sendCommand(*o, CommandKind::kHeadMotion, o->name, {}); })
       ->add_option("NAME", o->name, "still, nod, shake, turn, joined by +")
       ->required();
+  addColliderVerbs(*app.add_subcommand("collider", "add, move and remove bodies that hair collides with"), o,
+                   run);
   verb("reset", "put the hair back to its rest shape",
        [o] { return sendCommand(*o, CommandKind::kReset, "", {}); });
   verb("pause", "hold the simulation; frames go on being sent",

@@ -189,6 +189,8 @@ int render(const Options& o) {
   FrameCapture capture(subscriber, o.frames, o.fps, o.skip, o.timeout);
   Renderer renderer(renderSettings(o.picture));
   std::shared_ptr<const GroomDescription> groom;
+  std::shared_ptr<const BodyDescription> body;
+  std::shared_ptr<const ColliderSet> colliders;
   Box box;
   std::optional<Status> status;
   int drawn = 0;
@@ -196,11 +198,16 @@ int render(const Options& o) {
   {
     ProgressBar bar;
     while (const std::shared_ptr<const GuideFrame> frame = capture.next()) {
-      if (subscriber.groom() != groom) {
+      const bool is_new = subscriber.groom() != groom;
+      if (is_new) {
         groom = subscriber.groom();
-        const auto body = subscriber.body();
-        setScene(renderer, o.picture, *groom, *body);
+        body = subscriber.body();
+        setScene(renderer, *groom, *body);
         box = pictureBox(*groom, *body);
+      }
+      if (is_new || subscriber.colliders() != colliders) {
+        colliders = subscriber.colliders();
+        setObstacles(renderer, o.picture, colliders.get(), *body);
       }
       if (const auto now = subscriber.status()) status = now;
       const auto start = std::chrono::steady_clock::now();

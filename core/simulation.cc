@@ -158,6 +158,14 @@ const Pose& Simulation::bodyPose(BodyId body) const {
   return known.body.follows_head ? bones_begin_[0] : known.begin;
 }
 
+std::vector<BodyId> Simulation::bodyIds() const {
+  std::vector<BodyId> ids;
+  for (const PlacedBody& known : bodies_) ids.push_back(known.id);
+  return ids;
+}
+
+const RigidBody& Simulation::body(BodyId body) const { return find(body, "Simulation::body").body; }
+
 void Simulation::removeBody(BodyId body) {
   find(body, "Simulation::removeBody");
   std::erase_if(bodies_, [&](const PlacedBody& known) { return known.id == body; });

@@ -59,6 +59,10 @@ class Simulation {
   /// Error on an unknown body.
   void removeBody(BodyId body);
   size_t bodies() const { return bodies_.size(); }
+  /// Of all there are, in the order in which they were added.
+  std::vector<BodyId> bodyIds() const;
+  /// As it was added. Error on an unknown body.
+  const RigidBody& body(BodyId body) const;
 
   /// Draws hair to a hand that closes at `from` and is at `to` from the next step on (HairPull). The same
   /// `from` and `radius` as before move the hand; others close it anew. `radius` 0 to 10 m, `rate` 0 to 1000

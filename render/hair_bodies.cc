@@ -30,10 +30,13 @@ void HairBodies::setObstacles(std::vector<HairObstacle> obstacles) {
   place(Pose{});
 }
 
-void HairBodies::place(const Pose& head) {
+void HairBodies::place(const Pose& head, std::span<const PlacedCollider> colliders) {
   std::vector<MovingPrimitive> placed;
   for (size_t i = 0; i < obstacles_.size(); ++i) {
-    const Pose pose = obstacles_[i].follows_head ? head : Pose{};
+    HairObstacle& obstacle = obstacles_[i];
+    for (const PlacedCollider& collider : colliders)
+      if (collider.id == obstacle.collider && !obstacle.follows_head) obstacle.pose = collider.pose;
+    const Pose pose = obstacle.follows_head ? head : obstacle.pose;
     placed.push_back(moved(obstacles_[i].shape, pose, pose, 1, first_words_[i]));
   }
   if (!placed.empty()) body_buffer_.write(std::span<const MovingPrimitive>(placed));

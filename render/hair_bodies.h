@@ -1,16 +1,20 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include "core/contact_primitive.h"
 #include "gl/buffer.h"
 #include "gl/program.h"
+#include "transport/messages.h"
 
 namespace strandcast {
 
 /// A body that grown hair is kept out of.
 struct HairObstacle {
-  ContactPrimitive shape;    ///< m, of the head at rest
-  bool follows_head = true;  ///< else it stays
+  ContactPrimitive shape;    ///< m, of the head at rest; else in the obstacle's own frame
+  bool follows_head = true;  ///< else it is where place() says, or stays
+  uint32_t collider = 0;     ///< of a ColliderSet: what place() knows it by
+  Pose pose{};               ///< of one that does not follow the head, at first
 };
 
 /// Keeps grown hair out of bodies as guides are already. A hair that would go into one leaves its three
@@ -24,7 +28,8 @@ class HairBodies {
   void setObstacles(std::vector<HairObstacle> obstacles);
   size_t obstacles() const { return obstacles_.size(); }
 
-  void place(const Pose& head);
+  /// `colliders` that are not among the obstacles are no matter; obstacles that are not among them stay.
+  void place(const Pose& head, std::span<const PlacedCollider> colliders = {});
   /// For the first `hairs` of those that are bound, with the guides' nodes and GrowthBlock. Throws Error
   /// where the device has no buffer so large.
   void find(size_t hairs, int segments);

@@ -195,6 +195,7 @@ struct Renderer::Impl {
     }
     guides = frame.positions;
     head = frame.head;
+    colliders = frame.colliders;
   }
 
   void draw(const Camera& camera) {
@@ -238,7 +239,7 @@ struct Renderer::Impl {
         statistics.guides_unusable = nodes->update(guides, head);
         return;
       case RenderPass::kGrowth:
-        hair->bodies().place(head);
+        hair->bodies().place(head, colliders);
         hair->grow(*nodes, shadow_detail.hairs > detail.hairs ? shadow_detail : detail);
         return;
       case RenderPass::kSolidShadow:
@@ -314,6 +315,7 @@ struct Renderer::Impl {
   StrandSet rest_guides;
   std::vector<Vec3> guides;  // of the newest frame that fitted
   Pose head;
+  std::vector<PlacedCollider> colliders;
   Box rest_bounds;
   float longest_guide = 0;  // m
   float hair_radius = 0;    // m, of the groom

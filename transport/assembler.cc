@@ -5,6 +5,8 @@
 #include <cstring>
 #include <iterator>
 
+#include "transport/collider_chunks.h"
+
 namespace strandcast {
 namespace {
 
@@ -150,12 +152,34 @@ bool agree(const GuideChunk& a, const GuideChunk& b) {
          a.head_rotation == b.head_rotation;
 }
 
-bool hasSoundPose(const GuideChunk& chunk) {
+/// Position and unit quaternion.
+bool isSoundPose(std::span<const float, 3> position, std::span<const float, 4> rotation) {
   float squared = 0;
-  for (const float component : chunk.head_rotation) squared += component * component;
-  const auto is_finite = [](float v) { return std::isfinite(v); };
-  return std::all_of(chunk.head_position.begin(), chunk.head_position.end(), is_finite) &&
+  for (const float component : rotation) squared += component * component;
+  return std::all_of(position.begin(), position.end(), [](float v) { return std::isfinite(v); }) &&
          std::abs(squared - 1) < 1e-3f;  // false for NaN
+}
+
+bool hasSoundPoses(const GuideChunk& chunk) {
+  const size_t placed = chunk.colliders.size();
+  if (placed > (chunk.chunk_index == 0 ? kMaxPlacedColliders : 0) ||
+      chunk.collider_poses.size() != 7 * placed)
+    return false;
+  for (size_t i = 0; i < placed; ++i) {
+    const std::span<const float> pose(chunk.collider_poses.data() + 7 * i, 7);
+    if (!isSoundPose(pose.first<3>(), pose.last<4>())) return false;
+  }
+  return isSoundPose(chunk.head_position, chunk.head_rotation);
+}
+
+void placeColliders(const GuideChunk& chunk, GuideFrame& frame) {
+  frame.colliders.resize(chunk.colliders.size());
+  for (size_t i = 0; i < chunk.colliders.size(); ++i) {
+    const float* const pose = chunk.collider_poses.data() + 7 * i;
+    frame.colliders[i].id = chunk.colliders[i];
+    frame.colliders[i].pose.position = Vec3(pose);
+    frame.colliders[i].pose.rotation.coeffs() = Eigen::Map<const Eigen::Vector4f>(pose + 3);
+  }
 }
 
 }  // namespace
@@ -197,6 +221,7 @@ std::shared_ptr<const Description> DescriptionAssembler<Chunk, Description>::add
 
 template class DescriptionAssembler<GroomChunk, GroomDescription>;
 template class DescriptionAssembler<BodyChunk, BodyDescription>;
+template class DescriptionAssembler<ColliderChunk, ColliderSet>;
 
 // ---- frames
 
@@ -207,6 +232,7 @@ void GuideAssembler::setGroom(std::shared_ptr<const GroomDescription> groom) {
   for (Pending& pending : pending_) pool_.giveBack(std::move(pending.frame));
   pending_.clear();
   newest_ = 0;
+  newest_colliders_.clear();
 }
 
 bool GuideAssembler::fits(const GuideChunk& chunk) const {
@@ -221,7 +247,7 @@ bool GuideAssembler::fits(const GuideChunk& chunk) const {
   const uint32_t vertices = guides.offsets[chunk.first_strand + chunk.strand_count] - first_vertex;
   return chunk.first_vertex == first_vertex && chunk.vertex_count == vertices &&
          chunk.payload.size() <= kMaxChunkBytes && vertices * sizeof(Vec3) <= kMaxChunkBytes &&
-         std::isfinite(chunk.simulation_time) && hasSoundPose(chunk);
+         std::isfinite(chunk.simulation_time) && hasSoundPoses(chunk);
 }
 
 GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
@@ -247,6 +273,7 @@ GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
   pending.header.head_rotation = chunk.head_rotation;
   pending.frame = pool_.take();
   pending.frame->positions.resize(groom_->guides.vertices());
+  pending.frame->colliders = newest_colliders_;  // of the frame before, where chunk 0 gets lost
   pending.runs.resize(chunk.chunk_count);
   return &pending;
 }
@@ -270,6 +297,7 @@ std::shared_ptr<const GuideFrame> GuideAssembler::add(const GuideChunk& chunk) {
   if (run.strand_count != 0) return nullptr;  // received twice
   run = {chunk.first_strand, chunk.strand_count, chunk.first_vertex, chunk.vertex_count};
   std::copy(decoded_.begin(), decoded_.end(), pending->frame->positions.begin() + run.first_vertex);
+  if (chunk.chunk_index == 0) placeColliders(chunk, *pending->frame);
   pending->bytes += chunk.payload.size();
   return ++pending->received == chunk.chunk_count ? complete(pending_.begin()) : nullptr;
 }
@@ -327,6 +355,7 @@ std::shared_ptr<const GuideFrame> GuideAssembler::release(std::list<Pending>::it
   }
   if (newest_ != 0) statistics_.frames_lost += frame.frame - newest_ - 1;
   newest_ = frame.frame;
+  newest_colliders_ = frame.colliders;
   ++statistics_.frames_received;
   statistics_.payload_bytes += pending->bytes;
   statistics_.strands_concealed += frame.strands_concealed;

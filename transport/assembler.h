@@ -16,7 +16,8 @@ namespace strandcast {
 /// memory grows with what was received, never with what a count promises. Not thread-safe.
 
 /// Collects the chunks of up to two descriptions at a time (of different sessions or revisions; the one not
-/// fed for longest gives way). `Chunk` is GroomChunk or BodyChunk, `Description` what it is part of.
+/// fed for longest gives way). `Chunk` is GroomChunk, BodyChunk or ColliderChunk, `Description` what it is
+/// part of.
 template <class Chunk, class Description>
 class DescriptionAssembler {
  public:
@@ -37,6 +38,7 @@ class DescriptionAssembler {
 
 using GroomAssembler = DescriptionAssembler<GroomChunk, GroomDescription>;
 using BodyAssembler = DescriptionAssembler<BodyChunk, BodyDescription>;
+using ColliderAssembler = DescriptionAssembler<ColliderChunk, ColliderSet>;
 
 /// Puts frames together that fit one groom. Chunks that come before there is a groom are dropped uncounted.
 class GuideAssembler {
@@ -76,9 +78,10 @@ class GuideAssembler {
   Concealment concealment_;
   FramePool pool_;
   GuideDecoder decoder_;
-  std::vector<Vec3> decoded_;   // of the chunk under way
-  std::list<Pending> pending_;  // fed last first; at most kFramesUnderWay
-  uint64_t newest_ = 0;         // complete frame of this groom, 0 = none
+  std::vector<Vec3> decoded_;                     // of the chunk under way
+  std::list<Pending> pending_;                    // fed last first; at most kFramesUnderWay
+  uint64_t newest_ = 0;                           // complete frame of this groom, 0 = none
+  std::vector<PlacedCollider> newest_colliders_;  // of that frame
   ReceiveStatistics statistics_;
 };
 

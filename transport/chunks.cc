@@ -222,11 +222,20 @@ void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, u
   chunk.vertex_count = run.vertex_count;
   for (int k = 0; k < 3; ++k) chunk.head_position[static_cast<size_t>(k)] = frame.head.position[k];
   for (int k = 0; k < 4; ++k) chunk.head_rotation[static_cast<size_t>(k)] = frame.head.rotation.coeffs()[k];
+  chunk.colliders.clear();
+  chunk.collider_poses.clear();
+  const size_t placed = index == 0 ? std::min(frame.colliders.size(), kMaxPlacedColliders) : 0;
+  for (size_t i = 0; i < placed; ++i) {
+    const auto& [id, pose] = frame.colliders[i];
+    chunk.colliders.push_back(id);
+    for (int k = 0; k < 3; ++k) chunk.collider_poses.push_back(pose.position[k]);
+    for (int k = 0; k < 4; ++k) chunk.collider_poses.push_back(pose.rotation.coeffs()[k]);
+  }
 }
 
 bool isSound(const Command& command) {
-  return command.id != 0 && command.kind <= CommandKind::kPull && command.name.size() <= kMaxTextBytes &&
-         command.values.size() <= 64 &&
+  return command.id != 0 && command.kind <= CommandKind::kRemoveCollider &&
+         command.name.size() <= kMaxTextBytes && command.values.size() <= 64 &&
          std::all_of(command.values.begin(), command.values.end(), [](double v) { return std::isfinite(v); });
 }
 

@@ -59,6 +59,19 @@ struct BodyChunk {
   std::vector<uint32_t> triangles;  ///< 3 per triangle of the chunk
 };
 
+/// transport/collider_chunks.h.
+struct ColliderChunk {
+  uint64_t session = 0;
+  uint32_t groom_id = 0, chunk_index = 0, chunk_count = 0, revision = 0;
+  uint32_t total_shapes = 0, total_words = 0, first_shape = 0, first_word = 0;
+  std::vector<uint32_t> colliders;    ///< per shape: the collider that it is of
+  std::vector<uint32_t> word_counts;  ///< per shape
+  std::vector<float> numbers;         ///< 16 per shape
+  std::vector<uint8_t> kinds;         ///< per shape: PrimitiveKind
+  std::vector<uint8_t> follows_head;  ///< per shape: 0 or 1
+  std::vector<uint32_t> words;
+};
+
 struct GuideChunk {
   uint64_t session = 0, frame = 0, publish_time = 0;
   double simulation_time = 0;
@@ -68,6 +81,8 @@ struct GuideChunk {
   std::array<float, 4> head_rotation{0, 0, 0, 1};
   uint64_t key_frame = 0;  ///< that the payload is a difference to; 0 = it can be decoded alone
   Encoding encoding = Encoding::kFloat32;
+  std::vector<uint32_t> colliders;    ///< of chunk 0: that do not follow the head
+  std::vector<float> collider_poses;  ///< 7 each: position x y z, rotation x y z w
   std::vector<uint8_t> payload;
 };
 

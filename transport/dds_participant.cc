@@ -29,6 +29,7 @@ namespace rtps = eprosima::fastrtps::rtps;
 
 const TopicProfile kGroomTopic{"strandcast/groom", true, 1, kMaxChunks, true};
 const TopicProfile kBodiesTopic{"strandcast/bodies", true, 1, kMaxChunks, true};
+const TopicProfile kCollidersTopic{"strandcast/colliders", true, 1, kMaxChunks, true};
 const TopicProfile kGuidesTopic{"strandcast/guides", false, 4, kMaxChunks, true};
 const TopicProfile kCommandTopic{"strandcast/command", false, 64, 4, true};
 const TopicProfile kStatusTopic{"strandcast/status", true, 1, 1024, false};

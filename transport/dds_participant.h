@@ -30,7 +30,8 @@ struct TopicProfile {
   bool is_per_groom;          // in the groom's partition
   bool is_exclusive = false;  // readers are given what the strongest live writer wrote
 };
-extern const TopicProfile kGroomTopic, kBodiesTopic, kGuidesTopic, kCommandTopic, kStatusTopic, kClaimTopic;
+extern const TopicProfile kGroomTopic, kBodiesTopic, kCollidersTopic, kGuidesTopic, kCommandTopic,
+    kStatusTopic, kClaimTopic;
 
 /// How a participant is carried and finds others.
 struct DdsNetwork {

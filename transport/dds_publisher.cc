@@ -1,6 +1,7 @@
 #include "core/error.h"
 #include "transport/announced_groom.h"
 #include "transport/chunks.h"
+#include "transport/collider_chunks.h"
 #include "transport/command_queue.h"
 #include "transport/dds.h"
 #include "transport/dds_claim.h"
@@ -14,17 +15,16 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 
 const eprosima::fastrtps::Duration_t kFarewell{1, 0};
-/// A new daemon hears of no other for so long. With keys, Fast DDS 2.9.1 repeats a message of a handshake
-/// that was lost only after a second.
-constexpr std::chrono::milliseconds kSettles{1500}, kSecureSettles{4500};
+/// A new daemon that shares its groom hears of no other for so long.
+constexpr std::chrono::milliseconds kSettles{1500};
 
 class DdsPublisher final : public Publisher {
  public:
   explicit DdsPublisher(const DdsOptions& options)
       : options_(options),
         announced_(options.groom_id, options.session, options.codec),
-        command_listener_([this](v3::Command& wire, const auto&) { receive(wire); }),
-        status_listener_([this](v3::Status& wire, const auto& writer) { hear(wire, writer); },
+        command_listener_([this](v4::Command& wire, const auto&) { receive(wire); }),
+        status_listener_([this](v4::Status& wire, const auto& writer) { hear(wire, writer); },
                          [this](const auto& writer) { others_.remove(writer); }),
         participant_(DdsNetwork(options), options.groom_id) {
     participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
@@ -32,10 +32,11 @@ class DdsPublisher final : public Publisher {
     status_writer_ = participant_.createWriter(kStatusTopic, new StatusType, nullptr);
     groom_writer_ = participant_.createWriter(kGroomTopic, new GroomChunkType, nullptr);
     body_writer_ = participant_.createWriter(kBodiesTopic, new BodyChunkType, nullptr);
+    collider_writer_ = participant_.createWriter(kCollidersTopic, new ColliderChunkType, nullptr);
     guide_writer_ = participant_.createWriter(kGuidesTopic, new GuideChunkType, &readers_);
     if (options.claim) {
       claim_.emplace(options.groom_id, options.session, *options.claim);
-      claim_->start(participant_, options.keys.empty() ? kSettles : kSecureSettles);
+      claim_->start(participant_, options.keys.empty() ? kSettles : kSecureRivalListenTime);
     }
     publishStatus({});  // so that rivals hear of this session at once
   }
@@ -52,18 +53,31 @@ class DdsPublisher final : public Publisher {
     announced_.accept(groom);
   }
 
+  void announceColliders(const ColliderSet& colliders) override {
+    checkColliders(colliders, "groom " + std::to_string(options_.groom_id));
+    ColliderSet own = colliders;
+    own.groom_id = options_.groom_id;
+    own.session = options_.session;
+    std::vector<ColliderChunk> chunks = splitColliders(own);
+    if (claim_) shared_colliders_ = chunks;
+    if (!claim_ || announced_turn_ != 0) write(std::move(chunks));
+  }
+
   void publish(const GuideFrame& frame) override {
     if (claim_ && !takeTurn()) return;
     announced_.divide(frame, [this](GuideChunk& chunk) {
       toWire(chunk, guide_sample_);
       guide_writer_->write(&guide_sample_);
-      std::swap(guide_sample_.payload(), chunk.payload);  // back: its memory serves the next chunk
+      // Back: their memory serves the next chunk.
+      std::swap(guide_sample_.colliders(), chunk.colliders);
+      std::swap(guide_sample_.collider_poses(), chunk.collider_poses);
+      std::swap(guide_sample_.payload(), chunk.payload);
     });
   }
 
   void publishStatus(const Status& status) override {
     if (claim_ && claim_->turn() == 0) return;
-    v3::Status sample;
+    v4::Status sample;
     toWire(status, sample);
     sample.groom_id(options_.groom_id);
     sample.session(options_.session);
@@ -81,8 +95,12 @@ class DdsPublisher final : public Publisher {
 
  private:
   void write(AnnouncedGroom::Chunks chunks) {
-    groom_chunks_ = replace<v3::GroomChunk>(*groom_writer_, std::move(chunks.groom), groom_chunks_);
-    body_chunks_ = replace<v3::BodyChunk>(*body_writer_, std::move(chunks.body), body_chunks_);
+    groom_chunks_ = replace<v4::GroomChunk>(*groom_writer_, std::move(chunks.groom), groom_chunks_);
+    body_chunks_ = replace<v4::BodyChunk>(*body_writer_, std::move(chunks.body), body_chunks_);
+  }
+
+  void write(std::vector<ColliderChunk> chunks) {
+    collider_chunks_ = replace<v4::ColliderChunk>(*collider_writer_, std::move(chunks), collider_chunks_);
   }
 
   /// Of daemons that share a groom: whether it is this one's turn. Late readers are to find the groom of that
@@ -91,6 +109,7 @@ class DdsPublisher final : public Publisher {
     const uint64_t turn = claim_->turn();
     if (turn != announced_turn_) {
       write(turn != 0 ? shared_ : AnnouncedGroom::Chunks());
+      write(turn != 0 ? shared_colliders_ : std::vector<ColliderChunk>());
       announced_turn_ = turn;
     }
     return turn != 0;
@@ -117,7 +136,7 @@ class DdsPublisher final : public Publisher {
     return count;
   }
 
-  void receive(const v3::Command& wire) {
+  void receive(const v4::Command& wire) {
     Command command;
     fromWire(wire, command);
     if (command.groom_id != options_.groom_id || wire.name().size() > kMaxTextBytes || !isSound(command))
@@ -125,7 +144,7 @@ class DdsPublisher final : public Publisher {
     commands_.push(std::move(command));
   }
 
-  void hear(const v3::Status& wire, const StatusBoard::WriterId& writer) {
+  void hear(const v4::Status& wire, const StatusBoard::WriterId& writer) {
     if (wire.groom_id() != options_.groom_id || wire.session() == options_.session) return;
     Status status;
     fromWire(wire, status);
@@ -136,19 +155,21 @@ class DdsPublisher final : public Publisher {
   CommandQueue commands_;
   StatusBoard others_;  // of this groom
   AnnouncedGroom announced_;
-  uint32_t groom_chunks_ = 0, body_chunks_ = 0;
+  uint32_t groom_chunks_ = 0, body_chunks_ = 0, collider_chunks_ = 0;
   AnnouncedGroom::Chunks shared_;  // for when it is this one's turn
-  uint64_t announced_turn_ = 0;    // of DdsClaim::turn()
-  v3::GuideChunk guide_sample_;
+  std::vector<ColliderChunk> shared_colliders_;
+  uint64_t announced_turn_ = 0;  // of DdsClaim::turn()
+  v4::GuideChunk guide_sample_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter readers_;
-  TakingListener<v3::Command> command_listener_;
-  TakingListener<v3::Status> status_listener_;
+  TakingListener<v4::Command> command_listener_;
+  TakingListener<v4::Status> status_listener_;
   std::optional<DdsClaim> claim_;
   DdsParticipant participant_;
   dds::DataWriter* status_writer_ = nullptr;
   dds::DataWriter* groom_writer_ = nullptr;
   dds::DataWriter* body_writer_ = nullptr;
+  dds::DataWriter* collider_writer_ = nullptr;
   dds::DataWriter* guide_writer_ = nullptr;
 };
 

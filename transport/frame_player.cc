@@ -94,6 +94,10 @@ struct FramePlayer::State {
     *mixed = b;
     mixed->simulation_time = time;
     mixed->head = interpolate(a.head, b.head, t);
+    for (PlacedCollider& placed : mixed->colliders) {
+      for (const PlacedCollider& before : a.colliders)
+        if (before.id == placed.id) placed.pose = interpolate(before.pose, placed.pose, t);
+    }
     const HeadFrame from_a(a.head), from_b(b.head), to(mixed->head);
     for (size_t v = 0; v < mixed->positions.size(); ++v) {
       const Vec3 start = from_a.toHead(a.positions[v]), end = from_b.toHead(b.positions[v]);

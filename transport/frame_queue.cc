@@ -41,6 +41,14 @@ void FrameQueue::setBody(std::shared_ptr<const BodyDescription> body) {
   changed_.notify_all();
 }
 
+void FrameQueue::setColliders(std::shared_ptr<const ColliderSet> colliders) {
+  const std::lock_guard lock(mutex_);
+  if (colliders_ && colliders_->session == colliders->session && colliders->revision <= colliders_->revision)
+    return;
+  colliders_ = std::move(colliders);
+  changed_.notify_all();
+}
+
 void FrameQueue::push(std::shared_ptr<const GuideFrame> frame, double latency_ms) {
   const std::lock_guard lock(mutex_);
   if (!groom_ || frame->session != groom_->session || frame->revision != groom_->revision) return;
@@ -62,6 +70,11 @@ std::shared_ptr<const GroomDescription> FrameQueue::groom() const {
 std::shared_ptr<const BodyDescription> FrameQueue::body() const {
   const std::lock_guard lock(mutex_);
   return bodyFits() ? body_ : nullptr;
+}
+
+std::shared_ptr<const ColliderSet> FrameQueue::colliders() const {
+  const std::lock_guard lock(mutex_);
+  return colliders_ && groom_ && colliders_->session == groom_->session ? colliders_ : nullptr;
 }
 
 std::shared_ptr<const GuideFrame> FrameQueue::frame() const {

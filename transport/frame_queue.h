@@ -39,11 +39,13 @@ class FrameQueue {
   /// go. Returns whether it is now in force.
   bool setGroom(std::shared_ptr<const GroomDescription> groom);
   void setBody(std::shared_ptr<const BodyDescription> body);
+  void setColliders(std::shared_ptr<const ColliderSet> colliders);
   /// Ignores a frame that does not fit groom(). `latency_ms` from publication to now.
   void push(std::shared_ptr<const GuideFrame> frame, double latency_ms);
 
   std::shared_ptr<const GroomDescription> groom() const;
   std::shared_ptr<const BodyDescription> body() const;
+  std::shared_ptr<const ColliderSet> colliders() const;
   std::shared_ptr<const GuideFrame> frame() const;
   /// As Subscriber's.
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout);
@@ -56,7 +58,8 @@ class FrameQueue {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::shared_ptr<const GroomDescription> groom_;
-  std::shared_ptr<const BodyDescription> body_;  // newest; handed out when it fits groom_
+  std::shared_ptr<const BodyDescription> body_;   // newest; handed out when it fits groom_
+  std::shared_ptr<const ColliderSet> colliders_;  // newest; handed out when it is of groom_'s session
   std::deque<std::shared_ptr<const GuideFrame>> frames_;
   std::array<float, 1000> latencies_ms_{};
   size_t latencies_ = 0;  // counted since the start

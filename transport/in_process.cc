@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "transport/answers.h"
 #include "transport/chunks.h"
+#include "transport/collider_chunks.h"
 #include "transport/command_queue.h"
 #include "transport/frame_queue.h"
 
@@ -50,6 +51,13 @@ class InProcessPublisher final : public Publisher {
       const std::lock_guard lock(channel_->mutex);
       channel_->newest_frame = 0;
     }
+  }
+
+  void announceColliders(const ColliderSet& colliders) override {
+    checkColliders(colliders, "in-process channel");
+    auto own = std::make_shared<ColliderSet>(colliders);
+    own->groom_id = channel_->groom_id;
+    channel_->queue.setColliders(std::move(own));
   }
 
   void publish(const GuideFrame& frame) override {
@@ -101,6 +109,7 @@ class InProcessSubscriber final : public Subscriber {
 
   std::shared_ptr<const GroomDescription> groom() const override { return channel_->queue.groom(); }
   std::shared_ptr<const BodyDescription> body() const override { return channel_->queue.body(); }
+  std::shared_ptr<const ColliderSet> colliders() const override { return channel_->queue.colliders(); }
   std::shared_ptr<const GuideFrame> frame() const override { return channel_->queue.frame(); }
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout) override {
     return channel_->queue.waitForFrame(after, timeout);

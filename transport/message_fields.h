@@ -51,7 +51,25 @@ void messageFields(Stream& s, auto& m, std::type_identity<BodyChunk>) {
 }
 
 template <class Stream>
-void messageFields(Stream& s, auto& m, std::type_identity<GuideChunk>) {
+void messageFields(Stream& s, auto& m, std::type_identity<ColliderChunk>) {
+  chunkFields(s, m);
+  s.number(m.total_shapes);
+  s.number(m.total_words);
+  s.number(m.first_shape);
+  s.number(m.first_word);
+  s.array(m.colliders);
+  s.array(m.word_counts);
+  s.array(m.numbers);
+  s.array(m.kinds);
+  s.array(m.follows_head);
+  s.array(m.words);
+}
+
+/// A guide chunk of version 3, which recordings of version 1 have.
+struct GuideChunk3 : GuideChunk {};
+
+template <class Stream>
+void guideFields(Stream& s, auto& m) {
   s.number(m.session);
   s.number(m.frame);
   s.number(m.publish_time);
@@ -68,6 +86,19 @@ void messageFields(Stream& s, auto& m, std::type_identity<GuideChunk>) {
   s.items(m.head_position);
   s.items(m.head_rotation);
   s.number(m.encoding);
+}
+
+template <class Stream>
+void messageFields(Stream& s, auto& m, std::type_identity<GuideChunk>) {
+  guideFields(s, m);
+  s.array(m.colliders);
+  s.array(m.collider_poses);
+  s.array(m.payload);
+}
+
+template <class Stream>
+void messageFields(Stream& s, auto& m, std::type_identity<GuideChunk3>) {
+  guideFields(s, m);
   s.array(m.payload);
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/contact_primitive.h"
 #include "core/geometry.h"
 #include "core/parameters.h"
 #include "core/strand_set.h"
@@ -29,16 +30,40 @@ struct BodyDescription {
   std::vector<float> head_weights;  ///< per position, 0 to 1: 1 moves with the head, 0 stays; empty = all 1
 };
 
+/// A body of the simulation: shapes that share one rigid motion.
+struct Collider {
+  uint32_t id = 0;  ///< of a session, never given to another one
+  bool follows_head = false;
+  bool is_whole = true;  ///< of the receiver: false where a field of it was too large to be sent
+  std::vector<ContactPrimitive> shapes;  ///< m: of the head at rest, else in the collider's own frame
+};
+
+/// What hair collides with.
+struct ColliderSet {
+  uint32_t groom_id = 0;
+  uint64_t session = 0;
+  uint32_t revision = 0;  ///< counts up within a session with every collider that is added or removed
+  std::vector<Collider> colliders;
+};
+
+/// Where a collider is that does not follow the head.
+struct PlacedCollider {
+  uint32_t id = 0;
+  Pose pose;
+};
+inline constexpr size_t kMaxPlacedColliders = 128;  ///< in a frame
+
 /// All guides at one instant.
 struct GuideFrame {
   uint32_t groom_id = 0;
   uint64_t session = 0;
   uint32_t revision = 0;
-  uint64_t frame = 0;           ///< from 1, counts up by one per published frame
-  double simulation_time = 0;   ///< s
-  uint64_t publish_time = 0;    ///< ns, system clock of the daemon
-  Pose head;                    ///< of the head, relative to rest
-  std::vector<Vec3> positions;  ///< world, m, natural order of the groom's guides
+  uint64_t frame = 0;                     ///< from 1, counts up by one per published frame
+  double simulation_time = 0;             ///< s
+  uint64_t publish_time = 0;              ///< ns, system clock of the daemon
+  Pose head;                              ///< of the head, relative to rest
+  std::vector<Vec3> positions;            ///< world, m, natural order of the groom's guides
+  std::vector<PlacedCollider> colliders;  ///< that do not follow the head; kMaxPlacedColliders at most
   // Of the receiver:
   uint64_t arrival_time = 0;       ///< ns, steady clock of the receiver, when it was complete
   uint32_t strands_concealed = 0;  ///< that were lost on the way and are put where they probably are
@@ -52,18 +77,18 @@ enum class CommandKind : uint32_t {
   kShutdown = 4,
   kPause = 5,
   kStep = 6,
-  kPull = 7
+  kPull = 7,
+  kAddCollider = 8,
+  kMoveCollider = 9,
+  kRemoveCollider = 10
 };
 
 struct Command {
   uint32_t groom_id = 0;
   uint64_t id = 0;  ///< chosen by the sender, not 0; echoed in Status::last_command
   CommandKind kind = CommandKind::kReset;
-  std::string name;  ///< parameter, or name of a head motion
-  /// Parameter components; head pose: position x y z, rotation x y z w; pause: 1, or 0 to go on; step: how
-  /// many; pull: where a hand closes, x y z and radius, where it is, x y z, and rate (Simulation::pullHair),
-  /// or nothing to let go.
-  std::vector<double> values;
+  std::string name;            ///< parameter, name of a head motion, or of a collider
+  std::vector<double> values;  ///< docs/wire.md, "Command"
 };
 
 /// What the channel made of the newest frame.

@@ -12,7 +12,8 @@ ReceiveStatistics ReceivingSubscriber::statistics() const {
   {
     const std::lock_guard lock(mutex_);
     statistics = frames_.statistics();
-    statistics.chunks_rejected += grooms_.chunksRejected() + bodies_.chunksRejected() + messages_damaged_;
+    statistics.chunks_rejected +=
+        grooms_.chunksRejected() + bodies_.chunksRejected() + colliders_.chunksRejected() + messages_damaged_;
   }
   queue_.addLatencies(statistics);
   return statistics;
@@ -27,6 +28,11 @@ void ReceivingSubscriber::receive(GroomChunk chunk) {
 void ReceivingSubscriber::receive(BodyChunk chunk) {
   const std::lock_guard lock(mutex_);
   if (auto complete = bodies_.add(std::move(chunk))) queue_.setBody(std::move(complete));
+}
+
+void ReceivingSubscriber::receive(ColliderChunk chunk) {
+  const std::lock_guard lock(mutex_);
+  if (auto complete = colliders_.add(std::move(chunk))) queue_.setColliders(std::move(complete));
 }
 
 void ReceivingSubscriber::receiveGuideChunk() {

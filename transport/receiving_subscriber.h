@@ -20,6 +20,7 @@ class ReceivingSubscriber : public Subscriber {
  public:
   std::shared_ptr<const GroomDescription> groom() const final { return queue_.groom(); }
   std::shared_ptr<const BodyDescription> body() const final { return queue_.body(); }
+  std::shared_ptr<const ColliderSet> colliders() const final { return queue_.colliders(); }
   std::shared_ptr<const GuideFrame> frame() const final { return queue_.frame(); }
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout) final {
     return queue_.waitForFrame(after, timeout);
@@ -36,10 +37,16 @@ class ReceivingSubscriber : public Subscriber {
   /// With `conceals`, frames that lack strands are not waited for: their strands are put where they probably
   /// are.
   ReceivingSubscriber(uint32_t groom_id, bool conceals)
-      : groom_id_(groom_id), conceals_(conceals), grooms_(groom_id), bodies_(groom_id), frames_(conceals) {}
+      : groom_id_(groom_id),
+        conceals_(conceals),
+        grooms_(groom_id),
+        bodies_(groom_id),
+        colliders_(groom_id),
+        frames_(conceals) {}
 
   void receive(GroomChunk chunk);
   void receive(BodyChunk chunk);
+  void receive(ColliderChunk chunk);
   /// `read` sets the chunk that it is given, whose memory is used again, and says whether it is sound.
   template <class Read>
   void receiveGuides(const Read& read) {
@@ -65,6 +72,7 @@ class ReceivingSubscriber : public Subscriber {
   mutable std::mutex mutex_;  // of what follows
   GroomAssembler grooms_;
   BodyAssembler bodies_;
+  ColliderAssembler colliders_;
   GuideAssembler frames_;
   GuideChunk guide_chunk_;
   uint64_t messages_damaged_ = 0;

@@ -41,6 +41,9 @@ class Subscriber {
   virtual std::shared_ptr<const GroomDescription> groom() const = 0;
   /// The body that was announced with groom(), or null while it is not complete.
   virtual std::shared_ptr<const BodyDescription> body() const = 0;
+  /// What the hair of groom() collides with, newest, or null while it is not complete. The pointer changes
+  /// when that does.
+  virtual std::shared_ptr<const ColliderSet> colliders() const = 0;
   /// The newest complete frame that fits groom(), or null.
   virtual std::shared_ptr<const GuideFrame> frame() const = 0;
   /// The OLDEST of the last kFrameQueueLength complete frames that is newer than `after`, waiting for one

@@ -20,11 +20,12 @@ class GuardedType final : public Generated {
   }
 };
 
-using GroomChunkType = GuardedType<v3::GroomChunkPubSubType>;
-using BodyChunkType = GuardedType<v3::BodyChunkPubSubType>;
-using GuideChunkType = GuardedType<v3::GuideChunkPubSubType>;
-using CommandType = GuardedType<v3::CommandPubSubType>;
-using ClaimType = GuardedType<v3::ClaimPubSubType>;
-using StatusType = GuardedType<v3::StatusPubSubType>;
+using GroomChunkType = GuardedType<v4::GroomChunkPubSubType>;
+using BodyChunkType = GuardedType<v4::BodyChunkPubSubType>;
+using ColliderChunkType = GuardedType<v4::ColliderChunkPubSubType>;
+using GuideChunkType = GuardedType<v4::GuideChunkPubSubType>;
+using CommandType = GuardedType<v4::CommandPubSubType>;
+using ClaimType = GuardedType<v4::ClaimPubSubType>;
+using StatusType = GuardedType<v4::StatusPubSubType>;
 
 }  // namespace strandcast

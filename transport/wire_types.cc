@@ -3,7 +3,7 @@
 #include <utility>
 
 namespace strandcast {
-void toWire(GroomChunk& chunk, v3::GroomChunk& wire) {
+void toWire(GroomChunk& chunk, v4::GroomChunk& wire) {
   wire.session(chunk.session);
   wire.groom_id(chunk.groom_id);
   wire.chunk_index(chunk.chunk_index);
@@ -24,7 +24,7 @@ void toWire(GroomChunk& chunk, v3::GroomChunk& wire) {
   std::swap(wire.parts(), chunk.parts);
 }
 
-void fromWire(v3::GroomChunk& wire, GroomChunk& chunk) {
+void fromWire(v4::GroomChunk& wire, GroomChunk& chunk) {
   chunk.session = wire.session();
   chunk.groom_id = wire.groom_id();
   chunk.chunk_index = wire.chunk_index();
@@ -45,7 +45,7 @@ void fromWire(v3::GroomChunk& wire, GroomChunk& chunk) {
   std::swap(wire.parts(), chunk.parts);
 }
 
-void toWire(BodyChunk& chunk, v3::BodyChunk& wire) {
+void toWire(BodyChunk& chunk, v4::BodyChunk& wire) {
   wire.session(chunk.session);
   wire.groom_id(chunk.groom_id);
   wire.chunk_index(chunk.chunk_index);
@@ -63,7 +63,7 @@ void toWire(BodyChunk& chunk, v3::BodyChunk& wire) {
   std::swap(wire.triangles(), chunk.triangles);
 }
 
-void fromWire(v3::BodyChunk& wire, BodyChunk& chunk) {
+void fromWire(v4::BodyChunk& wire, BodyChunk& chunk) {
   chunk.session = wire.session();
   chunk.groom_id = wire.groom_id();
   chunk.chunk_index = wire.chunk_index();
@@ -81,7 +81,43 @@ void fromWire(v3::BodyChunk& wire, BodyChunk& chunk) {
   std::swap(wire.triangles(), chunk.triangles);
 }
 
-void toWire(GuideChunk& chunk, v3::GuideChunk& wire) {
+void toWire(ColliderChunk& chunk, v4::ColliderChunk& wire) {
+  wire.session(chunk.session);
+  wire.groom_id(chunk.groom_id);
+  wire.chunk_index(chunk.chunk_index);
+  wire.chunk_count(chunk.chunk_count);
+  wire.revision(chunk.revision);
+  wire.total_shapes(chunk.total_shapes);
+  wire.total_words(chunk.total_words);
+  wire.first_shape(chunk.first_shape);
+  wire.first_word(chunk.first_word);
+  std::swap(wire.colliders(), chunk.colliders);
+  std::swap(wire.word_counts(), chunk.word_counts);
+  std::swap(wire.numbers(), chunk.numbers);
+  std::swap(wire.kinds(), chunk.kinds);
+  std::swap(wire.follows_head(), chunk.follows_head);
+  std::swap(wire.words(), chunk.words);
+}
+
+void fromWire(v4::ColliderChunk& wire, ColliderChunk& chunk) {
+  chunk.session = wire.session();
+  chunk.groom_id = wire.groom_id();
+  chunk.chunk_index = wire.chunk_index();
+  chunk.chunk_count = wire.chunk_count();
+  chunk.revision = wire.revision();
+  chunk.total_shapes = wire.total_shapes();
+  chunk.total_words = wire.total_words();
+  chunk.first_shape = wire.first_shape();
+  chunk.first_word = wire.first_word();
+  std::swap(wire.colliders(), chunk.colliders);
+  std::swap(wire.word_counts(), chunk.word_counts);
+  std::swap(wire.numbers(), chunk.numbers);
+  std::swap(wire.kinds(), chunk.kinds);
+  std::swap(wire.follows_head(), chunk.follows_head);
+  std::swap(wire.words(), chunk.words);
+}
+
+void toWire(GuideChunk& chunk, v4::GuideChunk& wire) {
   wire.session(chunk.session);
   wire.frame(chunk.frame);
   wire.publish_time(chunk.publish_time);
@@ -97,11 +133,13 @@ void toWire(GuideChunk& chunk, v3::GuideChunk& wire) {
   wire.head_position(chunk.head_position);
   wire.head_rotation(chunk.head_rotation);
   wire.key_frame(chunk.key_frame);
-  wire.encoding(static_cast<v3::Encoding>(chunk.encoding));
+  wire.encoding(static_cast<v4::Encoding>(chunk.encoding));
+  std::swap(wire.colliders(), chunk.colliders);
+  std::swap(wire.collider_poses(), chunk.collider_poses);
   std::swap(wire.payload(), chunk.payload);
 }
 
-void fromWire(v3::GuideChunk& wire, GuideChunk& chunk) {
+void fromWire(v4::GuideChunk& wire, GuideChunk& chunk) {
   chunk.session = wire.session();
   chunk.frame = wire.frame();
   chunk.publish_time = wire.publish_time();
@@ -118,10 +156,12 @@ void fromWire(v3::GuideChunk& wire, GuideChunk& chunk) {
   chunk.head_rotation = wire.head_rotation();
   chunk.key_frame = wire.key_frame();
   chunk.encoding = static_cast<Encoding>(wire.encoding());
+  std::swap(wire.colliders(), chunk.colliders);
+  std::swap(wire.collider_poses(), chunk.collider_poses);
   std::swap(wire.payload(), chunk.payload);
 }
 
-void toWire(const Command& command, v3::Command& wire) {
+void toWire(const Command& command, v4::Command& wire) {
   wire.id(command.id);
   wire.groom_id(command.groom_id);
   wire.name(shortened(command.name));
@@ -129,7 +169,7 @@ void toWire(const Command& command, v3::Command& wire) {
   wire.values(command.values);
 }
 
-void fromWire(const v3::Command& wire, Command& command) {
+void fromWire(const v4::Command& wire, Command& command) {
   command.id = wire.id();
   command.groom_id = wire.groom_id();
   command.name = shortened(wire.name());
@@ -137,7 +177,7 @@ void fromWire(const v3::Command& wire, Command& command) {
   command.values = wire.values();
 }
 
-void toWire(const Status& status, v3::Status& wire) {
+void toWire(const Status& status, v4::Status& wire) {
   wire.session(status.session);
   wire.strands(status.strands);
   wire.vertices(status.vertices);
@@ -164,7 +204,7 @@ void toWire(const Status& status, v3::Status& wire) {
   wire.last_command_error(shortened(status.last_command_error));
 }
 
-void fromWire(const v3::Status& wire, Status& status) {
+void fromWire(const v4::Status& wire, Status& status) {
   status.session = wire.session();
   status.strands = wire.strands();
   status.vertices = wire.vertices();

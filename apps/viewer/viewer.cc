@@ -166,9 +166,12 @@ class Viewer {
   void setObstacles() {
     const RenderSettings& settings = panel_.picture.settings;
     const auto body = session_->subscriber().body();
-    if (obstacles_set_ || !body || !(settings.keep_out || settings.marks.needBodies())) return;
+    const auto colliders = session_->subscriber().colliders();
+    const bool known = obstacles_set_ && colliders == colliders_;
+    if (known || !body || !(settings.keep_out || settings.marks.needBodies())) return;
     obstacles_set_ = true;
-    std::vector<HairObstacle> obstacles = hairObstacles(*body);
+    colliders_ = colliders;
+    std::vector<HairObstacle> obstacles = hairObstacles(colliders.get(), *body);
     std::vector<std::shared_ptr<const DistanceField>> fields;
     for (const HairObstacle& obstacle : obstacles) fields.push_back(obstacle.shape.field);
     panel_.setFields(std::move(fields));
@@ -183,10 +186,10 @@ class Viewer {
       renderer_.setGroom(*groom_);
       renderer_.setBody(*body);
       obstacles_set_ = false;
-      setObstacles();
       box_ = pictureBox(*groom_, *body);
       frame_.reset();
     }
+    setObstacles();
     if (const auto frame = session_->player().next()) frame_ = frame;
     if (!frame_) return;
     renderer_.draw(*frame_, pictureCamera(panel_.picture, box_));
@@ -253,6 +256,7 @@ class Viewer {
   Box box_;
   HairTool tool_;
   bool orbiting_ = false, changed_ = false, obstacles_set_ = false, screenshot_asked_ = false;
+  std::shared_ptr<const ColliderSet> colliders_;  ///< that the obstacles are of
   int screenshots_ = 0;
 };
 

@@ -18,9 +18,9 @@
 
 enum { kMaxChunks = 4096, kTake = 64, kFramesUnderWay = 64 };
 
-typedef strandcast_v3_GroomChunk GroomChunk;
-typedef strandcast_v3_GuideChunk GuideChunk;
-typedef strandcast_v3_Status Status;
+typedef strandcast_v4_GroomChunk GroomChunk;
+typedef strandcast_v4_GuideChunk GuideChunk;
+typedef strandcast_v4_Status Status;
 
 static dds_entity_t checked(dds_entity_t entity, const char* what) {
   if (entity < 0) {
@@ -62,7 +62,7 @@ static dds_entity_t command_writer_in(dds_entity_t participant, const char* part
   const dds_entity_t publisher = checked(dds_create_publisher(participant, qos, NULL), "publisher");
   dds_delete_qos(qos);
   const dds_entity_t topic =
-      checked(dds_create_topic(participant, &strandcast_v3_Command_desc, "strandcast/command", NULL, NULL),
+      checked(dds_create_topic(participant, &strandcast_v4_Command_desc, "strandcast/command", NULL, NULL),
               "command");
   qos = reliable(64, true);
   const dds_entity_t writer = checked(dds_create_writer(publisher, topic, qos, NULL), "command");
@@ -95,7 +95,7 @@ static bool take_groom(dds_entity_t reader, uint32_t* strands, uint32_t* vertice
 }
 
 static bool is_as_sent(const GuideChunk* chunk) {
-  if (chunk->encoding != strandcast_v3_ENCODING_FLOAT32 || chunk->payload._length != 12 * chunk->vertex_count)
+  if (chunk->encoding != strandcast_v4_ENCODING_FLOAT32 || chunk->payload._length != 12 * chunk->vertex_count)
     return false;
   for (uint32_t v = 0; v < chunk->vertex_count; ++v) {
     float position[3];
@@ -123,6 +123,12 @@ static void take_guides(dds_entity_t reader, uint32_t groom_vertices) {
     const GuideChunk* chunk = samples[i];
     if (!infos[i].valid_data) continue;
     wrong_chunks += is_as_sent(chunk) ? 0 : 1;
+    if (chunk->chunk_index == 0)
+      wrong_chunks += chunk->colliders._length == 1 && chunk->colliders._buffer[0] == 7 &&
+                              chunk->collider_poses._length == 7 &&
+                              chunk->collider_poses._buffer[2] == (float)chunk->frame
+                          ? 0
+                          : 1;
     const size_t place = chunk->frame % kFramesUnderWay;
     if (under_way[place].frame != chunk->frame) {
       under_way[place].frame = chunk->frame;
@@ -133,6 +139,25 @@ static void take_guides(dds_entity_t reader, uint32_t groom_vertices) {
     if (first_frame == 0) first_frame = chunk->frame;
     if (chunk->frame > newest_whole) newest_whole = chunk->frame;
     ++whole_frames;
+  }
+  if (count > 0) dds_return_loan(reader, samples, count);
+}
+
+/* What hair collides with: shapes and words of every chunk. */
+static uint32_t shapes, words, spheres_of_the_head;
+
+static void take_colliders(dds_entity_t reader) {
+  void* samples[kTake] = {NULL};
+  dds_sample_info_t infos[kTake];
+  const int count = dds_take(reader, samples, infos, kTake, kTake);
+  for (int i = 0; i < count; ++i) {
+    const strandcast_v4_ColliderChunk* chunk = samples[i];
+    if (!infos[i].valid_data) continue;
+    shapes += chunk->kinds._length;
+    words += chunk->words._length;
+    for (uint32_t s = 0; s < chunk->kinds._length; ++s)
+      spheres_of_the_head += chunk->kinds._buffer[s] == 0 && chunk->follows_head._buffer[s] == 1 &&
+                             chunk->numbers._buffer[16 * s + 6] == 0.05f;
   }
   if (count > 0) dds_return_loan(reader, samples, count);
 }
@@ -155,11 +180,13 @@ int main(int argc, char** argv) {
       checked(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
   const dds_entity_t subscriber = subscriber_in(participant, "groom1");
   const dds_entity_t groom =
-      reader_of(participant, subscriber, &strandcast_v3_GroomChunk_desc, "strandcast/groom", 1, true);
+      reader_of(participant, subscriber, &strandcast_v4_GroomChunk_desc, "strandcast/groom", 1, true);
+  const dds_entity_t colliders =
+      reader_of(participant, subscriber, &strandcast_v4_ColliderChunk_desc, "strandcast/colliders", 1, true);
   const dds_entity_t guides =
-      reader_of(participant, subscriber, &strandcast_v3_GuideChunk_desc, "strandcast/guides", 4, false);
+      reader_of(participant, subscriber, &strandcast_v4_GuideChunk_desc, "strandcast/guides", 4, false);
   const dds_entity_t status =
-      reader_of(participant, participant, &strandcast_v3_Status_desc, "strandcast/status", 1, true);
+      reader_of(participant, participant, &strandcast_v4_Status_desc, "strandcast/status", 1, true);
   const dds_entity_t writer = command_writer_in(participant, "groom1");
 
   const dds_time_t start = dds_time(), end = start + DDS_SECS(15);
@@ -171,11 +198,12 @@ int main(int argc, char** argv) {
       has_groom = take_groom(groom, &strands, &vertices);
       if (has_groom) printf("groom_after_ms %.1f\n", (double)(dds_time() - start) * 1e-6);
     } else {
+      take_colliders(colliders);
       take_guides(guides, vertices);
       if (dds_time() - asked > DDS_MSECS(500) && !has_answer) {
         asked = dds_time();
         double values[] = {3, 0, 0};
-        strandcast_v3_Command command = {.id = id, .groom_id = 1, .kind = 0, .name = "wind"};
+        strandcast_v4_Command command = {.id = id, .groom_id = 1, .kind = 0, .name = "wind"};
         command.values._buffer = values;
         command.values._length = command.values._maximum = 3;
         checked(dds_write(writer, &command), "write");
@@ -185,6 +213,7 @@ int main(int argc, char** argv) {
     dds_sleepfor(DDS_USECS(500));
   }
   printf("strands %u\nvertices %u\nanswered %d\n", strands, vertices, has_answer);
+  printf("shapes %u\nwords %u\nspheres_of_the_head %u\n", shapes, words, spheres_of_the_head);
   printf("frames %llu\nmissing %llu\nwrong_chunks %llu\n", (unsigned long long)whole_frames,
          (unsigned long long)(newest_whole - first_frame + 1 - whole_frames),
          (unsigned long long)wrong_chunks);

@@ -13,6 +13,7 @@
 
 #include "tests/transport/dds_domain.h"
 #include "tests/transport/sample_messages.h"
+#include "transport/collider_chunks.h"
 #include "transport/dds.h"
 
 namespace strandcast {
@@ -31,6 +32,8 @@ TEST(Cyclone, ReceivesTheGroomLateAndEveryFrameAndItsCommandIsObeyed) {
   GroomDescription groom = uniformGroom(2000, 16);
   groom.session = 77;
   publisher->announce(groom, sampleBody(20));
+  const ColliderSet colliders = sampleColliders(77);
+  publisher->announceColliders(colliders);
   GuideFrame frame;
   uint64_t number = 0;
   std::optional<Command> obeyed;
@@ -67,6 +70,9 @@ TEST(Cyclone, ReceivesTheGroomLateAndEveryFrameAndItsCommandIsObeyed) {
   EXPECT_EQ(pclose(reader), 0);
   EXPECT_EQ(results["strands"], 2000);
   EXPECT_EQ(results["vertices"], 32000);
+  EXPECT_EQ(results["shapes"], 1 + static_cast<double>(colliders.colliders[1].shapes.size()));
+  EXPECT_EQ(results["words"], splitColliders(colliders)[0].total_words);
+  EXPECT_EQ(results["spheres_of_the_head"], 1);
   EXPECT_GE(results["frames"], kFrames);
   EXPECT_EQ(results["missing"], 0);
   EXPECT_EQ(results["wrong_chunks"], 0);

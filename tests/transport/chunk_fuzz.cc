@@ -1,6 +1,7 @@
 #include "chunk_fuzz.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <random>
@@ -110,6 +111,37 @@ GuideChunk readGuideChunk(Bytes& bytes) {
   return chunk;
 }
 
+/// Whole and of one chunk, so that its shapes are looked at: what they consist of follows from the bytes.
+ColliderChunk readColliderChunk(Bytes& bytes) {
+  ColliderChunk chunk;
+  readHeader(bytes, chunk);
+  const size_t shapes = bytes.byte() % 4;
+  chunk.total_shapes = static_cast<uint32_t>(shapes) + bytes.byte() / 250;
+  chunk.first_shape = bytes.byte() / 250;
+  bytes.fill(chunk.colliders, shapes, [&] { return bytes.number(); });
+  bytes.fill(chunk.kinds, shapes, [&] { return bytes.byte() % 9; });
+  bytes.fill(chunk.follows_head, shapes, [&] { return bytes.byte() % 2; });
+  bytes.fill(chunk.word_counts, shapes, [&] { return bytes.number(); });
+  bytes.fill(chunk.numbers, 16 * shapes, [&] { return bytes.byte() == 255 ? bytes.real() : 0.5f; });
+  size_t words = 0;
+  for (const uint32_t count : chunk.word_counts) words += count % 1024;
+  chunk.total_words = static_cast<uint32_t>(words);
+  bytes.fill(chunk.words, words, [&] { return bytes.number(); });
+  return chunk;
+}
+
+void checkColliderSet(const ColliderSet& set) {
+  for (const Collider& collider : set.colliders) {
+    for (const ContactPrimitive& shape : collider.shapes) {
+      checkPrimitive(shape, "fuzz");
+      ShapeData data;
+      const uint32_t first = data.add(shape);
+      const MovingPrimitive placed = moved(shape, Pose{}, Pose{}, 1, first);
+      require(!std::isnan(signedDistance(placed, Vec3(0.1f, 0.2f, 0.3f), data.words)));
+    }
+  }
+}
+
 void checkGroom(const GroomDescription& groom) {
   const StrandSet& guides = groom.guides;
   require(guides.offsets.front() == 0 && guides.offsets.back() == guides.vertices() && guides.strands() > 0);
@@ -136,11 +168,12 @@ size_t fuzzChunks(const uint8_t* data, size_t size) {
   Bytes bytes(data, size);
   GroomAssembler grooms(1);
   BodyAssembler bodies(1);
+  ColliderAssembler colliders(1);
   GuideAssembler frames;
   size_t completed = 0, vertices = 0;
   uint64_t newest = 0;
   while (!bytes.empty()) {
-    switch (bytes.byte() % 3) {
+    switch (bytes.byte() % 4) {
       case 0:
         if (const auto groom = grooms.add(readGroomChunk(bytes))) {
           checkGroom(*groom);
@@ -153,6 +186,12 @@ size_t fuzzChunks(const uint8_t* data, size_t size) {
       case 1:
         if (const auto body = bodies.add(readBodyChunk(bytes))) {
           checkBody(*body);
+          ++completed;
+        }
+        break;
+      case 2:
+        if (const auto set = colliders.add(readColliderChunk(bytes))) {
+          checkColliderSet(*set);
           ++completed;
         }
         break;

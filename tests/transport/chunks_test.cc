@@ -276,6 +276,8 @@ TEST(Chunks, FramesWhoseChunksOverlapAreRefused) {
   std::vector<GuideChunk> chunks = splitFrame(*groom, sampleFrame(*groom, 1));
   GuideChunk overlapping = chunks[0];
   overlapping.chunk_index = 1;  // sound alone, but its strands came already
+  overlapping.colliders.clear();
+  overlapping.collider_poses.clear();
   chunks[1] = overlapping;
   for (const GuideChunk& chunk : chunks) EXPECT_EQ(assembler.add(chunk), nullptr);
   EXPECT_EQ(assembler.chunksRejected(), chunks.size());

@@ -58,6 +58,20 @@ TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
   EXPECT_EQ(subscriber->body()->mesh.triangles, body.mesh.triangles);
   EXPECT_EQ(subscriber->body()->head_weights, body.head_weights);
   ASSERT_TRUE(becomesTrue([&] { return publisher->matchedReaders() == 1; }));
+  publisher->announceColliders(sampleColliders());
+  ASSERT_TRUE(becomesTrue([&] { return subscriber->colliders() != nullptr; }));
+  EXPECT_TRUE(areAlike(*subscriber->colliders(), sampleColliders()));
+  // Fewer chunks than before: a late reader gets these alone.
+  ColliderSet fewer = sampleColliders();
+  fewer.colliders.pop_back();
+  fewer.revision = 2;
+  publisher->announceColliders(fewer);
+  ASSERT_TRUE(becomesTrue([&] { return subscriber->colliders()->revision == 2; }));
+  {
+    const auto late = makeDdsSubscriber({domain, 1, 0, {}});
+    ASSERT_TRUE(becomesTrue([&] { return late->colliders() != nullptr; }));
+    EXPECT_TRUE(areAlike(*late->colliders(), fewer));
+  }
   for (uint64_t number = 1; number <= 20; ++number) {
     publisher->publish(sampleFrame(groom, number));
     const auto frame = subscriber->waitForFrame(number - 1, milliseconds(2000));

@@ -29,6 +29,7 @@ class ScriptedSubscriber final : public Subscriber {
 
   std::shared_ptr<const GroomDescription> groom() const override { return queue_.groom(); }
   std::shared_ptr<const BodyDescription> body() const override { return nullptr; }
+  std::shared_ptr<const ColliderSet> colliders() const override { return nullptr; }
   std::shared_ptr<const GuideFrame> frame() const override { return queue_.frame(); }
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, milliseconds timeout) override {
     return queue_.waitForFrame(after, timeout);

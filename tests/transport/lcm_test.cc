@@ -50,6 +50,9 @@ void expectEverything(Publisher& publisher, Subscriber& subscriber, const GroomD
   EXPECT_EQ(subscriber.groom()->guides.positions, groom.guides.positions);
   EXPECT_EQ(subscriber.groom()->guides.offsets, groom.guides.offsets);
   EXPECT_EQ(subscriber.body()->mesh.triangles, sampleBody(60).mesh.triangles);
+  publisher.announceColliders(sampleColliders());
+  ASSERT_TRUE(becomesTrue([&] { return subscriber.colliders() && subscriber.colliders()->revision == 1; }));
+  EXPECT_TRUE(areAlike(*subscriber.colliders(), sampleColliders()));
   EXPECT_TRUE(becomesTrue([&] { return publisher.matchedReaders() == 1; }));
   for (uint64_t number = 1; number <= 5; ++number)
     EXPECT_TRUE(goesThrough(publisher, subscriber, groom, number));

@@ -4,6 +4,7 @@
 
 #include "moving_hair.h"
 #include "transport/assembler.h"
+#include "transport/collider_chunks.h"
 #include "transport/lcm/lcm_messages.h"
 
 namespace strandcast {
@@ -17,6 +18,8 @@ size_t fuzzMessages(const uint8_t* data, size_t size) {
   if (fromBytes(bytes, groom)) ++read, GroomAssembler(1).add(std::move(groom));
   BodyChunk body;
   if (fromBytes(bytes, body)) ++read, BodyAssembler(1).add(std::move(body));
+  ColliderChunk colliders;
+  if (fromBytes(bytes, colliders)) ++read, ColliderAssembler(1).add(std::move(colliders));
   GuideChunk guides;
   if (fromBytes(bytes, guides)) {
     ++read;
@@ -47,6 +50,15 @@ std::vector<FuzzSeeds> messageSeeds() {
   add("groom", splitGroom(groom)[0]);
   add("groom", splitGroom(sampleGroom(6, [](size_t s) { return 1 + s; }))[0]);  // every array
   add("body", splitBody(sampleBody(10))[0]);
+  ColliderSet few = sampleColliders();
+  few.colliders[1].shapes.resize(5);  // one chunk is all
+  add("colliders", splitColliders(few)[0]);
+  add("colliders", splitColliders(sampleColliders())[1]);
+  add("guides", splitFrame(groom, [&] {
+        GuideFrame frame = hairFrame(groom, 1);
+        frame.colliders = {{3, Pose{}}};
+        return frame;
+      }())[0]);
   for (const CodecInfo& info : codecList())
     add("guides", splitFrame(groom, hairFrame(groom, 1), {info.codec})[0]);
   add("command", Command{1, 7, CommandKind::kSetParameter, "wind", {1, 2, 3}});

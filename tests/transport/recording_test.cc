@@ -12,6 +12,8 @@
 #include "recording_fuzz.h"
 #include "tests/groom/scratch_folder.h"
 #include "transport/in_process.h"
+#include "transport/message_bytes.h"
+#include "transport/message_fields.h"
 #include "transport/recording/recorder.h"
 #include "transport/recording/recording_publisher.h"
 
@@ -194,13 +196,46 @@ TEST(RecordingTest, WhatIsNoRecordingIsRefused) {
   EXPECT_THROW(Recording(folder / "text.rec"), Error);
   record(folder / "a.rec", 3);
   std::vector<uint8_t> bytes = bytesOf(folder / "a.rec");
-  bytes[sizeof kRecordingMagic + kRecordHeadBytes + 3] = 2;  // version
+  bytes[sizeof kRecordingMagic + kRecordHeadBytes + 3] = 3;  // version
   repairHashes(bytes);
   try {
     Recording(std::make_unique<RecordingInMemory>(bytes), "later.rec");
     FAIL();
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("version 2"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("version 3"), std::string::npos) << error.what();
+  }
+}
+
+TEST(RecordingTest, OnesOfVersion1AreRead) {
+  const ScratchFolder folder;
+  record(folder / "new.rec", 5, Codec::kOctahedral12);
+  {
+    // Its guide chunks had no colliders. A file without index and end is read from the front.
+    RecordReader reader(openRecordingFile(folder / "new.rec"));
+    RecordWriter writer(folder / "old.rec");
+    RecordReader::Record record;
+    for (uint64_t at = sizeof kRecordingMagic; reader.read(at, record); at = record.next) {
+      std::vector<uint8_t> bytes(record.bytes.begin(), record.bytes.end());
+      if (record.kind == RecordKind::kHead) storeBigEndian(uint32_t{1}, bytes.data());
+      if (record.kind == RecordKind::kIndex || record.kind == RecordKind::kEnd) continue;
+      if (record.kind == RecordKind::kGuides) {
+        GuideChunk chunk;
+        MessageReader message(record.bytes);
+        messageFields(message, chunk, std::type_identity<GuideChunk>());
+        MessageWriter old(bytes);
+        messageFields(old, chunk, std::type_identity<GuideChunk3>());
+      }
+      writer.write(record.kind, bytes);
+    }
+    writer.flush();
+  }
+  Recording old(folder / "old.rec"), now(folder / "new.rec");
+  ASSERT_EQ(old.frames(), 5u);
+  RecordedFrame a, b;
+  for (uint64_t number = 0; number < 5; ++number) {
+    old.read(number, a);
+    now.read(number, b);
+    EXPECT_EQ(a.frame->positions, b.frame->positions);
   }
 }
 

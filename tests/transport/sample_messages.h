@@ -1,4 +1,7 @@
 #pragma once
+#include <array>
+#include <cstring>
+#include <memory>
 #include <random>
 
 #include "transport/codec/guide_encoder.h"
@@ -57,6 +60,80 @@ inline BodyDescription sampleBody(uint32_t size, bool with_arrays = true) {
   return body;
 }
 
+/// A ball that follows the head, and one body of every other kind that does not.
+inline ColliderSet sampleColliders(uint64_t session = 11) {
+  ColliderSet set;
+  set.groom_id = 1;
+  set.session = session;
+  set.revision = 1;
+  const auto shape = [](PrimitiveKind kind) {
+    ContactPrimitive made;
+    made.kind = kind;
+    made.a = Vec3(0.1f, 0.2f, 0.3f);
+    made.radius = 0.05f;
+    made.radius_b = 0.02f;
+    made.extent = Vec3(0.1f, 0.05f, 0.2f);
+    made.rotation = Quat(0.6f, 0, 0.8f, 0);
+    return made;
+  };
+  set.colliders.push_back({0, true, true, {shape(PrimitiveKind::kSphere)}});
+  Collider body{7, false, true, {}};
+  for (const PrimitiveKind kind :
+       {PrimitiveKind::kCapsule, PrimitiveKind::kPlane, PrimitiveKind::kTaperedCapsule,
+        PrimitiveKind::kEllipsoid, PrimitiveKind::kBox})
+    body.shapes.push_back(shape(kind));
+  ContactPrimitive convex = shape(PrimitiveKind::kConvex);
+  auto block = std::make_shared<ConvexBody>();
+  for (int c = 0; c < 3; ++c) {
+    for (const float side : {-1.0f, 1.0f}) {
+      std::array<float, 4> plane{0, 0, 0, 0.1f};
+      plane[static_cast<size_t>(c)] = side;
+      block->planes.push_back(plane);
+    }
+  }
+  block->bounds = Box(Eigen::Vector3f::Constant(-0.1f), Eigen::Vector3f::Constant(0.1f));
+  convex.convex = block;
+  body.shapes.push_back(convex);
+  ContactPrimitive field = shape(PrimitiveKind::kField);
+  auto grid = std::make_shared<DistanceField>();
+  grid->grid = {{-0.1f, 0, 0.1f}, 0.01f, {2, 1, 1}, 0.02f, 1e-5f, 0, 0, 0};
+  grid->index = {0, kOutsideBrick};
+  for (uint32_t i = 0; i < kBrickWords; ++i) grid->samples.push_back(i * 77);
+  for (int i = 0; i < 12; ++i) grid->corners.push_back(0.01f * static_cast<float>(i - 3));
+  field.field = grid;
+  body.shapes.push_back(field);
+  set.colliders.push_back(std::move(body));
+  return set;
+}
+
+inline bool areAlike(const ContactPrimitive& a, const ContactPrimitive& b) {
+  const bool numbers = a.kind == b.kind && a.a == b.a && a.b == b.b && a.radius == b.radius &&
+                       a.radius_b == b.radius_b && a.friction == b.friction && a.extent == b.extent &&
+                       a.rotation.coeffs() == b.rotation.coeffs();
+  if (!numbers || !a.convex != !b.convex || !a.field != !b.field) return false;
+  const auto same = [](const auto& x, const auto& y) {
+    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
+  };
+  if (a.convex && !(same(a.convex->planes, b.convex->planes) && a.convex->bounds.isApprox(b.convex->bounds)))
+    return false;
+  return !a.field || (std::memcmp(&a.field->grid, &b.field->grid, sizeof(FieldGrid)) == 0 &&
+                      same(a.field->index, b.field->index) && same(a.field->samples, b.field->samples) &&
+                      same(a.field->corners, b.field->corners));
+}
+
+inline bool areAlike(const ColliderSet& a, const ColliderSet& b) {
+  if (a.colliders.size() != b.colliders.size()) return false;
+  for (size_t i = 0; i < a.colliders.size(); ++i) {
+    const Collider &x = a.colliders[i], &y = b.colliders[i];
+    if (x.id != y.id || x.follows_head != y.follows_head || x.is_whole != y.is_whole ||
+        x.shapes.size() != y.shapes.size())
+      return false;
+    for (size_t k = 0; k < x.shapes.size(); ++k)
+      if (!areAlike(x.shapes[k], y.shapes[k])) return false;
+  }
+  return true;
+}
+
 /// Frame `number` of a groom: every position tells its vertex and frame.
 inline void fillSampleFrame(const GroomDescription& groom, uint64_t number, GuideFrame& frame) {
   frame.groom_id = groom.groom_id;
@@ -67,6 +144,7 @@ inline void fillSampleFrame(const GroomDescription& groom, uint64_t number, Guid
   frame.publish_time = systemTime();
   frame.head.position = Vec3(0, static_cast<float>(number), 0);
   frame.head.rotation = Quat(0.6f, 0, 0.8f, 0);
+  frame.colliders = {{7, {Vec3(0, 0, static_cast<float>(number)), Quat(0.6f, 0, 0.8f, 0)}}};
   frame.positions.resize(groom.guides.vertices());
   for (size_t v = 0; v < frame.positions.size(); ++v) {
     frame.positions[v] = Vec3(static_cast<float>(v), static_cast<float>(number), 1);
@@ -93,6 +171,9 @@ inline bool isSampleFrame(const GuideFrame& frame) {
   for (size_t v = 0; v < frame.positions.size(); ++v) {
     if (frame.positions[v] != Vec3(static_cast<float>(v), static_cast<float>(frame.frame), 1)) return false;
   }
+  if (frame.colliders.size() != 1 || frame.colliders[0].id != 7 ||
+      frame.colliders[0].pose.position != Vec3(0, 0, static_cast<float>(frame.frame)))
+    return false;
   return frame.head.position.y() == static_cast<float>(frame.frame) && !frame.positions.empty();
 }
 

@@ -52,6 +52,15 @@ class Secure : public testing::Test {
   const fs::path keys_ = scratch_ / "keys";
 };
 
+TEST_F(Secure, ARivalIsHeardInTime) {
+  const std::string domain = std::to_string(testDomain(5));
+  const auto first = secure({"cast", domain, "60"}, "daemon");
+  for (int trial = 0; trial < 2; ++trial) {  // it listens for kSecureRivalListenTime
+    const auto second = secure({"publish", domain, "0.1"}, "daemon");
+    EXPECT_TRUE(second->finish().contains("rival")) << second->text();
+  }
+}
+
 TEST_F(Secure, WhoIsKnownReadsAndCommandsAsPermitted) {
   const std::string domain = std::to_string(testDomain(0));
   const auto daemon = secure({"cast", domain, "60"}, "daemon");

@@ -55,6 +55,7 @@ int cast(Publisher& publisher, double seconds) {
   GroomDescription groom = uniformGroom(kPeerGuides, 16);
   groom.session = static_cast<uint64_t>(getpid());
   publisher.announce(groom, sampleBody(60));
+  publisher.announceColliders(sampleColliders(groom.session));
   Status status;
   GuideFrame frame;
   double slowest_ms = 0, most_late_ms = 0;
@@ -96,7 +97,8 @@ DdsOptions ddsOptions(int domain) {
 int publish(int domain, double seconds) {
   const auto publisher = makeDdsPublisher(ddsOptions(domain));
   const auto start = Clock::now();
-  while (Clock::now() - start < kRivalListenTime && !publisher->rivalSession()) {
+  const auto listen_time = ddsOptions(domain).keys.empty() ? kRivalListenTime : kSecureRivalListenTime;
+  while (Clock::now() - start < listen_time && !publisher->rivalSession()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   if (const auto rival = publisher->rivalSession()) {

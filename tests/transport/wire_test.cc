@@ -66,7 +66,7 @@ TEST(Wire, ChunksSurviveTheWireFormat) {
   GroomAssembler assembler(1);
   std::shared_ptr<const GroomDescription> result;
   for (GroomChunk& chunk : splitGroom(groom)) {
-    v3::GroomChunk sent, received;
+    v4::GroomChunk sent, received;
     toWire(chunk, sent);
     const std::vector<uint8_t> bytes = serialized<GroomChunkType>(sent);
     EXPECT_LT(bytes.size(), 64u * 1024) << "does not fit a datagram";
@@ -82,9 +82,9 @@ TEST(Wire, ChunksSurviveTheWireFormat) {
 
 TEST(Wire, DamagedBytesAreRefusedOrCaught) {
   const auto groom = std::make_shared<GroomDescription>(uniformGroom(500, 16));
-  damageBytes<GroomChunkType, v3::GroomChunk>(
+  damageBytes<GroomChunkType, v4::GroomChunk>(
       splitGroom(*groom), [] { return GroomAssembler(1); }, 300);
-  damageBytes<BodyChunkType, v3::BodyChunk>(
+  damageBytes<BodyChunkType, v4::BodyChunk>(
       splitBody(sampleBody(60)), [] { return BodyAssembler(1); }, 300);
   const GuideFrame frame = sampleFrame(*groom, 1);
   const auto make = [&] {
@@ -93,7 +93,7 @@ TEST(Wire, DamagedBytesAreRefusedOrCaught) {
     return assembler;
   };
   for (const CodecInfo& info : codecList())
-    damageBytes<GuideChunkType, v3::GuideChunk>(splitFrame(*groom, frame, {info.codec}), make, 300);
+    damageBytes<GuideChunkType, v4::GuideChunk>(splitFrame(*groom, frame, {info.codec}), make, 300);
 }
 
 }  // namespace

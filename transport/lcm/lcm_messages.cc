@@ -1,11 +1,12 @@
 #include "transport/lcm/lcm_messages.h"
 
-#include "strandcast_v3/body_chunk_t.hpp"
-#include "strandcast_v3/command_t.hpp"
-#include "strandcast_v3/groom_chunk_t.hpp"
-#include "strandcast_v3/guide_chunk_t.hpp"
-#include "strandcast_v3/reader_t.hpp"
-#include "strandcast_v3/status_t.hpp"
+#include "strandcast_v4/body_chunk_t.hpp"
+#include "strandcast_v4/collider_chunk_t.hpp"
+#include "strandcast_v4/command_t.hpp"
+#include "strandcast_v4/groom_chunk_t.hpp"
+#include "strandcast_v4/guide_chunk_t.hpp"
+#include "strandcast_v4/reader_t.hpp"
+#include "strandcast_v4/status_t.hpp"
 #include "transport/message_bytes.h"
 #include "transport/message_fields.h"
 
@@ -43,20 +44,23 @@ void shortenTexts(Status& s) {
 }  // namespace
 
 void toBytes(const GroomChunk& chunk, std::vector<uint8_t>& bytes) {
-  write<strandcast_v3::groom_chunk_t>(chunk, bytes);
+  write<strandcast_v4::groom_chunk_t>(chunk, bytes);
 }
 void toBytes(const BodyChunk& chunk, std::vector<uint8_t>& bytes) {
-  write<strandcast_v3::body_chunk_t>(chunk, bytes);
+  write<strandcast_v4::body_chunk_t>(chunk, bytes);
+}
+void toBytes(const ColliderChunk& chunk, std::vector<uint8_t>& bytes) {
+  write<strandcast_v4::collider_chunk_t>(chunk, bytes);
 }
 void toBytes(const GuideChunk& chunk, std::vector<uint8_t>& bytes) {
-  write<strandcast_v3::guide_chunk_t>(chunk, bytes);
+  write<strandcast_v4::guide_chunk_t>(chunk, bytes);
 }
 void toBytes(const Command& command, std::vector<uint8_t>& bytes) {
-  write<strandcast_v3::command_t>(command, bytes);
+  write<strandcast_v4::command_t>(command, bytes);
 }
 void toBytes(const ReaderSign& sign, std::vector<uint8_t>& bytes) {
   MessageWriter writer(bytes);
-  writer.number(fingerprint<strandcast_v3::reader_t>());
+  writer.number(fingerprint<strandcast_v4::reader_t>());
   writer.number(sign.reader);
   writer.number(sign.groom_id);
   writer.number(uint32_t{sign.wants_groom});
@@ -64,20 +68,23 @@ void toBytes(const ReaderSign& sign, std::vector<uint8_t>& bytes) {
 void toBytes(const Status& status, std::vector<uint8_t>& bytes) {
   Status own = status;
   shortenTexts(own);
-  write<strandcast_v3::status_t>(own, bytes);
+  write<strandcast_v4::status_t>(own, bytes);
 }
 
 bool fromBytes(std::span<const uint8_t> bytes, GroomChunk& chunk) {
-  return read<strandcast_v3::groom_chunk_t>(bytes, chunk);
+  return read<strandcast_v4::groom_chunk_t>(bytes, chunk);
 }
 bool fromBytes(std::span<const uint8_t> bytes, BodyChunk& chunk) {
-  return read<strandcast_v3::body_chunk_t>(bytes, chunk);
+  return read<strandcast_v4::body_chunk_t>(bytes, chunk);
+}
+bool fromBytes(std::span<const uint8_t> bytes, ColliderChunk& chunk) {
+  return read<strandcast_v4::collider_chunk_t>(bytes, chunk);
 }
 bool fromBytes(std::span<const uint8_t> bytes, GuideChunk& chunk) {
-  return read<strandcast_v3::guide_chunk_t>(bytes, chunk);
+  return read<strandcast_v4::guide_chunk_t>(bytes, chunk);
 }
 bool fromBytes(std::span<const uint8_t> bytes, Command& command) {
-  return read<strandcast_v3::command_t>(bytes, command);
+  return read<strandcast_v4::command_t>(bytes, command);
 }
 bool fromBytes(std::span<const uint8_t> bytes, ReaderSign& sign) {
   MessageReader reader(bytes);
@@ -88,10 +95,10 @@ bool fromBytes(std::span<const uint8_t> bytes, ReaderSign& sign) {
   reader.number(sign.groom_id);
   reader.number(wants);
   sign.wants_groom = wants != 0;
-  return reader.atEnd() && type == fingerprint<strandcast_v3::reader_t>();
+  return reader.atEnd() && type == fingerprint<strandcast_v4::reader_t>();
 }
 bool fromBytes(std::span<const uint8_t> bytes, Status& status) {
-  if (!read<strandcast_v3::status_t>(bytes, status)) return false;
+  if (!read<strandcast_v4::status_t>(bytes, status)) return false;
   shortenTexts(status);
   return true;
 }

@@ -18,6 +18,7 @@ struct ReaderSign {
 /// decoder makes room for whatever length it is told; the tests hold both to be the same on sound messages.
 void toBytes(const GroomChunk& chunk, std::vector<uint8_t>& bytes);
 void toBytes(const BodyChunk& chunk, std::vector<uint8_t>& bytes);
+void toBytes(const ColliderChunk& chunk, std::vector<uint8_t>& bytes);
 void toBytes(const GuideChunk& chunk, std::vector<uint8_t>& bytes);
 void toBytes(const Command& command, std::vector<uint8_t>& bytes);
 void toBytes(const ReaderSign& sign, std::vector<uint8_t>& bytes);
@@ -27,6 +28,7 @@ void toBytes(const Status& status, std::vector<uint8_t>& bytes);
 /// unchecked.
 bool fromBytes(std::span<const uint8_t> bytes, GroomChunk& chunk);
 bool fromBytes(std::span<const uint8_t> bytes, BodyChunk& chunk);
+bool fromBytes(std::span<const uint8_t> bytes, ColliderChunk& chunk);
 bool fromBytes(std::span<const uint8_t> bytes, GuideChunk& chunk);
 bool fromBytes(std::span<const uint8_t> bytes, Command& command);
 bool fromBytes(std::span<const uint8_t> bytes, ReaderSign& sign);

@@ -3,10 +3,12 @@
 #include <map>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
 #include "transport/announced_groom.h"
+#include "transport/collider_chunks.h"
 #include "transport/command_queue.h"
 #include "transport/lcm/lcm_channels.h"
 #include "transport/lcm/lcm_ends.h"
@@ -37,7 +39,8 @@ class LcmPublisher final : public Publisher {
     ears_.push_back(link_->listen(channels_.command, [this](auto message) { receiveCommand(message); }));
     ears_.push_back(link_->listen(channels_.reader, [this](auto message) { receiveSign(message); }));
     ears_.push_back(link_->listen(channels_.status, [this](auto message) { receiveStatus(message); }));
-    publishStatus({});  // so that rivals hear of this session at once
+    publishStatus({});      // so that rivals hear of this session at once
+    announceColliders({});  // so that readers do not wait for any
     service_ = std::thread([this] { serve(); });
   }
 
@@ -65,9 +68,23 @@ class LcmPublisher final : public Publisher {
     }
     announced_.accept(groom);
     std::unique_lock lock(mutex_);
-    carousel_ = std::make_shared<const std::vector<Message>>(std::move(carousel));
-    sendDescription(lock);
-    wake_.notify_all();
+    description_ = std::move(carousel);
+    turnCarousel(lock);
+  }
+
+  void announceColliders(const ColliderSet& colliders) override {
+    checkColliders(colliders, "groom " + std::to_string(options_.groom_id));
+    ColliderSet own = colliders;
+    own.groom_id = options_.groom_id;
+    own.session = options_.session;
+    std::vector<Message> messages;
+    for (const ColliderChunk& chunk : splitColliders(own)) {
+      messages.push_back({channels_.colliders, {}});
+      toBytes(chunk, messages.back().bytes);
+    }
+    std::unique_lock lock(mutex_);
+    colliders_ = std::move(messages);
+    turnCarousel(lock);
   }
 
   void publish(const GuideFrame& frame) override {
@@ -166,11 +183,23 @@ class LcmPublisher final : public Publisher {
     }
   }
 
-  /// Once through; a newer one takes its place.
+  /// What has changed goes out at once.
+  void turnCarousel(std::unique_lock<std::mutex>& lock) {
+    if (description_.empty()) return;  // colliders come with the groom
+    auto carousel = std::make_shared<std::vector<Message>>(description_);
+    carousel->insert(carousel->end(), colliders_.begin(), colliders_.end());
+    carousel_ = std::move(carousel);
+    is_asked_ = true;
+    sendDescription(lock);
+    wake_.notify_all();
+  }
+
+  /// Once through; a newer one takes its place. Colliders of many chunks, fields, go to those who ask alone.
   void sendDescription(std::unique_lock<std::mutex>& lock) {
-    is_asked_ = false;
+    const bool with_colliders = std::exchange(is_asked_, false) || colliders_.size() <= kBurst;
     const auto carousel = carousel_;
-    for (size_t i = 0; i < carousel->size() && carousel == carousel_ && !stop_; ++i) {
+    const size_t count = with_colliders ? carousel->size() : description_.size();
+    for (size_t i = 0; i < count && carousel == carousel_ && !stop_; ++i) {
       lock.unlock();
       link_->send((*carousel)[i].channel, (*carousel)[i].bytes);
       if (i % kBurst == kBurst - 1) std::this_thread::sleep_for(kBetweenBursts);
@@ -189,7 +218,8 @@ class LcmPublisher final : public Publisher {
 
   mutable std::mutex mutex_;  // of all that follows
   std::condition_variable wake_;
-  std::shared_ptr<const std::vector<Message>> carousel_;
+  std::vector<Message> description_, colliders_;
+  std::shared_ptr<const std::vector<Message>> carousel_;  // both
   Clock::time_point repeat_due_ = Clock::time_point::max(), repeated_{}, status_due_{};
   std::vector<uint8_t> status_message_;
   std::map<uint64_t, std::vector<uint8_t>> answers_;  // by command: the status that told it

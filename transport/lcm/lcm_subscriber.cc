@@ -40,6 +40,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
     sign_.groom_id = options.groom_id;
     ears_.push_back(link_->listen(channels_.groom, [this](auto message) { receiveGroom(message); }));
     ears_.push_back(link_->listen(channels_.bodies, [this](auto message) { receiveBody(message); }));
+    ears_.push_back(link_->listen(channels_.colliders, [this](auto message) { receiveColliders(message); }));
     ears_.push_back(link_->listen(channels_.guides, [this](auto message) { receiveGuides(message); }));
     ears_.push_back(link_->listen(channels_.status, [this](auto message) { receiveStatus(message); }));
     signs_ = std::thread([this] { giveSigns(); });
@@ -102,6 +103,13 @@ class LcmSubscriber final : public ReceivingSubscriber {
     if (!body() || !isInForce(chunk.session, chunk.revision)) receive(std::move(chunk));
   }
 
+  void receiveColliders(std::span<const uint8_t> message) {
+    ColliderChunk chunk;
+    if (!fromBytes(message, chunk)) return countDamagedMessage();
+    const auto own = colliders();
+    if (!own || own->session != chunk.session || own->revision < chunk.revision) receive(std::move(chunk));
+  }
+
   void receiveGuides(std::span<const uint8_t> message) {
     ReceivingSubscriber::receiveGuides([&](GuideChunk& chunk) {
       if (!fromBytes(message, chunk)) return false;
@@ -142,7 +150,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
     std::vector<uint8_t> message;
     std::unique_lock lock(sign_mutex_);
     while (!stop_) {
-      sign_.wants_groom = std::exchange(lacks_groom_, false) || !groom() || !body();
+      sign_.wants_groom = std::exchange(lacks_groom_, false) || !groom() || !body() || !colliders();
       toBytes(sign_, message);
       link_->send(channels_.reader, message);
       // One who asks is not heard again at once; one who has all asks as soon as something new is cast.

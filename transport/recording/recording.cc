@@ -54,7 +54,7 @@ void Recording::readHead() {
   uint32_t version = 0;
   const bool is_whole = reader_.read(sizeof kRecordingMagic, record) && record.kind == RecordKind::kHead;
   if (is_whole) MessageReader(record.bytes).number(version);
-  if (is_whole && version != kRecordingVersion)
+  if (is_whole && (version < 1 || version > kRecordingVersion))
     throw Error("this is version " + std::to_string(version) + " of the format, version " +
                     std::to_string(kRecordingVersion) + " can be read",
                 name_, "use the program that recorded it");
@@ -222,6 +222,14 @@ double Recording::timeOf(uint64_t number) {
   return indexOf(block, index) ? index->times[number - block.first_number] : block.first_time;
 }
 
+bool Recording::parseGuides(std::span<const uint8_t> bytes) {
+  if (head_.version > 1) return parseMessage(bytes, chunk_);
+  GuideChunk3 old;
+  if (!parseMessage(bytes, old)) return false;
+  chunk_ = std::move(old);
+  return true;
+}
+
 bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
   const Block& block = blockOf(number);
   const IndexRecord* index = nullptr;
@@ -246,8 +254,7 @@ bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
   out.frame.reset();
   for (uint32_t i = 0; i < out.record.chunks && !out.frame; ++i) {
     at = record.next;
-    if (!reader_.read(at, record) || record.kind != RecordKind::kGuides ||
-        !parseMessage(record.bytes, chunk_))
+    if (!reader_.read(at, record) || record.kind != RecordKind::kGuides || !parseGuides(record.bytes))
       return false;
     out.frame = assembler_.add(chunk_);
   }

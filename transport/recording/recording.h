@@ -66,6 +66,7 @@ class Recording {
   /// The index of a block; false where it is damaged.
   bool indexOf(const Block& block, const IndexRecord*& index);
   bool readGroom(uint64_t offset);
+  bool parseGuides(std::span<const uint8_t> bytes);
   bool readFrame(uint64_t number, RecordedFrame& out);
   void add(const IndexRecord& index, uint64_t offset);
   void dropLast();

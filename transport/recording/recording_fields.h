@@ -6,7 +6,8 @@
 
 namespace strandcast {
 
-inline constexpr uint32_t kRecordingVersion = 1;
+/// Version 1 has guide chunks of version 3 of the wire, without colliders.
+inline constexpr uint32_t kRecordingVersion = 2;
 /// Frames that one index holds at most.
 inline constexpr size_t kIndexFrames = 1024;
 

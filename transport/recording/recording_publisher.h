@@ -20,6 +20,7 @@ class RecordingPublisher final : public Publisher {
   }
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override;
+  void announceColliders(const ColliderSet& colliders) override { publisher_->announceColliders(colliders); }
   void publish(const GuideFrame& frame) override;
   void publishStatus(const Status& status) override { publisher_->publishStatus(status); }
   std::optional<Command> takeCommand() override;

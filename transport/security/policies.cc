@@ -26,15 +26,15 @@ std::string rules(KeyRole role) {
   const std::string hears_status = criteria("subscribe", "status", "");
   switch (role) {
     case KeyRole::kDaemon:
-      return ofGrooms("publish", {"groom", "bodies", "guides", "claim"}) + criteria("publish", "status", "") +
+      return ofGrooms("publish", {"groom", "bodies", "colliders", "guides", "claim"}) + criteria("publish", "status", "") +
              ofGrooms("subscribe", {"command", "claim"}) + hears_status;
     case KeyRole::kRenderer:
-      return ofGrooms("publish", {"command"}) + ofGrooms("subscribe", {"groom", "bodies", "guides"}) +
+      return ofGrooms("publish", {"command"}) + ofGrooms("subscribe", {"groom", "bodies", "colliders", "guides"}) +
              hears_status;
     case KeyRole::kReader:
       break;
   }
-  return ofGrooms("subscribe", {"groom", "bodies", "guides"}) + hears_status;
+  return ofGrooms("subscribe", {"groom", "bodies", "colliders", "guides"}) + hears_status;
 }
 
 std::string timeText(std::time_t time) {
