@@ -100,6 +100,10 @@ void addPicture(std::vector<PictureSetting>& list) {
   list.push_back(number(group, "longest-segment", "pixels", 0, 10000,
                         "as many segments are left out as leave them no longer",
                         AT(settings.detail.longest_segment)));
+  list.push_back(number(group, "detail-hysteresis", "", 0, 1,
+                        "part by which hair may grow smaller in the picture before more is left out",
+                        AT(settings.detail.hysteresis)));
+  list.push_back(flag(group, "cull", "hair that cannot be in the picture is not grown", AT(settings.cull)));
   list.push_back(choice<HairGeometry>(
       group, "geometry", "hairs as lines with width as alpha, or as strips that face the eye",
       {{"lines", HairGeometry::kLines}, {"strips", HairGeometry::kStrips}}, AT(settings.geometry)));
@@ -156,6 +160,10 @@ void addGrowth(std::vector<PictureSetting>& list) {
                       &PictureOptions::density_map));
   list.push_back(file(group, "thickness-map", "PNG over the scalp: the grey value times the hair's width",
                       &PictureOptions::thickness_map));
+  list.push_back(file(group, "importance-map",
+                      "PNG over the scalp: where it is dark, hairs are the first to be left out when the "
+                      "level of detail leaves some out",
+                      &PictureOptions::importance_map));
   list.push_back(
       number(group, "hair-seed", "", 0, 1e15, "of the hairs' random numbers", AT(settings.growth.seed)));
   list.push_back(
@@ -262,6 +270,7 @@ RenderSettings renderSettings(const PictureOptions& options) {
   };
   settings.growth.density = map(options.density_map);
   settings.growth.thickness = map(options.thickness_map);
+  settings.growth.importance = map(options.importance_map);
   return settings;
 }
 

@@ -14,7 +14,7 @@ struct PictureOptions {
   RenderSettings settings;
   double azimuth = 25, elevation = 5;  ///< degrees; 0 looks at the face
   double zoom = 1;
-  std::filesystem::path density_map, thickness_map;  ///< empty = none
+  std::filesystem::path density_map, thickness_map, importance_map;  ///< empty = none
 };
 
 /// One setting of a picture, as options, presets and the viewer's panel know it. Its values are numbers, or

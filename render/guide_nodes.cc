@@ -62,7 +62,7 @@ void GuideNodes::setGroom(const StrandSet& guides) {
   node_buffer_ = gl::Buffer(node_bytes, nullptr, 0);
 }
 
-size_t GuideNodes::update(std::span<const Vec3> positions, const Pose& head) {
+size_t GuideNodes::check(std::span<const Vec3> positions) {
   if (guides_.empty() || positions.size() != vertices_) return 0;
   size_t unusable = 0;
   for (Guide& guide : guides_) {
@@ -72,6 +72,12 @@ size_t GuideNodes::update(std::span<const Vec3> positions, const Pose& head) {
                    });
     unusable += guide.usable == 0;
   }
+  return unusable;
+}
+
+size_t GuideNodes::update(std::span<const Vec3> positions, const Pose& head) {
+  if (guides_.empty() || positions.size() != vertices_) return 0;
+  const size_t unusable = check(positions);
   position_buffer_.write(positions);
   guide_buffer_.write(std::span<const Guide>(guides_));
   bind();

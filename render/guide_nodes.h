@@ -25,6 +25,8 @@ class GuideNodes {
   /// `positions` has vertices() entries, world. Not finite ones switch their guide off; returns how many are
   /// off.
   size_t update(std::span<const Vec3> positions, const Pose& head);
+  /// Only says how many would be off.
+  size_t check(std::span<const Vec3> positions);
   void bind() const;
   size_t bytes() const;  ///< of device memory
 

@@ -5,7 +5,13 @@
 
 namespace strandcast {
 
-float detailKey(const Hair& hair) { return hair.width / std::max(1 - hair.dither, 1e-7f); }
+float detailKey(const Hair& hair) { return hair.width * hair.importance / std::max(1 - hair.dither, 1e-7f); }
+
+float HeldSize::of(float size, float band) {
+  const float widen = 1 + band;
+  if (!(size <= held_ && size * widen * widen >= held_)) held_ = size * widen;
+  return held_;
+}
 
 HairDetail detailOfPart(std::span<const Hair> hairs, float part) {
   HairDetail detail;

@@ -6,13 +6,24 @@
 namespace strandcast {
 
 /// How much of the hair a picture draws: fewer hairs, each wider, and every `node_stride`-th node. A hair is
-/// drawn where 1 - dither is below `threshold` x width, so with the chance p of that product up to 1, and
-/// width / p wide; what is left of its dither decides anew which samples it reaches. The area covered is
-/// right on average, and a hair that comes or goes reaches no sample then.
+/// drawn where 1 - dither is below `threshold` x width x importance, so with the chance p of that product up
+/// to 1, and width / p wide; what is left of its dither decides anew which samples it reaches. The area
+/// covered is right on average, and a hair that comes or goes reaches no sample then.
 struct HairDetail {
   float threshold = 1e9f;  ///< above 0
   size_t hairs = 0;        ///< to draw, from the first on
   int node_stride = 1;
+};
+
+/// Hysteresis: a size that follows one that wavers only when that leaves a band below it, `band` (0 = none)
+/// to either side of where it was. Never less than the true one, so that what is chosen by it is never too
+/// coarse.
+class HeldSize {
+ public:
+  float of(float size, float band);
+
+ private:
+  float held_ = 0;
 };
 
 /// The key by which hairs are sorted, largest first: those of a threshold t have 1 / t or more.

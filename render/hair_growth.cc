@@ -10,6 +10,8 @@
 namespace strandcast {
 namespace {
 
+constexpr float kLeastImportance = 0.02f;
+
 /// SplitMix64 (Steele et al. 2014): a stream of bits from any seed.
 class RandomStream {
  public:
@@ -180,6 +182,7 @@ std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth) {
     const double turns = dither_start + golden * static_cast<double>(i);
     hair.dither = std::min(static_cast<float>(turns - std::floor(turns)), 1 - 0x1p-24f);
     const Vec2 place = scalp.of(hair.guides, hair.weights);
+    hair.importance = growth.importance ? std::max(growth.importance->at(place), kLeastImportance) : 1;
     if (growth.thickness) hair.width *= growth.thickness->at(place);
     if (!growth.density || kept < growth.density->at(place)) hairs.push_back(hair);
   }

@@ -9,7 +9,7 @@
 
 namespace strandcast {
 
-/// How one hair follows the guides: 80 bytes, one layout for the CPU and for GLSL std430. With u the part of
+/// How one hair follows the guides: 96 bytes, one layout for the CPU and for GLSL std430. With u the part of
 /// the arc length from the root, P_k the guides' curves and N, B the twist-free frame of guide 0, the hair is
 ///   x(u) = sum_k w_k(u) P_k(u) + across_x(u) N + across_y(u) B
 /// with w(u) = (1 - clump u) weights + clump u (1, 0, 0) and what lies across the guide (the place in the
@@ -31,8 +31,10 @@ struct Hair {
   float curl_turns;       ///< over the guide's length
   float shade;            ///< -1 darker to 1 lighter
   float warmth;           ///< -1 ashen to 1 red
+  float importance;  ///< above 0 to 1: how long it stays when hairs are left out, as a factor of its width
+  float unused[3];
 };
-static_assert(sizeof(Hair) == 80);
+static_assert(sizeof(Hair) == 96);
 
 /// Where a guide's twist-free frame starts: unit, perpendicular to its first edge and to each other.
 struct RootFrame {
@@ -59,8 +61,9 @@ struct HairGrowth {
   float whole_deviation_part = 0.1f;    ///< of the hairs
   float curl_radius = 0;                ///< m; 0 = no curls
   float curl_pitch = 0.03f;             ///< m of length a turn
-  std::shared_ptr<const ScalpMap> density{};    ///< part of the hairs that grow; null = all
-  std::shared_ptr<const ScalpMap> thickness{};  ///< factor of their width; null = 1
+  std::shared_ptr<const ScalpMap> density{};     ///< part of the hairs that grow; null = all
+  std::shared_ptr<const ScalpMap> thickness{};   ///< factor of their width; null = 1
+  std::shared_ptr<const ScalpMap> importance{};  ///< Hair::importance, of 0.02 or more; null = 1
   uint64_t seed = 1;
 
   bool operator==(const HairGrowth&) const = default;

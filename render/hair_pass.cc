@@ -1,6 +1,7 @@
 #include "render/hair_pass.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 #include "render/shaders.h"
@@ -57,8 +58,13 @@ HairPass::~HairPass() { glDeleteVertexArrays(1, &empty_vertices_); }
 void HairPass::setHairs(std::vector<Hair> hairs, const Vec3& lock_profile) {
   hairs_ = std::move(hairs);
   hair_buffer_ = gl::Buffer(std::span<const Hair>(hairs_));
+  std::vector<uint32_t> all(hairs_.size());
+  std::iota(all.begin(), all.end(), 0u);
+  list_buffer_ = gl::Buffer(std::span<const uint32_t>(all));
   for (int i = 0; i < 3; ++i) block_.profile[i] = lock_profile[i];
 }
+
+void HairPass::select(std::span<const uint32_t> hairs) { list_buffer_.write(hairs); }
 
 void HairPass::grow(const GuideNodes& nodes, const HairDetail& detail) {
   writeBlock(nodes, keep_out_ ? bodies_.obstacles() : 0);
@@ -84,6 +90,7 @@ void HairPass::bindHair(const GuideNodes& nodes) const {
   nodes.bind();
   bodies_.bind();
   hair_buffer_.bindStorage(binding::kHairs);
+  list_buffer_.bindStorage(binding::kHairList);
 }
 
 void HairPass::drawFront(const GuideNodes& nodes, const HairDetail& detail) const {

@@ -24,6 +24,9 @@ class HairPass {
   HairPass& operator=(const HairPass&) = delete;
 
   void setHairs(std::vector<Hair> hairs, const Vec3& lock_profile);
+  /// Which of the hairs a picture is of, in the order in which it draws them: HairDetail::hairs counts them
+  /// from the first of these. All, as they were set, until this is called.
+  void select(std::span<const uint32_t> hairs);
   /// What the hair is kept out of and how far, m.
   HairBodies& bodies() { return bodies_; }
   /// Or lets it in: then they are only there for marks.
@@ -49,7 +52,7 @@ class HairPass {
   /// Grown last, by kCompute.
   const HairVertices& vertices() const { return vertices_; }
   size_t bytes() const {
-    return hair_buffer_.bytes() + vertices_.bytes() + bodies_.bytes();
+    return hair_buffer_.bytes() + list_buffer_.bytes() + vertices_.bytes() + bodies_.bytes();
   }  ///< of device memory
 
  private:
@@ -67,7 +70,7 @@ class HairPass {
   std::vector<Hair> hairs_;
   GrowthBlock block_{};
   bool keep_out_ = true;
-  gl::Buffer hair_buffer_, block_buffer_;
+  gl::Buffer hair_buffer_, list_buffer_, block_buffer_;
   HairVertices vertices_;
   HairBodies bodies_;
   Programs programs_;

@@ -71,6 +71,7 @@ RenderSettings clipped(const RenderSettings& settings) {
   s.opacity = clipped(s.opacity);
   s.detail.part = inRange(s.detail.part, 0, 1, fallback.detail.part);
   s.detail.finest_hair = inRange(s.detail.finest_hair, 0, 100, fallback.detail.finest_hair);
+  s.detail.hysteresis = inRange(s.detail.hysteresis, 0, 1, fallback.detail.hysteresis);
   s.detail.longest_segment = inRange(s.detail.longest_segment, 0, 1e4f, fallback.detail.longest_segment);
   s.clearance = inRange(s.clearance, 0, 0.1f, fallback.clearance);
   s.hair_width = inRange(s.hair_width, 1e-7f, 0.1f, fallback.hair_width);

@@ -21,8 +21,10 @@ enum class HairCoverage { kStochastic, kAlphaToCoverage };
 
 /// Fewer, wider hairs of fewer segments where they are small in the picture (render/hair_detail.h).
 struct LevelOfDetail {
-  float part = 0;             ///< of the hairs that are drawn, above 0 to 1; 0 = by their size in the picture
-  float finest_hair = 0;      ///< pixels: as many hairs are left out as make the rest this wide; 0 = a sample
+  float part = 0;         ///< of the hairs that are drawn, above 0 to 1; 0 = by their size in the picture
+  float finest_hair = 0;  ///< pixels: as many hairs are left out as make the rest this wide; 0 = a sample
+  float hysteresis =
+      0.1f;  ///< 0 to 1: part by which hair may grow smaller in the picture before more is left out
   float longest_segment = 1;  ///< pixels: so many segments are left out as leave them shorter
 };
 
@@ -56,6 +58,7 @@ struct RenderSettings {
   GrowthPath growth_path = GrowthPath::kCompute;
   HairGeometry geometry = HairGeometry::kLines;
   LevelOfDetail detail;
+  bool cull = true;       ///< groups of hair that cannot be in the picture are not grown
   int segments = 32;      ///< per hair, 1 to 256
   bool keep_out = false;  ///< hair of the obstacles that the renderer is given
   MarkSettings marks;

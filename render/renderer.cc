@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "core/error.h"
 #include "render/body_pass.h"
 #include "render/framebuffer.h"
+#include "render/hair_groups.h"
 #include "render/hair_pass.h"
 #include "render/marks.h"
 #include "render/pass_clock.h"
 #include "render/shadow_map.h"
+#include "render/view_volume.h"
 
 namespace strandcast {
 namespace {
@@ -56,7 +59,7 @@ void requireBuffers(GrowthPath path) {
   glGetIntegerv(
       tessellator ? GL_MAX_TESS_EVALUATION_SHADER_STORAGE_BLOCKS : GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS,
       &blocks);
-  if (blocks < (tessellator ? 5 : 3))
+  if (blocks < (tessellator ? 6 : 4))
     throw Error(
         "the OpenGL device cannot grow hair",
         std::string(tessellator ? "tessellation" : "vertex") + " shaders read " + std::to_string(blocks) +
@@ -92,6 +95,16 @@ void setPassState() {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
+
+/// What a group of hair does for a picture.
+enum class Sight : uint8_t { kNone, kCasts, kSeen };
+
+/// What the list of a picture's hairs follows from.
+struct Selection {
+  std::vector<Sight> sights;
+  size_t drawn = 0, shading = 0;  ///< of all hairs, by the level of detail
+  bool operator==(const Selection&) const = default;
+};
 
 }  // namespace
 
@@ -139,6 +152,8 @@ struct Renderer::Impl {
     nodes->setGroom(rest_guides);
     hair->setHairs(growHairs(rest_guides, settings.growth), settings.growth.lock_profile);
     least_segments = leastSegments(rest_guides, settings.segments, hair->hairs());
+    groups = HairGroups(rest_guides, hair->hairs(), settings.growth);
+    selected = {};
     statistics.hairs_grown = hair->hairs().size();
   }
 
@@ -149,10 +164,66 @@ struct Renderer::Impl {
     return box;
   }
 
-  /// Pixels across a hair of width 1 where the hair is nearest to the eye.
-  float widestHair(const Box& box) const {
-    const float distance = box.isEmpty() ? 1 : box.exteriorDistance(block.eye.head<3>());
+  std::vector<Sight> sightsOfGroups() {
+    if (guides.size() == nodes->vertices())
+      groups.place(guides, settings.hair_width + 2 * settings.clearance);
+    const ViewVolume view(block.view_projection);
+    const Eigen::Vector3f shade = -block.light.w() * block.light.head<3>();  // to where shadows may fall
+    const Eigen::Vector3f beside = Eigen::Vector3f::Constant(block.light.w() * shadows->lookUpReach());
+    std::vector<Sight> sights(groups.count(), Sight::kNone);
+    statistics.groups = groups.count();
+    statistics.groups_seen = 0;
+    for (size_t g = 0; g < groups.count(); ++g) {
+      if (!groups.box(g).isEmpty()) {
+        const BoxCorners corners = cornersOf(groups.box(g));
+        const BoxCorners wider = cornersOf(Box(groups.box(g).min() - beside, groups.box(g).max() + beside));
+        std::array<Eigen::Vector3f, 16> swept;
+        for (size_t i = 0; i < 8; ++i) {
+          swept[i] = wider[i];
+          swept[i + 8] = wider[i] + shade;
+        }
+        if (!view.misses(corners))
+          sights[g] = Sight::kSeen;
+        else if (settings.shadows && !view.misses(swept))
+          sights[g] = Sight::kCasts;
+      }
+      statistics.groups_seen += sights[g] == Sight::kSeen;
+    }
+    return sights;
+  }
+
+  /// Pixels across a hair of width 1 where hair in the picture is nearest to the eye.
+  float widestHair(const std::vector<Sight>& sights) const {
+    float distance = std::numeric_limits<float>::infinity();
+    for (size_t g = 0; g < sights.size(); ++g)
+      if (sights[g] == Sight::kSeen && !groups.box(g).isEmpty())
+        distance = std::min(distance, groups.box(g).exteriorDistance(block.eye.head<3>()));
+    if (!std::isfinite(distance)) distance = 1;
     return block.hair_color.w() * block.eye.w() / std::max(distance, 0.02f);
+  }
+
+  /// The hairs of this picture: first those that are drawn, then those that only cast shadows. Both details
+  /// count them from then on.
+  void selectHairs(const std::vector<Sight>& sights) {
+    Selection wanted{settings.cull ? sights : std::vector(sights.size(), Sight::kSeen), detail.hairs,
+                     settings.shadows ? shadow_detail.hairs : detail.hairs};
+    if (wanted != selected) {
+      std::vector<uint32_t> list;
+      for (size_t i = 0; i < wanted.drawn; ++i)
+        if (wanted.sights[groups.groupOf(i)] == Sight::kSeen) list.push_back(static_cast<uint32_t>(i));
+      seen_hairs = list.size();
+      for (size_t i = 0; i < wanted.shading; ++i) {
+        const Sight sight = wanted.sights[groups.groupOf(i)];
+        if (sight == Sight::kCasts || (sight == Sight::kSeen && i >= wanted.drawn))
+          list.push_back(static_cast<uint32_t>(i));
+      }
+      computed_hairs = list.size();
+      hair->select(list);
+      selected = std::move(wanted);
+    }
+    detail.hairs = seen_hairs;
+    shadow_detail.hairs = computed_hairs;
+    statistics.hairs_computed = computed_hairs;
   }
 
   void placeGround() {
@@ -222,10 +293,12 @@ struct Renderer::Impl {
     block = makeSceneBlock(large, camera);
     shadows->fit(block, content());
     placeGround();
-    const float widest = widestHair(boundsOf(guides));
+    const std::vector<Sight> sights = sightsOfGroups();
+    const float widest = held_width.of(widestHair(sights), settings.detail.hysteresis);
     block.sampling.x() = static_cast<float>(picture->samples());
     detail = detailFor(widest);
     shadow_detail = shadowDetailFor(detail);
+    selectHairs(sights);
     block.sampling.y() = std::clamp(1.25f * widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
     scene_buffer.write(std::span<const SceneBlock>(&block, 1));
     glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_buffer.id());
@@ -236,11 +309,13 @@ struct Renderer::Impl {
   void run(RenderPass pass) {
     switch (pass) {
       case RenderPass::kGuides:
-        statistics.guides_unusable = nodes->update(guides, head);
+        statistics.guides_unusable = shadow_detail.hairs > 0 || settings.marks.any()
+                                         ? nodes->update(guides, head)
+                                         : nodes->check(guides);
         return;
       case RenderPass::kGrowth:
         hair->bodies().place(head, colliders);
-        hair->grow(*nodes, shadow_detail.hairs > detail.hairs ? shadow_detail : detail);
+        hair->grow(*nodes, shadow_detail);
         return;
       case RenderPass::kSolidShadow:
         if (!settings.shadows) return;
@@ -323,6 +398,10 @@ struct Renderer::Impl {
   // Of the picture that is being drawn.
   SceneBlock block{};
   HairDetail detail, shadow_detail;
+  HairGroups groups;
+  Selection selected;
+  size_t seen_hairs = 0, computed_hairs = 0;
+  HeldSize held_width;
   RenderStatistics statistics;
 };
 

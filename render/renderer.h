@@ -22,12 +22,14 @@ struct RenderStatistics {
   uint64_t frames_ignored =
       0;              ///< frames that did not fit the groom; the guides of the frame before were drawn
   size_t guides = 0;  ///< of the groom
-  size_t guides_unusable = 0;    ///< of the newest frame: not finite, so hairs that follow them are left out
-  size_t hairs_grown = 0;        ///< of the groom
-  size_t hairs_drawn = 0;        ///< in the newest picture: others stand for those left out
-  int segments_drawn = 0;        ///< per hair
-  size_t device_bytes = 0;       ///< of the guides, the grown hair and the shadow maps
-  std::vector<PassTime> passes;  ///< in the order in which they were done
+  size_t guides_unusable = 0;  ///< of the newest frame: not finite, so hairs that follow them are left out
+  size_t hairs_grown = 0;      ///< of the groom
+  size_t hairs_drawn = 0;      ///< in the newest picture: others stand for those left out
+  size_t hairs_computed = 0;   ///< for it: those drawn, and those that only cast shadows into it
+  size_t groups = 0, groups_seen = 0;  ///< of hair, and those that may be in it
+  int segments_drawn = 0;              ///< per hair
+  size_t device_bytes = 0;             ///< of the guides, the grown hair and the shadow maps
+  std::vector<PassTime> passes;        ///< in the order in which they were done
   double guides_ms = 0, growth_ms = 0, shadow_ms = 0, body_ms = 0, hair_ms = 0,
          resolve_ms = 0;  ///< the same, those of shadows, and of body, ground and background, added up
 };

@@ -62,6 +62,11 @@ void ShadowMap::fit(SceneBlock& block, const Box& content) const {
   }
 }
 
+float ShadowMap::lookUpReach() const {
+  return 2.0f / static_cast<float>(front_size_) +
+         static_cast<float>(layers_.filter + 2) / static_cast<float>(layers_.map_size);
+}
+
 void ShadowMap::beginSolids() const {
   begin(solid_target_, kSolidSize);
   const float far_depth = 1;

@@ -16,6 +16,9 @@ class ShadowMap {
   /// maps cover `content`.
   void fit(SceneBlock& block, const Box& content) const;
 
+  /// How far beside a point hair may be that its look-up in the maps still sees, over the maps' width.
+  float lookUpReach() const;
+
   void beginSolids() const;
   void beginHairFront() const;
   void beginHairOpacity() const;                        ///< leaves additive blending on

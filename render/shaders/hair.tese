@@ -21,12 +21,12 @@ void main() {
   uint index = first_hair + in_patch;
   uint segment = first_segment + uint(gl_TessCoord.x * gl_TessLevelOuter[1] + 0.5);
   uint node = min(segment * node_stride, growth.segments);
-  Hair hair = hairs[index];
+  Hair hair = hairs[hair_list[index]];
   HairPoint point = grownHair(index, hair, node);
   vec3 tangent = normalize(point.derivative + vec3(0, 1e-12, 0));
   emitHair(hair, point.position, tangent, point.along, 0.0);
 #ifdef CAPTURE
-  captured_position = vec4(point.position, float(index));
+  captured_position = vec4(point.position, float(hair_list[index]));
   captured_tangent = vec4(tangent, float(node));
 #endif
   // Every vertex of a hair with a broken guide goes to the same place outside the picture: lines of no length.

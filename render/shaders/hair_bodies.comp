@@ -10,7 +10,7 @@ uniform uint hair_count;
 void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= hair_count) return;
-  Hair hair = hairs[index];
+  Hair hair = hairs[hair_list[index]];
   uint at = index * (growth.segments + 2u);
   float root_distance = 0.0;
   for (uint node = 0u; node <= growth.segments; ++node) {

@@ -19,9 +19,12 @@ struct Hair {
   float curl_turns;
   float shade;
   float warmth;
+  float importance;
+  float unused_a, unused_b, unused_c;
 };
 layout(std430, binding = 3) readonly buffer Nodes { vec4 nodes[]; };
 layout(std430, binding = 4) readonly buffer Hairs { Hair hairs[]; };
+layout(std430, binding = 11) readonly buffer HairList { uint hair_list[]; };  // the hairs of this picture
 // GrowthBlock in render/hair_growth.h, field for field.
 layout(std140, binding = 1) uniform Growth {
   vec4 profile;

@@ -14,7 +14,7 @@ void main() {
   uint i = gl_GlobalInvocationID.x, in_chunk = i / nodes_per_hair;
   if (in_chunk >= hair_count) return;
   uint index = first_hair + in_chunk, node = min((i - in_chunk * nodes_per_hair) * node_stride, growth.segments);
-  Hair hair = hairs[index];
+  Hair hair = hairs[hair_list[index]];
 #ifdef BODIES
   HairPoint point = grownHair(index, hair, node);
 #else

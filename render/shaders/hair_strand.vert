@@ -20,6 +20,6 @@ void main() {
   uint at = 2u * (in_buffer * nodes_per_hair + node);
   vec4 position_along = hair_vertices[at], tangent_usable = hair_vertices[at + 1u];
   uint index = first_hair + in_buffer;
-  emitHair(hairs[index], position_along.xyz, tangent_usable.xyz, position_along.w, side);
+  emitHair(hairs[hair_list[index]], position_along.xyz, tangent_usable.xyz, position_along.w, side);
   if (tangent_usable.w < 0.5) gl_Position = vec4(2, 2, 2, 1);
 }

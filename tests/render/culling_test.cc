@@ -1,0 +1,175 @@
+// What a picture leaves out: groups of hair that it cannot show, and by level of detail.
+#include <numbers>
+
+#include "offscreen.h"
+#include "render/hair_detail.h"
+#include "render/hair_groups.h"
+#include "render/hair_readback.h"
+
+namespace strandcast {
+namespace {
+
+class Culling : public OffscreenTest {
+ protected:
+  /// A meadow of 2 m, shadows to the side.
+  Culling() : groom_(verticalBundle(40, 40, 0.05f, 0.1f, 0.2f, 8)) {
+    settings_ = smallPicture();
+    settings_.growth.hairs = 6000;
+    settings_.hair_width = 0.002f;
+    settings_.detail = {1, 0, 0, 0};
+    settings_.light_direction = Vec3(1, -0.3f, 0);
+  }
+  RenderStatistics draw(const Camera& camera, Image& image) const {
+    Renderer renderer(settings_);
+    renderer.setGroom(groom_);
+    renderer.draw(restFrame(groom_), camera);
+    image = renderer.read();
+    return renderer.statistics();
+  }
+  static Camera from(const Vec3& eye, const Vec3& target) { return {eye, target, 0.5f}; }
+
+  GroomDescription groom_;
+  RenderSettings settings_;
+};
+
+TEST_F(Culling, LeavesOutOnlyWhatThePictureWouldNotShow) {
+  for (const Camera& camera :
+       {from(Vec3(0.3f, 0.2f, 0.9f), Vec3(0.5f, 0, 0.4f)), from(Vec3(0, 0.05f, 0), Vec3(1, 0, 0)),
+        from(Vec3(-1, 0.5f, -1), Vec3(-0.9f, 0, -0.9f)), from(Vec3(0, 3, 6), Vec3(0, 0, 0))}) {
+    settings_.shadows = false;
+    Image bare[2];
+    for (const bool cull : {false, true}) {
+      settings_.cull = cull;
+      draw(camera, bare[cull]);
+    }
+    EXPECT_EQ(bare[0].rgb, bare[1].rgb);
+    settings_.shadows = true;
+    for (const GrowthPath path : {GrowthPath::kCompute, GrowthPath::kTessellator}) {
+      settings_.growth_path = path;
+      Image all, culled;
+      settings_.cull = false;
+      const RenderStatistics every = draw(camera, all);
+      settings_.cull = true;
+      const RenderStatistics some = draw(camera, culled);
+      // The light adds up hairs in another order, in half floats.
+      int worst = 0;
+      for (size_t i = 0; i < all.rgb.size(); ++i)
+        worst = std::max(worst, std::abs(all.rgb[i] - culled.rgb[i]));
+      EXPECT_LE(worst, 2);
+      EXPECT_EQ(every.groups_seen, some.groups_seen);
+      EXPECT_EQ(every.hairs_computed, 6000u);
+      EXPECT_EQ(every.hairs_drawn, 6000u);
+      if (camera.eye.y() > 2) {
+        EXPECT_EQ(some.hairs_drawn, 6000u) << "everything is in this one";
+      } else {
+        EXPECT_LT(some.hairs_drawn, 3500u);
+        EXPECT_GE(some.hairs_computed, some.hairs_drawn);
+        EXPECT_LT(some.groups_seen, some.groups);
+      }
+    }
+  }
+}
+
+TEST_F(Culling, HairBesideThePictureStillShadesIt) {
+  // Looks along x at the far end; the light comes from behind the eye, low.
+  const Camera camera = from(Vec3(0.6f, 0.3f, 0), Vec3(0.9f, -0.1f, 0));
+  Image image;
+  RenderStatistics with = draw(camera, image);
+  EXPECT_GT(with.hairs_computed, with.hairs_drawn + 100);
+  settings_.shadows = false;
+  RenderStatistics without = draw(camera, image);
+  EXPECT_EQ(without.hairs_computed, without.hairs_drawn);
+  EXPECT_EQ(without.hairs_drawn, with.hairs_drawn);
+}
+
+TEST_F(Culling, WhatIsBehindTheEyeCostsNothing) {
+  settings_.shadows = false;
+  Image image;
+  const RenderStatistics statistics = draw(from(Vec3(0, 0, 2), Vec3(0, 0, 3)), image);
+  EXPECT_EQ(statistics.hairs_grown, 6000u);
+  EXPECT_EQ(statistics.hairs_drawn, 0u);
+  EXPECT_EQ(statistics.hairs_computed, 0u);
+  EXPECT_EQ(statistics.groups_seen, 0u);
+  EXPECT_GT(statistics.groups, 20u);
+}
+
+TEST_F(Culling, BoxesOfGroupsHoldTheirHairs) {
+  settings_.growth.curl_radius = 0.01f;
+  settings_.growth.tip_deviation = 0.02f;
+  GroomDescription wild = groom_;
+  for (size_t v = 0; v < wild.guides.positions.size(); ++v)
+    wild.guides.positions[v] += 0.02f * Vec3(std::sin(5.0f * v), std::sin(7.0f * v), std::sin(11.0f * v));
+  GuideNodes nodes(16);
+  nodes.setGroom(groom_.guides);
+  nodes.update(wild.guides.positions, Pose{});
+  HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
+  pass.setHairs(growHairs(groom_.guides, settings_.growth), settings_.growth.lock_profile);
+  pass.grow(nodes, pass.all());
+  HairGroups groups(groom_.guides, pass.hairs(), settings_.growth);
+  groups.place(wild.guides.positions, 0);
+  for (const GrownVertex& vertex : readComputed(pass, nodes, 1))
+    ASSERT_TRUE(groups.box(groups.groupOf(vertex.hair)).contains(Eigen::Vector3f(vertex.position)));
+}
+
+TEST_F(Culling, DetailHoldsStillWhileTheSizeWavers) {
+  HeldSize held;
+  const float first = held.of(1, 0.1f);
+  EXPECT_NEAR(first, 1.1f, 1e-6f);
+  for (const float size : {0.95f, 1.09f, 1.0f, 0.92f}) EXPECT_EQ(held.of(size, 0.1f), first);
+  EXPECT_NEAR(held.of(1.2f, 0.1f), 1.32f, 1e-6f) << "grows at once: never too coarse";
+  EXPECT_NEAR(held.of(1.0f, 0.1f), 1.1f, 1e-6f) << "and falls where it leaves the band";
+  for (const float size : {1.0f, 3.0f, 0.5f}) EXPECT_EQ(HeldSize().of(size, 0), size);
+
+  settings_.detail = {0, 0, 0.1f, 1};
+  settings_.hair_width = 2e-4f;
+  settings_.segments = 64;
+  const auto changes = [&](float hysteresis) {
+    settings_.detail.hysteresis = hysteresis;
+    Renderer renderer(settings_);
+    renderer.setGroom(groom_);
+    size_t hairs = 0;
+    int segments = 0, changed = -1;
+    for (int picture = 0; picture < 12; ++picture) {
+      const float wavers = 1 + 0.02f * static_cast<float>(picture % 2);
+      renderer.draw(restFrame(groom_), from(Vec3(0, 0.5f, 4 * wavers), Vec3::Zero()));
+      const RenderStatistics now = renderer.statistics();
+      changed += now.hairs_drawn != hairs || now.segments_drawn != segments;
+      hairs = now.hairs_drawn;
+      segments = now.segments_drawn;
+    }
+    return changed;
+  };
+  EXPECT_GE(changes(0), 10);
+  EXPECT_LE(changes(0.1f), 1);
+}
+
+TEST_F(Culling, WhereTheImportanceMapIsDarkHairsGoFirstAndTheRestGrowsWider) {
+  const auto map = std::make_shared<ScalpMap>();
+  map->width = 2;
+  map->height = 1;
+  map->values = {1, 0.1f};
+  HairGrowth growth = settings_.growth;
+  growth.importance = map;
+  for (size_t g = 0; g < groom_.guides.strands(); ++g)  // the map's left half is that of the negative x
+    groom_.guides.uvs.push_back(Vec2(groom_.guides.strand(g).front().x() < 0 ? 0.25f : 0.75f, 0.5f));
+  const std::vector<Hair> hairs = growHairs(groom_.guides, growth),
+                          even = growHairs(groom_.guides, settings_.growth);
+  ASSERT_EQ(hairs.size(), even.size());
+  const HairDetail detail = detailOfPart(hairs, 0.4f);
+  size_t dark = 0, light = 0;
+  double area_left = 0, area = 0;
+  for (size_t i = 0; i < hairs.size(); ++i) {
+    area += static_cast<double>(hairs[i].width);
+    if (i >= detail.hairs) continue;
+    (hairs[i].importance < 0.5f ? dark : light) += 1;
+    const double chance =
+        std::min(1.0, static_cast<double>(detail.threshold * hairs[i].width * hairs[i].importance));
+    area_left += static_cast<double>(hairs[i].width) / chance;
+  }
+  EXPECT_GT(light, 5 * dark);
+  EXPECT_GT(dark, 50u);
+  EXPECT_NEAR(area_left / area, 1, 0.06) << "as much is covered";
+}
+
+}  // namespace
+}  // namespace strandcast
