@@ -23,8 +23,13 @@ void storeContacts() {
 
 // Entry p of what is in registers, for loops over slots that are not to be unrolled, because the text of every body's surface
 // is in them. Indexed as usual, such arrays would go to memory.
+#if PER_THREAD == 2
+vec3 slot(vec3 of[PER_THREAD], int p) { return p == 0 ? of[0] : of[1]; }
+float slot(float of[PER_THREAD], int p) { return p == 0 ? of[0] : of[1]; }
+#else
 vec3 slot(vec3 of[PER_THREAD], int p) { return p < 2 ? (p == 0 ? of[0] : of[1]) : p == 2 ? of[2] : of[3]; }
 float slot(float of[PER_THREAD], int p) { return p < 2 ? (p == 0 ? of[0] : of[1]) : p == 2 ? of[2] : of[3]; }
+#endif
 
 // The body that is nearest to the vertex of slot p at `place`.
 Touch nearestTouch(int p, vec3 place, int substep) {
