@@ -16,8 +16,7 @@ using Vec4 = std::array<float, 4>;
 
 constexpr uint32_t kWorkgroup = 32;  // invocations
 
-// Edges of an invocation. Contact takes registers, of which with four edges too many go to memory: 2.3 times as slow on an H100.
-// Two edges are no slower than four on strands without bodies that are few.
+// Edges of an invocation. With four of them contact takes more registers than there are: more than twice as slow on an H100.
 constexpr uint32_t kPerThread = 4, kPerThreadInContact = 2;
 
 // A group's key: invocations per strand with kPerThread edges each, and what its strands let the shader do without.

@@ -603,6 +603,7 @@ void stepStrands(uint list, uint first, uint count) {
 #if BODIES
     vec3 checked[PER_THREAD];  // where contact leaves the vertices
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
+    park();
     for (int pass = 0; pass < passes; ++pass) {
       collide(substep, moved);
       for (int p = 0; p < PER_THREAD; ++p) moved[p] = vec3(0);
@@ -616,6 +617,7 @@ void stepStrands(uint list, uint first, uint count) {
       moveByPulls();
     }
     finish(root, substep, checked);
+    unpark();
 #else
     solveLengths(root);
 #if VIOLENT
