@@ -117,13 +117,12 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
 #endif
 }
 
-#if PER_THREAD == 4
 // What a solution x leaves of the right-hand sides f.
 void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD], vec3 across,
               vec3 x[PER_THREAD], inout vec3 f[PER_THREAD]) {
   vec3 onto_before = x[0] * across.x;
-  send_a(vec4(x[2], onto_before.x));
-  send_b(vec4(x[3], onto_before.y));
+  send_a(vec4(x[kLast - 1], onto_before.x));
+  send_b(vec4(x[kLast], onto_before.y));
   send_c(vec4(x[0] * across.y + x[1] * across.z, onto_before.z));
   rendezvous();
   vec3 before0 = received_a(before(1)).xyz, before1 = received_b(before(1)).xyz;
@@ -135,12 +134,16 @@ void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float sec
     f[1] -= before1 * across.z;
   }
   if (hasAfter(1)) {
-    f[2] -= onto0;
-    f[3] -= onto1;
+    f[kLast - 1] -= onto0;
+    f[kLast] -= onto1;
   }
+#if PER_THREAD == 2
+  f[0] -= x[0] * diagonal[0] + x[1] * first[0];
+  f[1] -= x[0] * first[0] + x[1] * diagonal[1];
+#else
   f[0] -= x[0] * diagonal[0] + x[1] * first[0] + x[2] * second[0];
   f[1] -= x[0] * first[0] + x[1] * diagonal[1] + x[2] * first[1] + x[3] * second[1];
   f[2] -= x[0] * second[0] + x[1] * first[1] + x[2] * diagonal[2] + x[3] * first[2];
   f[3] -= x[1] * second[1] + x[2] * first[2] + x[3] * diagonal[3];
-}
 #endif
+}

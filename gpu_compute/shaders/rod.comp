@@ -302,8 +302,8 @@ void makeBending(RootMotion root) {
 void solveBending(out vec3 moved[PER_THREAD]) {
   moved = force;
   solvePentadiagonal(diagonal, first, second, across, moved);
-#if THREADS * PER_THREAD > 64
-  // On a long strand the reduction cancels stiffnesses down to a mass: its solution is refined once.
+#if PER_THREAD == 2 && THREADS > 8 || THREADS > 16
+  // Over many invocations the reduction cancels stiffnesses down to a mass: its solution is refined once.
   vec3 left[PER_THREAD] = force;
   residual(diagonal, first, second, across, moved, left);
   solvePentadiagonal(diagonal, first, second, across, left);
