@@ -14,15 +14,27 @@ namespace {
 
 using Vec4 = std::array<float, 4>;
 
-constexpr uint32_t kPerThread = 4;   // edges of an invocation
 constexpr uint32_t kWorkgroup = 32;  // invocations
 
-// A group's key: invocations per strand, and what its strands let the shader do without.
+// Edges of an invocation. With four of them contact takes more registers than there are: more than twice as slow on an H100.
+constexpr uint32_t kPerThread = 4, kPerThreadInContact = 2;
+
+// A group's key: invocations per strand with kPerThread edges each, and what its strands let the shader do without.
 constexpr uint32_t kGeneral = 64;   // lengths or masses differ along the strand
 constexpr uint32_t kPinned = 128;   // more than the root is pinned
 constexpr uint32_t kGroomed = 256;  // StrandModel::hasFactors
 uint32_t threadsOf(uint32_t key) { return key & 63; }
 constexpr uint32_t kAnything = kGeneral | kPinned;
+
+// How a group's strands are spread over invocations.
+struct Spread {
+  uint32_t per_thread;  // edges
+  uint32_t threads;     // of a strand
+};
+Spread spreadOf(uint32_t key, bool bodies) {
+  const uint32_t threads = threadsOf(key), more = threads * (kPerThread / kPerThreadInContact);
+  return bodies && more <= kWorkgroup ? Spread{kPerThreadInContact, more} : Spread{kPerThread, threads};
+}
 
 // Fewer strands than this are not worth a program of their own: they are done as if they might be anything.
 constexpr size_t kOwnProgram = 512;
@@ -140,14 +152,15 @@ RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, bool violent,
   for (size_t g = 0; g < edges_of_.size(); ++g) {
     const uint32_t key = groups_.groups()[g].key;
     const bool groomed = needs.goal || (key & kGroomed) != 0;
+    const Spread spread = spreadOf(key, needs.bodies);
     out.push_back(&programs.get(
         "rod.comp", shaders::kRodComp,
         fmt::format(
-            "#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n#define PINNED {:d}\n#define "
+            "#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n#define PINNED {:d}\n#define "
             "BODIES {:d}\n#define TURNING {:d}\n#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT "
             "{:d}\n#define "
             "SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
-            threadsOf(key), edges_of_[g], (key & kGeneral) == 0 && !groomed, (key & kPinned) != 0,
+            spread.per_thread, spread.threads, edges_of_[g], (key & kGeneral) == 0 && !groomed, (key & kPinned) != 0,
             needs.bodies, needs.turning, groomed, needs.damping, violent, shuffled_, needs.accelerated)));
   }
   return out;
@@ -167,7 +180,7 @@ void RodStrands::step(const Needs& needs, ProgramCache& programs) {
                             GL_UNSIGNED_INT, kNobody.data());
   for (size_t g = 0; g < groups.size(); ++g) {
     placeWork(*mine.calm[g], g);
-    dispatch(*mine.calm[g], groups[g], kWorkgroup / threadsOf(groups[g].key));
+    dispatch(*mine.calm[g], groups[g], kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());

@@ -1,5 +1,5 @@
 // A symmetric pentadiagonal system along a strand, a row per edge, with x, y and z as right-hand sides: in 2 x 2 blocks it
-// is block tridiagonal. Of its two blocks an invocation eliminates the inner; the outer ones of neighbours are solved by
+// is block tridiagonal. Where it has two blocks an invocation eliminates the inner; the outer ones of neighbours are solved by
 // parallel cyclic reduction. Needs strand_threads.glsl.
 
 // Symmetric 2 x 2 matrices are (00, 01, 11), others (00, 01, 10, 11).
@@ -67,9 +67,16 @@ void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
 
 // Solves in place of f. first[p] couples rows p and p + 1, second[p] rows p and p + 2. across: what couples row 0 to the
 // last but one and to the last row of the invocation before, and row 1 to its last.
-void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD - 2], vec3 across,
+void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD], vec3 across,
                         inout vec3 f[PER_THREAD]) {
   vec4 coupling = hasBefore(1) ? vec4(across.x, across.y, 0, across.z) : vec4(0);
+#if PER_THREAD == 2
+  vec3 d = vec3(diagonal[0], first[0], diagonal[1]), f0 = f[0], f1 = f[1];
+  reduceBlocks(d, coupling, f0, f1);
+  vec3 inverse = inverseOf(d);
+  f[0] = f0 * inverse.x + f1 * inverse.y;
+  f[1] = f0 * inverse.y + f1 * inverse.z;
+#else
   vec4 right = vec4(second[0], 0, first[1], second[1]);
   vec3 inverse = inverseOf(vec3(diagonal[0], first[0], diagonal[1]));
   vec4 to_before = symmetricTimes(inverse, coupling), to_outer = symmetricTimes(inverse, right);
@@ -107,14 +114,15 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
 #endif
   f[0] = y0 - (before0 * to_before.x + before1 * to_before.y) - (f[2] * to_outer.x + f[3] * to_outer.y);
   f[1] = y1 - (before0 * to_before.z + before1 * to_before.w) - (f[2] * to_outer.z + f[3] * to_outer.w);
+#endif
 }
 
 // What a solution x leaves of the right-hand sides f.
-void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD - 2], vec3 across,
+void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD], vec3 across,
               vec3 x[PER_THREAD], inout vec3 f[PER_THREAD]) {
   vec3 onto_before = x[0] * across.x;
-  send_a(vec4(x[2], onto_before.x));
-  send_b(vec4(x[3], onto_before.y));
+  send_a(vec4(x[kLast - 1], onto_before.x));
+  send_b(vec4(x[kLast], onto_before.y));
   send_c(vec4(x[0] * across.y + x[1] * across.z, onto_before.z));
   rendezvous();
   vec3 before0 = received_a(before(1)).xyz, before1 = received_b(before(1)).xyz;
@@ -126,11 +134,16 @@ void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float sec
     f[1] -= before1 * across.z;
   }
   if (hasAfter(1)) {
-    f[2] -= onto0;
-    f[3] -= onto1;
+    f[kLast - 1] -= onto0;
+    f[kLast] -= onto1;
   }
+#if PER_THREAD == 2
+  f[0] -= x[0] * diagonal[0] + x[1] * first[0];
+  f[1] -= x[0] * first[0] + x[1] * diagonal[1];
+#else
   f[0] -= x[0] * diagonal[0] + x[1] * first[0] + x[2] * second[0];
   f[1] -= x[0] * first[0] + x[1] * diagonal[1] + x[2] * first[1] + x[3] * second[1];
   f[2] -= x[0] * second[0] + x[1] * first[1] + x[2] * diagonal[2] + x[3] * first[2];
   f[3] -= x[1] * second[1] + x[2] * first[2] + x[3] * diagonal[3];
+#endif
 }

@@ -3,9 +3,9 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: THREADS=1 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=1 GROOMED=1 DAMPED=1 VIOLENT=0 SHUFFLED=0 ACCELERATED=0 | THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 SHUFFLED=0 ACCELERATED=0
+// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=1 GROOMED=1 DAMPED=1 VIOLENT=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 SHUFFLED=0 ACCELERATED=0
 // One step of strands as inextensible rods, all substeps in one dispatch: core/rod_sweep.inl with the state in registers,
-// four edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
+// PER_THREAD (2 or 4) edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
 // become: own slots by elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
 // PINNED: more vertices than the roots are. BODIES: there are some; TURNING: of kinds with a rotation too, whose surfaces are
@@ -47,7 +47,7 @@ float stiffness[PER_THREAD + 2];    // of joints in the bending matrix
 float edge_stiffness[PER_THREAD + 1];     // of edges in it
 float softness[PER_THREAD], softness_in;  // of vertices, see curlSoftness
 // The bending system, as solvePentadiagonal wants it; its right-hand sides, later its solution.
-float diagonal[PER_THREAD], first[PER_THREAD - 1], second[PER_THREAD - 2];
+float diagonal[PER_THREAD], first[PER_THREAD - 1], second[PER_THREAD];
 vec3 across;
 vec3 force[PER_THREAD];             // m
 float pull[PER_THREAD], pull_in, pull_out;  // m, of edges; in: before slot 0, out: after the last slot
@@ -302,8 +302,8 @@ void makeBending(RootMotion root) {
 void solveBending(out vec3 moved[PER_THREAD]) {
   moved = force;
   solvePentadiagonal(diagonal, first, second, across, moved);
-#if THREADS > 16
-  // On a long strand the reduction cancels stiffnesses down to a mass: its solution is refined once.
+#if PER_THREAD == 2 && THREADS > 8 || THREADS > 16
+  // Over many invocations the reduction cancels stiffnesses down to a mass: its solution is refined once.
   vec3 left[PER_THREAD] = force;
   residual(diagonal, first, second, across, moved, left);
   solvePentadiagonal(diagonal, first, second, across, left);
@@ -603,6 +603,7 @@ void stepStrands(uint list, uint first, uint count) {
 #if BODIES
     vec3 checked[PER_THREAD];  // where contact leaves the vertices
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
+    park();
     for (int pass = 0; pass < passes; ++pass) {
       collide(substep, moved);
       for (int p = 0; p < PER_THREAD; ++p) moved[p] = vec3(0);
@@ -616,6 +617,7 @@ void stepStrands(uint list, uint first, uint count) {
       moveByPulls();
     }
     finish(root, substep, checked);
+    unpark();
 #else
     solveLengths(root);
 #if VIOLENT

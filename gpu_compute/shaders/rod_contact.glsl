@@ -6,6 +6,24 @@ float weights[PER_THREAD];  // of vertices
 float room[PER_THREAD];     // m, from where contact has left a vertex to the nearest body; 0 where it presses
 #endif
 
+// What contact does not look at is in shared memory meanwhile: what does not fit into registers goes to memory too, but to where
+// the more workgroups a multiprocessor runs at once, the less stays in its cache.
+shared vec4 parked_frames[PER_THREAD][WORKGROUP];
+shared vec4 parked_joints[PER_THREAD][WORKGROUP];
+void park() {
+  for (int p = 0; p < PER_THREAD; ++p) {
+    parked_frames[p][me] = frame[p];
+    parked_joints[p][me] = vec4(rest_strain[p], bends[p]);
+  }
+}
+void unpark() {
+  for (int p = 0; p < PER_THREAD; ++p) {
+    frame[p] = parked_frames[p][me];
+    rest_strain[p] = parked_joints[p][me].xyz;
+    bends[p] = parked_joints[p][me].w;
+  }
+}
+
 void loadContacts() {
   near_range = nearRange(strand);
   for (int p = 0; p < PER_THREAD; ++p) weights[p] = isEdge(p) ? weight(p) : 0.0;
@@ -23,8 +41,13 @@ void storeContacts() {
 
 // Entry p of what is in registers, for loops over slots that are not to be unrolled, because the text of every body's surface
 // is in them. Indexed as usual, such arrays would go to memory.
+#if PER_THREAD == 2
+vec3 slot(vec3 of[PER_THREAD], int p) { return p == 0 ? of[0] : of[1]; }
+float slot(float of[PER_THREAD], int p) { return p == 0 ? of[0] : of[1]; }
+#else
 vec3 slot(vec3 of[PER_THREAD], int p) { return p < 2 ? (p == 0 ? of[0] : of[1]) : p == 2 ? of[2] : of[3]; }
 float slot(float of[PER_THREAD], int p) { return p < 2 ? (p == 0 ? of[0] : of[1]) : p == 2 ? of[2] : of[3]; }
+#endif
 
 // The body that is nearest to the vertex of slot p at `place`.
 Touch nearestTouch(int p, vec3 place, int substep) {

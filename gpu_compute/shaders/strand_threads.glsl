@@ -3,7 +3,6 @@
 // SHUFFLED: from register to register. Else through shared memory: with one bank of it and 32 invocations the second barrier
 // costs less than a second bank would. On NVIDIA a GL program gets some 64 KB of it per multiprocessor, so 4 KB per 32
 // invocations is what the whole shader may use before fewer of them run at once.
-#define PER_THREAD 4
 const int kLast = PER_THREAD - 1;
 
 uint me;   // this invocation in its workgroup
