@@ -37,8 +37,8 @@ TimedSimulation::TimedSimulation(const std::function<Simulation()>& make, Motion
   run_.heap_bytes = heapBytes() - heap_before_;
   run_.gpu_bytes = gpuBufferBytes() - gpu_before_;
   ms_.reserve(static_cast<size_t>(steps));
-  cpu_ms_.reserve(static_cast<size_t>(steps));
-  gpu_ms_.reserve(static_cast<size_t>(steps));
+  for (std::vector<double>* times : {&cpu_ms_, &submit_ms_, &wait_ms_, &gpu_ms_})
+    times->reserve(static_cast<size_t>(steps));
 }
 
 void TimedSimulation::step(bool timed) {
@@ -48,12 +48,16 @@ void TimedSimulation::step(bool timed) {
   const auto start = std::chrono::steady_clock::now();
   simulation_.setHeadPose(head);
   simulation_.step();
+  const auto submitted = std::chrono::steady_clock::now();
   simulation_.guides();
   const auto end = std::chrono::steady_clock::now();
   if (!timed) return;
   run_.allocations += allocations() - allocations_before;
   cpu_ms_.push_back(processorMs() - processor_before);
-  ms_.push_back(std::chrono::duration<double, std::milli>(end - start).count());
+  using Ms = std::chrono::duration<double, std::milli>;
+  ms_.push_back(Ms(end - start).count());
+  submit_ms_.push_back(Ms(submitted - start).count());
+  wait_ms_.push_back(Ms(end - submitted).count());
   if (const auto seconds = simulation_.backend().gpuSeconds()) gpu_ms_.push_back(1000 * *seconds);
 }
 
@@ -66,6 +70,8 @@ MeasuredRun TimedSimulation::result() {
   run.vertices = simulation_.model().vertices();
   run.ms = spreadOf(ms_);
   run.cpu_ms = spreadOf(cpu_ms_);
+  run.submit_ms = spreadOf(submit_ms_).median;
+  run.wait_ms = spreadOf(wait_ms_).median;
   if (!gpu_ms_.empty()) run.gpu_ms = spreadOf(gpu_ms_).median;
   run.measured = simulation_.measure();
   run.hash = stateHash(simulation_.state());
@@ -87,6 +93,8 @@ std::vector<Column> runColumns() {
           {"ms_p95", "p95", "{:.3f}"},
           {"cpu_ms", "cpu ms", "{:.3f}"},
           {"cpu_ms_min"},
+          {"submit_ms"},
+          {"wait_ms"},
           {"gpu_ms", "gpu ms", "{:.4f}"},
           {"ns_per_vertex_substep", "ns/vtx/sub", "{:.2f}"},
           {"vertices_per_s", "vtx/s", "{:.3g}"},
@@ -119,6 +127,7 @@ nlohmann::json cellsOf(const MeasuredRun& run) {
                        {"max_penetration_m", run.measured.max_penetration},
                        {"non_finite", run.measured.non_finite},
                        {"state_hash", fmt::format("{:016x}", run.hash)}};
+  if (run.backend == "gpu") cells.update({{"submit_ms", run.submit_ms}, {"wait_ms", run.wait_ms}});
   if (run.gpu_ms) cells["gpu_ms"] = *run.gpu_ms;
   return cells;
 }

@@ -25,8 +25,11 @@ struct MeasuredRun {
   std::string backend, device;
   int substeps = 0;
   size_t strands = 0, vertices = 0;
-  Spread ms;                     ///< of a step and of reading its guides, by the wall
-  Spread cpu_ms;                 ///< the same in processor time of all threads of this program
+  Spread ms;      ///< of a step and of reading its guides, by the wall
+  Spread cpu_ms;  ///< the same in processor time of all threads of this program
+  /// Medians: of giving the step's commands with what it is told, and of waiting for the guides, which a GPU
+  /// works out and copies back meanwhile. A CPU has done all when the first is over.
+  double submit_ms = 0, wait_ms = 0;
   std::optional<double> gpu_ms;  ///< of a step's dispatches alone, median
   size_t heap_bytes = 0;         ///< that the simulation and all it is made of take after its first step,
   size_t gpu_bytes = 0;          ///< and its buffers on the GPU
@@ -58,7 +61,7 @@ class TimedSimulation {
   Simulation simulation_;
   Motion motion_;
   MeasuredRun run_;
-  std::vector<double> ms_, cpu_ms_, gpu_ms_;
+  std::vector<double> ms_, cpu_ms_, submit_ms_, wait_ms_, gpu_ms_;
 };
 
 /// Warms up, times `steps` steps.

@@ -33,7 +33,8 @@ How to read it:
 
 - **ms** is a whole step and reading its guides, by the wall: least, median and 95th percentile. **cpu ms** is the processor time of
   it, all threads: on a shared machine it stays what it is while the wall goes slow. **gpu ms** is the GPU's own clock, of the
-  dispatches alone.
+  dispatches alone; **submit** and **wait** are its step by the wall: giving the commands and what it is told, and waiting for the guides
+  to be back.
 - **of peak**: floating-point operations of the step, counted by running its own text with numbers that count, over what the same
   threads reach with fused multiply-adds alone, measured in the same run; **cpu** beside it is the same of the least processor times.
 - **B/vtx**: all memory that a simulation takes, on the heap (counted by the program's operator new) and in buffers of the GPU, over
@@ -77,6 +78,8 @@ const std::vector<Column> kStepColumns{{"case", "backend"},
                                        {"ms_median", "median", "{:.3f}"},
                                        {"ms_p95", "p95", "{:.3f}"},
                                        {"cpu_ms", "cpu ms", "{:.3f}"},
+                                       {"submit_ms", "submit ms", "{:.3f}"},
+                                       {"wait_ms", "wait ms", "{:.3f}"},
                                        {"gpu_ms", "gpu ms", "{:.4f}"},
                                        {"air_gpu_ms", "air, gpu ms", "{:.4f}"},
                                        {"ns_per_vertex_substep", "ns/vtx/substep", "{:.2f}"},

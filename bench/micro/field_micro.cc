@@ -8,22 +8,26 @@
 namespace strandcast {
 namespace {
 
+const TriangleMesh& body() {
+  static const TriangleMesh made = benchScene("straight", 1, 8).body;
+  return made;
+}
+
 const DistanceField& field() {
   static const auto made = [] {
     ContactPrimitive shape;
-    bakeField(benchScene("straight", 1, 8).body, 0.008f, 0, shape);
+    bakeField(body(), 0.008f, 0, shape);
     return shape.field;
   }();
   return *made;
 }
 
 std::vector<Vec3> points(float spread) {
-  const TriangleMesh body = benchScene("straight", 1, 8).body;
   std::mt19937 random(1);
   std::normal_distribution<float> normal;
   std::vector<Vec3> out;
   for (int i = 0; i < 4096; ++i) {
-    const Vec3& on = body.positions[random() % body.positions.size()];
+    const Vec3& on = body().positions[random() % body().positions.size()];
     out.emplace_back(on + spread * Vec3(normal(random), normal(random), normal(random)));
   }
   return out;

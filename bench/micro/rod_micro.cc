@@ -1,6 +1,8 @@
 // A step of one block of strands, for each instruction set of this machine.
 #include <benchmark/benchmark.h>
 
+#include <map>
+
 #include "bench/bench_scene.h"
 #include "core/strand_block.h"
 #include "simd/simd_kernels.h"
@@ -8,9 +10,17 @@
 namespace strandcast {
 namespace {
 
+/// Sixteen curly strands, as many as the most lanes; made once.
+const Scene& sceneOf(int vertices) {
+  static std::map<int, Scene> made;
+  const auto [place, is_new] = made.try_emplace(vertices);
+  if (is_new) place->second = benchScene("curly", 16, vertices);
+  return place->second;
+}
+
 void stepOfBlock(benchmark::State& state, const simd::SimdTarget& target, SolverKind solver) {
   const int vertices = static_cast<int>(state.range(0));
-  const Scene scene = benchScene("curly", target.kernel.lanes, vertices);
+  const Scene& scene = sceneOf(vertices);
   const StrandModel model = sceneModel(scene);
   BlockStore<float> store;
   store.load(model, target.kernel.lanes);

@@ -8,8 +8,7 @@ namespace strandcast {
 namespace {
 
 void splat(benchmark::State& state, const char* backend) {
-  const Scene scene = benchScene("curly", 1000, 32);
-  const StrandModel model = sceneModel(scene);
+  static const StrandModel model = sceneModel(benchScene("curly", 1000, 32));
   const Workers workers(1);
   HairGrid<float> grid(passesOf(backend), workers, model, static_cast<int>(state.range(0)), restBox(model));
   const StrandState rest = restState(model, model.rest_roots);
