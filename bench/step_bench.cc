@@ -114,18 +114,20 @@ int step(const Options& o) {
   bench.more = {{"backend", o.backend}, {"threads", o.threads}};
   bench.heading = fmt::format("scene {}, bodies {}, {} x {}, {} substeps, {} iterations, solver {}\n",
                               o.scene, o.bodies, o.strands, o.vertices, o.substeps, o.iterations, o.solver);
-  bench.table = Table(columnsOf(
-      {{{"case", "backend"},
-        {"solver"},
-        {"scene"},
-        {"bodies"},
-        {"air_cells"},
-        {"strands"},
-        {"vertices"},
-        {"substeps"},
-        {"iterations"}},
-       runColumns(),
-       {{"air_gpu_ms"}, {"operations_per_vertex_substep"}, {"fraction_of_peak", "of peak", "{:.3f}"}}}));
+  bench.table = Table(columnsOf({{{"case", "backend"},
+                                  {"solver"},
+                                  {"scene"},
+                                  {"bodies"},
+                                  {"air_cells"},
+                                  {"strands"},
+                                  {"vertices"},
+                                  {"substeps"},
+                                  {"iterations"}},
+                                 runColumns(),
+                                 {{"air_gpu_ms"},
+                                  {"operations_per_vertex_substep"},
+                                  {"fraction_of_peak", "of peak", "{:.3f}"},
+                                  {"fraction_of_peak_cpu", "cpu", "{:.3f}"}}}));
   for (const BackendInfo& info : knownBackends()) {
     if (o.backend != "all" && o.backend != info.name && o.backend != "auto") continue;
     const bool runs = info.available && std::find(info.solvers.begin(), info.solvers.end(),

@@ -33,6 +33,7 @@ TEST(StepBench, EveryRunSaysWhereItRanWhatItTookAndWhatItComputed) {
   const nlohmann::json& run = report["results"][0];
   expectRun(run);
   EXPECT_GT(run["fraction_of_peak"], 0);
+  EXPECT_GT(run["fraction_of_peak_cpu"], 0);
   EXPECT_NEAR(run["ns_per_vertex_substep"].get<double>() * 1e-6 * 60 * 12 * 4, run["ms_median"].get<double>(),
               1e-6);
 }
