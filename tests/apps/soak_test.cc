@@ -95,7 +95,19 @@ TEST(Soak, MemoryOfDaemonsAndReadersStaysFlat) {
         network.name, "--domain", domain,      "--codec", network.name == "dds" ? "temporal" : "delta16"};
     residents.push_back(
         {network.name + " daemon", std::make_unique<Peer>(std::move(daemon), STRANDCAST_DAEMON), {}});
-    std::vector<std::string> reader = {network.read, domain, std::to_string(seconds), "0"};
+  }
+  const double stop_seconds = seconds >= kLongRun ? 5 : 0.5;
+  for (const Network& network : all) {
+    // A busy machine takes its time over a scene.
+    const DdsOptions dds{network.domain, 1, 0, {}};
+    const auto listener = network.name == "dds" ? makeDdsSubscriber(dds)
+                                                : makeLcmSubscriber({lcmUrl(network.domain), 1, 0, {}});
+    ASSERT_TRUE(listener->waitForGroom(std::chrono::seconds(60))) << network.name;
+  }
+  for (const Network& network : all) {
+    const double stay = seconds + kStops * (stop_seconds + 1) + 5;
+    std::vector<std::string> reader = {network.read, std::to_string(network.domain), std::to_string(stay),
+                                       "0"};
     residents.push_back({network.name + " reader", std::make_unique<Peer>(std::move(reader)), {}});
   }
   for (Resident& resident : residents) {
@@ -108,7 +120,7 @@ TEST(Soak, MemoryOfDaemonsAndReadersStaysFlat) {
     for (const Resident& resident : residents) {
       if (resident.name.ends_with("reader")) kill(resident.process->pid(), SIGSTOP);
     }
-    std::this_thread::sleep_for(std::chrono::duration<double>(seconds >= kLongRun ? 5 : 0.5));
+    std::this_thread::sleep_for(std::chrono::duration<double>(stop_seconds));
     for (const Resident& resident : residents) kill(resident.process->pid(), SIGCONT);
     std::this_thread::sleep_for(std::chrono::duration<double>(1));
   }
