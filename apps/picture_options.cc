@@ -75,7 +75,7 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
       {"Marks", "what there is to look for"}};
   app.add_option_function<std::string>(
          "--preset", [&options](const std::string& file) { readPresetOption(options, file); },
-         "TOML file with any of the settings below, as the viewer saves it; options after it win")
+         "TOML file as the viewer saves it, whose table [picture] counts; options win over it")
       ->trigger_on_parse()
       ->type_name("FILE");
   CLI::Option_group* group = nullptr;

@@ -174,6 +174,9 @@ void addGrowth(std::vector<PictureSetting>& list) {
 
 void addLight(std::vector<PictureSetting>& list) {
   const char* group = "Light";
+  list.push_back(choice<HairShading>(
+      group, "shading", "hair is lit at its vertices, with colours in between, or in every fragment",
+      {{"vertex", HairShading::kVertex}, {"fragment", HairShading::kFragment}}, AT(settings.shading)));
   list.push_back(vector(group, "light-direction", "", -1, 1, "the way that the light travels",
                         AT(settings.light_direction)));
 }

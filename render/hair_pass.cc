@@ -18,6 +18,12 @@ unsigned segmentsOf(const GuideNodes& nodes, int node_stride) {
   return static_cast<unsigned>((nodes.segments() + node_stride - 1) / node_stride);
 }
 
+/// The last stage is the fragment shader, which has to know how it is lit too.
+std::vector<gl::ShaderStage> colored(std::vector<gl::ShaderStage> stages, const std::string& defines) {
+  stages.back().defines = defines;
+  return stages;
+}
+
 }  // namespace
 
 std::vector<gl::ShaderStage> grownStages(const std::string& defines, const char* fragment) {
@@ -32,23 +38,24 @@ std::vector<gl::ShaderStage> tessellatedStages(const char* defines, const char* 
   return stages;
 }
 
-HairPass::Programs HairPass::makePrograms(GrowthPath path, HairGeometry geometry) {
+HairPass::Programs HairPass::makePrograms(GrowthPath path, HairGeometry geometry, HairShading shading) {
+  const std::string color =
+      std::string("#define COLOR\n") + (shading == HairShading::kFragment ? "#define PER_FRAGMENT\n" : "");
   if (path == GrowthPath::kTessellator)
     return {{"hair front", tessellatedStages("#define FRONT\n", shaders::kHairFrontFrag)},
             {"hair opacity", tessellatedStages("#define OPACITY\n", shaders::kHairOpacityFrag)},
-            {"hair", tessellatedStages("#define COLOR\n", shaders::kHairFrag)}};
-  const std::string color =
-      geometry == HairGeometry::kStrips ? "#define COLOR\n#define STRIP\n" : "#define COLOR\n";
+            {"hair", colored(tessellatedStages(color.c_str(), shaders::kHairFrag), color)}};
+  const std::string strip = geometry == HairGeometry::kStrips ? "#define STRIP\n" : "";
   return {{"hair front", grownStages("#define FRONT\n", shaders::kHairFrontFrag)},
           {"hair opacity", grownStages("#define OPACITY\n", shaders::kHairOpacityFrag)},
-          {"hair", grownStages(color, shaders::kHairFrag)}};
+          {"hair", colored(grownStages(color + strip, shaders::kHairFrag), color)}};
 }
 
-HairPass::HairPass(GrowthPath path, HairGeometry geometry)
+HairPass::HairPass(GrowthPath path, HairGeometry geometry, HairShading shading)
     : path_(path),
       geometry_(path == GrowthPath::kTessellator ? HairGeometry::kLines : geometry),
       block_buffer_(sizeof(GrowthBlock), nullptr, GL_DYNAMIC_STORAGE_BIT),
-      programs_(makePrograms(path, geometry)) {
+      programs_(makePrograms(path, geometry, shading)) {
   glCreateVertexArrays(1, &empty_vertices_);
   setHairs({}, Vec3::Ones());
 }

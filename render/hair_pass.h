@@ -18,7 +18,7 @@ namespace strandcast {
 /// segments a patch, which draws lines only.
 class HairPass {
  public:
-  HairPass(GrowthPath path, HairGeometry geometry);
+  HairPass(GrowthPath path, HairGeometry geometry, HairShading shading = HairShading::kVertex);
   ~HairPass();
   HairPass(const HairPass&) = delete;
   HairPass& operator=(const HairPass&) = delete;
@@ -60,7 +60,7 @@ class HairPass {
   struct Programs {
     gl::Program front, opacity, color;
   };
-  static Programs makePrograms(GrowthPath path, HairGeometry geometry);
+  static Programs makePrograms(GrowthPath path, HairGeometry geometry, HairShading shading);
   void writeBlock(const GuideNodes& nodes, size_t bodies);
   void bindHair(const GuideNodes& nodes) const;
   void drawGrown(const gl::Program& program, size_t count, bool strips) const;

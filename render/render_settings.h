@@ -15,6 +15,9 @@ enum class GrowthPath { kCompute, kTessellator };
 /// Lines, whose width is as the device has it, or strips of triangles that face the eye (kCompute only).
 enum class HairGeometry { kLines, kStrips };
 
+/// Where hair is lit: at its vertices, with colours in between, or in every fragment.
+enum class HairShading { kVertex, kFragment };
+
 /// What becomes of a hair that covers a part of a pixel: it reaches that part of the samples, others for each
 /// hair (stochastic transparency), or the samples that the device chooses for that alpha (alpha to coverage).
 enum class HairCoverage { kStochastic, kAlphaToCoverage };
@@ -56,7 +59,8 @@ struct RenderSettings {
   HairCoverage coverage = HairCoverage::kStochastic;
   HairGrowth growth;  ///< 0 to 4,000,000 hairs
   GrowthPath growth_path = GrowthPath::kCompute;
-  HairGeometry geometry = HairGeometry::kLines;
+  HairGeometry geometry = HairGeometry::kStrips;
+  HairShading shading = HairShading::kVertex;
   LevelOfDetail detail;
   bool cull = true;       ///< groups of hair that cannot be in the picture are not grown
   int segments = 32;      ///< per hair, 1 to 256

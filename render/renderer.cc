@@ -123,13 +123,14 @@ struct Renderer::Impl {
     const auto changed = [&](auto... member) { return ((settings.*member != next.*member) || ...); };
     const bool first = !picture;
     const bool other_nodes = first || changed(&RenderSettings::segments);
-    const bool other_hair = first || changed(&RenderSettings::growth_path, &RenderSettings::geometry);
+    const bool other_hair =
+        first || changed(&RenderSettings::growth_path, &RenderSettings::geometry, &RenderSettings::shading);
     const bool hair_moves = !first && (other_nodes || other_hair || changed(&RenderSettings::growth));
     if (first || changed(&RenderSettings::width, &RenderSettings::height, &RenderSettings::samples,
                          &RenderSettings::supersampling, &RenderSettings::filter))
       makePicture(next);
     if (first || changed(&RenderSettings::opacity)) shadows = std::make_unique<ShadowMap>(next.opacity);
-    if (other_hair) hair = std::make_unique<HairPass>(next.growth_path, next.geometry);
+    if (other_hair) hair = std::make_unique<HairPass>(next.growth_path, next.geometry, next.shading);
     if (other_hair) hair->bodies().setObstacles(obstacles);
     if (other_nodes) nodes = std::make_unique<GuideNodes>(next.segments);
     hair->setClearance(next.clearance);

@@ -1,10 +1,19 @@
 #version 450 core
+// variants: none | PER_FRAGMENT=1
 // A hair narrower than its line reaches only a part of each pixel's samples, the same part all along the hair: stochastic
 // transparency (Enderton et al. 2010) whose noise runs along strands, where it looks like strands. With alpha to coverage the
 // device chooses the samples.
 #include "render/shaders/scene.glsl"
 #include "render/shaders/color.glsl"
+#ifdef PER_FRAGMENT
+#include "render/shaders/shadow.glsl"
+#include "render/shaders/hair_shading.glsl"
+layout(location = 4) in vec4 lit_position;
+layout(location = 5) in vec3 lit_tangent;
+layout(location = 6) flat in vec2 lit_tint;
+#else
 layout(location = 4) in vec3 radiance;
+#endif
 layout(location = 2) in float coverage;
 layout(location = 3) flat in vec2 dither;
 layout(location = 0) out vec4 color;
@@ -12,6 +21,9 @@ void main() {
   int samples = int(scene.sampling.x);
   int reached = int(floor(min(coverage, 1.0) * scene.sampling.x + dither.x));
   if (reached <= 0) discard;
+#ifdef PER_FRAGMENT
+  vec3 radiance = hairRadiance(lit_position.xyz, normalize(lit_tangent), lit_position.w, lit_tint.x, lit_tint.y);
+#endif
   gl_SampleMask[0] = -1;  // all; without a value it would be any
   if (scene.opacity.z > 0.0) {
     color = vec4(toneMapped(radiance), float(reached) / scene.sampling.x);

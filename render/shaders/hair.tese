@@ -1,5 +1,5 @@
 #version 450 core
-// variants: COLOR=1 | OPACITY=1 | FRONT=1 | CAPTURE=1
+// variants: COLOR=1 | COLOR=1 PER_FRAGMENT=1 | OPACITY=1 | FRONT=1 | CAPTURE=1
 // Grows one vertex of one hair. CAPTURE is for tests.
 layout(isolines, equal_spacing) in;
 #define BODIES

@@ -3,8 +3,14 @@
 #ifdef COLOR
 #include "render/shaders/color.glsl"
 #include "render/shaders/shadow.glsl"
+#ifdef PER_FRAGMENT
+layout(location = 4) out vec4 lit_position;  // w: part of the hair's length behind it
+layout(location = 5) out vec3 lit_tangent;
+layout(location = 6) flat out vec2 lit_tint;  // shade and warmth
+#else
 #include "render/shaders/hair_shading.glsl"
 layout(location = 4) out vec3 radiance;
+#endif
 #endif
 layout(location = 2) out float coverage;
 layout(location = 3) flat out vec2 dither;  // what is left of it, and the hair's own
@@ -40,7 +46,13 @@ void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float side) {
   coverage = width * pixels / scene.sampling.y;
 #endif
   if (nearer_clip.w > 0.0) gl_Position.z = nearer_clip.z / nearer_clip.w * gl_Position.w;
+#ifdef PER_FRAGMENT
+  lit_position = vec4(position, along);
+  lit_tangent = tangent;
+  lit_tint = vec2(hair.shade, hair.warmth);
+#else
   radiance = hairRadiance(position, tangent, along, hair.shade, hair.warmth);
+#endif
 #else
   gl_Position = scene.light_view_projection * vec4(position, 1);
   // A line has one texel in every column, or row, that it crosses: fewer than its length.
