@@ -45,8 +45,9 @@ void putWords(const ContactPrimitive& shape, std::vector<uint32_t>& words) {
   putFloats(shape.field->corners, words);
 }
 
+/// Finite, and so small that distances are, whose squares floats hold.
 bool isFinite(std::span<const float> numbers) {
-  return std::all_of(numbers.begin(), numbers.end(), [](float n) { return std::isfinite(n); });
+  return std::all_of(numbers.begin(), numbers.end(), [](float n) { return std::abs(n) <= kMostShapeNumber; });
 }
 
 std::vector<float> floatsOf(std::span<const uint32_t> words) {
@@ -149,7 +150,13 @@ void checkColliders(const ColliderSet& set, const std::string& where) {
   std::set<uint32_t> ids;
   for (const Collider& collider : set.colliders) {
     shapes += collider.shapes.size();
-    for (const ContactPrimitive& shape : collider.shapes) checkPrimitive(shape, where);
+    for (const ContactPrimitive& shape : collider.shapes) {
+      checkPrimitive(shape, where);
+      shapeNumbers(shape, [&](float number) {
+        if (!(std::abs(number) <= kMostShapeNumber))
+          throw Error("a collider is beyond 10,000 km", where, "give it in metres");
+      });
+    }
     if (!ids.insert(collider.id).second) throw Error("two colliders have one id", where, "number them");
     if (collider.shapes.empty()) throw Error("a collider has no shape", where, "leave it out");
   }

@@ -14,6 +14,7 @@ inline constexpr size_t kMaxColliders = 1024;           ///< of a groom
 inline constexpr size_t kMaxColliderShapes = 4096;      ///< of all
 inline constexpr uint64_t kMaxColliderWords = 8 << 20;  ///< of all; 32 MB
 inline constexpr size_t kShapeNumbers = 16;             ///< floats of a shape
+inline constexpr float kMostShapeNumber = 1e7f;         ///< m; of all of them, either sign
 
 /// Goes through the kShapeNumbers of a shape in the order of the wire: take(float&).
 template <class Shape, class Take>

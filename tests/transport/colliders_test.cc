@@ -94,6 +94,7 @@ TEST(Colliders, BadOnesAreRefused) {
   };
   EXPECT_TRUE(isTaken([](auto&) {}));
   EXPECT_FALSE(isTaken([](auto& c) { c[0].numbers[3] = std::numeric_limits<float>::infinity(); }));
+  EXPECT_FALSE(isTaken([](auto& c) { c[0].numbers[3] = 3e38f; })) << "whose distance is not a number";
   EXPECT_FALSE(isTaken([](auto& c) { c[0].kinds[2] = 9; }));
   EXPECT_FALSE(isTaken([](auto& c) { ++c[0].word_counts.back(); }));
   EXPECT_FALSE(isTaken([](auto& c) { c[0].colliders[3] = 0; }));
