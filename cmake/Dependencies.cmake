@@ -33,7 +33,9 @@ pkg_check_modules(BULLET IMPORTED_TARGET bullet)  # a peer of the benchmarks, fo
 find_program(GLSLANG_VALIDATOR glslangValidator)
 
 set(STRANDCAST_GL OFF)
-if(EPOXY_FOUND AND EGL_FOUND)
+if(STRANDCAST_WITHOUT_GL)
+  message(STATUS "OpenGL is off: STRANDCAST_WITHOUT_GL")
+elseif(EPOXY_FOUND AND EGL_FOUND)
   set(STRANDCAST_GL ON)
 else()
   message(WARNING "OpenGL is off: libepoxy-dev or libegl-dev is missing (run ./dev setup)")
