@@ -23,7 +23,7 @@ constexpr size_t kStepWindow = 1200;     // steps that the timing statistics loo
 constexpr double kStatusInterval = 0.5;  // s
 constexpr double kPullSeconds = 1;       // of simulation, after which a hand lets go that nobody moves
 constexpr int kMostStepsAsked = 1000;
-constexpr double kRampSeconds = 0.2;     // a commanded pose is reached in this time, smoothly
+constexpr double kRampSeconds = 0.2;  // a commanded pose is reached in this time, smoothly
 
 double milliseconds(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
 
@@ -81,12 +81,11 @@ BodyId namedCollider(const std::map<std::string, BodyId>& named, const std::stri
 }
 
 /// The one value of a command.
-int wholeNumber(const Command& command, int low, int high) {
+int wholeNumber(const Command& command, int low, int high, const std::string& where) {
   const bool one = command.values.size() == 1;
   if (!one || !(command.values[0] >= low && command.values[0] <= high) ||
       std::fmod(command.values[0], 1) != 0)
-    throw Error(fmt::format("give one whole number from {} to {}", low, high),
-                fmt::format("command {}", command.id), "");
+    throw Error(fmt::format("give one whole number from {} to {}", low, high), where, "");
   return static_cast<int>(command.values[0]);
 }
 
@@ -161,15 +160,14 @@ void Daemon::apply(const Command& command) {
       shutdown_ = true;
       return;
     case CommandKind::kPause:
-      paused_ = wholeNumber(command, 0, 1) == 1;
+      paused_ = wholeNumber(command, 0, 1, where) == 1;
       return;
     case CommandKind::kStep:
       if (!paused_) throw Error("only a paused simulation takes single steps", where, "pause it first");
-      steps_asked_ = wholeNumber(command, 1, kMostStepsAsked);
+      steps_asked_ = wholeNumber(command, 1, kMostStepsAsked, where);
       return;
     case CommandKind::kPull:
-      pull(command);
-      return;
+      return pull(command, where);
     case CommandKind::kAddCollider:
       return addCollider(command, where);
     case CommandKind::kMoveCollider:
@@ -180,12 +178,11 @@ void Daemon::apply(const Command& command) {
   throw Error("unknown kind of command", where, "is the sender newer than this daemon?");
 }
 
-void Daemon::pull(const Command& command) {
+void Daemon::pull(const Command& command, const std::string& where) {
   const auto& v = command.values;
   if (v.empty()) return simulation_.letGo();
   if (v.size() != 8)
-    throw Error("a pull takes 8 numbers", fmt::format("command {}", command.id),
-                "where it closes, radius, where it is, rate; none lets go");
+    throw Error("a pull takes 8 numbers", where, "where it closes, radius, where it is, rate; none lets go");
   const auto at = [&](size_t i) { return Vec3(Eigen::Vector3d(v[i], v[i + 1], v[i + 2]).cast<float>()); };
   simulation_.pullHair(at(0), static_cast<float>(v[3]), at(4), static_cast<float>(v[7]));
   pull_until_ = simulation_.time() + kPullSeconds;

@@ -39,7 +39,7 @@ class Daemon {
  private:
   void obey(const Command& command);
   void apply(const Command& command);
-  void pull(const Command& command);
+  void pull(const Command& command, const std::string& where);
   void moveHead(const Command& command, const std::string& where);
   void addCollider(const Command& command, const std::string& where);
   void moveCollider(const Command& command, const std::string& where);

@@ -1,43 +1,21 @@
 // A daemon's colliders, over the channel within one process.
-#include "apps/daemon.h"
-
-#include <gtest/gtest.h>
-
-#include "apps/scene_simulation.h"
+#include "tests/apps/daemon_fixture.h"
 #include "transport/collider_chunks.h"
-#include "transport/in_process.h"
 
 namespace strandcast {
 namespace {
 
-class DaemonColliders : public testing::Test {
+class DaemonColliders : public DaemonFixture {
  protected:
   void SetUp() override {
-    Settings settings;
-    settings.scene.name = "straight";
-    settings.scene.strands = 20;
-    settings.scene.vertices = 8;
+    Settings settings = fewStrands();
     settings.scene.body_contact = BodyContact::kSpheres;
-    settings.scene.motion = "still";
-    settings.backend = "reference";
-    std::tie(publisher_, subscriber_) = makeInProcessChannel(1);
     Scene scene = makeScene(settings.scene, {});
     scene_bodies_ = scene.bodies.size();
-    daemon_ = std::make_unique<Daemon>(settings, std::move(scene), *publisher_, 5);
-    daemon_->announce();
+    start(settings, std::move(scene));
   }
   std::string order(CommandKind kind, const std::string& name, std::vector<double> values = {}) {
-    Command command;
-    command.id = ++id_;
-    command.kind = kind;
-    command.name = name;
-    command.values = std::move(values);
-    subscriber_->send(command);
-    cast(1);
-    return subscriber_->waitForAnswer(command.id, std::chrono::milliseconds(1000)).value_or("no answer");
-  }
-  void cast(int frames) {
-    for (int i = 0; i < frames; ++i) daemon_->castFrame(stop_);
+    return DaemonFixture::order(kind, std::move(values), name);
   }
   static std::vector<double> ball(double z, bool follows_head = false) {
     ContactPrimitive shape;
@@ -47,12 +25,7 @@ class DaemonColliders : public testing::Test {
     return values;
   }
 
-  std::unique_ptr<Publisher> publisher_;
-  std::unique_ptr<Subscriber> subscriber_;
-  std::unique_ptr<Daemon> daemon_;
   size_t scene_bodies_ = 0;
-  const std::atomic<bool> stop_{false};
-  uint64_t id_ = 0;
 };
 
 TEST_F(DaemonColliders, ThoseOfTheSceneAreCast) {
