@@ -27,7 +27,7 @@ struct SubstepBody {
   Scalar radius, radius_b, extent[3];
   Scalar rotation[4];     // of kinds that have one
   Scalar middle[3];       // of a ball around it and what it presses; not of planes
-  Scalar ball, ball2;     // m, m^2: that ball's radius and its square
+  Scalar ball;            // m: that ball's radius
   const uint32_t* words;  // of all shapes
   uint32_t data, planes;  // its own in them
   real friction;
@@ -45,10 +45,9 @@ inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, doubl
   const bool capsule = body.kind == PrimitiveKind::kCapsule || body.kind == PrimitiveKind::kTaperedCapsule;
   const real3 half = capsule ? (b - a) * lit(0.5) : makeReal3(lit(0), lit(0), lit(0));
   const float thickest = body.kind == PrimitiveKind::kTaperedCapsule ? std::max(p.radius, p.radius_b) : p.radius;
-  const real ball = length(half) + lit(thickest + hair_radius) + contactReach();
+  const real ball = length(half) + lit(thickest + hair_radius);
   keep(a + half, body.middle);
   body.ball = one(ball);
-  body.ball2 = one(ball * ball);
   if (body.kind >= PrimitiveKind::kEllipsoid) {
     const quat rotation = interpolateRotation(fill4(p.rotation_begin), fill4(p.rotation_end), lit(time));
     const real components[4] = {rotation.x, rotation.y, rotation.z, rotation.w};

@@ -30,24 +30,30 @@ class NearBodies {
     time_ = time;
     noteMotions();
   }
-  /// Of all bodies, for vertex `v`; see meet().
+  /// Of all bodies the nearest to vertex `v`; see meet().
   Touch nearest(int v, const real3& x, const real3& x_start) const {
-    const real clear = clearance(v);
+    const real clear = clearance(v), reach = contactReach();
     const mask all = lit(0) < lit(1);
-    Touch touch = untouched(x);
-    for (size_t i = 0; i < kept(); ++i) meet(placed_[i], x, x_start, clear, all, touch);
-    for (size_t i = kept(); i < size(); ++i) meet(place(i, *input_, time_), x, x_start, clear, all, touch);
-    return touch;
+    Touch nearest = untouched(x, reach);
+    for (size_t i = 0; i < size(); ++i) {
+      Touch own = untouched(x, reach);
+      if (i < kPlacedBodies) meet(placed_[i], x, x_start, clear, reach, all, own);
+      else meet(place(i, *input_, time_), x, x_start, clear, reach, all, own);
+      nearest = chosen(own.gap < nearest.gap, own, nearest);
+    }
+    return nearest;
   }
 
-  // Rooms: a vertex that was some way off a body and has not gone as far since, seen from whatever body, cannot have met it.
-  // Of every vertex is kept how far it has gone since the start of the step, how much of it in this substep, and for each body
-  // a limit: a distance that is at most the gap at some time plus how far the vertex had gone then.
+  // The rod's vertices look at the bodies once a substep, from where they would go by themselves, and keep the planes along the
+  // two nearest: all that it asks of them, but for those that come far from where they looked, who look again.
+  // Rooms: a vertex that was some way off a body and has not gone as far since, seen from whatever body, need not look at it.
+  // Of every vertex is kept how far it has gone since the start of the step, and for each body a limit: a distance that is at
+  // most the gap at some time plus how far the vertex had gone then. Nothing comes out otherwise for that.
 
   /// To be called at the start of a step, for what follows. `rows`: contactScratch() numbers.
   void measureRooms(const StepInput& input, Scalar* rows) {
     rows_ = rows;
-    limits_ = rows + static_cast<size_t>(kRoomPlanes) * block_.vertices * kLanes;
+    limits_ = rows + static_cast<size_t>(kContactPlanes) * block_.vertices * kLanes;
     for (size_t k = 0; k < kept(); ++k) placed_[k] = place(k, input, 0);
     const real pressed = lit(input.parameters->hair_radius);
     for (int i = 1; i < block_.vertices; ++i) {
@@ -58,11 +64,23 @@ class NearBodies {
         nearest = min(nearest, own);
       }
       storeNearest(i, nearest);
-      store(lit(0), room(kGone, i));
+      store(lit(0), row(kGone, i));
     }
   }
-  /// Vertex i goes from x_start to x in this substep, seen by nothing yet.
-  void setOff(int i, const real3& x, const real3& x_start) {
+  /// At the start of a substep, for vertex i, which is at x_start and would go to x.
+  void lookAhead(int i, const real3& x, const real3& x_start) {
+    planes_[i] = 0;
+    look(i, x, x_start, wayAlong(x, x_start), lit(0) < lit(1));
+  }
+  /// In it, for vertex i, which has come to x.
+  void lookOn(int i, const real3& x, const real3& x_start) { lookAgain(i, x, x_start, lit(0) < lit(0)); }
+  /// At its end, the same; of `lanes` those too that may be in a body. Gives which of them are to be held out of it.
+  mask lookBack(int i, const real3& x, const real3& x_start, const mask& lanes) {
+    const mask near = planes_[i] > 0 ? lanes && touch(i, x).gap < lookMargin() : lit(0) < lit(0);
+    return lanes && lookAgain(i, x, x_start, near);
+  }
+  /// How far it is from x_start to x, at most, seen from whatever body.
+  real wayAlong(const real3& x, const real3& x_start) const {
     real most = lit(0);
     for (size_t m = 0; m < motions_; ++m) {
       const Motion& motion = motion_[m];
@@ -73,34 +91,21 @@ class NearBodies {
       const real3 way = x - x_start - makeReal3(along(0), along(1), along(2));
       most = max(most, length(way) + lit(motion.slack));
     }
-    const real gone = load(room(kGone, i));
-    store(load(room(kNearest, i)) - gone, room(kStart, i));
-    store(gone + most, room(kGone, i));
-    store(most, room(kWay, i));
+    return most;
   }
-  /// It goes on by `way`.
-  void goOn(int i, const real& way) {
-    store(load(room(kGone, i)) + way, room(kGone, i));
-    store(load(room(kWay, i)) + way, room(kWay, i));
-  }
-  mask mayMeet(int i) const { return reached(i) >= load(room(kNearest, i)); }
-  /// As nearest() above for the lanes that matter; the others touch nothing.
-  Touch nearest(int i, const real3& x, const real3& x_start, const mask& lanes) {
-    const real clear = clearance(i), gone = load(room(kGone, i)), reach = reached(i), before = load(room(kNearest, i));
-    Touch touch = untouched(x);
-    real nearest = lit(1e9);
-    for (size_t k = 0; k < kept(); ++k) {
-      real own = max(lit(limit(i, k)), before);
-      const mask looked = lanes && reach >= lit(limit(i, k));
-      if (anyTrue(looked)) {
-        own = select(looked, meet(placed_[k], x, x_start, clear, looked, touch) + gone, own);
-        limit(i, k) = leastLimit(own);
-      }
-      nearest = min(nearest, own);
+  /// In this substep it has gone so far.
+  void goOn(int i, const real& way) { store(load(row(kGone, i)) + way, row(kGone, i)); }
+  bool sees(int i) const { return planes_[i] > 0; }
+  /// What the bodies that vertex i sees are to it at x.
+  Touch touch(int i, const real3& x) const {
+    Touch nearest = untouched(x, contactReach());
+    for (int n = 0; n < planes_[i]; ++n) {
+      const int at = n * kPlaneRows;
+      const real3 normal = get3(kNormal + at, i);
+      const Touch own = {dot(normal, x) - get(kOffset + at, i), normal, get3(kCarried + at, i), get(kFriction + at, i)};
+      nearest = chosen(own.gap < nearest.gap, own, nearest);
     }
-    for (size_t k = kept(); k < size(); ++k) meet(place(k, *input_, time_), x, x_start, clear, lanes, touch);
-    storeNearest(i, nearest);
-    return touch;
+    return nearest;
   }
 
  private:
@@ -124,22 +129,80 @@ class NearBodies {
                   friction_scale_);
   }
 
-  // kNearest: the least limit; kStart: at most the least gap at the start of the substep.
-  enum RoomPlane : int { kGone, kWay, kNearest, kStart };
-  static_assert(kStart + 1 == kRoomPlanes);
-  Scalar* room(RoomPlane plane, int i) const { return rows_ + (static_cast<size_t>(i) * kRoomPlanes + plane) * kLanes; }
+  // kNearest: the least limit; kLookedFrom: where it looked last; a plane: its normal, what that makes of its points, Touch::carried and friction.
+  enum ContactRow : int {
+    kGone, kNearest, kLookedFrom, kPlanes = kLookedFrom + 3, kNormal = kPlanes, kOffset = kNormal + 3, kCarried, kFriction = kCarried + 3, kPlanesEnd
+  };
+  static constexpr int kPlaneRows = kPlanesEnd - kPlanes, kMostPlanes = 2;
+  static_assert(kPlanes + kMostPlanes * kPlaneRows == kContactPlanes);
+  Scalar* row(int plane, int i) const { return rows_ + (static_cast<size_t>(i) * kContactPlanes + plane) * kLanes; }
+  real get(int plane, int i) const { return load(row(plane, i)); }
+  real3 get3(int plane, int i) const { return {get(plane, i), get(plane + 1, i), get(plane + 2, i)}; }
   // Of body k, the least of all lanes.
   Scalar& limit(int i, size_t k) const { return limits_[static_cast<size_t>(i) * kPlacedBodies + k]; }
   // A lane that is not a number must not hide the others' bodies.
   static Scalar leastLimit(const real& limits) { return leastOf(select(limits > lit(-1e9), limits, lit(-1e9))); }
-  // What is farther than that is not met. On a way w between gaps g and h some point has the gap (g + h - w) / 2 or less, and
-  // meet() looks at none that is farther than w / 10.
-  real reached(int i) const {
-    const real swept = madd(load(room(kWay, i)), lit(1.2), lit(0) - load(room(kStart, i)));
-    return load(room(kGone, i)) + max(swept, lit(0)) + contactReach();
-  }
   void storeNearest(int i, const real& nearest) {  // of more bodies than are placed nothing is known
-    store(size() > kPlacedBodies ? lit(-1e9) : nearest, room(kNearest, i));
+    store(size() > kPlacedBodies ? lit(-1e9) : nearest, row(kNearest, i));
+  }
+  // Who is far from where it has looked from, and `others`.
+  mask lookAgain(int i, const real3& x, const real3& x_start, const mask& others) {
+    const real3 off = x - get3(kLookedFrom, i);
+    const mask lanes = dot(off, off) > lookReach() * lookReach() || others;
+    if (anyTrue(lanes)) look(i, x, x_start, wayAlong(x, x_start), lanes);
+    return lanes;
+  }
+  // Vertex i, of `lanes`, from x, with a way that is so long.
+  void look(int i, const real3& x, const real3& x_start, const real& way, const mask& lanes) {
+    const real reach = madd(way, lit(0.5), lookReach()), ahead = load(row(kGone, i)) + way + reach;
+    const real3 from = select(lanes, x, get3(kLookedFrom, i));
+    store(from.x, row(kLookedFrom, i));
+    store(from.y, row(kLookedFrom + 1, i));
+    store(from.z, row(kLookedFrom + 2, i));
+    const mask may_see = lanes && ahead >= load(row(kNearest, i));
+    if (planes_[i] > 0 || anyTrue(may_see)) lookFrom(i, x, x_start, way, reach, lanes, may_see);
+  }
+  // By itself, so that sweeps of hair that is near no body stay small.
+  [[gnu::noinline]] void lookFrom(int i, const real3& x, const real3& x_start, const real& way, const real& reach,
+                                  const mask& lanes, const mask& may_see) {
+    const real clear = clearance(i), before = load(row(kNearest, i)), gone = load(row(kGone, i)), ahead = gone + way + reach;
+    Touch first = untouched(x, reach), second = first;
+    real nearest = lit(1e9);
+    for (size_t k = 0; k < size(); ++k) {
+      Touch own = untouched(x, reach);
+      if (k >= kept()) {
+        meet(place(k, *input_, time_), x, x_start, clear, reach, may_see, own);
+      } else {
+        real own_limit = max(lit(limit(i, k)), before);
+        const mask looked = may_see && ahead >= own_limit;
+        if (anyTrue(looked)) {  // the gap is at x, which it has not gone to yet
+          own_limit = select(looked, meet(placed_[k], x, x_start, clear, reach, looked, own) + gone - way, own_limit);
+          limit(i, k) = leastLimit(own_limit);
+        }
+        nearest = min(nearest, own_limit);
+      }
+      if (!anyTrue(own.gap < second.gap)) continue;
+      const mask nearer = own.gap < first.gap;
+      second = chosen(nearer, first, chosen(own.gap < second.gap, own, second));
+      first = chosen(nearer, own, first);
+    }
+    storeNearest(i, nearest);
+    keepPlane(i, 0, first, x, reach, lanes);
+    keepPlane(i, 1, second, x, reach, lanes);
+  }
+  // Plane number n of vertex i, of `lanes`; where there is none, what stays beyond reach.
+  void keepPlane(int i, int n, const Touch& touch, const real3& x, const real& reach, const mask& lanes) {
+    const bool had = planes_[i] > n;
+    if (!had && !anyTrue(touch.gap < reach)) return;
+    planes_[i] = static_cast<uint8_t>(std::max<int>(planes_[i], n + 1));
+    const real offset = dot(touch.normal, x) - touch.gap;
+    const real rows[kPlaneRows] = {touch.normal.x,  touch.normal.y,  touch.normal.z,  offset,
+                                   touch.carried.x, touch.carried.y, touch.carried.z, touch.friction};
+    const real none[kPlaneRows] = {lit(0), lit(0), lit(0), lit(-1e9), x.x, x.y, x.z, lit(0)};
+    for (int c = 0; c < kPlaneRows; ++c) {
+      Scalar* const at = row(kPlanes + n * kPlaneRows + c, i);
+      store(select(lanes, rows[c], had ? load(at) : none[c]), at);
+    }
   }
 
   // How the points of a body move in a substep: by turn x point + shift, to `slack` where the strands are.
@@ -251,7 +314,7 @@ class NearBodies {
       for (int corner = 0; corner < 6; corner += 3)
         box.extend(Vec3(static_cast<float>(lanes[corner][lane]), static_cast<float>(lanes[corner + 1][lane]),
                         static_cast<float>(lanes[corner + 2][lane])));
-    const float radius = parameters.hair_radius + kContactReach;
+    const float radius = parameters.hair_radius + kLookReach;
     box.min().array() -= radius;
     box.max().array() += radius;
     return box;
@@ -281,6 +344,7 @@ class NearBodies {
   Vec3 middle_ = Vec3::Zero();  // m, of a box that holds the strands throughout the step
   float radius_ = 0;            // m, of a ball about it
   Scalar *rows_ = nullptr, *limits_ = nullptr;
+  uint8_t planes_[kMaxVerticesPerStrand];  // that any lane of the vertex has in this substep
   const StepInput* input_ = nullptr;
   double time_ = 0;
 };

@@ -60,7 +60,6 @@ class RodStep {
     for (int substep = 0; substep < p.substeps; ++substep) {
       const double time = (substep + 1.0) / p.substeps;
       near_.place(in, time);
-      fresh_ = true;
       const RootFrame root{madd(end_.position - begin_.position, lit(time), begin_.position),
                            interpolateRotation(begin_.rotation, end_.rotation, lit(time))};
       predict(root, time);
@@ -69,7 +68,6 @@ class RodStep {
       moveByForces();
       const mask violent = isViolent(substituteLengths());
       if (anyTrue(violent)) pullThroughBending(violent);
-      fresh_ = false;
       moveByPulls();
       substituteLengths();
       finish();
@@ -124,8 +122,9 @@ class RodStep {
   class Pulls;
   void finish();
   real3 collide(int i, const real3& x, const real3& moved);
-  real3 pressed(int i, const real3& x, const real3& moved, const mask& lanes);
+  real3 pressed(int i, const real3& x, const real3& moved);
   real3 keptOut(int i, const real3& placed, const real3& inner);
+  real3 turnedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes);
   real3 normalAt(int i) const { return near_.size() > 0 ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
 
   const Block& b;
@@ -146,7 +145,6 @@ class RodStep {
   quat inner_frame_;    // of the root, without the swing of this substep
   real3 tangent_old_, swing_;  // root tangent before the substep, and how it changes
   real3 jump_;          // m, unexpected motion of the root
-  bool fresh_ = true;   // contact has not been looked at in this substep
   real most_tension_;   // that is taken over from one substep to the next
 };
 
@@ -165,12 +163,14 @@ inline void RodStep::predict(const RootFrame& root, double time) {
   real3 unit_before = tangent_old_;
   for (int e = 0; e < ne; ++e) {
     const real3 x = state3(b.position, e + 1), v = state3(b.velocity, e + 1);
-    real3 moved = madd(v, grooming_.on() ? grooming_.keep(e + 1) * lit(h) : lit(h * keep_), x) + jump_;
+    const real3 ahead = madd(v, lit(h * keep_), x) + jump_;  // from there it looks at bodies
+    real3 moved = grooming_.on() ? madd(v, grooming_.keep(e + 1) * lit(h), x) + jump_ : ahead;
     if (b.pinned) {
       moved = select(weight(e + 1) > lit(0), moved, heldPoint(b, root, e + 1, time));
     }
     set3(kNewPosition, e + 1, moved);
     if (near_.size() > 0) {
+      near_.lookAhead(e + 1, ahead, x);
       set3(kNormal, e + 1, makeReal3(lit(0), lit(0), lit(0)));
       store3(state3(b.contact, e + 1) * lit(h * h), b.contact, e + 1);
     }
@@ -302,18 +302,17 @@ inline void RodStep::eliminateBending() {
 
 // Contact of vertex i at x, where forces have moved it by `moved`.
 inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
-  if (fresh_) near_.setOff(i, x, state3(b.position, i));
-  else near_.goOn(i, length(x - get3(kNewPosition, i)));
+  near_.lookOn(i, x, state3(b.position, i));
+  if (near_.sees(i)) return pressed(i, x, moved);
   const real3 before = state3(b.contact, i);
-  const mask lanes = near_.mayMeet(i) || dot(before, before) > lit(0);
-  return anyTrue(lanes) ? pressed(i, x, moved, lanes) : x;
+  return anyTrue(dot(before, before) > lit(0)) ? pressed(i, x, moved) : x;
 }
 
-// The same of lanes that may touch something; the normal is kept for the length solve, which must not push it back in. By
+// The same of a vertex that may touch something; the normal is kept for the length solve, which must not push it back in. By
 // itself, as keptOut(), so that sweeps of hair that is near no body stay small.
-[[gnu::noinline]] inline real3 RodStep::pressed(int i, const real3& x, const real3& moved, const mask& lanes) {
+[[gnu::noinline]] inline real3 RodStep::pressed(int i, const real3& x, const real3& moved) {
   const real3 before = state3(b.contact, i);
-  const Touch touch = near_.nearest(i, x, state3(b.position, i), lanes);
+  const Touch touch = near_.touch(i, x);
   const mask touches = (touch.gap < lit(0) || dot(before, before) > lit(0)) && weight(i) > lit(0);
   if (!anyTrue(touches)) return x;
   real3 force = before;
@@ -323,26 +322,31 @@ inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
   store3(select(touches, force, before), b.contact, i);
   set3(kNormal, i, select(presses, touch.normal, get3(kNormal, i)));
   set(kSoftness, i, select(presses, lit(0), get(kSoftness, i)));
-  near_.goOn(i, select(touches, length(out - x), lit(0)));
   return select(touches, out, x);
 }
 
 // Vertex i once more, where making lengths exact has placed it, from `inner` on: held to the side of the bodies it was on.
-[[gnu::noinline]] inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) {
-  const real off = length(placed - get3(kNewPosition, i));
-  near_.goOn(i, off);
-  const mask moved = off > contactSlack() && weight(i) > lit(0) && near_.mayMeet(i);
-  if (!anyTrue(moved)) return placed;
+inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) {
+  const real3 before = state3(b.position, i), off = placed - get3(kNewPosition, i);
+  const mask moved = dot(off, off) > contactSlack() * contactSlack() && weight(i) > lit(0);
+  real3 x = placed;
+  if (anyTrue(moved)) {
+    const mask looks = near_.lookBack(i, placed, before, moved);
+    if (anyTrue(looks)) x = turnedOutOfBodies(i, placed, inner, looks);
+  }
+  near_.goOn(i, near_.wayAlong(x, before));
+  return x;
+}
+// The same of lanes that have looked again.
+[[gnu::noinline]] inline real3 RodStep::turnedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes) {
   real3 x = placed;
   for (int round = 0; round < 3; ++round) {
-    const Touch touch = near_.nearest(i, x, state3(b.position, i), moved);
-    const mask deep = moved && touch.gap < lit(0) - contactSlack();
+    const Touch touch = near_.touch(i, x);
+    const mask deep = lanes && touch.gap < lit(0) - contactSlack();
     if (!anyTrue(deep)) break;
     const real edge = lengthOf(i - 1);
-    const mask last = deep && touch.gap > lit(0) - deepestTurn() && lit(round) > lit(1.5);
-    const real3 turned = select(last, turnedOut(x, inner, touch.normal, touch.gap, edge),
-                                turnedTowards(x, inner, touch.normal, touch.gap, edge));
-    near_.goOn(i, select(deep, length(turned - x), lit(0)));
+    const real3 turned = round < 2 ? turnedTowards(x, inner, touch.normal, touch.gap, edge)
+                                   : turnedOut(x, inner, touch.normal, lastTurn(touch.gap), edge);
     x = select(deep, turned, x);
   }
   return x;
@@ -509,7 +513,6 @@ inline void RodStep::pullThroughBending(const mask& violent) {
       const real3 moved = get3(kStrain, e), x = get3(kNewPosition, e + 1);
       const real tension = state(b.tension, 0, e);
       set3(kNewPosition, e + 1, select(violent, madd(moved, step, x), x));
-      if (near_.size() > 0) near_.goOn(e + 1, select(violent, length(moved * step), lit(0)));
       store(select(violent, madd(get(kConjugate, e), step, tension), tension), b.tension + at(0, e));
       const real residual = get(kResidual, e) - step * dot(get3(kTangent, e), moved_in - moved);
       set(kResidual, e, residual);

@@ -221,7 +221,7 @@ void Simulation::findNearBodies() {
       box.extend(Eigen::Vector3f(roots_begin_[s].position)).extend(Eigen::Vector3f(roots_end_[s].position));
       longest = std::max(longest, lengths_[s]);
     }
-    const float reach = kStretch * longest + parameters_.hair_radius + kContactReach;
+    const float reach = kStretch * longest + parameters_.hair_radius + kLookReach;
     box.min().array() -= reach;
     box.max().array() += reach;
   }

@@ -81,7 +81,7 @@ constexpr float kPinnedMass = 1e6f;    ///< of a vertex that the rod's bending s
 constexpr float kShortestEdge = 0.1f;  ///< of the strand's mean: shorter edges bend as if they were this long
 
 constexpr int kGroomingRows = 5;   ///< scratch numbers per vertex of core/grooming.inl
-constexpr int kRoomPlanes = 4;     ///< and of core/near_bodies.inl,
+constexpr int kContactPlanes = 21;  ///< and of core/near_bodies.inl,
 constexpr int kPlacedBodies = 16;  ///< which has one for each of so many bodies too, whatever the lanes
 
 /// Scalars of scratch memory that a step of a block needs: those of its solver, of grooming, of contact.
@@ -92,7 +92,7 @@ constexpr size_t groomingScratch(int vertices, int lanes) {
   return static_cast<size_t>(kGroomingRows) * vertices * lanes;
 }
 constexpr size_t contactScratch(int vertices, int lanes) {
-  return static_cast<size_t>(kRoomPlanes * lanes + kPlacedBodies) * vertices;
+  return static_cast<size_t>(kContactPlanes * lanes + kPlacedBodies) * vertices;
 }
 constexpr size_t blockScratch(int vertices, int lanes) {
   return solverScratch(vertices, lanes) + groomingScratch(vertices, lanes) + contactScratch(vertices, lanes);

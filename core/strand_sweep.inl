@@ -56,31 +56,42 @@ inline real3 heldPoint(const Block& b, const RootFrame& root, int i, double time
   return select(load(row) > lit(0.5), madd(place(kHeldEnd) - begin, lit(time), begin), by_root);
 }
 
-// The body within reach that is nearest to a vertex, or that its way has met.
+// What a body is to a vertex in a substep: a plane along its surface.
 struct Touch {
   real gap;        // m, to its surface, or to the plane through where the way met it
   real3 normal;    // of the same
   real3 carried;   // m, where the surface has taken the point at which the vertex was
   real friction;
 };
-inline Touch untouched(const real3& x) { return {contactReach(), makeReal3(lit(0), lit(0), lit(0)), x, lit(0)}; }
+// Of a vertex at x with no body nearer than `reach`.
+inline Touch untouched(const real3& x, const real& reach) { return {reach, makeReal3(lit(0), lit(0), lit(0)), x, lit(0)}; }
+inline Touch chosen(const mask& first, const Touch& a, const Touch& b) {
+  return {select(first, a.gap, b.gap), select(first, a.normal, b.normal), select(first, a.carried, b.carried),
+          select(first, a.friction, b.friction)};
+}
 
-// Looks whether this body is nearer to a vertex that goes from x_start to x in the substep. Seen from the body the vertex
-// comes from where the surface has taken x_start. If the normal there and at x are alike, the nearest point of the surface is
-// the way out; if not, the way may lead through the body, and distances tell how far it is free (conservative advancement,
-// Mirtich 1996): where that ends, the plane along the surface bounds the vertex. It has all of a convex body behind it.
+// Where a body takes a point of it in a substep.
+inline real3 carriedOf(const SubstepBody& body, const real3& point) {
+  return carriedBy(point, spread(body.a), spread(body.a_motion), spread(body.turn));
+}
+
+// What this body is to a vertex that goes from x_start to x in the substep, in `touch`, which is left alone where the body is
+// farther than `reach` (m, plus the way). Seen from the body the vertex comes from where the surface has taken x_start. If the
+// normal there and at x are alike, the nearest point of the surface is the way out; if not, the way may lead through the body,
+// and distances tell how far it is free (conservative advancement, Mirtich 1996): where that ends, the plane along the surface
+// bounds the vertex. It has all of a convex body behind it.
 // `clear`: how far from the surface x must be, m, at most the hair's radius. Only of `lanes`. Gives at most the gap, m.
-inline real meet(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, const mask& lanes,
-                 Touch& nearest) {
+inline real meet(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, const real& reach,
+                 const mask& lanes, Touch& touch) {
   constexpr int kAdvances = 8;
-  const real3 carried = carriedBy(x_start, spread(body.a), spread(body.a_motion), spread(body.turn));
-  const real3 way = x - carried;
+  const real3 carried = carriedOf(body, x_start), way = x - carried;
   const real way2 = dot(way, way);
   mask near = lanes;
   real room = lit(0);
   if (body.kind != PrimitiveKind::kPlane) {
     const real3 off = x - spread(body.middle);
-    near = near && dot(off, off) < lit(body.ball2) + way2;
+    const real ball = lit(body.ball) + reach;
+    near = near && dot(off, off) < madd(ball, ball, way2);
     room = length(off) - lit(body.ball);
     if (!anyTrue(near)) return room;
   }
@@ -106,10 +117,6 @@ inline real meet(const SubstepBody& body, const real3& x, const real3& x_start, 
       normal = select(met, at.normal, normal);
     }
   }
-  const mask nearer = near && gap < nearest.gap;
-  nearest.gap = select(nearer, gap, nearest.gap);
-  nearest.normal = select(nearer, normal, nearest.normal);
-  nearest.carried = select(nearer, carried, nearest.carried);
-  nearest.friction = select(nearer, body.friction, nearest.friction);
+  touch = chosen(near, {gap, normal, carried, body.friction}, touch);
   return room;
 }

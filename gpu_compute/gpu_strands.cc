@@ -63,10 +63,10 @@ void forEdges(std::span<const uint32_t> offsets, const Body& body) {
   }
 }
 
-void checkFits(size_t vertices) {
+void checkFits(size_t vertices, size_t rows = 1) {
   GLint64 limit = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
-  if (vertices * sizeof(Vec4) > static_cast<uint64_t>(limit))
+  if (vertices * rows * sizeof(Vec4) > static_cast<uint64_t>(limit))
     throw Error(fmt::format("{} vertices are too many for this GPU's buffers", vertices),
                 reinterpret_cast<const char*>(glGetString(GL_RENDERER)),
                 "use fewer strands or --backend simd");
@@ -182,6 +182,20 @@ void GpuStrands::takeShapes(const ShapeData* shapes) {
   shapes_revision_ = shapes->revision;
 }
 
+void GpuStrands::makeSights() {
+  constexpr size_t kSightRows = 5;  // of shaders/contact_sights.glsl
+  const size_t bytes = vertices_ * (1 + kSightRows) * sizeof(Vec4);
+  if (contacts_.bytes() == bytes) return;
+  checkFits(vertices_, 1 + kSightRows);
+  discardErrors();
+  gl::Buffer all(bytes, nullptr, GL_DYNAMIC_STORAGE_BIT);
+  if (glGetError() == GL_OUT_OF_MEMORY)
+    throw Error("what hair sees of bodies does not fit the GPU's memory", fmt::format("{} vertices", vertices_),
+                "use fewer strands or --backend simd");
+  glCopyNamedBufferSubData(contacts_.id(), all.id(), 0, 0, static_cast<GLsizeiptr>(vertices_ * sizeof(Vec4)));
+  contacts_ = std::move(all);
+}
+
 void GpuStrands::step(const StepInput& input) {
   uploaded_.clear();
   if (vertices_ == 0) return;
@@ -199,9 +213,10 @@ void GpuStrands::step(const StepInput& input) {
     grooming_ = gl::Buffer(std::span<const Vec4>(std::vector<Vec4>(vertices_, kNotGroomed)));
   const bool accelerated = std::exchange(accelerated_, false) || !input.accelerations.empty();
   if (!input.accelerations.empty()) guides_.write(input.accelerations);
-  bind();
   const bool rod = input.parameters->solver == SolverKind::kRod;
   const bool pressing = rod && !input.primitives.empty();
+  if (pressing) makeSights();
+  bind();
   if (pressed_ && !pressing) glClearNamedBufferData(contacts_.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, nullptr);
   pressed_ = pressing;
   timer_.begin();
@@ -211,7 +226,7 @@ void GpuStrands::step(const StepInput& input) {
                .goal = goal,
                .accelerated = accelerated,
                .damping = input.parameters->damping_time > 0},
-              programs_);
+              input.parameters->substeps, programs_);
   else
     gauss_seidel_.step(groomed_ || goal, accelerated, programs_);
   timer_.end();

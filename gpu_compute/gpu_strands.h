@@ -44,6 +44,7 @@ class GpuStrands {
  private:
   void bind() const;
   void takeShapes(const ShapeData* shapes);
+  void makeSights();
 
   ProgramCache& programs_;
   size_t vertices_, strands_, bones_;
@@ -52,7 +53,7 @@ class GpuStrands {
   gl::Buffer positions_;              ///< xyz; w: tension of the edge that ends at the vertex
   gl::Buffer velocities_;             ///< xyz; w: StrandModel::rest_distance
   gl::Buffer frames_;                 ///< of the edge that starts at the vertex
-  gl::Buffer contacts_;               ///< StrandState::contacts
+  gl::Buffer contacts_;               ///< StrandState::contacts; with bodies see shaders/contact_sights.glsl
   bool pressed_ = false;              ///< some of them may not be 0
   gl::Buffer rest_local_, offsets_;
   gl::Buffer guides_;  ///< see shaders/step_input.glsl

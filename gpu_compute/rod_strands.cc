@@ -103,8 +103,9 @@ std::vector<uint32_t> keysOf(const StrandModel& model) {
   return keys;
 }
 
-// A dispatch of violent strands when there are none yet: see shaders/rod_strand.glsl.
+// A dispatch of listed strands when there are none yet: see shaders/rod_strand.glsl.
 constexpr std::array<GLuint, 4> kNobody = {0, 1, 1, 0};
+constexpr size_t kMostSubsteps = 64;
 
 // Whether a workgroup is one subgroup whose invocations can read each other's registers.
 bool canShuffle() {
@@ -132,7 +133,7 @@ RodStrands::RodStrands(const StrandModel& model) : groups_(keysOf(model)), shuff
                   pinned ? 0.0f : 1 / model.mass[v + 1]};
     }
   }
-  std::vector<uint32_t> work(dispatchAt(groups_.groups().size()) + model.strands());
+  std::vector<uint32_t> work(lostList() + model.strands());
   std::copy(groups_.order().begin(), groups_.order().end(), work.begin());
   work_ = gl::Buffer(std::span<const uint32_t>(work));
   joints_ = gl::Buffer(std::span<const Vec4>(joints));
@@ -160,17 +161,16 @@ RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, bool violent,
         fmt::format(
             "#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n#define "
             "PINNED {:d}\n#define "
-            "BODIES {:d}\n#define TURNING {:d}\n#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT "
-            "{:d}\n#define "
+            "BODIES {:d}\n#define TURNING {:d}\n#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define "
             "SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
             spread.per_thread, spread.threads, edges_of_[g], (key & kGeneral) == 0 && !groomed,
-            (key & kPinned) != 0, needs.bodies, needs.turning, groomed, needs.damping, violent, shuffled_,
+            (key & kPinned) != 0, needs.bodies, needs.turning && violent, groomed, needs.damping, violent, shuffled_,
             needs.accelerated)));
   }
   return out;
 }
 
-void RodStrands::step(const Needs& needs, ProgramCache& programs) {
+void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) {
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
                              (needs.damping ? 8 : 0) + (needs.turning ? 16 : 0)];
   if (mine.calm.empty()) mine = {compile(needs, false, programs), compile(needs, true, programs)};
@@ -178,29 +178,65 @@ void RodStrands::step(const Needs& needs, ProgramCache& programs) {
   joints_.bindStorage(10);
   edges_.bindStorage(11);
   strands_.bindStorage(12);
-  const std::span<const StrandGroup> groups = groups_.groups();
-  glClearNamedBufferSubData(work_.id(), GL_RGBA32UI, static_cast<GLintptr>(dispatchAt(0) * sizeof(uint32_t)),
-                            static_cast<GLsizeiptr>(groups.size() * sizeof(kNobody)), GL_RGBA_INTEGER,
-                            GL_UNSIGNED_INT, kNobody.data());
-  for (size_t g = 0; g < groups.size(); ++g) {
-    placeWork(*mine.calm[g], g);
-    dispatch(*mine.calm[g], groups[g], kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
-  }
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
-  for (size_t g = 0; g < groups.size(); ++g) {
-    placeWork(*mine.violent[g], g);
-    mine.violent[g]->use();
-    glDispatchComputeIndirect(static_cast<GLintptr>(dispatchAt(g) * sizeof(uint32_t)));
+  glClearNamedBufferSubData(
+      work_.id(), GL_RGBA32UI, static_cast<GLintptr>(dispatchAt(0, 0) * sizeof(uint32_t)),
+      static_cast<GLsizeiptr>((violentLists() - dispatchAt(0, 0)) * sizeof(uint32_t)), GL_RGBA_INTEGER,
+      GL_UNSIGNED_INT, kNobody.data());
+  if (!needs.bodies) {
+    solve(mine, needs, 0, substeps);
+    return;
+  }
+  const char* const defines = needs.turning ? "#define TURNING 1\n" : "#define TURNING 0\n";
+  const gl::Program& look = look_[needs.turning].get(programs, "look.comp", shaders::kLookComp, defines);
+  const gl::Program& keep_out =
+      keep_out_[needs.turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, defines);
+  for (int substep = 0; substep < substeps; ++substep) {
+    glProgramUniform1i(look.id(), 4, substep);
+    dispatch(look, {0, 0, static_cast<uint32_t>(groups_.order().size())}, 1);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    solve(mine, needs, substep, substep + 1);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    const size_t lost = dispatchAt(groups_.groups().size(), substep);
+    glProgramUniform1ui(keep_out.id(), 2, static_cast<GLuint>(lost));
+    glProgramUniform1ui(keep_out.id(), 3, static_cast<GLuint>(lostList()));
+    glProgramUniform1i(keep_out.id(), 4, substep);
+    keep_out.use();
+    glDispatchComputeIndirect(static_cast<GLintptr>(lost * sizeof(uint32_t)));
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   }
 }
 
-size_t RodStrands::dispatchAt(size_t group) const { return (groups_.order().size() + 3) / 4 * 4 + 4 * group; }
+void RodStrands::solve(const Programs& programs, const Needs& needs, int first, int end) const {
+  const std::span<const StrandGroup> groups = groups_.groups();
+  for (size_t g = 0; g < groups.size(); ++g) {
+    placeWork(*programs.calm[g], needs, g, first, end);
+    dispatch(*programs.calm[g], groups[g], kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
+  }
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+  for (size_t g = 0; g < groups.size(); ++g) {
+    placeWork(*programs.violent[g], needs, g, first, end);
+    programs.violent[g]->use();
+    glDispatchComputeIndirect(static_cast<GLintptr>(dispatchAt(g, first) * sizeof(uint32_t)));
+  }
+}
 
-void RodStrands::placeWork(const gl::Program& program, size_t group) const {
-  const size_t lists = dispatchAt(groups_.groups().size());
-  glProgramUniform1ui(program.id(), 2, static_cast<GLuint>(dispatchAt(group)));
-  glProgramUniform1ui(program.id(), 3, static_cast<GLuint>(lists + groups_.groups()[group].first));
+size_t RodStrands::dispatchAt(size_t group, int substep) const {
+  const size_t dispatches = groups_.groups().size() + 1;
+  return (groups_.order().size() + 3) / 4 * 4 + 4 * (dispatches * static_cast<size_t>(substep) + group);
+}
+size_t RodStrands::violentLists() const { return dispatchAt(0, kMostSubsteps); }
+size_t RodStrands::lostList() const { return violentLists() + groups_.order().size(); }
+
+void RodStrands::placeWork(const gl::Program& program, const Needs& needs, size_t group, int first,
+                           int end) const {
+  glProgramUniform1ui(program.id(), 2, static_cast<GLuint>(dispatchAt(group, first)));
+  glProgramUniform1ui(program.id(), 3, static_cast<GLuint>(violentLists() + groups_.groups()[group].first));
+  glProgramUniform1i(program.id(), 4, first);
+  glProgramUniform1i(program.id(), 5, end);
+  if (!needs.bodies) return;
+  glProgramUniform1ui(program.id(), 6, static_cast<GLuint>(dispatchAt(groups_.groups().size(), first)));
+  glProgramUniform1ui(program.id(), 7, static_cast<GLuint>(lostList()));
 }
 
 }  // namespace strandcast::gpu

@@ -20,24 +20,31 @@ class RodStrands {
     bool damping;      ///< there is internal damping
   };
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs
-  /// compiles.
-  void step(const Needs& needs, ProgramCache& programs);
+  /// compiles. Without bodies it is one dispatch, with them a few for each substep.
+  void step(const Needs& needs, int substeps, ProgramCache& programs);
 
  private:
   using GroupPrograms = std::vector<const gl::Program*>;
+  struct Programs {
+    GroupPrograms calm, violent;
+  };
   GroupPrograms compile(const Needs& needs, bool violent, ProgramCache& programs) const;
-  size_t dispatchAt(size_t group) const;  ///< in work_, in 4 bytes: of its violent strands
-  /// Tells the program where in work_ the group's violent strands go.
-  void placeWork(const gl::Program& program, size_t group) const;
+  /// The substeps from `first` until before `end`.
+  void solve(const Programs& programs, const Needs& needs, int first, int end) const;
+  // Places in work_, in 4 bytes: the dispatch of a group's violent strands in a substep, after those of all
+  // groups that of lost ones; and where lists start.
+  size_t dispatchAt(size_t group, int substep) const;
+  size_t violentLists() const;
+  size_t lostList() const;
+  /// Tells the program what to do and where in work_ it lists the group's strands.
+  void placeWork(const gl::Program& program, const Needs& needs, size_t group, int first, int end) const;
 
   StrandGroups groups_;             ///< key: see rod_strands.cc
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
   gl::Buffer work_, joints_, edges_, strands_;
   const bool shuffled_;
-  struct Programs {
-    GroupPrograms calm, violent;
-  };
-  std::array<Programs, 32> programs_;  ///< by needs; empty until first needed
+  std::array<Programs, 32> programs_;             ///< by needs; empty until first needed
+  std::array<LazyProgram, 2> look_, keep_out_;  ///< with kinds of bodies that turn, or without
 };
 
 }  // namespace strandcast::gpu

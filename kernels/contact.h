@@ -111,6 +111,10 @@ FN real3 tangentialPart(IN(real3) force, IN(real3) normal) { return madd(normal,
 
 // Hair farther from a body than this, in metres, is not pressed by it any more.
 FN real contactReach() { return lit(1e-3); }
+// Bodies that are nearer than this to where a vertex would go by itself, or that and half of its way, are heeded in the substep.
+FN real lookReach() { return lit(2e-3); }
+// Who ends the substep farther than that from there, or nearer than this to where it saw a body, looks once more.
+FN real lookMargin() { return lit(5e-4); }
 // By how much making lengths exact may press hair into a body, metres.
 FN real contactSlack() { return lit(2e-5); }
 // The part of what forces did to a vertex in a substep by which its kept contact force follows. At rest that is nothing;
@@ -154,8 +158,10 @@ FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real
 FN real3 turnedTowards(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
   return madd(directionOr(madd(normal, lit(0) - gap, x) - inner, normal), edge_length, inner);
 }
-// Ends that are no deeper than this after two of these turns go all the way; deeper ones were in the body before, metres.
-FN real deepestTurn() { return lit(2e-3); }
+// Ends that are still in the body after two of these turns go on with turnedOut(), all the way where they are less than 2 mm deep.
+// Ends of 3 mm and more were in the body before, and stay: they would be thrown to either side for the last bit. This is the
+// gap to take away.
+FN real lastTurn(IN(real) gap) { return gap * clamp(madd(gap, lit(1e3), lit(3)), lit(0), lit(1)); }
 // The outer end x of an edge that starts at `inner`, when it is `gap` < 0 behind the plane across the unit `normal`: the edge
 // turned until the end is in the plane, or as far out as its length allows.
 FN real3 turnedOut(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {

@@ -43,7 +43,13 @@ float fieldDistanceAt(uint at, vec3 x, float clear, out vec3 normal) {
   FieldPlace place = fieldPlace(x, shapeVector(at), cell, vec3(bricks));
   uint entry = shape_words[shape_words[at + 9u] + uint(place.brick)];
   normal = vec3(0);
-  if (entry == kOutsideBrick) return max(clear, band);
+  if (entry == kOutsideBrick) {  // at most the distance, by what is stored at the brick's nearest corner
+    vec3 nearest = floor(place.in_brick + 0.5);
+    uvec3 step = uvec3(nearest);
+    uint corner = uint(place.corner) + (step.z * (bricks.y + 1u) + step.y) * (bricks.x + 1u) + step.x;
+    float way = length((place.in_brick - nearest) * (8.0 * cell) + place.outside);
+    return max(max(clear, band), shapeNumber(shape_words[at + 11u] + corner) - way);
+  }
   bool stored = entry < kInsideBrick;
   uint from = stored ? shape_words[at + 10u] + entry * kBrickWords : shape_words[at + 11u];
   uint n = uint(stored ? place.first_sample : place.corner);

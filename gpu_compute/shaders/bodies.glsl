@@ -19,24 +19,18 @@ float surfaceAt(PlacedBody body, vec3 x, float clear, out vec3 normal) {
   return surfaceAt(shape, x, clear, normal);
 }
 
-// The body within reach that is nearest to a vertex, or that its way has met.
-struct Touch {
-  float gap;      // m, to its surface, or to the plane through where the way met it
-  vec3 normal;    // of the same
-  vec3 carried;   // m, where the surface has taken the point at which the vertex was
-  float friction;
-};
-Touch untouched(vec3 x) { return Touch(contactReach(), vec3(0), x, 0.0); }
+#include "gpu_compute/shaders/touch.glsl"
 
-// Looks whether this body is nearer to a vertex that goes from `start` to x in the substep; see core/strand_sweep.inl.
-// `clear`: how far from the surface x must be, m.
-void meet(PlacedBody body, vec3 x, vec3 start, float clear, inout Touch nearest) {
+// What this body is to a vertex that goes from `start` to x in the substep; where it is farther than `reach` (m, plus the way),
+// untouched() with at most the gap; see core/strand_sweep.inl. `clear`: how far from the surface x must be, m.
+Touch meet(PlacedBody body, vec3 x, vec3 start, float clear, float reach) {
   const int kAdvances = 8;
   vec3 carried = carriedBy(start, body.a, body.a_motion, body.turn);
   vec3 way = x - carried;
   float way2 = dot(way, way);
   vec3 off = x - body.middle;
-  if (!(dot(off, off) < body.ball * body.ball + way2)) return;
+  float ball = body.ball + reach;
+  if (!(dot(off, off) < madd(ball, ball, way2))) return untouched(x, max(length(off) - body.ball, reach));
   // One loop for the distances at x, at its start and along its way: the text of surfaceAt() is long, and inlined.
   float gap = 0.0, part = 0.0, per_way = inverseSqrt(max(way2, 1e-30));
   vec3 normal = vec3(0), at_normal;
@@ -56,5 +50,5 @@ void meet(PlacedBody body, vec3 x, vec3 start, float clear, inout Touch nearest)
       normal = at_normal;
     }
   }
-  if (gap < nearest.gap) nearest = Touch(gap, normal, carried, body.friction);
+  return Touch(gap, normal, carried, body.friction);
 }

@@ -53,9 +53,12 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
 
 // clear: how far from every body the vertex must be, m.
 vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, float friction_scale, int substep) {
-  Touch touch = untouched(x);
+  Touch touch = untouched(x, contactReach());
   uvec2 range = nearRange(strand);
-  for (uint i = range.x; i < range.y; ++i) meet(bodyAt(nearBody(i), substep), x, start, clear, touch);
+  for (uint i = range.x; i < range.y; ++i) {
+    Touch own = meet(bodyAt(nearBody(i), substep), x, start, clear, contactReach());
+    if (own.gap < touch.gap) touch = own;
+  }
   if (touch.gap >= 0.0) return x;
   vec3 force = vec3(0);
   return resolveContact(x, touch.carried, vec3(0), touch.normal, touch.gap, touch.friction * friction_scale, 1.0, force);
@@ -146,8 +149,6 @@ void main() {
   if (stores) {
     positions[vertex].xyz = x;
     velocities[vertex].xyz = v;
-    guides[vertex * 3u] = x.x;
-    guides[vertex * 3u + 1u] = x.y;
-    guides[vertex * 3u + 2u] = x.z;
+    storeGuide(vertex, x);
   }
 }

@@ -3,13 +3,13 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=1 GROOMED=1 DAMPED=1 VIOLENT=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 SHUFFLED=0 ACCELERATED=0
+// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=1 GROOMED=1 DAMPED=1 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 SHUFFLED=0 ACCELERATED=0
 // One step of strands as inextensible rods, all substeps in one dispatch: core/rod_sweep.inl with the state in registers,
 // PER_THREAD (2 or 4) edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
 // become: own slots by elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
-// PINNED: more vertices than the roots are. BODIES: there are some; TURNING: of kinds with a rotation too, whose surfaces are
-// much text. GROOMED: there is a goal pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every
+// PINNED: more vertices than the roots are. BODIES: there are some; then a dispatch does one substep, for which look.comp has
+// looked at them, and lists strands for keep_out.comp. TURNING: see bodies.glsl. GROOMED: there is a goal pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every
 // vertex has an acceleration of its own. DAMPED: there is internal damping.
 // VIOLENT: what violent motion takes would double the registers of every strand. So a step is two dispatches: 0 does calm
 // strands and lists the others, 1 does the whole step of those.
@@ -33,9 +33,6 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/root_motion.glsl"
 #include "gpu_compute/shaders/tridiagonal.glsl"
 #include "gpu_compute/shaders/pentadiagonal.glsl"
-#if BODIES
-#include "gpu_compute/shaders/bodies.glsl"
-#endif
 
 // Of the present substep; entry p is of slot p, entries from PER_THREAD on are of the next invocation.
 vec3 x_new[PER_THREAD];             // m
@@ -52,9 +49,9 @@ vec3 across;
 vec3 force[PER_THREAD];             // m
 float pull[PER_THREAD], pull_in, pull_out;  // m, of edges; in: before slot 0, out: after the last slot
 float most;                         // violence of this invocation, of all substeps yet
+bool lost;                          // of this invocation's vertices: isLost()
 #if BODIES
-layout(std430, binding = 3) buffer Contacts { vec4 contacts[]; };  // xyz: StrandState::contacts
-vec3 pressing[PER_THREAD];            // m: the same x substep^2
+vec3 pressing[PER_THREAD];            // m: StrandState::contacts x substep^2
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
 #define NORMAL(p) normals[p]
 #define NORMAL_IN normal_in
@@ -504,7 +501,7 @@ void moveByPulls() {
 // Exact lengths along the directions found, from the root or the last pinned vertex on: a scan. Then velocities.
 #if BODIES
 // `checked`: where contact left the vertices.
-void finish(RootMotion root, int substep, vec3 checked[PER_THREAD]) {
+void finish(RootMotion root, vec3 checked[PER_THREAD]) {
 #else
 void finish(RootMotion root) {
 #endif
@@ -552,11 +549,8 @@ void finish(RootMotion root) {
   vec3 start = root.position + offset;
   vec3 placed[PER_THREAD];
   for (int p = 0; p < PER_THREAD; ++p) placed[p] = along[p] + (anchored[p] ? root.position : start);
-#if BODIES && VIOLENT
-  start = keepOut(root, substep, checked, direction, start, placed);
-#elif BODIES
-  for (int p = 0; p < PER_THREAD; ++p)
-    if (maySink(p, checked[p], placed[p])) most = 1.0;  // violent, whatever its pulls are
+#if BODIES
+  lost = isLost(placed, checked);
 #endif
   v_in = (start - x_in) * settings.per_substep;
   x_in = start;
@@ -566,21 +560,19 @@ void finish(RootMotion root) {
   }
 }
 
+// Lists the strand for a dispatch, which gets a workgroup more for every `per_workgroup` of them: see work[].
+void listStrand(uint dispatch, uint first, uint per_workgroup) {
+  uint at = atomicAdd(work[dispatch + 3u], 1u);
+  work[first + at] = strand;
+  if (at % per_workgroup == 0u && at / per_workgroup < kMostWorkgroups) atomicAdd(work[dispatch], 1u);
+}
+
 void store() {
   storeStrand();
 #if BODIES
   storeContacts();
 #endif
 }
-
-#if !VIOLENT
-// Lists the strand for the dispatch of the violent ones, which gets a workgroup more for every kStrands of them.
-void listViolent() {
-  uint at = atomicAdd(work[violent_dispatch + 3u], 1u);
-  work[violent_list + at] = strand;
-  if (at % kStrands == 0u && at / kStrands < kMostWorkgroups) atomicAdd(work[violent_dispatch], 1u);
-}
-#endif
 
 // The step of kStrands strands, from number `first` of the `count` that stand in work[] from `list` on.
 void stepStrands(uint list, uint first, uint count) {
@@ -590,8 +582,8 @@ void stepStrands(uint list, uint first, uint count) {
   loadContacts();
   const int passes = settings.substeps > 0u ? 2 : 0;  // of lengths; compilers would unroll a 2
 #endif
-  for (int substep = 0; substep < int(settings.substeps); ++substep) {
-    int ahead = substep % THREADS;
+  for (int substep = first_substep; substep < end_substep; ++substep) {
+    int ahead = (substep - first_substep) % THREADS;
     if (ahead == 0) placeRoots(substep);
     RootMotion root = rootMotion(ahead, timeAfter(substep));
     float blend[PER_THREAD];
@@ -603,7 +595,6 @@ void stepStrands(uint list, uint first, uint count) {
 #if BODIES
     vec3 checked[PER_THREAD];  // where contact leaves the vertices
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
-    park();
     for (int pass = 0; pass < passes; ++pass) {
       collide(substep, moved);
       for (int p = 0; p < PER_THREAD; ++p) moved[p] = vec3(0);
@@ -616,8 +607,7 @@ void stepStrands(uint list, uint first, uint count) {
       checked = x_new;
       moveByPulls();
     }
-    finish(root, substep, checked);
-    unpark();
+    finish(root, checked);
 #else
     solveLengths(root);
 #if VIOLENT
@@ -632,12 +622,17 @@ void stepStrands(uint list, uint first, uint count) {
 #endif
   }
 #if VIOLENT
-  if (exists) store();
+  const bool stays = exists;
 #else
   bool violent = isViolentStrand(most);
-  if (exists && !violent) store();
-  if (exists && violent && rank == 0) listViolent();
+  bool stays = exists && !violent;
+  if (exists && violent && rank == 0) listStrand(violent_dispatch, violent_list, kStrands);
 #endif
+#if BODIES
+  bool any_lost = strandSum(lost ? 1.0 : 0.0) > 0.0;
+  if (stays && any_lost && rank == 0) listStrand(lost_dispatch, lost_list, uint(WORKGROUP));
+#endif
+  if (stays) store();
 }
 
 void main() {

@@ -5,8 +5,8 @@
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz; w: rest distance from bodies, m
 layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
-// Strands by group; for each group 4 numbers for its dispatch of violent strands: workgroups in x, y, z, and how many
-// strands; their lists, which start where the groups do.
+// Strands by group; 4 numbers for each dispatch of listed strands: workgroups in x, y, z, and how many strands; the lists of
+// violent strands, which start where the groups do; that of lost ones.
 layout(std430, binding = 5) buffer Work { uint work[]; };
 layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // of the edge that starts at the vertex
 layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // rest strain, bend
@@ -25,6 +25,12 @@ layout(location = 0) uniform uint first_strand;
 layout(location = 1) uniform uint strands_in_group;
 layout(location = 2) uniform uint violent_dispatch;
 layout(location = 3) uniform uint violent_list;
+layout(location = 4) uniform int first_substep;
+layout(location = 5) uniform int end_substep;  // the first that is not done
+#if BODIES
+layout(location = 6) uniform uint lost_dispatch;
+layout(location = 7) uniform uint lost_list;
+#endif
 const uint kStrands = uint(WORKGROUP / THREADS);  // of a workgroup
 const uint kMostWorkgroups = 65535u;              // in x, that every driver takes
 
@@ -183,22 +189,16 @@ void loadStrand(uint list, uint first, uint count) {
 #endif
 }
 
-// How far from every body the vertex of slot p must be: what lies deeper at rest may stay as deep.
-float clearance(int p) {
-  return min(settings.hair_radius, velocities[root_vertex + uint(min(rank * PER_THREAD + p + 1, edges))].w);
-}
-
-void storeGuide(uint vertex, vec3 position) {
-  guides[vertex * 3u] = position.x;
-  guides[vertex * 3u + 1u] = position.y;
-  guides[vertex * 3u + 2u] = position.z;
+// Guides are what the whole step gives; until then they may be accelerations.
+void storeGuideAtEnd(uint vertex, vec3 position) {
+  if (end_substep == int(settings.substeps)) storeGuide(vertex, position);
 }
 
 void storeStrand() {
   if (rank == 0) {
     positions[root_vertex].xyz = x_in;
     velocities[root_vertex].xyz = v_in;
-    storeGuide(root_vertex, x_in);
+    storeGuideAtEnd(root_vertex, x_in);
   }
   for (int p = 0; p < PER_THREAD; ++p) {
     if (!isEdge(p)) continue;
@@ -206,6 +206,6 @@ void storeStrand() {
     positions[at + 1u] = vec4(x[p], tension[p] * settings.per_substep * settings.per_substep);
     velocities[at + 1u].xyz = v[p];
     frames[at] = frame[p];
-    storeGuide(at + 1u, x[p]);
+    storeGuideAtEnd(at + 1u, x[p]);
   }
 }

@@ -25,13 +25,14 @@ float timeAfter(int substep) { return float(substep + 1) / float(settings.subste
 void placeRoots(int first) {
   barrier();  // nobody reads those before any more
   int substep = first + rank;
-  if (substep < int(settings.substeps)) {
+  if (substep < end_substep) {
     Pose begin = rootPose(strand), end = rootPose(settings.strand_count + strand);
     vec3 way = end.position - begin.position, start = positions[root_vertex].xyz;
     vec3 position = madd(way, timeAfter(substep), begin.position);
-    vec3 last = substep > 0 ? madd(way, timeAfter(substep - 1), begin.position) : start;
-    vec3 one_more = substep > 1 ? madd(way, timeAfter(substep - 2), begin.position) : start;
-    vec3 velocity = substep > 0 ? (last - one_more) * settings.per_substep : velocities[root_vertex].xyz;
+    int done = substep - first_substep;  // in this dispatch
+    vec3 last = done > 0 ? madd(way, timeAfter(substep - 1), begin.position) : start;
+    vec3 one_more = done > 1 ? madd(way, timeAfter(substep - 2), begin.position) : start;
+    vec3 velocity = done > 0 ? (last - one_more) * settings.per_substep : velocities[root_vertex].xyz;
     vec3 jump = position - madd(velocity, settings.substep, last);
     vec4 rotation = interpolateRotation(begin.rotation, end.rotation, timeAfter(substep));
     vec4 old = substep > 0 ? interpolateRotation(begin.rotation, end.rotation, timeAfter(substep - 1)) : begin.rotation;

@@ -46,6 +46,11 @@ layout(std430, binding = 15) readonly buffer Near { uint near_bodies[]; };
 // 3 per vertex. What the step gives: positions. ACCELERATED: what is told until then, accelerations in m/s^2; a buffer of
 // their own would be one more than every driver takes.
 layout(std430, binding = 8) buffer Guides { float guides[]; };
+void storeGuide(uint vertex, vec3 position) {
+  guides[vertex * 3u] = position.x;
+  guides[vertex * 3u + 1u] = position.y;
+  guides[vertex * 3u + 2u] = position.z;
+}
 
 #if ACCELERATED
 vec3 accelerationOf(uint vertex) {

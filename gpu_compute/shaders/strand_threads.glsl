@@ -89,16 +89,6 @@ const int kDoublings = 4;
 const int kDoublings = 5;
 #endif
 
-// What an invocation finds of its whole strand: forget, barrier, note, barrier, ask.
-shared uint noted[WORKGROUP];  // at the first invocation of each strand
-shared uint any_noted;         // in the workgroup
-void forgetNoted() {
-  if (rank == 0) noted[me] = 0u;
-  if (me == 0u) any_noted = 0u;
-}
-void noteStrand() { noted[me - uint(rank)] = any_noted = 1u; }
-bool isNoted() { return noted[me - uint(rank)] != 0u; }
-
 // The sum over the strand's invocations, the same bits in each of them.
 float strandSum(float value) {
   for (int doubling = 0; doubling < kDoublings; ++doubling) {
