@@ -434,6 +434,31 @@ TEST_F(Programs, DaemonCastsOverLcm) {
   EXPECT_NE(refused.err.find("loses nothing"), std::string::npos) << refused.err;
 }
 
+TEST_F(Programs, GridsOfARecordingAreDrawn) {
+  if (!STRANDCAST_GL || !STRANDCAST_DDS) GTEST_SKIP() << "built without OpenGL or without DDS";
+  const std::string file = (folder_ / "run.rec").string();
+  const Outcome cast = run(daemon_ +
+                           " --scene straight --strands 100 --vertices 8 --backend simd --motion shake "
+                           "--set volume_stiffness=1 --duration 0.6 --quiet --record " +
+                           file + " --domain " + domain_);
+  ASSERT_EQ(cast.exit_code, 0) << cast.err;
+  const std::string replay =
+      program_ + " replay " + file + " --json --fps 10 --size 64 --out " + (folder_ / "slices").string();
+  const Outcome drawn = run(replay + " --resimulate --show density");
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  const nlohmann::json report = nlohmann::json::parse(drawn.out);
+  EXPECT_EQ(report["frames_different"], 0) << "the grids are those of the recorded simulation";
+  EXPECT_GT(report["full"], 0) << "kg/m^3";
+  EXPECT_GE(report["frames_drawn"], 3);
+  EXPECT_LE(report["frames_drawn"], 7);
+  EXPECT_NE(contents(folder_ / "slices" / "frame_0000.png"), contents(folder_ / "slices" / "frame_0002.png"))
+      << "the head is shaken";
+  const Outcome still = run(replay + " --resimulate --show wind");
+  EXPECT_EQ(still.exit_code, 2);
+  EXPECT_NE(still.err.find("wind_grid=1"), std::string::npos) << still.err;
+  EXPECT_EQ(run(replay + " --show density").exit_code, 2) << "a recording has no grids of its own";
+}
+
 TEST_F(Programs, ALogOfLcmsToolsIsDrawn) {
   if (std::system("command -v lcm-logger lcm-logplayer >/dev/null") != 0) GTEST_SKIP() << "no lcm-logger";
   const std::string log = (folder_ / "session.lcm").string(),
