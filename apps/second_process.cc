@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <thread>
 #include <utility>
 
 #include "apps/interrupt.h"
@@ -22,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kThisProgram = "/proc/self/exe";
 constexpr int kPollMs = 100;
+constexpr milliseconds kGrace{2000};  // for one that says goodbye to a network
 
 [[noreturn]] void fail() {
   throw Error("a second process cannot be started", kThisProgram,
@@ -91,19 +93,17 @@ std::optional<std::string> SecondProcess::line(milliseconds patience) {
 void SecondProcess::endInput() { closeOnce(input_); }
 
 std::string SecondProcess::end() {
-  // One that has closed its output is about to end by itself; a moment later it may still be there.
+  endInput();
   int status = 0;
   pid_t ended = 0;
-  pollfd waiting{output_, POLLIN, 0};
-  const bool is_closing = poll(&waiting, 1, 0) > 0 && (waiting.revents & POLLHUP) != 0;
-  for (int i = 0; i < 100 && (ended = waitpid(pid_, &status, WNOHANG)) == 0 && is_closing; ++i)
-    poll(nullptr, 0, 10);
+  const Clock::time_point deadline = Clock::now() + kGrace;
+  while ((ended = waitpid(pid_, &status, WNOHANG)) == 0 && Clock::now() < deadline)
+    std::this_thread::sleep_for(milliseconds(5));
   if (ended == 0) {
     kill(pid_, SIGKILL);
     waitpid(pid_, &status, 0);
   }
   pid_ = 0;
-  closeOnce(input_);
   closeOnce(output_);
   if (ended == 0) return "was still running";
   if (WIFSIGNALED(status)) return fmt::format("was ended by signal {}", WTERMSIG(status));

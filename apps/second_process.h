@@ -8,7 +8,7 @@
 
 namespace strandcast {
 
-/// This program once more, as another process. It is killed when it is still there at the end.
+/// This program once more, as another process. It ends with this.
 class SecondProcess {
  public:
   /// Runs it with these words; its standard error is this program's. Throws Error.
@@ -22,7 +22,7 @@ class SecondProcess {
   std::optional<std::string> line(std::chrono::milliseconds patience);
   /// Ends its standard input, as the end of this program does.
   void endInput();
-  /// Kills it if it still runs; how it ended, for people.
+  /// Ends its input, and kills it where it still runs two seconds later; how it ended, for people.
   std::string end();
 
  private:
