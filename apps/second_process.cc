@@ -94,6 +94,7 @@ void SecondProcess::endInput() { closeOnce(input_); }
 
 std::string SecondProcess::end() {
   endInput();
+  if (g_interrupted) kill(pid_, SIGTERM);
   int status = 0;
   pid_t ended = 0;
   const Clock::time_point deadline = Clock::now() + kGrace;

@@ -106,6 +106,7 @@ struct Cast {
 
 /// From this process to one of its own that reads.
 Cast castTo(const Setting& setting, Showing& showing, double seconds) {
+  if (g_interrupted) throw Laboratory::Stopped();
   const int domain = 3 + static_cast<int>(getpid() % 98);  // with ports that nothing is given by chance
   Cast cast;
   cast.frames = static_cast<uint64_t>(seconds * setting.rate);
