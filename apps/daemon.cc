@@ -12,6 +12,7 @@
 
 #include "apps/scene_simulation.h"
 #include "core/error.h"
+#include "core/quantile.h"
 #include "transport/answers.h"
 #include "transport/collider_chunks.h"
 
@@ -26,13 +27,6 @@ constexpr int kMostStepsAsked = 1000;
 constexpr double kRampSeconds = 0.2;  // a commanded pose is reached in this time, smoothly
 
 double milliseconds(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
-
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 /// From one pose to another and then still, with no jump in velocity.
 Pose onTheWay(const Pose& from, const Pose& to, double seconds, double of) {
@@ -296,8 +290,8 @@ void Daemon::publishFrame() {
 void Daemon::publishStatus() {
   const Measurement measured = simulation_.measure();
   status_.simulation_time = simulation_.time();
-  status_.step_ms_median = quantile(step_ms_, 0.5);
-  status_.step_ms_p95 = quantile(step_ms_, 0.95);
+  status_.step_ms_median = quantileOf(step_ms_, 0.5);
+  status_.step_ms_p95 = quantileOf(step_ms_, 0.95);
   status_.mean_stretch = measured.mean_stretch;
   status_.max_stretch = std::max(status_.max_stretch, measured.max_stretch);
   status_.max_penetration = std::max(status_.max_penetration, measured.max_penetration);

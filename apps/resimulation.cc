@@ -110,7 +110,7 @@ std::string simulationSource(const std::vector<std::string>& words, const Settin
 }
 
 ResimulationReport resimulate(Recording& recording, const std::string& name, const std::atomic<bool>& stop,
-                              const std::function<void(uint64_t frame)>& progress) {
+                              const std::function<void(uint64_t frames, Simulation&)>& frame_done) {
   const Source source = sourceOf(recording.head().source, name);
   if (recording.frames() == 0) throw Error("the recording has no frames", name, "");
   ResimulationReport report;
@@ -120,7 +120,9 @@ ResimulationReport resimulate(Recording& recording, const std::string& name, con
   report.backend = daemon.status().backend;
   report.device = daemon.status().device;
   report.recorded_device = source.device;
-  while (!inputs.isOver() && !stop && daemon.castFrame(stop)) progress(report.frames);
+  daemon.setObserver([&](Simulation& simulation) { frame_done(report.frames, simulation); });
+  while (!inputs.isOver() && !stop && daemon.castFrame(stop)) {
+  }
   return report;
 }
 

@@ -25,8 +25,9 @@ struct ResimulationReport {
 
 /// Simulates a recording of a daemon (`strandcastd --record`) again, from the same settings and with the same
 /// commands before the same frames, and compares the hash of each frame. Throws Error where the recording has
-/// no source, or its groom is not the one that the settings make now.
+/// no source, or its groom is not the one that the settings make now. `frame_done` is told how many frames
+/// were compared and given the simulation as the newest has it; an Error of its ends it.
 ResimulationReport resimulate(Recording& recording, const std::string& name, const std::atomic<bool>& stop,
-                              const std::function<void(uint64_t frame)>& progress);
+                              const std::function<void(uint64_t frames, Simulation&)>& frame_done);
 
 }  // namespace strandcast

@@ -8,6 +8,7 @@
 #include "apps/console.h"
 #include "apps/interrupt.h"
 #include "apps/verbs.h"
+#include "apps/wire_reader.h"
 
 int main(int argc, char** argv) {
   using namespace strandcast;
@@ -42,6 +43,8 @@ int main(int argc, char** argv) {
   add("replay", "Cast a recording again, check it, or repeat its simulation", addReplay);
   add("ctl", "Steer a running daemon", addCtl);
   add("keys", "Make the keys of a network where only known programs take part", addKeys);
+  add("wire-reader", "The other process of `validate wire`", addWireReader);
+  verbs.back().first->group("");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -11,7 +11,7 @@
 #include <optional>
 #include <thread>
 
-#include "apps/air_slices.h"
+#include "apps/air_film.h"
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
@@ -140,47 +140,35 @@ void report(const Options& o, Subscriber& subscriber, const std::optional<Status
 
 /// Steps the scene in this process and draws slices through its grids, which no wire carries.
 int renderAir(const Options& o, const Settings& settings) {
-  const AirQuantity quantity = airQuantity(o.show);
   if (!o.settings->namesScene())
     throw Error("a daemon does not cast its grids", "--show " + o.show,
                 "name what to simulate, e.g. --scene straight");
   const Scene scene = makeSceneAloud(settings.scene);
   Simulation simulation = makeSimulation(scene, settings);
-  double full = 0;
-  AirSlice slice;
+  AirFilm film(o.show, o.slice, std::min(o.picture.settings.width, o.picture.settings.height), o.out);
   ProgressBar bar;
-  int drawn = 0;
-  for (; drawn < o.frames && !g_interrupted; ++drawn) {
+  while (film.drawn() < o.frames && !g_interrupted) {
     do {
       simulation.setHeadPose(
           scene.motion(simulation.time() + static_cast<double>(simulation.parameters().time_step)));
       simulation.step();
       simulation.resetBroken();
-    } while (simulation.time() < o.skip + drawn / o.fps && !g_interrupted);
-    const AirFields* fields = airFields(simulation.surroundings());
-    if (fields == nullptr)
-      throw Error("this backend's grids cannot be looked at", settings.backend, "choose simd");
-    checkHas(*fields, quantity);
-    slice = airSlice(*fields, quantity, o.slice[0] - 'x', simulation.guides(),
-                     std::min(o.picture.settings.width, o.picture.settings.height));
-    full = std::max(full, slice.full);
-    writePng(picturePath(o.out, drawn), slice.image);
-    bar.show(fmt::format("slice {} of {}", drawn + 1, o.frames), (drawn + 1.0) / o.frames);
+    } while (simulation.time() < o.skip + film.drawn() / o.fps && !g_interrupted);
+    film.draw(simulation);
+    bar.show(fmt::format("slice {} of {}", film.drawn(), o.frames),
+             static_cast<double>(film.drawn()) / o.frames);
   }
-  if (!o.movie.empty() && drawn > 0) makeMovie(o.out, o.fps, o.movie);
+  if (!o.movie.empty() && film.drawn() > 0) makeMovie(o.out, o.fps, o.movie);
   Report out;
-  out.add("shown", "shown", o.show);
-  out.add("full", "largest value, of all pictures", full, slice.unit, 4);
-  out.addCount("frames_drawn", "frames drawn", static_cast<uint64_t>(drawn));
-  out.add("out", "pictures", (o.out / "frame_*.png").string());
+  film.addTo(out);
   out.print(o.json);
   return g_interrupted ? kExitInterrupted : 0;
 }
 
 int render(const Options& o) {
   const Settings settings = o.settings->resolve();
-  makeFolder(o.out);
   if (o.show != "hair") return renderAir(o, settings);
+  makeFolder(o.out);
   gl::HeadlessContext context;
   Stream stream(settings, o.settings->namesScene(), o.timeout);
   Subscriber& subscriber = stream.subscriber();

@@ -3,7 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 
+#ifdef STRANDCAST_HAS_RENDER
+#include "apps/air_film.h"
+#endif
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
@@ -21,6 +25,10 @@ struct Options {
   std::filesystem::path file;
   std::string codec = nameOf(CodecOptions().codec);
   ReplayOptions replay;
+  std::string show, slice = "z";
+  std::filesystem::path out = "out";
+  int size = 600;  // pixels
+  double fps = 30;
   bool checks = false, resimulates = false, json = false;
 };
 
@@ -67,16 +75,49 @@ int check(Recording& recording, const Options& o) {
   return damaged + different == 0 ? 0 : kExitCheckFailed;
 }
 
+#ifdef STRANDCAST_HAS_RENDER
+/// Draws the grids of a simulation at even times.
+class GridPictures {
+ public:
+  explicit GridPictures(const Options& o) : fps_(o.fps), film_(o.show, o.slice, o.size, o.out) {}
+  void look(Simulation& simulation) {
+    if (!start_) start_ = simulation.time();
+    constexpr double kRounding = 1e-9;  // s
+    if (simulation.time() >= *start_ + film_.drawn() / fps_ - kRounding) film_.draw(simulation);
+  }
+  void addTo(Report& out) const { film_.addTo(out); }
+
+ private:
+  const double fps_;
+  AirFilm film_;
+  std::optional<double> start_;  // s
+};
+#else
+class GridPictures {
+ public:
+  explicit GridPictures(const Options& o) {
+    throw Error("this build cannot draw", "--show " + o.show, "build with OpenGL");
+  }
+  void look(Simulation&) {}
+  void addTo(Report&) const {}
+};
+#endif
+
 int simulateAgain(Recording& recording, const Options& o) {
   ResimulationReport report;
+  std::optional<GridPictures> pictures;
+  if (!o.show.empty()) pictures.emplace(o);
   {
     ProgressBar bar;
-    report = resimulate(recording, o.file.string(), g_interrupted, [&](uint64_t frame) {
-      bar.show(fmt::format("frame {} of {}", frame, recording.frames()),
-               static_cast<double>(frame) / static_cast<double>(recording.frames()));
-    });
+    report =
+        resimulate(recording, o.file.string(), g_interrupted, [&](uint64_t frames, Simulation& simulation) {
+          if (pictures) pictures->look(simulation);
+          bar.show(fmt::format("frame {} of {}", frames, recording.frames()),
+                   static_cast<double>(frames) / static_cast<double>(recording.frames()));
+        });
   }
   Report out;
+  if (pictures) pictures->addTo(out);
   out.add("backend", "backend", report.backend);
   out.add("device", "device", report.device);
   out.add("recorded_device", "recorded on", report.recorded_device);
@@ -130,7 +171,8 @@ Verb addReplay(CLI::App& app) {
       "  strandcast replay take1.rec --speed 0.25 --loop --from 2 --to 4\n"
       "  strandcast replay take1.rec --check            is every frame sound?\n"
       "  strandcastd --scene curly --duration 5 --record run.rec\n"
-      "  strandcast replay run.rec --resimulate         does the simulation repeat itself bit for bit?");
+      "  strandcast replay run.rec --resimulate         does the simulation repeat itself bit for bit?\n"
+      "  strandcast replay run.rec --resimulate --show density --out slices");
   app.add_option("FILE", o->file, "recording, of `strandcast record` or `strandcastd --record`")->required();
   app.add_option("--speed", o->replay.speed, "times as fast as it was simulated; 0 stands still")
       ->check(CLI::Range(0.0, kMaxReplaySpeed))
@@ -142,11 +184,32 @@ Verb addReplay(CLI::App& app) {
       ->check(CLI::Range(0.0, 1e6));
   auto* check =
       app.add_flag("--check", o->checks, "cast nothing: read every frame and say what the file holds");
-  app.add_flag("--resimulate", o->resimulates,
-               "cast nothing: simulate it again from the recorded settings and commands, on the same "
-               "backend, and compare "
-               "the hash of every frame")
-      ->excludes(check);
+  auto* again =
+      app.add_flag("--resimulate", o->resimulates,
+                   "cast nothing: simulate it again from the recorded settings and commands, on the same "
+                   "backend, and compare "
+                   "the hash of every frame")
+          ->excludes(check);
+  const char* const kGrids = "Grids of density and wind, as pictures";
+  app.add_option("--show", o->show,
+                 "density, wind, pressure or divergence: with --resimulate, slices through the grids of the "
+                 "simulation")
+      ->check(CLI::IsMember({"density", "wind", "pressure", "divergence"}))
+      ->needs(again)
+      ->group(kGrids);
+  app.add_option("--slice", o->slice, "axis that the slice lies across")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->capture_default_str()
+      ->group(kGrids);
+  app.add_option("--out", o->out, "folder for frame_0000.png and on")->capture_default_str()->group(kGrids);
+  app.add_option("--size", o->size, "pixels along each edge")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str()
+      ->group(kGrids);
+  app.add_option("--fps", o->fps, "pictures per second of simulated time")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str()
+      ->group(kGrids);
   app.add_option("--codec", o->codec, "how frames are written for the network: see strandcastd --help")
       ->check(CLI::IsMember({"float32", "delta16", "oct12", "oct16", "tangent", "temporal"}))
       ->capture_default_str();

@@ -1,18 +1,21 @@
 #include "apps/wire_suite.h"
 
 #include <fmt/format.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <thread>
 
 #include "apps/daemon.h"
 #include "apps/interrupt.h"
-#include "apps/scene_simulation.h"
-#include "core/error.h"
+#include "apps/processor_time.h"
+#include "apps/wire_film.h"
+#include "apps/wire_reader.h"
+#include "core/quantile.h"
 #include "transport/dds.h"
 #include "transport/frame_queue.h"
 #include "transport/lcm.h"
@@ -22,13 +25,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kVertices = 32;
-constexpr size_t kFilmFrames = 32;
-constexpr double kFilmRate = 120;  // frames per second of simulation time
-constexpr double kWarmUp = 0.5;    // s of simulation before the film
-constexpr double kSeconds = 2;     // of casting
+constexpr double kSeconds = 2;  // of casting
 constexpr double kUnloadedSeconds = 1.5;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMaxErrorMm = 0.01;
 
 struct Setting {
@@ -38,80 +38,36 @@ struct Setting {
   double rate = 0;
 
   std::string name() const {
-    return fmt::format("{} {} {}x{} {:g} Hz", transport, nameOf(codec), strands, kVertices, rate);
+    return fmt::format("{} {} {}x{} {:g} Hz", transport, nameOf(codec), strands, kFilmVertices, rate);
   }
 };
 
-/// Hair in motion, simulated before it is cast: what is measured is the wire alone.
-struct Film {
-  GroomDescription groom;
-  BodyDescription body;
-  std::vector<GuideFrame> frames;
-
-  /// To and fro, so that it never jumps; every so many frames of the film.
-  const GuideFrame& at(uint64_t number, size_t stride) const {
-    const size_t turn = 2 * (frames.size() - 1), place = number * stride % turn;
-    return frames[place < frames.size() ? place : turn - place];
-  }
+/// A film and what the reader knows of it. Large: only the newest is kept.
+struct Showing {
+  explicit Showing(int strands) : film(makeFilm(strands)), shared(*film) {}
+  std::unique_ptr<Film> film;
+  SharedFilm shared;
 };
 
-std::shared_ptr<const Film> makeFilm(int strands) {
-  Settings settings;
-  settings.scene.name = "wavy";
-  settings.scene.strands = strands;
-  settings.scene.vertices = kVertices;
-  settings.parameters.emplace_back("time_step", std::vector<double>{1 / kFilmRate});  // no picture twice
-  Scene scene = makeScene(settings.scene, {});
-  Simulation simulation = makeSimulation(scene, settings);
-  auto film = std::make_shared<Film>();
-  film->groom.name = scene.name;
-  film->groom.revision = 1;
-  film->groom.guides = scene.groom.strands;
-  film->body.mesh = scene.body;
-  film->body.head_weights = scene.head_weights;
-  film->frames.resize(kFilmFrames);
-  const double step = simulation.parameters().time_step;
-  double due = kWarmUp;
-  for (GuideFrame& frame : film->frames) {
-    for (; simulation.time() < due - step / 2; simulation.step())
-      simulation.setHeadPose(scene.motion(simulation.time() + step));
-    due += 1 / kFilmRate;
-    const std::span<const Vec3> guides = simulation.guides();
-    frame.positions.assign(guides.begin(), guides.end());
-    frame.head = simulation.headPose();
-    frame.revision = 1;
-  }
-  return film;
-}
-
-std::shared_ptr<const Film> filmOf(int strands) {
-  static std::shared_ptr<const Film> newest;  // large: only one is kept
-  if (!newest || newest->groom.guides.strands() != static_cast<size_t>(strands)) {
+Showing& showingOf(int strands) {
+  static std::unique_ptr<Showing> newest;
+  if (!newest || newest->film->groom.guides.strands() != static_cast<size_t>(strands)) {
     newest.reset();
-    newest = makeFilm(strands);
+    newest = std::make_unique<Showing>(strands);
   }
-  return newest;
+  return *newest;
 }
 
-double cpuSeconds(clockid_t clock) {
-  timespec time{};
-  clock_gettime(clock, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-std::pair<std::unique_ptr<Publisher>, std::unique_ptr<Subscriber>> makeEnds(const Setting& setting) {
-  const int domain = 3 + static_cast<int>(getpid() % 98);  // with ports that nothing is given by chance
+std::unique_ptr<Publisher> makePublisher(const Setting& setting, int domain) {
   const CodecOptions codec{setting.codec, static_cast<float>(1e-3 * kMaxErrorMm)};
-  if (setting.transport == "lcm") {
-    return {makeLcmPublisher({lcmUrl(domain), 1, newSession(), codec}),
-            makeLcmSubscriber({lcmUrl(domain), 1, 0, {}})};
-  }
-  return {makeDdsPublisher({domain, 1, newSession(), codec}), makeDdsSubscriber({domain, 1, 0, {}})};
+  if (setting.transport == "lcm") return makeLcmPublisher({lcmUrl(domain), 1, newSession(), codec});
+  return makeDdsPublisher({domain, 1, newSession(), codec});
 }
 
 std::vector<std::string> caseNames(const Setting& setting) {
   const std::string name = setting.name();
-  return {name + " bytes per vertex", name + " error", name + " lost", name + " latency p99"};
+  return {name + " bytes per vertex", name + " error",     name + " lost",  name + " latency p50",
+          name + " latency p99",      name + " publisher", name + " reader"};
 }
 
 double bytesLimit(Codec codec) {
@@ -131,33 +87,70 @@ double bytesLimit(Codec codec) {
   return kUnlimited;
 }
 
-double worstErrorMm(const GuideFrame& received, const GuideFrame& sent) {
-  double worst = 0;
-  for (size_t v = 0; v < sent.positions.size(); ++v)
-    worst = worse(worst, static_cast<double>((received.positions[v] - sent.positions[v]).norm()));
-  return 1e3 * worst;
-}
-
-/// Until the reader has the groom and both ends know each other: an end that does not know its reader yet
-/// would seem to lose frames.
-void join(Publisher& publisher, Subscriber& subscriber, const Film& film, const Setting& setting) {
-  publisher.announce(film.groom, film.body);
-  if (!subscriber.waitForGroom(std::chrono::seconds(20)))
-    throw Error("the groom does not arrive", setting.name(), "is the network interface lo up?");
-  for (int i = 0; i < 1000 && publisher.matchedReaders() == 0; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-}
-
 void sleepUntilFrame(Clock::time_point start, uint64_t number, double rate) {
   std::this_thread::sleep_until(start +
                                 std::chrono::duration_cast<Clock::duration>(
                                     std::chrono::duration<double>(static_cast<double>(number) / rate)));
 }
 
-void stamp(GuideFrame& frame, uint64_t number, double rate) {
-  frame.frame = number;
-  frame.simulation_time = static_cast<double>(number) / rate;
-  frame.publish_time = systemTime();
+/// What became of a film that was cast.
+struct Cast {
+  uint64_t frames = 0, bytes = 0;
+  EncodingReport encoding;       // of the last frame
+  double seconds = 0;            // from the first to the last
+  double processor_seconds = 0;  // of the publisher's process
+  WireReading read;
+  std::vector<double> latencies_ms;  // by the steady clock, which both processes share
+  std::string failure;               // of the reader; then nothing else counts
+};
+
+/// From this process to one of its own that reads.
+Cast castTo(const Setting& setting, Showing& showing, double seconds) {
+  if (g_interrupted) throw Laboratory::Stopped();
+  const int domain = 3 + static_cast<int>(getpid() % 98);  // with ports that nothing is given by chance
+  Cast cast;
+  cast.frames = static_cast<uint64_t>(seconds * setting.rate);
+  const std::unique_ptr<Publisher> publisher = makePublisher(setting, domain);
+  publisher->announce(showing.film->groom, showing.film->body);
+  WireReader reader({setting.transport, domain, cast.frames, setting.rate, showing.shared.path()});
+  const auto failed = [&] {
+    if (g_interrupted) throw Laboratory::Stopped();
+    cast.failure = reader.failure();
+    return cast;
+  };
+  if (!reader.waitReady()) return failed();
+  // An end that does not know its reader yet would seem to lose frames.
+  for (int i = 0; i < 1000 && publisher->matchedReaders() == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+
+  std::vector<uint64_t> sent(cast.frames + 1);
+  const double before = processorSeconds(RUSAGE_SELF);
+  const Clock::time_point start = Clock::now();
+  for (uint64_t number = 1; number <= cast.frames; ++number) {
+    if (g_interrupted) throw Laboratory::Stopped();
+    sleepUntilFrame(start, number, setting.rate);
+    GuideFrame& frame = showing.film->frames[filmPlace(number, setting.rate)];
+    frame.frame = number;
+    frame.simulation_time = static_cast<double>(number) / setting.rate;
+    frame.publish_time = systemTime();
+    sent[number] = steadyTime();
+    publisher->publish(frame);
+    cast.bytes += publisher->encoding().frame_bytes;
+  }
+  cast.processor_seconds = processorSeconds(RUSAGE_SELF) - before;
+  cast.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  cast.encoding = publisher->encoding();
+  const std::optional<WireReading> read = reader.reading();
+  if (!read) return failed();
+  cast.read = *read;
+  for (const auto& [number, arrival] : cast.read.arrivals)
+    cast.latencies_ms.push_back(1e-6 * static_cast<double>(arrival - static_cast<int64_t>(sent.at(number))));
+  return cast;
+}
+
+/// ms; not a number where nothing came.
+double latencyOf(const Cast& cast, double part) {
+  return cast.latencies_ms.empty() ? kUnknown : quantileOf(cast.latencies_ms, part);
 }
 
 /// The 99th percentile of the latency, ms, of frames with next to nothing in them: what this machine and its
@@ -166,86 +159,58 @@ double unloadedLatency(Setting setting) {
   static std::map<std::pair<std::string, double>, double> measured;
   const auto [place, is_new] = measured.try_emplace({setting.transport, setting.rate}, 0);
   if (!is_new) return place->second;
-  static const std::shared_ptr<const Film> film = makeFilm(1);
+  static Showing showing(1);
   setting.codec = Codec::kFloat32;
-  const auto [publisher, subscriber] = makeEnds(setting);
-  join(*publisher, *subscriber, *film, setting);
-  const Clock::time_point start = Clock::now();
-  GuideFrame frame = film->frames.front();
-  for (uint64_t number = 1; number <= static_cast<uint64_t>(kUnloadedSeconds * setting.rate); ++number) {
-    if (g_interrupted) throw Laboratory::Stopped();
-    sleepUntilFrame(start, number, setting.rate);
-    stamp(frame, number, setting.rate);
-    publisher->publish(frame);
-  }
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  return place->second = subscriber->statistics().latency_ms_p99;
+  const Cast cast = castTo(setting, showing, kUnloadedSeconds);
+  return place->second = latencyOf(cast, 0.99);
 }
 
-std::vector<Case> cast(const Setting& setting) {
-  const double unloaded_ms = unloadedLatency(setting);
-  const std::shared_ptr<const Film> film = filmOf(setting.strands);
-  const auto [publisher, subscriber] = makeEnds(setting);
-  join(*publisher, *subscriber, *film, setting);
+double loadAverage() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : 0;
+}
 
-  const auto stride = static_cast<size_t>(kFilmRate / setting.rate);
-  const auto frames = static_cast<uint64_t>(kSeconds * setting.rate);
-  const double vertices = static_cast<double>(film->groom.guides.vertices());
-  GuideFrame frame;
-  uint64_t bytes = 0;
-  double error_mm = 0, daemon_cpu = 0, checking_cpu = 0;
-  const double cpu_before = cpuSeconds(CLOCK_PROCESS_CPUTIME_ID);
-  const double own_before = cpuSeconds(CLOCK_THREAD_CPUTIME_ID);
-  const Clock::time_point start = Clock::now();
-  std::shared_ptr<const GuideFrame> last;
-  for (uint64_t number = 1; number <= frames; ++number) {
-    if (g_interrupted) throw Laboratory::Stopped();
-    sleepUntilFrame(start, number, setting.rate);
-    frame = film->at(number, stride);
-    stamp(frame, number, setting.rate);
-    const double before = cpuSeconds(CLOCK_THREAD_CPUTIME_ID);
-    publisher->publish(frame);
-    daemon_cpu += cpuSeconds(CLOCK_THREAD_CPUTIME_ID) - before;
-    bytes += publisher->encoding().frame_bytes;
-    // Not each one: that would take the machine from the threads that are measured.
-    if (number % 10 == 0 && (last = subscriber->frame()) && last->strands_concealed == 0)
-      error_mm = worse(error_mm, worstErrorMm(*last, film->at(last->frame, stride)));
-  }
-  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  // The last frames may still be repaired.
-  for (int i = 0; i < 200 && (!subscriber->frame() || subscriber->frame()->frame < frames); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  checking_cpu = cpuSeconds(CLOCK_THREAD_CPUTIME_ID) - own_before - daemon_cpu;
-  const double client_cpu = cpuSeconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_before - daemon_cpu - checking_cpu;
-
-  const ReceiveStatistics received = subscriber->statistics();
-  const auto whole = static_cast<double>(received.frames_received - received.frames_concealed);
-  const bool is_promised = setting.transport == "dds" && setting.strands <= 5000 && setting.rate <= 60;
+std::vector<Case> casesOf(const Setting& setting) {
+  const double load = loadAverage(), unloaded_ms = unloadedLatency(setting);
+  const Cast cast = castTo(setting, showingOf(setting.strands), kSeconds);
   const auto names = caseNames(setting);
   std::vector<Case> cases;
   const auto add = [&](const char* quantity, const char* unit, double measured, double limit) {
-    cases.push_back(absoluteCase({names[cases.size()], quantity, unit}, measured, 0, limit));
+    const bool is_known = cast.failure.empty();
+    cases.push_back(
+        absoluteCase({names[cases.size()], quantity, unit}, is_known ? measured : kUnknown, 0, limit));
+    cases.back().note = cast.failure;
   };
+  const auto note = [&](const std::string& text) {
+    if (cast.failure.empty()) cases.back().note = text;
+  };
+  const auto frames = static_cast<double>(cast.frames);
+  const bool is_promised = setting.transport == "dds" && setting.strands <= 5000 && setting.rate <= 60;
   add("payload bytes per vertex, mean", "",
-      static_cast<double>(bytes) / (static_cast<double>(frames) * vertices),
+      static_cast<double>(cast.bytes) / (frames * setting.strands * kFilmVertices),
       bytesLimit(setting.codec) * (1 + 1e-12));
-  add("worst distance of a received vertex", "mm", error_mm,
+  add("worst distance of a received vertex", "mm", cast.read.worst_error_mm,
       setting.codec == Codec::kFloat32 ? 0 : kMaxErrorMm * 1.000001);
-  add("frames that did not come whole", "frames", static_cast<double>(frames) - whole,
+  if (std::isnan(cast.read.worst_error_mm)) note("no frame came whole");
+  add("frames that did not come whole", "frames", frames - static_cast<double>(cast.read.frames_whole),
       is_promised ? 0 : kUnlimited);
-  cases.back().note = fmt::format("{} frames; {} concealed; {} strands sent finer in the last", frames,
-                                  received.frames_concealed, publisher->encoding().strands_sent_finer);
-  add("publish to decoded, 99th percentile", "ms", received.latency_ms_p99, is_promised ? 5 : kUnlimited);
-  cases.back().note = fmt::format(
-      "median {:.3f} ms, 99th percentile unloaded {:.3f} ms; of one core, encoding and sending {:.1f} %, "
-      "receiving {:.1f} %",
-      received.latency_ms_p50, unloaded_ms, 100 * daemon_cpu / seconds, 100 * client_cpu / seconds);
+  note(fmt::format("{} frames; {} concealed; {} strands sent finer in the last", cast.frames,
+                   cast.read.frames_concealed, cast.encoding.strands_sent_finer));
+  add("publish to decoded, median", "ms", latencyOf(cast, 0.5), kUnlimited);
+  add("publish to decoded, 99th percentile", "ms", latencyOf(cast, 0.99), is_promised ? 5 : kUnlimited);
+  note(fmt::format("99th percentile unloaded {:.3f} ms; load average {:.2f} before", unloaded_ms, load));
+  add("processor of the process that encodes and sends, of one core", "%",
+      100 * cast.processor_seconds / cast.seconds, kUnlimited);
+  add("processor of the process that receives and decodes, of one core", "%",
+      100 * cast.read.processor_seconds / cast.seconds, kUnlimited);
   return cases;
 }
 
 Suite makeWireSuite() {
-  Suite suite{
-      "wire", "bytes, error, losses and latency of simulated hair cast on this machine (2 minutes)", {}};
+  Suite suite{"wire",
+              "bytes, error, losses, latency and processor time of simulated hair cast between two processes "
+              "(4 minutes)",
+              {}};
   std::vector<std::string> transports;
   if (ddsAvailable()) transports.emplace_back("dds");
   if (lcmAvailable()) transports.emplace_back("lcm");
@@ -255,8 +220,8 @@ Suite makeWireSuite() {
         for (const CodecInfo& info : codecList()) {
           if (transport == "lcm" && info.codec == Codec::kTemporal) continue;
           const Setting setting{transport, info.codec, strands, rate};
-          suite.experiments.push_back(
-              {setting.name(), caseNames(setting), [setting](const Laboratory&) { return cast(setting); }});
+          suite.experiments.push_back({setting.name(), caseNames(setting),
+                                       [setting](const Laboratory&) { return casesOf(setting); }});
         }
       }
     }

@@ -17,6 +17,7 @@
 #include "bench/reader_process.h"
 #include "core/backend_registry.h"
 #include "core/error.h"
+#include "core/quantile.h"
 #include "transport/codec/guide_decoder.h"
 #include "transport/codec/guide_encoder.h"
 #include "transport/dds.h"

@@ -22,12 +22,6 @@ Spread spreadOf(std::vector<double> values) {
           values[std::min(values.size() - 1, values.size() * 95 / 100)]};
 }
 
-double quantileOf(std::vector<double> values, double part) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<size_t>(part * static_cast<double>(values.size())))];
-}
-
 TimedSimulation::TimedSimulation(const std::function<Simulation()>& make, Motion motion, int steps)
     : heap_before_(heapBytes()),
       gpu_before_(gpuBufferBytes()),

@@ -14,8 +14,6 @@ struct Spread {
 };
 /// Of at least one value.
 Spread spreadOf(std::vector<double> values);
-/// Sorts; `part` 0 to 1.
-double quantileOf(std::vector<double> values, double part);
 
 /// Processor time that this program has taken so far, ms, all threads.
 double processorMs();

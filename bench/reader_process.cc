@@ -20,6 +20,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr auto kPatience = 60s;  // more than the reader has for its daemon
+
 struct Options {
   int domain = 0, hairs = 0, segments = 31;
   uint64_t last_frame = 1;
@@ -107,12 +109,6 @@ int read(const Options& o) {
   return 0;
 }
 
-std::string lineOf(std::FILE* file) {
-  std::string line;
-  for (int c = 0; (c = std::fgetc(file)) != EOF && c != '\n';) line += static_cast<char>(c);
-  return line;
-}
-
 }  // namespace
 
 std::function<int()> addReader(CLI::App& app) {
@@ -125,27 +121,17 @@ std::function<int()> addReader(CLI::App& app) {
 }
 
 ReaderProcess::ReaderProcess(int domain, uint64_t last_frame, int hairs, int segments)
-    : output_(
-          popen(fmt::format("exec /proc/{}/exe reader --domain {} --last-frame {} --hairs {} --segments {}",
-                            getpid(), domain, last_frame, hairs, segments)
-                    .c_str(),
-                "r")) {
-  if (output_ == nullptr) throw Error("a reader process cannot be started", "popen", "");
-}
-
-ReaderProcess::~ReaderProcess() {
-  if (output_ != nullptr) pclose(output_);
-}
+    : process_({"reader", "--domain", std::to_string(domain), "--last-frame", std::to_string(last_frame),
+                "--hairs", std::to_string(hairs), "--segments", std::to_string(segments)}) {}
 
 void ReaderProcess::waitReady() {
-  if (lineOf(output_) != "ready") throw Error("a reader ended early", "strandbench reader", "see above");
+  if (process_.line(kPatience) != "ready")
+    throw Error("the reader " + process_.end(), "strandbench reader", "see above");
 }
 
 nlohmann::json ReaderProcess::report() {
-  const std::string line = lineOf(output_);
-  const bool failed = pclose(std::exchange(output_, nullptr)) != 0;
-  nlohmann::json out = nlohmann::json::parse(line, nullptr, false);
-  if (failed || !out.is_object()) throw Error("a reader failed", "strandbench reader", "see above");
+  nlohmann::json out = nlohmann::json::parse(process_.line(kPatience).value_or(""), nullptr, false);
+  if (!out.is_object()) throw Error("the reader " + process_.end(), "strandbench reader", "see above");
   return out;
 }
 

@@ -1,7 +1,8 @@
 #pragma once
-#include <cstdio>
 #include <functional>
 #include <nlohmann/json.hpp>
+
+#include "apps/second_process.h"
 
 namespace CLI {
 class App;
@@ -21,16 +22,13 @@ class ReaderProcess {
  public:
   /// `hairs` that it grows per frame, 0 = none, and their segments. Throws Error.
   ReaderProcess(int domain, uint64_t last_frame, int hairs, int segments);
-  ~ReaderProcess();
-  ReaderProcess(const ReaderProcess&) = delete;
-  ReaderProcess& operator=(const ReaderProcess&) = delete;
-  /// Until it has the groom. Throws Error when it ends before.
+  /// Until it has the groom. Throws Error when it ends before, or not within a minute.
   void waitReady();
-  /// What it prints in the end. Throws Error.
+  /// What it prints in the end. Throws Error when that does not come within a minute.
   nlohmann::json report();
 
  private:
-  std::FILE* output_;
+  SecondProcess process_;
 };
 
 /// A DDS domain that no other benchmark of this machine is likely to be on.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/console.h"
+#include "apps/wire_reader.h"
 #include "bench/accuracy.h"
 #include "bench/all_bench.h"
 #include "bench/contact_bench.h"
@@ -54,6 +55,8 @@ int main(int argc, char** argv) {
   add("all", "all of these in under ten minutes, one table", addAllBench);
   add("report", "docs/performance.md from the results that are kept", addReport);
   add("reader", "the other process of scaling and end-to-end", addReader);
+  verbs.back().first->group("");
+  add("wire-reader", "the other process of wire", addWireReader);
   verbs.back().first->group("");
   try {
     app.parse(argc, argv);

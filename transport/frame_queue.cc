@@ -1,6 +1,9 @@
 #include "transport/frame_queue.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "core/quantile.h"
 
 namespace strandcast {
 namespace {
@@ -103,19 +106,14 @@ bool FrameQueue::waitForGroom(std::chrono::milliseconds timeout) {
 }
 
 void FrameQueue::addLatencies(ReceiveStatistics& statistics) const {
-  std::vector<float> sorted;
+  std::vector<double> latencies;
   {
     const std::lock_guard lock(mutex_);
-    sorted.assign(latencies_ms_.begin(),
-                  latencies_ms_.begin() + static_cast<ptrdiff_t>(std::min(latencies_, latencies_ms_.size())));
+    const size_t known = std::min(latencies_, latencies_ms_.size());
+    latencies.assign(latencies_ms_.begin(), latencies_ms_.begin() + static_cast<ptrdiff_t>(known));
   }
-  if (sorted.empty()) return;
-  std::sort(sorted.begin(), sorted.end());
-  const auto quantile = [&](double q) {
-    return static_cast<double>(sorted[static_cast<size_t>(q * static_cast<double>(sorted.size() - 1) + 0.5)]);
-  };
-  statistics.latency_ms_p50 = quantile(0.50);
-  statistics.latency_ms_p99 = quantile(0.99);
+  statistics.latency_ms_p50 = quantileOf(latencies, 0.50);
+  statistics.latency_ms_p99 = quantileOf(std::move(latencies), 0.99);
 }
 
 namespace {

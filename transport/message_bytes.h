@@ -39,6 +39,7 @@ class MessageWriter {
   void number(const Number& value) {
     storeBigEndian(value, grow(sizeof value));
   }
+  void flag(bool value) { number(uint32_t{value}); }
   void text(const std::string& value) {
     number(static_cast<uint32_t>(value.size() + 1));
     std::memcpy(grow(value.size() + 1), value.c_str(), value.size() + 1);
@@ -73,6 +74,11 @@ class MessageReader {
   template <class Number>
   void number(Number& value) {
     if (const uint8_t* from = take(sizeof value)) value = loadBigEndian<Number>(from);
+  }
+  void flag(bool& value) {
+    uint32_t number = 0;
+    this->number(number);
+    value = number != 0;
   }
   void text(std::string& value) {
     const size_t length = this->length(1);

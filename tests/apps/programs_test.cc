@@ -1,8 +1,5 @@
 // The programs as a user runs them: exit codes, one-line errors, and daemon and renderer as two processes.
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,10 +11,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "groom/distance_field_file.h"
 #include "groom/groom_file.h"
+#include "tests/apps/program_fixture.h"
 #include "tests/transport/dds_domain.h"
 
 namespace strandcast {
@@ -37,21 +36,8 @@ std::string contents(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-class Programs : public ::testing::Test {
+class Programs : public ProgramFixture {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("strandcast_programs_" + std::to_string(getpid()) + "_" +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
-    domain_ = std::to_string(testDomain(0));
-  }
-  void TearDown() override {
-    for (const pid_t child : running_) kill(child, SIGKILL);
-    while (!running_.empty()) wait(*running_.begin());
-    std::filesystem::remove_all(folder_);
-  }
-
   std::filesystem::path write(const std::string& name, const std::string& bytes) {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return folder_ / name;
@@ -59,33 +45,10 @@ class Programs : public ::testing::Test {
   Outcome run(const std::string& command) {
     const auto out = folder_ / "out.txt", err = folder_ / "err.txt";
     const int status = std::system((command + " >" + out.string() + " 2>" + err.string()).c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), contents(out), contents(err)};
-  }
-  /// Starts a program without waiting for it.
-  pid_t start(std::vector<std::string> words, const std::string& out) {
-    const pid_t child = fork();
-    if (child == 0) {
-      std::vector<char*> arguments;
-      for (std::string& word : words) arguments.push_back(word.data());
-      arguments.push_back(nullptr);
-      if (freopen((folder_ / out).c_str(), "w", stdout) == nullptr) _exit(126);
-      execv(arguments[0], arguments.data());
-      _exit(127);
-    }
-    running_.insert(child);
-    return child;
-  }
-  int wait(pid_t child) {
-    int status = 0;
-    running_.erase(child);
-    waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+    return {exitCodeOf(status), contents(out), contents(err)};
   }
 
-  std::filesystem::path folder_;
-  std::set<pid_t> running_;
-  std::string domain_;
-  const std::string daemon_ = STRANDCAST_DAEMON, program_ = STRANDCAST_PROGRAM;
+  const std::string domain_ = std::to_string(testDomain(0));
 };
 
 TEST_F(Programs, HelpTeachesAndExitsWithZero) {
@@ -171,6 +134,56 @@ TEST_F(Programs, ValidateExitsWithOneWhenACaseFails) {
   const Outcome list = run(program_ + " validate physics --list");
   EXPECT_EQ(list.exit_code, 0);
   EXPECT_NE(list.out.find("hung helix"), std::string::npos);
+}
+
+/// Processes that `parent` started and that have not ended.
+std::vector<pid_t> childrenOf(pid_t parent) {
+  std::vector<pid_t> children;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream stat(entry.path() / "stat");
+    pid_t child = 0, of = 0;
+    std::string name, state;
+    if (stat >> child >> name >> state >> of && of == parent && state != "Z") children.push_back(child);
+  }
+  return children;
+}
+
+TEST_F(Programs, ValidateWireMeasuresBetweenTwoProcesses) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const Outcome r = run(program_ + " validate wire --only 'dds delta16 1000x32 60 Hz' --json");
+  ASSERT_LE(r.exit_code, 1) << r.err;  // latency has a limit that a busy machine may miss
+  const nlohmann::json results = nlohmann::json::parse(r.out)["results"];
+  ASSERT_EQ(results.size(), 7u) << r.out;
+  EXPECT_GT(results[0]["value"], 1);
+  EXPECT_LE(results[0]["value"], 4);
+  EXPECT_GT(results[1]["value"], 0) << "what came is compared with what was sent";
+  EXPECT_LE(results[1]["value"], 0.0100001);
+  EXPECT_LT(results[2]["value"], 60) << "of 120 frames";
+  EXPECT_GT(results[3]["value"], 0);
+  EXPECT_GE(results[4]["value"], results[3]["value"]);
+  EXPECT_GT(results[5]["value"], 0);
+  EXPECT_GT(results[6]["value"], 0);
+}
+
+TEST_F(Programs, ValidateWireOutlivesItsReader) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  for (const auto& [signal, end] : {std::pair{SIGKILL, "signal 9"}, std::pair{SIGSTOP, "still running"}}) {
+    const pid_t validate =
+        start({program_, "validate", "wire", "--only", "dds delta16 1000x32 60 Hz", "--json"}, "wire.json");
+    std::set<pid_t> readers;  // the first is that of next to nothing
+    while (readers.size() < 2 && isRunning(validate)) {
+      for (const pid_t child : childrenOf(validate)) readers.insert(child);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    ASSERT_EQ(readers.size(), 2u);
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    for (const pid_t reader : childrenOf(validate)) kill(reader, signal);
+    EXPECT_EQ(wait(validate), 1);
+    const nlohmann::json report = nlohmann::json::parse(contents(folder_ / "wire.json"));
+    EXPECT_EQ(report["failed"], 7) << report;
+    EXPECT_NE(report["results"][0]["note"].get<std::string>().find(end), std::string::npos) << report;
+    EXPECT_TRUE(report["results"][0]["value"].is_null()) << report;
+  }
 }
 
 TEST_F(Programs, CompareTellsTheSolversApart) {
@@ -419,6 +432,31 @@ TEST_F(Programs, DaemonCastsOverLcm) {
   const Outcome refused = run(daemon_ + " --scene straight --strands 20 --quiet --codec temporal" + network);
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("loses nothing"), std::string::npos) << refused.err;
+}
+
+TEST_F(Programs, GridsOfARecordingAreDrawn) {
+  if (!STRANDCAST_GL || !STRANDCAST_DDS) GTEST_SKIP() << "built without OpenGL or without DDS";
+  const std::string file = (folder_ / "run.rec").string();
+  const Outcome cast = run(daemon_ +
+                           " --scene straight --strands 100 --vertices 8 --backend simd --motion shake "
+                           "--set volume_stiffness=1 --duration 0.6 --quiet --record " +
+                           file + " --domain " + domain_);
+  ASSERT_EQ(cast.exit_code, 0) << cast.err;
+  const std::string replay =
+      program_ + " replay " + file + " --json --fps 1000 --size 64 --out " + (folder_ / "slices").string();
+  const Outcome drawn = run(replay + " --resimulate --show density");
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  const nlohmann::json report = nlohmann::json::parse(drawn.out);
+  EXPECT_EQ(report["frames_different"], 0) << "the grids are those of the recorded simulation";
+  EXPECT_GT(report["full"], 0) << "kg/m^3";
+  EXPECT_EQ(report["frames_drawn"], report["frames"]);
+  const std::set<std::filesystem::path> pictures(std::filesystem::directory_iterator(folder_ / "slices"), {});
+  ASSERT_EQ(report["frames"], pictures.size());
+  EXPECT_NE(contents(*pictures.begin()), contents(*pictures.rbegin())) << "the head is shaken";
+  const Outcome still = run(replay + " --resimulate --show wind");
+  EXPECT_EQ(still.exit_code, 2);
+  EXPECT_NE(still.err.find("wind_grid=1"), std::string::npos) << still.err;
+  EXPECT_EQ(run(replay + " --show density").exit_code, 2) << "a recording has no grids of its own";
 }
 
 TEST_F(Programs, ALogOfLcmsToolsIsDrawn) {

@@ -1,9 +1,6 @@
 // The window as a user has it: a daemon, the viewer on a virtual display, and mouse and keys that come as
 // events.
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,12 +9,12 @@
 #include <fstream>
 #include <functional>
 #include <map>
-#include <set>
 #include <thread>
 #include <vector>
 
 #include "apps/presets.h"
 #include "render/image.h"
+#include "tests/apps/program_fixture.h"
 #include "tests/transport/dds_domain.h"
 #include "transport/recording/recording.h"
 
@@ -31,16 +28,15 @@ bool isInstalled(const std::string& program) {
   return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
 }
 
-class ViewerWindowTest : public ::testing::Test {
+class ViewerWindowTest : public ProgramFixture {
  protected:
   void SetUp() override {
     for (const char* program : {"Xvfb", "xdotool"})
       if (!isInstalled(program)) GTEST_SKIP() << program << " is not installed";
-    folder_ = std::filesystem::temp_directory_path() / ("strandcast_viewer_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
+    ProgramFixture::SetUp();
     // A display that nobody has; Xvfb says which by writing its number.
     const auto number = folder_ / "display";
-    display_ = start("exec Xvfb -displayfd 1 -screen 0 1000x700x24 >" + number.string() + " 2>/dev/null");
+    start({"sh", "-c", "exec Xvfb -displayfd 1 -screen 0 1000x700x24 2>/dev/null"}, "display");
     ASSERT_TRUE(until(seconds(20), [&] {
       return std::filesystem::exists(number) && std::filesystem::file_size(number) > 1;
     }));
@@ -48,30 +44,7 @@ class ViewerWindowTest : public ::testing::Test {
     std::getline(std::ifstream(number) >> std::ws, digits);
     setenv("DISPLAY", (":" + digits).c_str(), 1);
   }
-  void TearDown() override {
-    for (const pid_t child : std::set<pid_t>(running_)) {
-      kill(child, SIGKILL);
-      wait(child);
-    }
-    if (!folder_.empty()) std::filesystem::remove_all(folder_);
-  }
 
-  pid_t start(const std::string& command) {
-    const pid_t child = fork();
-    if (child == 0) {
-      if (!folder_.empty() && chdir(folder_.c_str()) != 0) _exit(126);
-      execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
-      _exit(127);
-    }
-    running_.insert(child);
-    return child;
-  }
-  int wait(pid_t child) {
-    int status = 0;
-    running_.erase(child);
-    waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
-  }
   static bool until(seconds patience, const std::function<bool()>& ready) {
     const auto deadline = std::chrono::steady_clock::now() + patience;
     while (!ready()) {
@@ -99,11 +72,6 @@ class ViewerWindowTest : public ::testing::Test {
             std::to_string(y + (to_y - y) * step / 3));
     input("mouseup 1");
   }
-
-  std::filesystem::path folder_;
-  std::set<pid_t> running_;
-  pid_t display_ = 0;
-  const std::string daemon_ = STRANDCAST_DAEMON, program_ = STRANDCAST_PROGRAM;
 };
 
 /// What a daemon's recording has of commands, by kind.
@@ -124,15 +92,14 @@ constexpr int kPanel = 420, kHairX = kPanel + 122, kHairY = 190;
 TEST_F(ViewerWindowTest, MouseAndKeysReachTheDaemonAndTheDisk) {
   const std::string domain = std::to_string(testDomain(1));
   const pid_t daemon =
-      start("exec " + daemon_ +
-            " --scene straight --strands 60 --vertices 10 --motion still --backend reference "
-            "--quiet --record daemon.rec --domain " +
-            domain + " >daemon.log 2>&1");
-  const pid_t viewer = start("exec " + program_ +
-                             " view --width 320 --height 320 --hairs 400 --hair-width 0.001 --segments 8 "
-                             "--samples 1 --shadow-map 64 "
-                             "--shadows off --domain " +
-                             domain + " >viewer.log 2>&1");
+      start({daemon_, "--scene", "straight", "--strands", "60", "--vertices", "10", "--motion", "still",
+             "--backend", "reference", "--quiet", "--record", "daemon.rec", "--domain", domain},
+            "daemon.log");
+  const pid_t viewer =
+      start({program_,       "view",         "--width",   "320",        "--height", "320",       "--hairs",
+             "400",          "--hair-width", "0.001",     "--segments", "8",        "--samples", "1",
+             "--shadow-map", "64",           "--shadows", "off",        "--domain", domain},
+            "viewer.log");
   ASSERT_TRUE(until(seconds(30), [] {
     return std::system("xdotool search --name 'Strandcast: straight' >/dev/null 2>&1") == 0;
   })) << "the window shows the daemon's groom";

@@ -7,6 +7,7 @@
 #include "bench/machine.h"
 #include "bench/measured_run.h"
 #include "core/error.h"
+#include "core/quantile.h"
 
 namespace strandcast {
 namespace {

@@ -91,18 +91,7 @@ DecodeResult GuideDecoder::decodeSymbols(const GuideChunk& chunk, const StrandRu
                                          std::span<Vec3> positions) {
   if (preamble_.mode > kAlongStrand || chunk.key_frame != 0) return DecodeResult::kDamaged;
   if (!unpacker_.unpack(preamble_.symbols, symbols_)) return DecodeResult::kDamaged;
-  placeRoots(run, chunk.encoding);
-  const HeadFrame head = headOf(chunk);
-  const StrandDecoding job{.geometry = geometry_,
-                           .run = run,
-                           .head = head,
-                           .roots = roots_.data(),
-                           .step = preamble_.step,
-                           .bits = edgeBits(chunk.encoding),
-                           .along_strand = (preamble_.mode & kAlongStrand) != 0,
-                           .edges = symbols_.edges.data(),
-                           .positions = positions.data()};
-  (chunk.encoding == Encoding::kDelta16 ? coder_.decode_delta : coder_.decode_octahedral)(job, rows_);
+  placeStrands(chunk, run, nullptr, positions);
   return DecodeResult::kDone;
 }
 
@@ -121,21 +110,33 @@ DecodeResult GuideDecoder::decodeTangents(const GuideChunk& chunk, const StrandR
   if (!coder_.unpack_tangents(preamble_.symbols, strand_ends_, history ? history->sizes.data() : nullptr,
                               sizes_.data(), symbols_))
     return DecodeResult::kDamaged;
-  placeRoots(run, chunk.encoding);
   directions_.resize(run.vertex_count - run.strand_count);
+  placeStrands(chunk, run, history, positions);
+  remember(run).history.accept(chunk.frame, chunk.key_frame == 0, directions_, sizes_);
+  return DecodeResult::kDone;
+}
+
+void GuideDecoder::placeStrands(const GuideChunk& chunk, const StrandRun& run, const TangentHistory* history,
+                                std::span<Vec3> positions) {
+  placeRoots(run, chunk.encoding);
   const HeadFrame head = headOf(chunk);
   const StrandDecoding job{.geometry = geometry_,
                            .run = run,
                            .head = head,
                            .roots = roots_.data(),
                            .step = preamble_.step,
+                           .bits = edgeBits(chunk.encoding),
+                           .along_strand = (preamble_.mode & kAlongStrand) != 0,
                            .history = history,
                            .edges = symbols_.edges.data(),
                            .directions = directions_.data(),
                            .positions = positions.data()};
-  coder_.decode_tangents(job, rows_);
-  remember(run).history.accept(chunk.frame, chunk.key_frame == 0, directions_, sizes_);
-  return DecodeResult::kDone;
+  if (chunk.encoding == Encoding::kDelta16)
+    coder_.decode_delta(job, rows_);
+  else if (chunk.encoding == Encoding::kTangent)
+    coder_.decode_tangents(job, rows_);
+  else
+    coder_.decode_octahedral(job, rows_);
 }
 
 void GuideDecoder::placeRoots(const StrandRun& run, Encoding encoding) {

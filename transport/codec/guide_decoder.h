@@ -45,6 +45,9 @@ class GuideDecoder {
   bool readPreamble(const GuideChunk& chunk, const StrandRun& run);
   DecodeResult decodeSymbols(const GuideChunk& chunk, const StrandRun& run, std::span<Vec3> positions);
   DecodeResult decodeTangents(const GuideChunk& chunk, const StrandRun& run, std::span<Vec3> positions);
+  /// From symbols to positions.
+  void placeStrands(const GuideChunk& chunk, const StrandRun& run, const TangentHistory* history,
+                    std::span<Vec3> positions);
   void placeRoots(const StrandRun& run, Encoding encoding);
   Memory& remember(const StrandRun& run);
 

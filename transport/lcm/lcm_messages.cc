@@ -13,6 +13,13 @@
 namespace strandcast {
 namespace {
 
+template <class Stream>
+void messageFields(Stream& s, auto& m, std::type_identity<ReaderSign>) {
+  s.number(m.reader);
+  s.number(m.groom_id);
+  s.flag(m.wants_groom);
+}
+
 /// lcm-gen computes it from the schema.
 template <class Generated>
 int64_t fingerprint() {
@@ -36,9 +43,15 @@ bool read(std::span<const uint8_t> bytes, Message& message) {
   return reader.atEnd();
 }
 
-void shortenTexts(Status& s) {
-  for (std::string* text : {&s.groom_name, &s.backend, &s.device, &s.encoding.codec, &s.last_command_error})
-    *text = shortened(*text);
+/// Cuts the texts of a message to what the wire takes.
+struct TextShortener {
+  static void number(auto&) {}
+  static void text(std::string& text) { text = shortened(text); }
+};
+
+void shortenTexts(Status& status) {
+  TextShortener shortener;
+  messageFields(shortener, status, std::type_identity<Status>());
 }
 
 }  // namespace
@@ -59,11 +72,7 @@ void toBytes(const Command& command, std::vector<uint8_t>& bytes) {
   write<strandcast_v4::command_t>(command, bytes);
 }
 void toBytes(const ReaderSign& sign, std::vector<uint8_t>& bytes) {
-  MessageWriter writer(bytes);
-  writer.number(fingerprint<strandcast_v4::reader_t>());
-  writer.number(sign.reader);
-  writer.number(sign.groom_id);
-  writer.number(uint32_t{sign.wants_groom});
+  write<strandcast_v4::reader_t>(sign, bytes);
 }
 void toBytes(const Status& status, std::vector<uint8_t>& bytes) {
   Status own = status;
@@ -87,15 +96,7 @@ bool fromBytes(std::span<const uint8_t> bytes, Command& command) {
   return read<strandcast_v4::command_t>(bytes, command);
 }
 bool fromBytes(std::span<const uint8_t> bytes, ReaderSign& sign) {
-  MessageReader reader(bytes);
-  int64_t type = 0;
-  uint32_t wants = 0;
-  reader.number(type);
-  reader.number(sign.reader);
-  reader.number(sign.groom_id);
-  reader.number(wants);
-  sign.wants_groom = wants != 0;
-  return reader.atEnd() && type == fingerprint<strandcast_v4::reader_t>();
+  return read<strandcast_v4::reader_t>(bytes, sign);
 }
 bool fromBytes(std::span<const uint8_t> bytes, Status& status) {
   if (!read<strandcast_v4::status_t>(bytes, status)) return false;

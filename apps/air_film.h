@@ -1,0 +1,33 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "apps/air_slices.h"
+#include "apps/console.h"
+#include "core/simulation.h"
+
+namespace strandcast {
+
+/// Slices through the grids of a simulation, frame by frame, as numbered pictures in a folder.
+class AirFilm {
+ public:
+  /// `quantity` as airQuantity(); `axis` "x", "y" or "z", which slices lie across; `size`, pixels along each
+  /// edge. Makes the folder. Throws Error.
+  AirFilm(const std::string& quantity, const std::string& axis, int size,
+          const std::filesystem::path& folder);
+  /// The next picture. Throws Error where the simulation has no such grid, or one that cannot be looked at.
+  void draw(Simulation& simulation);
+  int drawn() const { return drawn_; }
+  void addTo(Report& out) const;
+
+ private:
+  const std::string name_;
+  const AirQuantity quantity_;
+  const int axis_, size_;
+  const std::filesystem::path folder_;
+  int drawn_ = 0;
+  double full_ = 0;  // largest value of all pictures
+  const char* unit_ = "";
+};
+
+}  // namespace strandcast

@@ -1,0 +1,17 @@
+#pragma once
+#include <sys/resource.h>
+
+namespace strandcast {
+
+/// Processor time taken so far, s, in user and kernel: by RUSAGE_SELF, all threads of this program, or by
+/// RUSAGE_THREAD, the one that asks.
+inline double processorSeconds(int whose) {
+  rusage used{};
+  getrusage(whose, &used);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+}  // namespace strandcast

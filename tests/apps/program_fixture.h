@@ -1,0 +1,70 @@
+#pragma once
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace strandcast {
+
+/// What a shell would call it, or 1000 and the signal that ended it.
+inline int exitCodeOf(int wait_status) {
+  return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 1000 + WTERMSIG(wait_status);
+}
+
+/// Programs as a user runs them, in a folder of the test's own. Those that still run at its end are killed.
+class ProgramFixture : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("strandcast_" + std::to_string(getpid()) + "_" +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override {
+    for (const pid_t child : running_) kill(child, SIGKILL);
+    while (!running_.empty()) wait(*running_.begin());
+    std::filesystem::remove_all(folder_);
+  }
+
+  /// Starts a program in the folder without waiting for it; what it prints goes into the file `out` there.
+  pid_t start(std::vector<std::string> words, const std::string& out) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    const pid_t child = fork();
+    if (child == 0) {
+      if (chdir(folder_.c_str()) != 0) _exit(126);
+      const int file = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      if (file < 0 || dup2(file, STDOUT_FILENO) < 0) _exit(126);
+      execvp(arguments[0], arguments.data());
+      _exit(127);
+    }
+    running_.insert(child);
+    return child;
+  }
+  int wait(pid_t child) {
+    int status = 0;
+    running_.erase(child);
+    waitpid(child, &status, 0);
+    return exitCodeOf(status);
+  }
+  bool isRunning(pid_t child) {
+    siginfo_t ended{};
+    return waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           ended.si_pid == 0;
+  }
+
+  std::filesystem::path folder_;
+  const std::string daemon_ = STRANDCAST_DAEMON, program_ = STRANDCAST_PROGRAM;
+
+ private:
+  std::set<pid_t> running_;
+};
+
+}  // namespace strandcast
