@@ -34,8 +34,7 @@ GrowthError errorOf(const std::vector<GrownVertex>& grown, const std::vector<Hai
   GrowthError error;
   for (const GrownVertex& vertex : grown) {
     const Hair& hair = hairs[vertex.hair];
-    const HairReference::Vertex exact =
-        reference.at(hair, growth.lock_profile, static_cast<int>(vertex.node));
+    const HairReference::Vertex exact = reference.at(hair, growth, static_cast<int>(vertex.node));
     error.position = worse(error.position, (vertex.position.cast<double>() - exact.position).norm() /
                                                reference.guideLength(hair));
     error.tangent = worse(error.tangent, (vertex.tangent.cast<double>() - exact.tangent).norm());
@@ -67,7 +66,7 @@ std::vector<Case> growthCases(const Laboratory& laboratory) {
     nodes.setGroom(guides);
     nodes.update(guides.positions, Pose{});
     HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
-    pass.setHairs(growHairs(guides, growth), growth.lock_profile);
+    pass.setHairs(growHairs(guides, growth), growth);
     const HairDetail detail = pass.all();
     pass.grow(nodes, detail);
     const HairReference reference(guides, guides.positions, kSegments);
@@ -239,7 +238,7 @@ class HairOnHead {
   /// Vertices deeper than a hundredth of a millimetre, and than the root where they are next to it.
   size_t inside(GrowthPath path, bool kept_out) const {
     HairPass pass(path, HairGeometry::kLines);
-    pass.setHairs(hairs_, growth_.lock_profile);
+    pass.setHairs(hairs_, growth_);
     pass.setClearance(1e-4f);
     if (kept_out) pass.bodies().setObstacles(obstacles_);
     pass.bodies().place(head_);
@@ -292,7 +291,7 @@ double largestJump() {
   growth.hairs = 300;
   growth.interpolation = Interpolation::kMultiStrand;
   HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
-  pass.setHairs(growHairs(guides, growth), growth.lock_profile);
+  pass.setHairs(growHairs(guides, growth), growth);
   constexpr float kStep = 1e-4f;
   std::vector<GrownVertex> last;
   double largest = 0;

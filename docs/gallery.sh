@@ -7,6 +7,11 @@ shot profile-closing "${close[@]}" --interpolation single --clump-radius 0.006 -
 shot curls-none --scene straight --zoom 2.2 --azimuth 60
 shot curls-tight --scene straight --zoom 2.2 --azimuth 60 --curl-radius 0.004 --curl-pitch 0.03 --segments 96
 shot curls-loose --scene straight --zoom 2.2 --azimuth 60 --curl-radius 0.008 --curl-pitch 0.09 --segments 64
+# A strand that waves in one plane, and then turns.
+awk 'BEGIN { for (i = 0; i < 160; i++) { a = i * 0.2; w = 6 * (1 - exp(-i / 30)); flat = i < 80 ? 0.15 : 1
+    print "v", w * sin(a), -i, flat * w * cos(a) }
+  printf "l"; for (i = 1; i <= 160; i++) printf " %d", i; print "" }' >gallery/example.obj
+shot curls-example --scene straight --zoom 2.2 --azimuth 60 --curl-example gallery/example.obj --segments 96
 stray=(--scene straight --zoom 3 --azimuth 100 --elevation -5)
 shot deviations-none "${stray[@]}" --tip-deviation 0 --whole-deviation 0
 shot deviations-tip "${stray[@]}" --tip-deviation 0.02 --whole-deviation 0
@@ -20,6 +25,18 @@ shot bodies-kept-out-marked "${sparse[@]}" --hairs 4000 --keep-out on --mark-ins
 shot marks-guides "${sparse[@]}" --hairs 4000 --mark-guides on
 shot marks-tangents "${sparse[@]}" --hairs 4000 --mark-tangents on
 shot marks-collided "${sparse[@]}" --hairs 4000 --mark-collided on
+meet=(--scene straight --strands 400 --zoom 1.4 --azimuth 30 --keep-out on --skip 2)
+shot colliders-none "${meet[@]}"
+build/release/apps/strandcastd --scene straight --strands 400 --motion still --domain 79 --quiet &
+daemon=$!
+trap 'kill $daemon 2>/dev/null || true' EXIT
+for ball in "ball sphere 0.13 -0.06 0.02 0.06" "rod capsule -0.2 -0.22 0.06 0 -0.22 0.16 0.025"; do
+  build/release/apps/strandcast ctl --domain 79 collider add $ball >/dev/null
+done
+shot colliders-cast --domain 79 --zoom 1.4 --azimuth 30 --keep-out on --skip 2
+build/release/apps/strandcast ctl --domain 79 stop >/dev/null
+wait $daemon || true
+trap - EXIT
 lit=(--scene curly --zoom 2.5 --azimuth 100)
 shot shadows-off "${lit[@]}" --shadows off
 for name in 3 7 15; do shot "shadows-$name-layers" "${lit[@]}" --shadow-layers "$name"; done
@@ -31,12 +48,33 @@ for name in ignore last reach; do
 done
 shot filter-none "${lit[@]}" --shadow-map 128
 shot filter-wide "${lit[@]}" --shadow-map 128 --shadow-filter 2
+lamp=(--scene curly --azimuth 40 --light-position 0.35 0.25 0.45)
+shot light-sun --scene curly --azimuth 40
+shot light-point "${lamp[@]}" --light point --light-intensity 0.35
+shot light-point-near --scene curly --azimuth 40 --light point --light-position 0.16 0.05 0.2 --light-intensity 0.03
+spot=("${lamp[@]}" --light spot --light-intensity 0.5 --light-direction -0.6 -0.5 -0.8)
+shot light-spot "${spot[@]}" --light-cone 16 --light-edge 0.4
+shot light-spot-sharp "${spot[@]}" --light-cone 10 --light-edge 0
+shot light-spot-shadow --scene straight --zoom 0.55 --azimuth 40 --elevation 25 --light spot \
+  --light-position 0.9 1 1 --light-direction -0.9 -1.3 -1 --light-intensity 2.5 --light-cone 25
 fine=(--scene wavy --hair-width 0.00012 --hairs 20000)
 shot detail-near-full "${fine[@]}" --zoom 1.6 --detail 1 --longest-segment 0
 shot detail-near "${fine[@]}" --zoom 1.6
 shot detail-far-full "${fine[@]}" --zoom 0.4 --detail 1 --longest-segment 0
 shot detail-far "${fine[@]}" --zoom 0.4
 shot detail-tenth "${fine[@]}" --zoom 1.6 --detail 0.1
+for name in off on; do shot "culling-$name" "${fine[@]}" --zoom 6 --azimuth 80 --cull "$name"; done
+for name in 0 1; do
+  shot "hysteresis-$name" "${fine[@]}" --zoom 1.6 --finest-hair 1.5 --detail-hysteresis "$name"
+done
+# A map of the scalp, two pixels wide: white over the right half of the head, nearly black over the left.
+base64 -d >gallery/half.png <<'MAP'
+iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAAAAADRSSBWAAAAC0lEQVQI12P4LwAAAhEBEKjzkDUAAAAASUVORK5CYII=
+MAP
+mapped=(--scene straight --azimuth 0 --elevation 20 --hairs 20000 --hair-width 0.0002)
+for name in density thickness; do shot "map-$name" "${mapped[@]}" "--$name-map" gallery/half.png; done
+shot map-importance-none "${mapped[@]}" --detail 0.3
+shot map-importance "${mapped[@]}" --detail 0.3 --importance-map gallery/half.png
 thick=(--scene wavy --hairs 1500 --hair-width 0.001 --zoom 5 --azimuth 60)
 for name in lines strips; do shot "geometry-$name" "${thick[@]}" --geometry "$name"; done
 thin=(--scene wavy --hair-width 0.00012 --hairs 20000 --zoom 2.5)
@@ -55,6 +93,8 @@ if [ -d "$data" ]; then
     --body-contact spheres --strands 1500
   shot real-bear --groom "$data/bear/bear.tfx" --body "$data/bear/bear_body.obj" --unit-meters 0.01 \
     --body-contact spheres --strands 3000 --azimuth 200 --hairs 60000 --hair-width 0.002
+  shot curls-example-real --scene straight --zoom 2.2 --azimuth 60 --segments 192 \
+    --curl-example "$data/curls/frame_00.obj" --curl-strand 40
   shot real-curls --groom "$data/curls/frame_00.obj" --unit-meters 0.01
 else
   say "no real grooms in $data (STRANDCAST_DATA): their four pictures are left out"

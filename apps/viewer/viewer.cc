@@ -157,7 +157,6 @@ class Viewer {
     panel_.picture.settings.width = width;
     try {
       renderer_.setSettings(renderSettings(panel_.picture));
-      setObstacles();
     } catch (const Error& error) {
       panel_.say(error.what());
     }
@@ -189,7 +188,11 @@ class Viewer {
       box_ = pictureBox(*groom_, *body);
       frame_.reset();
     }
-    setObstacles();
+    try {
+      setObstacles();
+    } catch (const Error& error) {
+      panel_.say(error.what());
+    }
     if (const auto frame = session_->player().next()) frame_ = frame;
     if (!frame_) return;
     renderer_.draw(*frame_, pictureCamera(panel_.picture, box_));

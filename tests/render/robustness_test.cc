@@ -75,7 +75,7 @@ TEST_F(RendererInput, DamagedBodyAndWildSettingsAndCamerasDoNoHarm) {
   settings.samples = 99;
   settings.segments = 1000;
   settings.hair_width = std::numeric_limits<float>::quiet_NaN();
-  settings.light_direction = Vec3::Zero();
+  settings.light.direction = Vec3::Zero();
   Renderer renderer(settings);
   BodyDescription body;
   body.mesh.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, std::numeric_limits<float>::quiet_NaN(), 0)};
