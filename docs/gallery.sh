@@ -11,7 +11,8 @@ shot curls-loose --scene straight --zoom 2.2 --azimuth 60 --curl-radius 0.008 --
 awk 'BEGIN { for (i = 0; i < 160; i++) { a = i * 0.2; w = 6 * (1 - exp(-i / 30)); flat = i < 80 ? 0.15 : 1
     print "v", w * sin(a), -i, flat * w * cos(a) }
   printf "l"; for (i = 1; i <= 160; i++) printf " %d", i; print "" }' >gallery/example.obj
-shot curls-example --scene straight --zoom 2.2 --azimuth 60 --curl-example gallery/example.obj --segments 96
+locks=(--scene straight --strands 200 --interpolation single --zoom 2.2 --azimuth 60)
+shot curls-example "${locks[@]}" --segments 128 --curl-example gallery/example.obj
 stray=(--scene straight --zoom 3 --azimuth 100 --elevation -5)
 shot deviations-none "${stray[@]}" --tip-deviation 0 --whole-deviation 0
 shot deviations-tip "${stray[@]}" --tip-deviation 0.02 --whole-deviation 0
@@ -93,9 +94,8 @@ if [ -d "$data" ]; then
     --body-contact spheres --strands 1500
   shot real-bear --groom "$data/bear/bear.tfx" --body "$data/bear/bear_body.obj" --unit-meters 0.01 \
     --body-contact spheres --strands 3000 --azimuth 200 --hairs 60000 --hair-width 0.002
-  shot curls-example-real --scene straight --zoom 2.2 --azimuth 60 --segments 192 \
-    --curl-example "$data/curls/frame_00.obj" --curl-strand 40
+  shot curls-example-real "${locks[@]}" --segments 192 --curl-example "$data/curls/frame_00.obj" --curl-strand 40
   shot real-curls --groom "$data/curls/frame_00.obj" --unit-meters 0.01
 else
-  say "no real grooms in $data (STRANDCAST_DATA): their four pictures are left out"
+  say "no real grooms in $data (STRANDCAST_DATA): their pictures are left out"
 fi

@@ -207,6 +207,7 @@ void ViewerPanel::drawParameters(ViewerSession& session) {
   if (filter_.empty())
     ImGui::TextDisabled("%s", waiting > 0 ? fmt::format("{} commands wait for an answer", waiting).c_str()
                                           : "sent to the daemon as commands; all answered");
+  if (!session.isHere()) ImGui::TextDisabled("pale: the usual value; what this daemon has it does not tell");
   for (const ParameterInfo& info : parameterList()) {
     if (!matches(info.name)) continue;
     const auto known = session.parameter(info.name);
@@ -217,8 +218,6 @@ void ViewerPanel::drawParameters(ViewerSession& session) {
     if (!known) ImGui::PopStyleVar();
     if (changed) session.setParameter(info.name, values);
   }
-  if (filter_.empty() && !session.isHere())
-    ImGui::TextDisabled("pale: not known until it is set, a daemon does not tell");
 }
 
 void ViewerPanel::drawPicture(PanelRequests& requests) {

@@ -141,7 +141,8 @@ class Viewer {
       if (tool_.isHolding()) tool_.release(session_->commands());
     }
     if (tool_.isHolding()) tool_.drag(camera, mouse, session_->commands());
-    if (!orbiting_) return;
+    // What the mouse went before it was pressed, in the same picture, is no drag.
+    if (!orbiting_ || ImGui::IsMouseClicked(0) || ImGui::IsMouseClicked(1)) return;
     panel_.picture.azimuth -= 0.4 * static_cast<double>(io.MouseDelta.x);
     panel_.picture.elevation =
         std::clamp(panel_.picture.elevation + 0.4 * static_cast<double>(io.MouseDelta.y), -89.0, 89.0);
