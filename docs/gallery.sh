@@ -28,12 +28,10 @@ shot marks-tangents "${sparse[@]}" --hairs 4000 --mark-tangents on
 shot marks-collided "${sparse[@]}" --hairs 4000 --mark-collided on
 meet=(--scene straight --strands 400 --zoom 1.4 --azimuth 30 --keep-out on --skip 2)
 shot colliders-none "${meet[@]}"
-build/release/apps/strandcastd --scene straight --strands 400 --motion still --domain 79 --quiet &
+build/release/apps/strandcastd --scene straight --strands 400 --motion still --domain 79 --quiet >/dev/null &
 daemon=$!
 trap 'kill $daemon 2>/dev/null || true' EXIT
-for ball in "ball sphere 0.13 -0.06 0.02 0.06" "rod capsule -0.2 -0.22 0.06 0 -0.22 0.16 0.025"; do
-  build/release/apps/strandcast ctl --domain 79 collider add $ball >/dev/null
-done
+build/release/apps/strandcast ctl --domain 79 collider add ball sphere 0.13 -0.06 0.02 0.06 >/dev/null
 shot colliders-cast --domain 79 --zoom 1.4 --azimuth 30 --keep-out on --skip 2
 build/release/apps/strandcast ctl --domain 79 stop >/dev/null
 wait $daemon || true
@@ -56,8 +54,8 @@ shot light-point-near --scene curly --azimuth 40 --light point --light-position 
 spot=("${lamp[@]}" --light spot --light-intensity 0.5 --light-direction -0.6 -0.5 -0.8)
 shot light-spot "${spot[@]}" --light-cone 16 --light-edge 0.4
 shot light-spot-sharp "${spot[@]}" --light-cone 10 --light-edge 0
-shot light-spot-shadow --scene straight --zoom 0.55 --azimuth 40 --elevation 25 --light spot \
-  --light-position 0.9 1 1 --light-direction -0.9 -1.3 -1 --light-intensity 2.5 --light-cone 25
+shot light-spot-shadow --scene straight --zoom 0.75 --azimuth -40 --elevation 30 --light spot \
+  --light-position 0.9 1 1 --light-direction -0.7 -1 -0.8 --light-intensity 2.5 --light-cone 20
 fine=(--scene wavy --hair-width 0.00012 --hairs 20000)
 shot detail-near-full "${fine[@]}" --zoom 1.6 --detail 1 --longest-segment 0
 shot detail-near "${fine[@]}" --zoom 1.6
@@ -93,7 +91,7 @@ if [ -d "$data" ]; then
   shot real-sintel --groom "$data/sintel/sintel_hair_16pts.tfx" --body "$data/sintel/sintel.obj" \
     --body-contact spheres --strands 1500
   shot real-bear --groom "$data/bear/bear.tfx" --body "$data/bear/bear_body.obj" --unit-meters 0.01 \
-    --body-contact spheres --strands 3000 --azimuth 200 --hairs 60000 --hair-width 0.002
+    --body-contact spheres --strands 3000 --azimuth 200 --hairs 60000 --hair-width 0.002 --body-color 0.16 0.1 0.07
   shot curls-example-real "${locks[@]}" --segments 192 --curl-example "$data/curls/frame_00.obj" --curl-strand 40
   shot real-curls --groom "$data/curls/frame_00.obj" --unit-meters 0.01
 else

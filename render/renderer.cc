@@ -214,6 +214,19 @@ struct Renderer::Impl {
     return block.hair_color.w() * block.eye.w() / std::max(distance, 0.02f);
   }
 
+  /// Pixels across lines: as the widest hair has where a guide in the picture is nearest. By the boxes they
+  /// would be far too wide as soon as the eye is near one.
+  float lineWidth() const {
+    float nearest = std::numeric_limits<float>::infinity();
+    for (const Vec3& p : guides) {
+      const Eigen::Vector4f clip = block.view_projection * Eigen::Vector4f(p.x(), p.y(), p.z(), 1);
+      const bool seen = clip.w() > 0.02f && clip.head<2>().cwiseAbs().maxCoeff() < clip.w();
+      if (seen && clip.w() < nearest) nearest = clip.w();
+    }
+    const float widest = 1.25f * block.hair_color.w() * block.eye.w() / nearest;
+    return std::clamp(widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
+  }
+
   /// The hairs of this picture: first those that are drawn, then those that only cast shadows. Both details
   /// count them from then on.
   void selectHairs(const std::vector<Sight>& sights) {
@@ -311,7 +324,7 @@ struct Renderer::Impl {
     detail = detailFor(widest);
     shadow_detail = shadowDetailFor(detail);
     selectHairs(sights);
-    block.sampling.y() = std::clamp(1.25f * widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
+    block.sampling.y() = lineWidth();
     scene_buffer.write(std::span<const SceneBlock>(&block, 1));
     glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_buffer.id());
     statistics.hairs_drawn = detail.hairs;

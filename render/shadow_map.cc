@@ -45,7 +45,8 @@ LightView parallelView(const SceneBlock& block, const Box& content, int texels) 
   return {projection * view, 2 * radius, 2 * radius, 2 * radius};
 }
 
-LightView perspectiveView(const SceneBlock& block, const Box& content) {
+/// `margin`: how far look-ups reach beside what is lit, over the maps' width.
+LightView perspectiveView(const SceneBlock& block, const Box& content, float margin) {
   const Vec3 eye = block.light_place.head<3>(), axis = -block.light.head<3>();
   Vec3 center = Vec3(eye + axis);
   float radius = kStep;
@@ -64,7 +65,7 @@ LightView perspectiveView(const SceneBlock& block, const Box& content) {
   const Vec3 looks = (target - eye).normalized();
   const float middle = (center - eye).dot(looks);
   const float near = std::max(middle - radius, kNearest), far = std::max(middle + radius, near + kStep);
-  const float slope = std::tan(half);
+  const float slope = std::tan(half) * (1 + 2 * margin);
   Eigen::Matrix4f projection = Eigen::Matrix4f::Zero();
   projection(0, 0) = projection(1, 1) = 1 / slope;
   projection(2, 2) = -2 / (far - near);
@@ -92,8 +93,8 @@ ShadowMap::ShadowMap(const OpacityLayers& layers)
 }
 
 float ShadowMap::fit(SceneBlock& block, const Box& content) const {
-  const LightView view =
-      block.light_place.w() > 0 ? perspectiveView(block, content) : parallelView(block, content, front_size_);
+  const LightView view = block.light_place.w() > 0 ? perspectiveView(block, content, lookUpReach())
+                                                   : parallelView(block, content, front_size_);
   block.light_view_projection = view.projection;
   block.light.w() = view.range;
   block.sampling.z() = static_cast<float>(layers_.map_size) / view.width;

@@ -207,7 +207,8 @@ void ViewerPanel::drawParameters(ViewerSession& session) {
   if (filter_.empty())
     ImGui::TextDisabled("%s", waiting > 0 ? fmt::format("{} commands wait for an answer", waiting).c_str()
                                           : "sent to the daemon as commands; all answered");
-  if (!session.isHere()) ImGui::TextDisabled("pale: the usual value; what this daemon has it does not tell");
+  if (filter_.empty() && !session.isHere())
+    ImGui::TextDisabled("pale: the usual value; what this daemon has it does not tell");
   for (const ParameterInfo& info : parameterList()) {
     if (!matches(info.name)) continue;
     const auto known = session.parameter(info.name);

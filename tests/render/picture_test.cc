@@ -131,6 +131,36 @@ TEST_F(Picture, ThinHairCoversAsMuchOfABrightBackgroundAsEightTimesAsManyPixelsS
   }
 }
 
+TEST_F(Picture, LinesSeenFromNearAreHardlyWiderThanStrips) {
+  RenderSettings settings = smallPicture();
+  settings.width = settings.height = 256;
+  settings.shadows = false;
+  settings.growth.hairs = 12;
+  settings.growth.curl_radius = 0.004f;
+  settings.hair_width = 6e-4f;
+  const GroomDescription groom = verticalBundle(6, 1, 0.015f, 0.1f, 0.2f, 2);  // long edges, so wide boxes
+  Camera camera;
+  camera.eye = Vec3(0, 0, 0.15f);  // within them
+  camera.target = Vec3::Zero();
+  const auto touched = [&](HairGeometry geometry, bool hair) {
+    settings.geometry = geometry;
+    Renderer renderer(settings);
+    if (hair) renderer.setGroom(groom);
+    renderer.draw(hair ? restFrame(groom) : GuideFrame{}, camera);
+    return renderer.read();
+  };
+  const Image bare = touched(HairGeometry::kStrips, false);
+  int pixels[2] = {};
+  for (const HairGeometry geometry : {HairGeometry::kLines, HairGeometry::kStrips}) {
+    const Image image = touched(geometry, true);
+    for (size_t i = 0; i < image.rgb.size(); i += 3)
+      pixels[geometry == HairGeometry::kStrips] += std::abs(image.rgb[i] - bare.rgb[i]) > 3;
+  }
+  EXPECT_GT(pixels[1], 1000);
+  EXPECT_LT(pixels[0], 1.6 * pixels[1]);
+  EXPECT_GT(pixels[0], 0.6 * pixels[1]);
+}
+
 TEST_F(Picture, HairsThatReachNoSampleAreLeftOutAndNotMissed) {
   RenderSettings settings = smallPicture();
   settings.growth.hairs = 4000;
