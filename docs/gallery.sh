@@ -66,14 +66,14 @@ for name in off on; do shot "culling-$name" "${fine[@]}" --zoom 6 --azimuth 80 -
 for name in 0 1; do
   shot "hysteresis-$name" "${fine[@]}" --zoom 1.6 --finest-hair 1.5 --detail-hysteresis "$name"
 done
-# A map of the scalp, two pixels wide: white over the right half of the head, nearly black over the left.
+# A map of the scalp, eight pixels wide: white over the right half of the head, nearly black over the left.
 base64 -d >gallery/half.png <<'MAP'
-iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAAAAADRSSBWAAAAC0lEQVQI12P4LwAAAhEBEKjzkDUAAAAASUVORK5CYII=
+iVBORw0KGgoAAAANSUhEUgAAAAgAAAABCAAAAADGa7CfAAAAEUlEQVQI12P8z8DAIMjAwAAACE4BEooiiUEAAAAASUVORK5CYII=
 MAP
-mapped=(--scene straight --azimuth 0 --elevation 20 --hairs 20000 --hair-width 0.0002)
+mapped=(--scene straight --motion still --zoom 1.6 --azimuth 0 --elevation 15 --hairs 20000 --hair-width 0.0002)
 for name in density thickness; do shot "map-$name" "${mapped[@]}" "--$name-map" gallery/half.png; done
-shot map-importance-none "${mapped[@]}" --detail 0.3
-shot map-importance "${mapped[@]}" --detail 0.3 --importance-map gallery/half.png
+shot map-importance-none "${mapped[@]}" --detail 0.12
+shot map-importance "${mapped[@]}" --detail 0.12 --importance-map gallery/half.png
 thick=(--scene wavy --hairs 1500 --hair-width 0.001 --zoom 5 --azimuth 60)
 for name in lines strips; do shot "geometry-$name" "${thick[@]}" --geometry "$name"; done
 thin=(--scene wavy --hair-width 0.00012 --hairs 20000 --zoom 2.5)
