@@ -200,13 +200,13 @@ void addLight(std::vector<PictureSetting>& list) {
       group, "shading", "hair is lit at its vertices, with colours in between, or in every fragment",
       {{"vertex", HairShading::kVertex}, {"fragment", HairShading::kFragment}}, AT(settings.shading)));
   list.push_back(choice<LightKind>(
-      group, "light", "of the sun, from a lamp that shines all around, or from one that shines in a cone",
+      group, "light", "parallel as the sun's, from a point all around, or from a point within a cone",
       {{"directional", LightKind::kDirectional}, {"point", LightKind::kPoint}, {"spot", LightKind::kSpot}},
       AT(settings.light.kind)));
   list.push_back(
       number(group, "light-intensity", "", 0, 10000,
-             "1: as bright as the sun that the picture is exposed for, or as a lamp that is so 1 m "
-             "away and a quarter of it 2 m away",
+             "irradiance, in units of the sun that the picture is exposed for; a point or spot light has it "
+             "1 m away, and by the inverse-square law a quarter of it 2 m away",
              AT(settings.light.intensity)));
   list.push_back(vector(group, "light-direction", "", -1, 1,
                         "the way that the light travels, of a spot its axis; not used by point",
