@@ -26,6 +26,7 @@ struct Hair {
 layout(std430, binding = 3) readonly buffer Nodes { vec4 nodes[]; };
 layout(std430, binding = 4) readonly buffer Hairs { Hair hairs[]; };
 layout(std430, binding = 11) readonly buffer HairList { uint hair_list[]; };  // the hairs of this picture
+const int kExampleParts = 256;  // CurlExample::kParts
 // GrowthBlock in render/hair_growth.h, field for field.
 layout(std140, binding = 1) uniform Growth {
   vec4 profile;
@@ -33,7 +34,7 @@ layout(std140, binding = 1) uniform Growth {
   uint bodies;
   float clearance;
   float zone;
-  vec4 example[257];
+  vec4 example[kExampleParts + 1];  // CurlExample::samples
 } growth;
 
 struct HairPoint {
@@ -48,10 +49,11 @@ AcrossGuide acrossGuide(Hair hair, float u) {
   AcrossGuide across = hairAcross(u, vec3(hair.offset, 0), growth.profile.xyz, hair.tip_deviation, hair.whole_deviation,
                                   hair.deviation_phase, hair.curl_radius, hair.curl_turns, hair.curl_phase);
   if (hair.example_scale <= 0.0) return across;
-  int part = min(int(u * 256.0), 255);
+  float place = u * float(kExampleParts);
+  int part = min(int(place), kExampleParts - 1);
   vec4 a = growth.example[part], b = growth.example[part + 1];
-  return bothAcross(across, exampleAcross(vec3(a.xy, 0), vec3(b.xy, 0), vec3(a.zw, 0), vec3(b.zw, 0), 1.0 / 256.0,
-                                          u * 256.0 - float(part), hair.curl_phase, hair.example_scale));
+  return bothAcross(across, exampleAcross(vec3(a.xy, 0), vec3(b.xy, 0), vec3(a.zw, 0), vec3(b.zw, 0),
+                                          1.0 / float(kExampleParts), place - float(part), hair.curl_phase, hair.example_scale));
 }
 
 // `bodies`: how far bodies make it follow one guide alone, 0 to 1, and how that changes by u.
