@@ -26,7 +26,7 @@ shot bodies-kept-out-marked "${sparse[@]}" --hairs 4000 --keep-out on --mark-ins
 shot marks-guides "${sparse[@]}" --hairs 4000 --mark-guides on
 shot marks-tangents "${sparse[@]}" --hairs 4000 --mark-tangents on
 shot marks-collided "${sparse[@]}" --hairs 4000 --mark-collided on
-meet=(--scene straight --strands 400 --zoom 1.4 --azimuth 30 --keep-out on --skip 2)
+meet=(--scene straight --strands 400 --motion still --zoom 1.4 --azimuth 30 --keep-out on --skip 2)
 shot colliders-none "${meet[@]}"
 build/release/apps/strandcastd --scene straight --strands 400 --motion still --domain 79 --quiet >/dev/null &
 daemon=$!
