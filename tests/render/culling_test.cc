@@ -104,6 +104,12 @@ TEST_F(Culling, WhatIsBehindTheEyeCostsNothing) {
 TEST_F(Culling, BoxesOfGroupsHoldTheirHairs) {
   settings_.growth.curl_radius = 0.01f;
   settings_.growth.tip_deviation = 0.02f;
+  std::vector<Vec3> rings;
+  for (int i = 0; i < 40; ++i) {
+    const float turn = 0.6f * static_cast<float>(i);
+    rings.emplace_back(0.15f * std::sin(turn), -0.01f * static_cast<float>(i), 0.15f * std::cos(turn));
+  }
+  settings_.growth.curl_example = std::make_shared<const CurlExample>(curlOf(rings, "rings"));
   GroomDescription wild = groom_;
   for (size_t v = 0; v < wild.guides.positions.size(); ++v)
     wild.guides.positions[v] += 0.02f * Vec3(std::sin(5.0f * v), std::sin(7.0f * v), std::sin(11.0f * v));
