@@ -50,7 +50,7 @@ shot filter-wide "${lit[@]}" --shadow-map 128 --shadow-filter 2
 lamp=(--scene curly --azimuth 40 --light-position 0.35 0.25 0.45)
 shot light-sun --scene curly --azimuth 40
 shot light-point "${lamp[@]}" --light point --light-intensity 0.35
-shot light-point-near --scene curly --azimuth 40 --light point --light-position 0.16 0.05 0.2 --light-intensity 0.03
+shot light-point-near --scene curly --azimuth 40 --light point --light-position 0.22 0 0.2 --light-intensity 0.07
 spot=("${lamp[@]}" --light spot --light-intensity 0.5 --light-direction -0.6 -0.5 -0.8)
 shot light-spot "${spot[@]}" --light-cone 16 --light-edge 0.4
 shot light-spot-sharp "${spot[@]}" --light-cone 10 --light-edge 0
