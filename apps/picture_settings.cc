@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "core/error.h"
 #include "core/nearest_name.h"
@@ -23,6 +24,20 @@ PictureSetting number(const char* group, const char* name, const char* unit, dou
       group};
   setting.get = [ref](const PictureOptions& o) { return std::vector{static_cast<double>(ref(o))}; };
   setting.set = [ref](PictureOptions& o, const std::vector<double>& v) { ref(o) = static_cast<Value>(v[0]); };
+  return setting;
+}
+
+/// Of an angle that is kept in radians.
+template <class Ref>
+PictureSetting degrees(const char* group, const char* name, double low, double high, const char* help,
+                       Ref ref) {
+  PictureSetting setting = number(group, name, "degrees", low, high, help, ref);
+  setting.get = [ref](const PictureOptions& o) {
+    return std::vector{static_cast<double>(ref(o)) * 180 / std::numbers::pi};
+  };
+  setting.set = [ref](PictureOptions& o, const std::vector<double>& v) {
+    ref(o) = static_cast<float>(v[0] * std::numbers::pi / 180);
+  };
   return setting;
 }
 
@@ -149,6 +164,13 @@ void addGrowth(std::vector<PictureSetting>& list) {
                         AT(settings.growth.curl_radius)));
   list.push_back(number(group, "curl-pitch", "m", 0.001, 100, "length of hair in a turn of a curl",
                         AT(settings.growth.curl_pitch)));
+  list.push_back(
+      file(group, "curl-example",
+           "groom file (.tfx, .hair, .obj) with a strand whose curl is laid on the hair: how it leaves "
+           "its smoothed axis, in proportion to the length, turned another way in each lock",
+           &PictureOptions::curl_example));
+  list.push_back(number(group, "curl-strand", "", 0, 1e9, "which strand of the curl-example, from 0 on",
+                        AT(curl_strand)));
   list.push_back(flag(group, "keep-out",
                       "keep grown hair out of the body, whose distance field is baked for it once",
                       AT(settings.keep_out)));
@@ -177,8 +199,25 @@ void addLight(std::vector<PictureSetting>& list) {
   list.push_back(choice<HairShading>(
       group, "shading", "hair is lit at its vertices, with colours in between, or in every fragment",
       {{"vertex", HairShading::kVertex}, {"fragment", HairShading::kFragment}}, AT(settings.shading)));
-  list.push_back(vector(group, "light-direction", "", -1, 1, "the way that the light travels",
-                        AT(settings.light_direction)));
+  list.push_back(choice<LightKind>(
+      group, "light", "parallel as the sun's, from a point all around, or from a point within a cone",
+      {{"directional", LightKind::kDirectional}, {"point", LightKind::kPoint}, {"spot", LightKind::kSpot}},
+      AT(settings.light.kind)));
+  list.push_back(
+      number(group, "light-intensity", "", 0, 10000,
+             "irradiance, in units of the sun that the picture is exposed for; a point or spot light has it "
+             "1 m away, and by the inverse-square law a quarter of it 2 m away",
+             AT(settings.light.intensity)));
+  list.push_back(vector(group, "light-direction", "", -1, 1,
+                        "the way that the light travels, of a spot its axis; not used by point",
+                        AT(settings.light.direction)));
+  list.push_back(vector(group, "light-position", "m", -1000, 1000, "of a point or spot light, Y up",
+                        AT(settings.light.position)));
+  list.push_back(degrees(group, "light-cone", 1, 85, "of a spot, from its axis to where its light ends",
+                         AT(settings.light.cone)));
+  list.push_back(number(group, "light-edge", "", 0, 1,
+                        "of a spot: outer part of its cone over which its light fades; 0 is sharp",
+                        AT(settings.light.cone_edge)));
 }
 
 void addShadow(std::vector<PictureSetting>& list) {
@@ -274,6 +313,9 @@ RenderSettings renderSettings(const PictureOptions& options) {
   settings.growth.density = map(options.density_map);
   settings.growth.thickness = map(options.thickness_map);
   settings.growth.importance = map(options.importance_map);
+  if (!options.curl_example.empty())
+    settings.growth.curl_example =
+        std::make_shared<const CurlExample>(readCurlExample(options.curl_example, options.curl_strand));
   return settings;
 }
 

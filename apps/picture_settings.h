@@ -15,6 +15,8 @@ struct PictureOptions {
   double azimuth = 25, elevation = 5;  ///< degrees; 0 looks at the face
   double zoom = 1;
   std::filesystem::path density_map, thickness_map, importance_map;  ///< empty = none
+  std::filesystem::path curl_example;                                ///< a groom file; empty = none
+  size_t curl_strand = 0;                                            ///< of it
 };
 
 /// One setting of a picture, as options, presets and the viewer's panel know it. Its values are numbers, or

@@ -34,8 +34,7 @@ GrowthError errorOf(const std::vector<GrownVertex>& grown, const std::vector<Hai
   GrowthError error;
   for (const GrownVertex& vertex : grown) {
     const Hair& hair = hairs[vertex.hair];
-    const HairReference::Vertex exact =
-        reference.at(hair, growth.lock_profile, static_cast<int>(vertex.node));
+    const HairReference::Vertex exact = reference.at(hair, growth, static_cast<int>(vertex.node));
     error.position = worse(error.position, (vertex.position.cast<double>() - exact.position).norm() /
                                                reference.guideLength(hair));
     error.tangent = worse(error.tangent, (vertex.tangent.cast<double>() - exact.tangent).norm());
@@ -63,11 +62,13 @@ std::vector<Case> growthCases(const Laboratory& laboratory) {
     HairGrowth growth;
     growth.hairs = 500;
     growth.curl_radius = 0.004f;
+    growth.curl_example =
+        std::make_shared<const CurlExample>(curlOf(guidesOf("curly", 150).strand(7), "a strand of curly"));
     GuideNodes nodes(kSegments);
     nodes.setGroom(guides);
     nodes.update(guides.positions, Pose{});
     HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
-    pass.setHairs(growHairs(guides, growth), growth.lock_profile);
+    pass.setHairs(growHairs(guides, growth), growth);
     const HairDetail detail = pass.all();
     pass.grow(nodes, detail);
     const HairReference reference(guides, guides.positions, kSegments);
@@ -169,8 +170,22 @@ ShadowError errorOf(LightProbe& probe, const OpacityLayers& layers, const ExactS
   return error;
 }
 
-const std::vector<std::string> kShadowNames{"shadow: 3 layers", "shadow: 7 layers", "shadow: 15 layers",
-                                            "shadow: 7 layers, lit hair", "shadow: 15 layers, lit hair"};
+const std::vector<std::string> kShadowNames{"shadow: 3 layers",
+                                            "shadow: 7 layers",
+                                            "shadow: 15 layers",
+                                            "shadow: 7 layers, lit hair",
+                                            "shadow: 15 layers, lit hair",
+                                            "shadow: 7 layers, lamp"};
+
+/// The same in the perspective of a lamp, which must beat as many slices.
+Case lampCase(const RenderSettings& settings, OpacityLayers layers) {
+  LightProbe probe(guidesOf("curly", 600), settings);
+  const ExactShadow exact(probe.fragments(layers.map_size), layers.map_size);
+  layers.layers = 7;
+  return absoluteCase(
+      {kShadowNames[5], "the same in the perspective of a lamp at the head, at every piece of hair", ""},
+      errorOf(probe, layers, exact).all(), 0, exact.opacityShadowMapError(7).all());
+}
 
 /// Each number of layers has the error of what it must beat for its limit: of as many slices, of fewer
 /// layers, and where light reaches of 16 slices.
@@ -205,6 +220,9 @@ std::vector<Case> shadowCases(const Laboratory& laboratory) {
   lit[0].note = fmt::format("opacity shadow maps: 3 slices {:.4f}, 16 {:.4f}, 128 {:.4f}", few.seen(),
                             some.seen(), many.seen());
   cases.insert(cases.end(), lit.begin(), lit.end());
+  laboratory.checkStopped();
+  settings.light.kind = LightKind::kPoint;
+  cases.push_back(lampCase(settings, layers));
   return cases;
 }
 
@@ -239,7 +257,7 @@ class HairOnHead {
   /// Vertices deeper than a hundredth of a millimetre, and than the root where they are next to it.
   size_t inside(GrowthPath path, bool kept_out) const {
     HairPass pass(path, HairGeometry::kLines);
-    pass.setHairs(hairs_, growth_.lock_profile);
+    pass.setHairs(hairs_, growth_);
     pass.setClearance(1e-4f);
     if (kept_out) pass.bodies().setObstacles(obstacles_);
     pass.bodies().place(head_);
@@ -292,7 +310,7 @@ double largestJump() {
   growth.hairs = 300;
   growth.interpolation = Interpolation::kMultiStrand;
   HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
-  pass.setHairs(growHairs(guides, growth), growth.lock_profile);
+  pass.setHairs(growHairs(guides, growth), growth);
   constexpr float kStep = 1e-4f;
   std::vector<GrownVertex> last;
   double largest = 0;

@@ -42,7 +42,7 @@ class Grower {
     nodes_.setGroom(guides);
     HairGrowth growth;
     growth.hairs = static_cast<size_t>(hairs);
-    pass_.setHairs(growHairs(guides, growth), growth.lock_profile);
+    pass_.setHairs(growHairs(guides, growth), growth);
   }
   const std::string& renderer() const { return context_.renderer(); }
   /// Returns when the device says that it is done.

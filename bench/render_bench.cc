@@ -59,7 +59,7 @@ GrowthTimes timeGrowth(const Options& o, const StrandSet& guides, const HairGrow
   std::vector<Hair> hairs = growHairs(guides, growth);
   const double distribute =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  pass.setHairs(std::move(hairs), growth.lock_profile);
+  pass.setHairs(std::move(hairs), growth);
   const HairDetail all = pass.all();
   GrowthTimes times{};
   times.distribute_ms = distribute;
@@ -70,8 +70,7 @@ GrowthTimes timeGrowth(const Options& o, const StrandSet& guides, const HairGrow
   const std::vector<GrownVertex> grown = readComputed(pass, nodes, 1);
   for (size_t v = 0; v < grown.size(); v += 997) {
     const Hair& hair = pass.hairs()[grown[v].hair];
-    const Eigen::Vector3d exact =
-        reference.at(hair, growth.lock_profile, static_cast<int>(grown[v].node)).position;
+    const Eigen::Vector3d exact = reference.at(hair, growth, static_cast<int>(grown[v].node)).position;
     times.error = std::max(times.error,
                            (grown[v].position.cast<double>() - exact).norm() / reference.guideLength(hair));
   }

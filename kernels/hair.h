@@ -82,6 +82,31 @@ FN AcrossGuide hairAcross(IN(real) u, IN(real3) offset, IN(real3) profile, IN(re
   return at;
 }
 
+// A curl taken from a strand (render/curl_example.h) between two of its samples, `h` of u apart, at the part s of the way:
+// their places across the axis (only x and y) with their slopes, `scale` metres large and turned about the guide.
+FN AcrossGuide exampleAcross(IN(real3) p0, IN(real3) p1, IN(real3) m0, IN(real3) m1, IN(real) h, IN(real) s, IN(real) turns,
+                             IN(real) scale) {
+  real3 place = splinePosition(p0, p1, m0, m1, h, s) * scale;
+  real3 slope = splineDerivative(p0, p1, m0, m1, h, s) * scale;
+  real angle = turnAngle(turns);
+  real c = cos(angle);
+  real n = sin(angle);
+  AcrossGuide at;
+  at.x = place.x * c - place.y * n;
+  at.y = place.x * n + place.y * c;
+  at.slope_x = slope.x * c - slope.y * n;
+  at.slope_y = slope.x * n + slope.y * c;
+  return at;
+}
+FN AcrossGuide bothAcross(IN(AcrossGuide) a, IN(AcrossGuide) b) {
+  AcrossGuide at;
+  at.x = a.x + b.x;
+  at.y = a.y + b.y;
+  at.slope_x = a.slope_x + b.slope_x;
+  at.slope_y = a.slope_y + b.slope_y;
+  return at;
+}
+
 // How far a hair has left its three guides for the first of them alone, 0 to 1, and how that changes by u: `clump` u, and
 // what bodies ask for beyond that (`bodies`, with its slope).
 struct Closing {

@@ -50,11 +50,13 @@ HairGroups::HairGroups(const StrandSet& guides, std::span<const Hair> hairs, con
   groups_.resize(groups);
   group_of_.reserve(hairs.size());
   const float profile = growth.lock_profile.maxCoeff();
+  const float example_reach = growth.curl_example ? growth.curl_example->reach : 0;
   for (const Hair& hair : hairs) {
     group_of_.push_back(group_of_guide[hair.guides[0]]);
     Group& group = groups_[group_of_.back()];
     const float lock = std::hypot(hair.offset[0], hair.offset[1]) * profile;
-    group.reach = std::max(group.reach, lock + hair.tip_deviation + hair.whole_deviation + hair.curl_radius);
+    group.reach = std::max(group.reach, lock + hair.tip_deviation + hair.whole_deviation + hair.curl_radius +
+                                            hair.example_scale * example_reach);
     for (const uint32_t guide : hair.guides) group.guides.push_back(guide);
   }
   for (Group& group : groups_) {

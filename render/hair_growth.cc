@@ -110,7 +110,9 @@ RandomStream lockStream(uint32_t guide, uint64_t seed) {
 void setCurl(Hair& hair, const StrandSet& guides, const HairGrowth& growth, RandomStream& random,
              RandomStream& lock) {
   const float length = arcLength(guides.strand(hair.guides[0]));
-  hair.curl_radius = growth.curl_radius * lock.between(0.6f, 1.1f) * random.between(0.8f, 1.1f);
+  const float size = lock.between(0.6f, 1.1f) * random.between(0.8f, 1.1f);
+  hair.curl_radius = growth.curl_radius * size;
+  hair.example_scale = growth.curl_example ? length * size : 0;
   hair.curl_turns =
       length / std::max(growth.curl_pitch, 1e-3f) * lock.between(0.85f, 1.15f) * random.between(0.97f, 1.03f);
   hair.curl_phase = lock.uniform() + random.between(-0.1f, 0.1f);

@@ -1,10 +1,12 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "core/strand_set.h"
+#include "render/curl_example.h"
 #include "render/scalp_map.h"
 
 namespace strandcast {
@@ -13,8 +15,8 @@ namespace strandcast {
 /// the arc length from the root, P_k the guides' curves and N, B the twist-free frame of guide 0, the hair is
 ///   x(u) = sum_k w_k(u) P_k(u) + across_x(u) N + across_y(u) B
 /// with w(u) = (1 - clump u) weights + clump u (1, 0, 0) and what lies across the guide (the place in the
-/// lock, curl and deviations) as hairAcross of kernels/hair.h has it, for u in [0, extent]. Width is full up
-/// to three quarters of the length and then falls linearly to nothing at the tip.
+/// lock, curls and deviations) as hairAcross and exampleAcross of kernels/hair.h have it, for u in [0,
+/// extent]. Width is full up to three quarters of the length and then falls linearly to nothing at the tip.
 struct Hair {
   uint32_t guides[3];
   float dither;           ///< [0, 1): decides which samples a hair narrower than a pixel reaches
@@ -31,8 +33,9 @@ struct Hair {
   float curl_turns;       ///< over the guide's length
   float shade;            ///< -1 darker to 1 lighter
   float warmth;           ///< -1 ashen to 1 red
-  float importance;  ///< above 0 to 1: how long it stays when hairs are left out, as a factor of its width
-  float unused[3];
+  float importance;     ///< above 0 to 1: how long it stays when hairs are left out, as a factor of its width
+  float example_scale;  ///< m, of HairGrowth::curl_example, turned by curl_phase; 0 without
+  float unused[2];
 };
 static_assert(sizeof(Hair) == 96);
 
@@ -61,6 +64,8 @@ struct HairGrowth {
   float whole_deviation_part = 0.1f;    ///< of the hairs
   float curl_radius = 0;                ///< m; 0 = no curls
   float curl_pitch = 0.03f;             ///< m of length a turn
+  std::shared_ptr<const CurlExample>
+      curl_example{};                            ///< laid on hairs in proportion to their length; null = none
   std::shared_ptr<const ScalpMap> density{};     ///< part of the hairs that grow; null = all
   std::shared_ptr<const ScalpMap> thickness{};   ///< factor of their width; null = 1
   std::shared_ptr<const ScalpMap> importance{};  ///< Hair::importance, of 0.02 or more; null = 1
@@ -77,8 +82,9 @@ struct GrowthBlock {
   uint32_t bodies = 0;  ///< that hair is kept out of
   float clearance = 0;  ///< m, that it keeps from them
   float zone = 0.15f;   ///< part of the length over which a hair goes over to one guide before a body
+  std::array<CurlExample::Sample, CurlExample::kParts + 1> example{};
 };
-static_assert(sizeof(GrowthBlock) == 32);
+static_assert(sizeof(GrowthBlock) == 32 + 16 * 257);
 
 /// Distributes hairs over the area that the guides' roots cover and chooses the guides that each follows.
 /// Guides with fewer than 2 vertices, a vertex that is not finite, or no length get no hairs. The same input

@@ -57,18 +57,19 @@ HairPass::HairPass(GrowthPath path, HairGeometry geometry, HairShading shading)
       block_buffer_(sizeof(GrowthBlock), nullptr, GL_DYNAMIC_STORAGE_BIT),
       programs_(makePrograms(path, geometry, shading)) {
   glCreateVertexArrays(1, &empty_vertices_);
-  setHairs({}, Vec3::Ones());
+  setHairs({}, {});
 }
 
 HairPass::~HairPass() { glDeleteVertexArrays(1, &empty_vertices_); }
 
-void HairPass::setHairs(std::vector<Hair> hairs, const Vec3& lock_profile) {
+void HairPass::setHairs(std::vector<Hair> hairs, const HairGrowth& growth) {
   hairs_ = std::move(hairs);
   hair_buffer_ = gl::Buffer(std::span<const Hair>(hairs_));
   std::vector<uint32_t> all(hairs_.size());
   std::iota(all.begin(), all.end(), 0u);
   list_buffer_ = gl::Buffer(std::span<const uint32_t>(all));
-  for (int i = 0; i < 3; ++i) block_.profile[i] = lock_profile[i];
+  for (int i = 0; i < 3; ++i) block_.profile[i] = growth.lock_profile[i];
+  if (growth.curl_example) block_.example = growth.curl_example->samples;
 }
 
 void HairPass::select(std::span<const uint32_t> hairs) { list_buffer_.write(hairs); }

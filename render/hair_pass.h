@@ -23,7 +23,8 @@ class HairPass {
   HairPass(const HairPass&) = delete;
   HairPass& operator=(const HairPass&) = delete;
 
-  void setHairs(std::vector<Hair> hairs, const Vec3& lock_profile);
+  /// Of `growth` what all hairs have in common counts.
+  void setHairs(std::vector<Hair> hairs, const HairGrowth& growth);
   /// Which of the hairs a picture is of, in the order in which it draws them: HairDetail::hairs counts them
   /// from the first of these. All, as they were set, until this is called.
   void select(std::span<const uint32_t> hairs);

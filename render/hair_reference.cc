@@ -14,6 +14,15 @@ namespace f64 = kernels::f64;
 f64::real3 lanes(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Eigen::Vector3d vector(const f64::real3& v) { return {v.x, v.y, v.z}; }
 
+f64::AcrossGuide exampleAt(const CurlExample& curl, const Hair& hair, double u) {
+  const double place = u * CurlExample::kParts;
+  const int part = std::min(static_cast<int>(place), CurlExample::kParts - 1);
+  const auto &a = curl.samples[static_cast<size_t>(part)], &b = curl.samples[static_cast<size_t>(part + 1)];
+  return f64::exampleAcross({a.x, a.y, 0}, {b.x, b.y, 0}, {a.slope_x, a.slope_y, 0},
+                            {b.slope_x, b.slope_y, 0}, 1.0 / CurlExample::kParts, place - part,
+                            hair.curl_phase, hair.example_scale);
+}
+
 }  // namespace
 
 HairReference::HairReference(const StrandSet& rest_guides, std::span<const Vec3> positions, int segments)
@@ -53,7 +62,7 @@ HairReference::HairReference(const StrandSet& rest_guides, std::span<const Vec3>
   }
 }
 
-HairReference::Vertex HairReference::at(const Hair& hair, const Vec3& lock_profile, int wanted) const {
+HairReference::Vertex HairReference::at(const Hair& hair, const HairGrowth& growth, int wanted) const {
   const int node = std::min(wanted, static_cast<int>(std::ceil(hair.extent * static_cast<float>(segments_))));
   const double u = static_cast<double>(node) / segments_;
   const Node* of[3];
@@ -63,9 +72,10 @@ HairReference::Vertex HairReference::at(const Hair& hair, const Vec3& lock_profi
   const f64::real3 derivative = lanes(of[0]->derivative);
   const f64::real3 binormal = f64::cross(f64::normalizeOrZero(derivative), normal);
   const f64::Closing closing = f64::hairClosing(u, hair.clump, 0, 0);
-  const f64::AcrossGuide across = f64::hairAcross(
-      u, {hair.offset[0], hair.offset[1], 0}, lanes(lock_profile.cast<double>()), hair.tip_deviation,
+  f64::AcrossGuide across = f64::hairAcross(
+      u, {hair.offset[0], hair.offset[1], 0}, lanes(growth.lock_profile.cast<double>()), hair.tip_deviation,
       hair.whole_deviation, hair.deviation_phase, hair.curl_radius, hair.curl_turns, hair.curl_phase);
+  if (growth.curl_example) across = f64::bothAcross(across, exampleAt(*growth.curl_example, hair, u));
   const f64::real3 ab = from(1, &Node::position), ac = from(2, &Node::position);
   const f64::real3 position = f64::hairPosition(lanes(of[0]->position), ab, ac, hair.weights[1],
                                                 hair.weights[2], closing, across, normal, binormal);

@@ -18,8 +18,8 @@ class HairReference {
     Eigen::Vector3d position;  ///< m
     Eigen::Vector3d tangent;   ///< unit
   };
-  /// A vertex at node 0 to `segments`; away from bodies.
-  Vertex at(const Hair& hair, const Vec3& lock_profile, int node) const;
+  /// A vertex at node 0 to `segments`; away from bodies. `growth`: what the hair was grown with.
+  Vertex at(const Hair& hair, const HairGrowth& growth, int node) const;
   /// Length of the guide that a hair follows most, of its chords between nodes, m.
   double guideLength(const Hair& hair) const;
 

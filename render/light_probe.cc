@@ -13,7 +13,7 @@ LightProbe::LightProbe(const StrandSet& guides, const RenderSettings& settings)
       scene_(sizeof(SceneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT) {
   nodes_.setGroom(guides);
   nodes_.update(guides.positions, Pose{});
-  hair_.setHairs(growHairs(guides, settings_.growth), settings_.growth.lock_profile);
+  hair_.setHairs(growHairs(guides, settings_.growth), settings_.growth);
   hair_.grow(nodes_, hair_.all());
   for (const Vec3& p : guides.positions) box_.extend(Eigen::Vector3f(p));
 }

@@ -23,7 +23,7 @@ struct LightAnswer {
 /// A groom at rest and the light's maps of it, read back: for validation. Needs a current context.
 class LightProbe {
  public:
-  /// Of the settings, growth, hair_width, segments and light_direction count.
+  /// Of the settings, growth, hair_width, segments and light count.
   LightProbe(const StrandSet& guides, const RenderSettings& settings);
 
   /// Every piece of hair that an opacity map of so many texels adds up, in no certain order: what is exact
@@ -34,6 +34,8 @@ class LightProbe {
   std::vector<LightAnswer> ask(const OpacityLayers& layers, std::span<const Vec3> points);
   /// m, of the light's coordinates from 0 to 1.
   float depthRange() const { return block_.light.w(); }
+  /// Tangent of half the angle that the maps of a light with a place take in.
+  float slope() const { return 1 / block_.light_view_projection.block<1, 3>(0, 0).norm(); }
 
  private:
   void bindScene(const ShadowMap& map, const OpacityLayers& layers);

@@ -45,6 +45,20 @@ OpacityLayers clipped(const OpacityLayers& layers) {
   return o;
 }
 
+/// The direction becomes unit.
+Light clipped(const Light& light) {
+  const Light fallback;
+  Light l = light;
+  const float length = l.direction.norm();
+  const bool directed = std::isfinite(length) && length > 1e-6f;
+  l.direction = directed ? Vec3(l.direction / length) : Vec3(fallback.direction.normalized());
+  for (int i = 0; i < 3; ++i) l.position[i] = inRange(l.position[i], -1000, 1000, fallback.position[i]);
+  l.intensity = inRange(l.intensity, 0, 1e4f, fallback.intensity);
+  l.cone = inRange(l.cone, 0.01f, 1.5f, fallback.cone);
+  l.cone_edge = inRange(l.cone_edge, 0, 1, fallback.cone_edge);
+  return l;
+}
+
 }  // namespace
 
 const char* nameOf(RenderPass pass) {
@@ -83,10 +97,7 @@ RenderSettings clipped(const RenderSettings& settings) {
     if (pass <= kLastPass && std::find(passes.begin(), passes.end(), pass) == passes.end())
       passes.push_back(pass);
   s.passes = std::move(passes);
-  const float length = s.light_direction.norm();
-  const bool directed = std::isfinite(length) && length > 1e-6f;
-  s.light_direction =
-      directed ? Vec3(s.light_direction / length) : Vec3(fallback.light_direction.normalized());
+  s.light = clipped(s.light);
   return s;
 }
 

@@ -5,6 +5,7 @@
 #include "core/geometry.h"
 #include "render/deep_opacity.h"
 #include "render/hair_growth.h"
+#include "render/light.h"
 #include "render/mark_settings.h"
 #include "render/supersampling.h"
 
@@ -72,7 +73,7 @@ struct RenderSettings {
   Vec3 hair_color{0.30f, 0.17f, 0.08f};  ///< of light scattered once around in the hair
   Vec3 body_color{0.62f, 0.42f, 0.33f};
   Vec3 background{0.30f, 0.33f, 0.38f};
-  Vec3 light_direction{-0.45f, -0.75f, -0.5f};  ///< the way the light travels
+  Light light;
   bool shadows = true;
   OpacityLayers opacity;  ///< shadow of the hair
   /// In this order; one named twice is done once. Those that draw may come in any order, as depth decides.

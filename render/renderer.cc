@@ -41,11 +41,11 @@ Box moved(const Box& box, const Pose& pose) {
 }
 
 /// As few segments as leave hair its length, and with it the area that it covers, and eight a turn of a curl.
-int leastSegments(const StrandSet& guides, int segments, const std::vector<Hair>& hairs) {
-  float turns = 0;
+int leastSegments(const StrandSet& guides, const RenderSettings& settings, const std::vector<Hair>& hairs) {
+  float turns = settings.growth.curl_example ? settings.growth.curl_example->turns : 0;
   for (const Hair& hair : hairs)
     if (hair.curl_radius > 0) turns = std::max(turns, hair.curl_turns);
-  int least = segments;
+  int least = settings.segments;
   while (least >= 8 && static_cast<float>(least / 2) >= 8 * turns &&
          lengthKept(guides, least / 2) > kLengthKept)
     least /= 2;
@@ -149,10 +149,10 @@ struct Renderer::Impl {
 
   /// Chooses which guides each hair follows.
   void placeHair() {
-    hair->setHairs({}, settings.growth.lock_profile);
+    hair->setHairs({}, settings.growth);
     nodes->setGroom(rest_guides);
-    hair->setHairs(growHairs(rest_guides, settings.growth), settings.growth.lock_profile);
-    least_segments = leastSegments(rest_guides, settings.segments, hair->hairs());
+    hair->setHairs(growHairs(rest_guides, settings.growth), settings.growth);
+    least_segments = leastSegments(rest_guides, settings, hair->hairs());
     groups = HairGroups(rest_guides, hair->hairs(), settings.growth);
     selected = {};
     statistics.hairs_grown = hair->hairs().size();
@@ -169,28 +169,39 @@ struct Renderer::Impl {
     if (guides.size() == nodes->vertices())
       groups.place(guides, settings.hair_width + 2 * settings.clearance);
     const ViewVolume view(block.view_projection);
-    const Eigen::Vector3f shade = -block.light.w() * block.light.head<3>();  // to where shadows may fall
-    const Eigen::Vector3f beside = Eigen::Vector3f::Constant(block.light.w() * shadows->lookUpReach());
+    const Eigen::Vector3f beside = Eigen::Vector3f::Constant(light_width * shadows->lookUpReach());
     std::vector<Sight> sights(groups.count(), Sight::kNone);
     statistics.groups = groups.count();
     statistics.groups_seen = 0;
     for (size_t g = 0; g < groups.count(); ++g) {
       if (!groups.box(g).isEmpty()) {
         const BoxCorners corners = cornersOf(groups.box(g));
-        const BoxCorners wider = cornersOf(Box(groups.box(g).min() - beside, groups.box(g).max() + beside));
-        std::array<Eigen::Vector3f, 16> swept;
-        for (size_t i = 0; i < 8; ++i) {
-          swept[i] = wider[i];
-          swept[i + 8] = wider[i] + shade;
-        }
+        const Box wider(groups.box(g).min() - beside, groups.box(g).max() + beside);
         if (!view.misses(corners))
           sights[g] = Sight::kSeen;
-        else if (settings.shadows && !view.misses(swept))
+        else if (settings.shadows && !view.misses(shadowOf(wider)))
           sights[g] = Sight::kCasts;
       }
       statistics.groups_seen += sights[g] == Sight::kSeen;
     }
     return sights;
+  }
+
+  /// Corners about a box and all the places that its shadow may fall on.
+  std::array<Eigen::Vector3f, 16> shadowOf(const Box& box) const {
+    const BoxCorners corners = cornersOf(box);
+    const Eigen::Vector3f from = block.light_place.head<3>();
+    const bool placed = block.light_place.w() > 0;
+    // Away from a light with a place all corners go by one factor, so that what is between stays between.
+    const float farther = block.light.w() / std::max(box.exteriorDistance(from), 1e-3f);
+    std::array<Eigen::Vector3f, 16> swept;
+    for (size_t i = 0; i < 8; ++i) {
+      const Eigen::Vector3f away = placed ? Eigen::Vector3f(farther * (corners[i] - from))
+                                          : Eigen::Vector3f(-block.light.w() * block.light.head<3>());
+      swept[i] = corners[i];
+      swept[i + 8] = corners[i] + away;
+    }
+    return swept;
   }
 
   /// Pixels across a hair of width 1 where hair in the picture is nearest to the eye.
@@ -201,6 +212,19 @@ struct Renderer::Impl {
         distance = std::min(distance, groups.box(g).exteriorDistance(block.eye.head<3>()));
     if (!std::isfinite(distance)) distance = 1;
     return block.hair_color.w() * block.eye.w() / std::max(distance, 0.02f);
+  }
+
+  /// Pixels across lines: as the widest hair has where a guide in the picture is nearest. By the boxes they
+  /// would be far too wide as soon as the eye is near one.
+  float lineWidth() const {
+    float nearest = std::numeric_limits<float>::infinity();
+    for (const Vec3& p : guides) {
+      const Eigen::Vector4f clip = block.view_projection * Eigen::Vector4f(p.x(), p.y(), p.z(), 1);
+      const bool seen = clip.w() > 0.02f && clip.head<2>().cwiseAbs().maxCoeff() < clip.w();
+      if (seen && clip.w() < nearest) nearest = clip.w();
+    }
+    const float widest = 1.25f * block.hair_color.w() * block.eye.w() / nearest;
+    return std::clamp(widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
   }
 
   /// The hairs of this picture: first those that are drawn, then those that only cast shadows. Both details
@@ -292,7 +316,7 @@ struct Renderer::Impl {
     large.width *= settings.supersampling;
     large.height *= settings.supersampling;
     block = makeSceneBlock(large, camera);
-    shadows->fit(block, content());
+    light_width = shadows->fit(block, content());
     placeGround();
     const std::vector<Sight> sights = sightsOfGroups();
     const float widest = held_width.of(widestHair(sights), settings.detail.hysteresis);
@@ -300,7 +324,7 @@ struct Renderer::Impl {
     detail = detailFor(widest);
     shadow_detail = shadowDetailFor(detail);
     selectHairs(sights);
-    block.sampling.y() = std::clamp(1.25f * widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
+    block.sampling.y() = lineWidth();
     scene_buffer.write(std::span<const SceneBlock>(&block, 1));
     glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_buffer.id());
     statistics.hairs_drawn = detail.hairs;
@@ -398,6 +422,7 @@ struct Renderer::Impl {
   int least_segments = 1;
   // Of the picture that is being drawn.
   SceneBlock block{};
+  float light_width = 0;  // m, of the shadow maps at most
   HairDetail detail, shadow_detail;
   HairGroups groups;
   Selection selected;

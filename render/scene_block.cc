@@ -26,7 +26,11 @@ SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& camera) 
   block.view_projection = perspective(fov, aspect, kNear, kFar) * viewMatrix(eye, target);
   block.light_view_projection = Eigen::Matrix4f::Identity();
   block.eye = withW(eye, height / (2 * std::tan(0.5f * fov)));
-  block.light = withW(-settings.light_direction, 1);
+  block.light = withW(-settings.light.direction, 1);
+  const ConeCosines cone = coneCosines(settings.light);
+  block.light_place =
+      withW(settings.light.position, settings.light.kind == LightKind::kDirectional ? 0.0f : 1.0f);
+  block.light_cone = {cone.inner, cone.outer, settings.light.intensity, 0};
   block.hair_color = withW(settings.hair_color, settings.hair_width);
   block.body_color = withW(settings.body_color, static_cast<float>(settings.width));
   block.background = withW(settings.background, height);

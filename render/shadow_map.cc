@@ -16,6 +16,64 @@ void setBorder(const Texture& texture, float value) {
   glTextureParameterfv(texture.id(), GL_TEXTURE_BORDER_COLOR, border);
 }
 
+/// What the light sees. Depth, the third row, is -1 to 1 before any division.
+struct LightView {
+  Eigen::Matrix4f projection;
+  float range;   ///< m, of depth
+  float width;   ///< m, of the maps; of a light with a place 1 m from it
+  float widest;  ///< m, in their range
+};
+
+// In steps, so that the maps do not swim while the hair moves.
+constexpr float kStep = 0.05f;       // m
+constexpr float kWidestView = 1.3f;  // rad
+constexpr float kNearest = 0.01f;    // m, in which a light with a place casts no shadow
+
+LightView parallelView(const SceneBlock& block, const Box& content, int texels) {
+  const float radius =
+      content.isEmpty() ? kStep : kStep * std::ceil(0.5f * content.diagonal().norm() / kStep + 0.1f);
+  const Eigen::Matrix4f turn = viewMatrix(block.light.head<3>(), Vec3::Zero());
+  Eigen::Vector3f center = Eigen::Vector3f::Zero();
+  if (!content.isEmpty()) center = turn.topLeftCorner<3, 3>() * content.center();
+  const float texel = 2 * radius / static_cast<float>(texels);  // on a grid of which they lie
+  center = (center / texel).array().floor().matrix() * texel;
+  Eigen::Matrix4f view = turn;
+  view.block<3, 1>(0, 3) = -center;
+  Eigen::Matrix4f projection = Eigen::Matrix4f::Identity();
+  projection(0, 0) = projection(1, 1) = 1 / radius;
+  projection(2, 2) = -1 / radius;
+  return {projection * view, 2 * radius, 2 * radius, 2 * radius};
+}
+
+/// `margin`: how far look-ups reach beside what is lit, over the maps' width.
+LightView perspectiveView(const SceneBlock& block, const Box& content, float margin) {
+  const Vec3 eye = block.light_place.head<3>(), axis = -block.light.head<3>();
+  Vec3 center = Vec3(eye + axis);
+  float radius = kStep;
+  if (!content.isEmpty()) {
+    center = Vec3((content.center() / kStep).array().round().matrix() * kStep);
+    radius = kStep * std::ceil(0.5f * content.diagonal().norm() / kStep + 1);
+  }
+  const float distance = (center - eye).norm();
+  float half = distance > radius ? std::min(std::asin(radius / distance), kWidestView) : kWidestView;
+  Vec3 target = distance > 1e-3f ? center : Vec3(eye + axis);
+  const float cone = std::acos(std::clamp(block.light_cone.y(), -1.0f, 1.0f));
+  if (cone < half) {
+    half = cone;
+    target = Vec3(eye + axis);
+  }
+  const Vec3 looks = (target - eye).normalized();
+  const float middle = (center - eye).dot(looks);
+  const float near = std::max(middle - radius, kNearest), far = std::max(middle + radius, near + kStep);
+  const float slope = std::tan(half) * (1 + 2 * margin);
+  Eigen::Matrix4f projection = Eigen::Matrix4f::Zero();
+  projection(0, 0) = projection(1, 1) = 1 / slope;
+  projection(2, 2) = -2 / (far - near);
+  projection(2, 3) = -(far + near) / (far - near);
+  projection(3, 2) = -1;
+  return {projection * viewMatrix(eye, target), far - near, 2 * slope, 2 * slope * far};
+}
+
 }  // namespace
 
 ShadowMap::ShadowMap(const OpacityLayers& layers)
@@ -34,32 +92,20 @@ ShadowMap::ShadowMap(const OpacityLayers& layers)
   glTextureParameteri(solid_depth_.id(), GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
 }
 
-void ShadowMap::fit(SceneBlock& block, const Box& content) const {
-  // In steps, and on a grid of texels, so that the maps do not swim while the hair moves.
-  constexpr float kStep = 0.05f;  // m
-  const float radius =
-      content.isEmpty() ? kStep : kStep * std::ceil(0.5f * content.diagonal().norm() / kStep + 0.1f);
-  const Vec3 toward_light = block.light.head<3>();
-  const Eigen::Matrix4f turn = viewMatrix(toward_light, Vec3::Zero());
-  Eigen::Vector3f center = Eigen::Vector3f::Zero();
-  if (!content.isEmpty()) center = turn.topLeftCorner<3, 3>() * content.center();
-  const float texel = 2 * radius / static_cast<float>(front_size_);
-  center = (center / texel).array().floor().matrix() * texel;
-  Eigen::Matrix4f view = turn;
-  view.block<3, 1>(0, 3) = -center;
-  Eigen::Matrix4f projection = Eigen::Matrix4f::Identity();
-  projection(0, 0) = projection(1, 1) = 1 / radius;
-  projection(2, 2) = -1 / radius;
-  block.light_view_projection = projection * view;
-  block.light.w() = 2 * radius;
-  block.sampling.z() = static_cast<float>(layers_.map_size) / (2 * radius);
-  const float depth = layers_.beyond == BeyondLayers::kReach ? 2 * radius : layers_.depth;
+float ShadowMap::fit(SceneBlock& block, const Box& content) const {
+  const LightView view = block.light_place.w() > 0 ? perspectiveView(block, content, lookUpReach())
+                                                   : parallelView(block, content, front_size_);
+  block.light_view_projection = view.projection;
+  block.light.w() = view.range;
+  block.sampling.z() = static_cast<float>(layers_.map_size) / view.width;
+  const float depth = layers_.beyond == BeyondLayers::kReach ? view.range : layers_.depth;
   const auto ends = layerEnds(layers_, depth);
   const float last = layers_.beyond == BeyondLayers::kLastLayer ? 1e9f : ends[layers_.layers - 1];
   for (int k = 0; k <= kMostOpacityLayers; ++k) {
     block.layer_ends[k] = ends[k];
     block.layer_limits[k] = k + 1 < layers_.layers ? ends[k] : last;
   }
+  return view.widest;
 }
 
 float ShadowMap::lookUpReach() const {

@@ -13,8 +13,11 @@ class ShadowMap {
 
   explicit ShadowMap(const OpacityLayers& layers);
   /// Sets the light's matrix, its depth range, the opacity map's scale and the layers in `block` so that the
-  /// maps cover `content`.
-  void fit(SceneBlock& block, const Box& content) const;
+  /// maps cover `content`. A directional light looks at it in parallel. A light with a place looks in
+  /// perspective at the ball about it, or, being a spot whose cone is narrower, along its axis; from within
+  /// or near the ball through 75 degrees to either side at most, beside which there are no shadows. Depth is
+  /// measured along the way it looks. Returns how wide the maps are at most, m.
+  float fit(SceneBlock& block, const Box& content) const;
 
   /// How far beside a point hair may be that its look-up in the maps still sees, over the maps' width.
   float lookUpReach() const;

@@ -191,7 +191,9 @@ void ViewerPanel::drawTools(ViewerSession& session) {
 
 void ViewerPanel::drawMessages() {
   if (!messages_.empty()) {
+    ImGui::PushTextWrapPos(0);
     ImGui::TextColored({0.65f, 0.85f, 0.7f, 1}, "%s", messages_.front().c_str());
+    ImGui::PopTextWrapPos();
     std::string all;
     for (const std::string& message : messages_) all += message + "\n";
     helpHere(all);
@@ -207,6 +209,8 @@ void ViewerPanel::drawParameters(ViewerSession& session) {
   if (filter_.empty())
     ImGui::TextDisabled("%s", waiting > 0 ? fmt::format("{} commands wait for an answer", waiting).c_str()
                                           : "sent to the daemon as commands; all answered");
+  if (filter_.empty() && !session.isHere())
+    ImGui::TextDisabled("pale: the usual value; a daemon does not tell its own");
   for (const ParameterInfo& info : parameterList()) {
     if (!matches(info.name)) continue;
     const auto known = session.parameter(info.name);
@@ -217,8 +221,6 @@ void ViewerPanel::drawParameters(ViewerSession& session) {
     if (!known) ImGui::PopStyleVar();
     if (changed) session.setParameter(info.name, values);
   }
-  if (filter_.empty() && !session.isHere())
-    ImGui::TextDisabled("pale: not known until it is set, a daemon does not tell");
 }
 
 void ViewerPanel::drawPicture(PanelRequests& requests) {

@@ -53,6 +53,7 @@ void Plot::draw(float width, float height) const {
     for (size_t i = 0; i < line.history.size(); ++i) largest = std::max(largest, line.history.at(i));
   const double top = niceTop(largest);
   const float right = corner.x + width, upper = corner.y + text + 4, lower = corner.y + height - 2;
+  draw->PushClipRect(corner, {right, corner.y + height}, true);
   draw->AddText(corner, IM_COL32(235, 235, 240, 255),
                 fmt::format("{}{}", title, unit.empty() ? "" : " (" + unit + ")").c_str());
   draw->AddRectFilled({corner.x, upper}, {right, lower}, IM_COL32(20, 21, 24, 255), 3);
@@ -76,9 +77,10 @@ void Plot::draw(float width, float height) const {
     const std::string words = fmt::format("{} {:.3g}", lines[n].name, lines[n].history.newest());
     draw->AddRectFilled({corner.x + 3, label},
                         {corner.x + 7 + ImGui::CalcTextSize(words.c_str()).x, label + text},
-                        IM_COL32(20, 21, 24, 170));
+                        IM_COL32(20, 21, 24, n == 0 ? 255 : 170));  // over the scale where it is narrow
     draw->AddText({corner.x + 5, label}, colourOf(n), words.c_str());
   }
+  draw->PopClipRect();
 }
 
 }  // namespace strandcast

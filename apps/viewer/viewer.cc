@@ -141,7 +141,8 @@ class Viewer {
       if (tool_.isHolding()) tool_.release(session_->commands());
     }
     if (tool_.isHolding()) tool_.drag(camera, mouse, session_->commands());
-    if (!orbiting_) return;
+    // What the mouse went before it was pressed, in the same picture, is no drag.
+    if (!orbiting_ || ImGui::IsMouseClicked(0) || ImGui::IsMouseClicked(1)) return;
     panel_.picture.azimuth -= 0.4 * static_cast<double>(io.MouseDelta.x);
     panel_.picture.elevation =
         std::clamp(panel_.picture.elevation + 0.4 * static_cast<double>(io.MouseDelta.y), -89.0, 89.0);
@@ -157,7 +158,6 @@ class Viewer {
     panel_.picture.settings.width = width;
     try {
       renderer_.setSettings(renderSettings(panel_.picture));
-      setObstacles();
     } catch (const Error& error) {
       panel_.say(error.what());
     }
@@ -189,7 +189,11 @@ class Viewer {
       box_ = pictureBox(*groom_, *body);
       frame_.reset();
     }
-    setObstacles();
+    try {
+      setObstacles();
+    } catch (const Error& error) {
+      panel_.say(error.what());
+    }
     if (const auto frame = session_->player().next()) frame_ = frame;
     if (!frame_) return;
     renderer_.draw(*frame_, pictureCamera(panel_.picture, box_));

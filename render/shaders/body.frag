@@ -1,6 +1,7 @@
 #version 450 core
 #include "render/shaders/scene.glsl"
 #include "render/shaders/color.glsl"
+#include "render/shaders/light.glsl"
 #include "render/shaders/shadow.glsl"
 layout(location = 0) in vec3 world;
 layout(location = 1) in vec3 normal;
@@ -14,7 +15,7 @@ vec3 wrappedDiffuse(float cosine) {
 }
 
 void main() {
-  vec3 n = normalize(normal), e = normalize(scene.eye.xyz - world), l = scene.light.xyz;
+  vec3 n = normalize(normal), e = normalize(scene.eye.xyz - world), l = towardsLight(world);
   if (dot(n, e) < 0.0 && !gl_FrontFacing) n = -n;
   float lit = 1.0, hair = 0.0;
   if (scene.sampling.w > 0.0) {
@@ -22,7 +23,7 @@ void main() {
     lit = solidVisibility(at, 0.003, 1);
     hair = hairOpticalDepth(at, 0.0);
   }
-  vec3 direct = kSun * lit * exp(-hair * vec3(0.45, 0.55, 0.6));
+  vec3 direct = lightAt(world) * lit * exp(-hair * vec3(0.45, 0.55, 0.6));
   vec3 h = normalize(l + e);
   float facing = max(dot(n, e), 0.0);
   float fresnel = 0.03 + 0.35 * pow(1.0 - facing, 5.0);

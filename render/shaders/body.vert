@@ -1,6 +1,7 @@
 #version 450 core
 // variants: none | DEPTH_ONLY=1
 #include "render/shaders/scene.glsl"
+#include "render/shaders/light.glsl"
 layout(location = 0) in vec3 rest_position;
 layout(location = 1) in vec3 rest_normal;
 layout(location = 2) in float head_weight;
@@ -12,7 +13,7 @@ layout(location = 1) out vec3 normal;
 void main() {
   vec3 moved = mix(rest_position, (head * vec4(rest_position, 1)).xyz, head_weight);
 #ifdef DEPTH_ONLY
-  gl_Position = scene.light_view_projection * vec4(moved, 1);
+  gl_Position = lightClip(moved);
 #else
   world = moved;
   normal = mix(rest_normal, mat3(head) * rest_normal, head_weight);

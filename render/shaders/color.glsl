@@ -1,5 +1,4 @@
-// Light and colour. Radiance is linear; needs scene.glsl.
-const vec3 kSun = vec3(2.3, 2.17, 2.0);
+// Colour, and light from all around. Radiance is linear; needs scene.glsl.
 const vec3 kSky = vec3(0.34, 0.38, 0.45);
 const vec3 kBounce = vec3(0.15, 0.13, 0.12);
 

@@ -6,6 +6,7 @@
 #include "render/shaders/scene.glsl"
 #include "render/shaders/color.glsl"
 #ifdef PER_FRAGMENT
+#include "render/shaders/light.glsl"
 #include "render/shaders/shadow.glsl"
 #include "render/shaders/hair_shading.glsl"
 layout(location = 4) in vec4 lit_position;

@@ -20,11 +20,13 @@ struct Hair {
   float shade;
   float warmth;
   float importance;
-  float unused_a, unused_b, unused_c;
+  float example_scale;
+  float unused_a, unused_b;
 };
 layout(std430, binding = 3) readonly buffer Nodes { vec4 nodes[]; };
 layout(std430, binding = 4) readonly buffer Hairs { Hair hairs[]; };
 layout(std430, binding = 11) readonly buffer HairList { uint hair_list[]; };  // the hairs of this picture
+const int kExampleParts = 256;  // CurlExample::kParts
 // GrowthBlock in render/hair_growth.h, field for field.
 layout(std140, binding = 1) uniform Growth {
   vec4 profile;
@@ -32,6 +34,7 @@ layout(std140, binding = 1) uniform Growth {
   uint bodies;
   float clearance;
   float zone;
+  vec4 example[kExampleParts + 1];  // CurlExample::samples
 } growth;
 
 struct HairPoint {
@@ -41,6 +44,17 @@ struct HairPoint {
   float along;      // part of the hair's
   bool usable;
 };
+
+AcrossGuide acrossGuide(Hair hair, float u) {
+  AcrossGuide across = hairAcross(u, vec3(hair.offset, 0), growth.profile.xyz, hair.tip_deviation, hair.whole_deviation,
+                                  hair.deviation_phase, hair.curl_radius, hair.curl_turns, hair.curl_phase);
+  if (hair.example_scale <= 0.0) return across;
+  float place = u * float(kExampleParts);
+  int part = min(int(place), kExampleParts - 1);
+  vec4 a = growth.example[part], b = growth.example[part + 1];
+  return bothAcross(across, exampleAcross(vec3(a.xy, 0), vec3(b.xy, 0), vec3(a.zw, 0), vec3(b.zw, 0),
+                                          1.0 / float(kExampleParts), place - float(part), hair.curl_phase, hair.example_scale));
+}
 
 // `bodies`: how far bodies make it follow one guide alone, 0 to 1, and how that changes by u.
 HairPoint freeHair(Hair hair, uint wanted_node, vec2 bodies) {
@@ -57,8 +71,7 @@ HairPoint freeHair(Hair hair, uint wanted_node, vec2 bodies) {
   vec3 da = nodes[a + 1u].xyz, normal = nodes[a + 2u].xyz;
   vec3 binormal = cross(normalizeOrZero(da), normal), ab = pb.xyz - pa.xyz, ac = pc.xyz - pa.xyz;
   Closing closing = hairClosing(u, hair.clump, bodies.x, bodies.y);
-  AcrossGuide across = hairAcross(u, vec3(hair.offset, 0), growth.profile.xyz, hair.tip_deviation, hair.whole_deviation,
-                                  hair.deviation_phase, hair.curl_radius, hair.curl_turns, hair.curl_phase);
+  AcrossGuide across = acrossGuide(hair, u);
   point.position = hairPosition(pa.xyz, ab, ac, hair.weights.y, hair.weights.z, closing, across, normal, binormal);
   point.derivative = hairDerivative(da, nodes[b + 1u].xyz - da, nodes[c + 1u].xyz - da, ab, ac, hair.weights.y,
                                     hair.weights.z, closing, across, normal, binormal);

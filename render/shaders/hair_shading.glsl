@@ -1,4 +1,4 @@
-// Kajiya and Kay 1989 with two specular lobes shifted along the tangent. Needs scene.glsl, color.glsl, shadow.glsl.
+// Kajiya and Kay 1989 with two specular lobes shifted along the tangent. Needs scene.glsl, color.glsl, light.glsl, shadow.glsl.
 
 // Angles are measured from the plane across the hair, positive towards the tip. A cylinder mirrors light at inclination
 // a to -a; scales tilted towards the root move the first lobe to 2 * kShift - a and the second, which has passed through
@@ -11,7 +11,7 @@ float lobe(float inclination_light, float inclination_eye, float shift, float ex
 }
 
 vec3 hairRadiance(vec3 position, vec3 tangent, float along, float shade, float warmth) {
-  vec3 l = scene.light.xyz, e = normalize(scene.eye.xyz - position);
+  vec3 l = towardsLight(position), e = normalize(scene.eye.xyz - position);
   float tl = clamp(dot(tangent, l), -1.0, 1.0), te = clamp(dot(tangent, e), -1.0, 1.0);
   float sine = sqrt(max(1.0 - tl * tl, 0.0));
   float il = asin(tl), ie = asin(te);
@@ -38,5 +38,5 @@ vec3 hairRadiance(vec3 position, vec3 tangent, float along, float shade, float w
   float inner = lobe(il, ie, kShiftInner, kExponentInner) * (0.3 + 0.7 * front);
   vec3 specular = vec3(0.17) * outer + 1.1 * sqrt(base) * base * inner;
   vec3 outward = normalize(e - te * tangent + vec3(0, 1e-6, 0));
-  return kSun * through * (0.5 * diffuse + specular * sine) + base * ambient(outward) * occlusion * 0.65;
+  return lightAt(position) * through * (0.5 * diffuse + specular * sine) + base * ambient(outward) * occlusion * 0.65;
 }

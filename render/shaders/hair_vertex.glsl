@@ -1,5 +1,6 @@
 // What a vertex of a hair becomes in a pass, however it was grown: COLOR shades it, OPACITY and FRONT look from the light.
 // Needs scene.glsl and hair_curve.glsl. STRIP: one of two on either side of the hair.
+#include "render/shaders/light.glsl"
 #ifdef COLOR
 #include "render/shaders/color.glsl"
 #include "render/shaders/shadow.glsl"
@@ -28,6 +29,20 @@ float detailWidth(Hair hair, out float left) {
   return factor;
 }
 
+#ifndef COLOR
+// What a hair of width 1 covers of each texel that its line has in the light's maps: as much of the light's rays as it is
+// across, shared out among the texels. A line has one in every column, or row, that it crosses.
+float lengthInTexel(vec3 position, vec3 tangent, vec4 clip) {
+  mat4 m = scene.light_view_projection;
+  vec3 off = position - scene.light_place.xyz;
+  vec3 ray = lightHasPlace() ? off / max(clip.w, 1e-3) : scene.light.xyz;  // of length 1 along the map's axis
+  vec4 along = m * vec4(tangent, 0);
+  vec2 way = abs(along.xy * clip.w - clip.xy * along.w);
+  float across = length(cross(tangent, ray)) * length(vec3(m[0].x, m[1].x, m[2].x));
+  return scene.sampling.z * across / max(max(way.x, way.y), 1e-12);
+}
+#endif
+
 void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float side) {
   float width = scene.hair_color.w * hair.width * hairTaper(along) * detailWidth(hair, dither.x);
   dither.y = hair.dither;
@@ -54,9 +69,7 @@ void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float side) {
   radiance = hairRadiance(position, tangent, along, hair.shade, hair.warmth);
 #endif
 #else
-  gl_Position = scene.light_view_projection * vec4(position, 1);
-  // A line has one texel in every column, or row, that it crosses: fewer than its length.
-  vec2 way = abs((scene.light_view_projection * vec4(tangent, 0)).xy);
-  coverage = width * scene.sampling.z * length(way) / max(max(way.x, way.y), 1e-12);
+  gl_Position = lightClip(position);
+  coverage = width * lengthInTexel(position, tangent, gl_Position);
 #endif
 }

@@ -4,6 +4,8 @@ layout(std140, binding = 0) uniform Scene {
   mat4 light_view_projection;
   vec4 eye;
   vec4 light;
+  vec4 light_place;
+  vec4 light_cone;
   vec4 hair_color;
   vec4 body_color;
   vec4 background;

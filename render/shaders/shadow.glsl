@@ -4,8 +4,10 @@ layout(binding = 0) uniform sampler2DShadow solid_depth;
 layout(binding = 1) uniform sampler2D hair_front;    // depth of the hair nearest to the light, coarse so that it is smooth
 layout(binding = 2) uniform sampler2DArray hair_opacity;  // optical depth from the front to the end of each layer
 
+// 0 to 1 in the maps; beside them, where it is light, for what is behind the light.
 vec3 lightCoordinates(vec3 world) {
-  return 0.5 * (scene.light_view_projection * vec4(world, 1)).xyz + 0.5;
+  vec4 clip = scene.light_view_projection * vec4(world, 1);
+  return clip.w > 0.0 ? vec3(0.5 * clip.xy / clip.w, 0.5 * clip.z) + 0.5 : vec3(-1);
 }
 
 // Metres behind the front of the hair, `without` where there is no front. Bilinear over the texels that hair reaches, so

@@ -166,5 +166,56 @@ TEST_F(ViewerWindowTest, MouseAndKeysReachTheDaemonAndTheDisk) {
   EXPECT_GT(Recording(folder_ / "take.rec").frames(), 5u);
 }
 
+TEST_F(ViewerWindowTest, PresetsAreSavedAndLoadedAndAnotherDaemonIsJoined) {
+  const std::string domain = std::to_string(testDomain(2));
+  for (const std::string words : {"--scene straight --groom-id 1", "--scene wavy --groom-id 2"})
+    start("exec " + daemon_ + " " + words +
+          " --strands 60 --vertices 10 --motion still --backend reference --quiet --domain " + domain +
+          " >>daemons.log 2>&1");
+  const pid_t viewer =
+      start("exec " + program_ +
+            " view --width 320 --height 440 --hairs 400 --hair-width 0.001 --segments 8 --samples 1 "
+            "--shadows off --domain " +
+            domain + " >viewer.log 2>&1");
+  const auto shows = [](const std::string& groom) {
+    return std::system(("xdotool search --name 'Strandcast: " + groom + "' >/dev/null 2>&1").c_str()) == 0;
+  };
+  ASSERT_TRUE(until(seconds(30), [&] { return shows("straight"); }));
+  std::this_thread::sleep_for(seconds(2));
+
+  const auto file = folder_ / "preset.toml";
+  const auto saved = [&] {
+    PictureOptions picture;
+    readPreset(file, picture);
+    return picture;
+  };
+  // The panel with its first group closed: a header every 24 pixels, the presets' buttons below theirs.
+  const std::string presets = "mousemove 150 419 click 1", save = "mousemove 30 470 click 1",
+                    load = "mousemove 82 470 click 1";
+  input("mousemove 150 179 click 1");
+  input(presets);
+  input("mousemove 700 60 click 1");  // a way that ends in a click turns nothing
+  input(save);
+  ASSERT_TRUE(until(seconds(10), [&] { return std::filesystem::exists(file); }));
+  EXPECT_EQ(saved().azimuth, 25);
+  PictureOptions other = saved();
+  other.azimuth = 90;
+  other.settings.light.kind = LightKind::kSpot;
+  writePreset(file, {}, other);
+  input(load);
+  std::filesystem::remove(file);
+  input(save);
+  ASSERT_TRUE(until(seconds(10), [&] { return std::filesystem::exists(file); }));
+  EXPECT_EQ(saved().azimuth, 90);
+  EXPECT_EQ(saved().settings.light.kind, LightKind::kSpot);
+
+  input(presets);
+  input("mousemove 150 443 click 1");  // the network; the second daemon is two lines below the first
+  input("mousemove 60 500 click 1");
+  EXPECT_TRUE(until(seconds(20), [&] { return shows("wavy"); }));
+  input("mousemove 700 60 key Escape");
+  EXPECT_EQ(wait(viewer), 0);
+}
+
 }  // namespace
 }  // namespace strandcast

@@ -59,7 +59,7 @@ class HairAndBodies : public OffscreenTest {
   }
   std::vector<GrownVertex> grow(GrowthPath path, std::vector<HairObstacle> obstacles) const {
     HairPass pass(path, HairGeometry::kLines);
-    pass.setHairs(growHairs(guides_, growth_), growth_.lock_profile);
+    pass.setHairs(growHairs(guides_, growth_), growth_);
     pass.setClearance(1e-4f);
     pass.bodies().setObstacles(std::move(obstacles));
     const HairDetail detail = pass.all();

@@ -1,6 +1,7 @@
 // What a picture leaves out: groups of hair that it cannot show, and by level of detail.
 #include <numbers>
 
+#include "lamp.h"
 #include "offscreen.h"
 #include "render/hair_detail.h"
 #include "render/hair_groups.h"
@@ -17,7 +18,7 @@ class Culling : public OffscreenTest {
     settings_.growth.hairs = 6000;
     settings_.hair_width = 0.002f;
     settings_.detail = {1, 0, 0, 0};
-    settings_.light_direction = Vec3(1, -0.3f, 0);
+    settings_.light.direction = Vec3(1, -0.3f, 0);
   }
   RenderStatistics draw(const Camera& camera, Image& image) const {
     Renderer renderer(settings_);
@@ -33,6 +34,7 @@ class Culling : public OffscreenTest {
 };
 
 TEST_F(Culling, LeavesOutOnlyWhatThePictureWouldNotShow) {
+  const RenderSettings usual = settings_;
   for (const Camera& camera :
        {from(Vec3(0.3f, 0.2f, 0.9f), Vec3(0.5f, 0, 0.4f)), from(Vec3(0, 0.05f, 0), Vec3(1, 0, 0)),
         from(Vec3(-1, 0.5f, -1), Vec3(-0.9f, 0, -0.9f)), from(Vec3(0, 3, 6), Vec3(0, 0, 0))}) {
@@ -44,8 +46,13 @@ TEST_F(Culling, LeavesOutOnlyWhatThePictureWouldNotShow) {
     }
     EXPECT_EQ(bare[0].rgb, bare[1].rgb);
     settings_.shadows = true;
-    for (const GrowthPath path : {GrowthPath::kCompute, GrowthPath::kTessellator}) {
+    for (const auto& [path, light] :
+         {std::pair{GrowthPath::kCompute, settings_.light},
+          {GrowthPath::kTessellator, settings_.light},
+          {GrowthPath::kCompute, pointLight(Vec3(-0.4f, 0.3f, 0.2f), 0.5f)},
+          {GrowthPath::kCompute, spotLight(Vec3(-1.5f, 0.8f, 0), Vec3(1, -0.4f, 0), 0.4f, 4)}}) {
       settings_.growth_path = path;
+      settings_.light = light;
       Image all, culled;
       settings_.cull = false;
       const RenderStatistics every = draw(camera, all);
@@ -67,6 +74,7 @@ TEST_F(Culling, LeavesOutOnlyWhatThePictureWouldNotShow) {
         EXPECT_LT(some.groups_seen, some.groups);
       }
     }
+    settings_ = usual;
   }
 }
 
@@ -96,6 +104,12 @@ TEST_F(Culling, WhatIsBehindTheEyeCostsNothing) {
 TEST_F(Culling, BoxesOfGroupsHoldTheirHairs) {
   settings_.growth.curl_radius = 0.01f;
   settings_.growth.tip_deviation = 0.02f;
+  std::vector<Vec3> rings;
+  for (int i = 0; i < 40; ++i) {
+    const float turn = 0.6f * static_cast<float>(i);
+    rings.emplace_back(0.15f * std::sin(turn), -0.01f * static_cast<float>(i), 0.15f * std::cos(turn));
+  }
+  settings_.growth.curl_example = std::make_shared<const CurlExample>(curlOf(rings, "rings"));
   GroomDescription wild = groom_;
   for (size_t v = 0; v < wild.guides.positions.size(); ++v)
     wild.guides.positions[v] += 0.02f * Vec3(std::sin(5.0f * v), std::sin(7.0f * v), std::sin(11.0f * v));
@@ -103,7 +117,7 @@ TEST_F(Culling, BoxesOfGroupsHoldTheirHairs) {
   nodes.setGroom(groom_.guides);
   nodes.update(wild.guides.positions, Pose{});
   HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
-  pass.setHairs(growHairs(groom_.guides, settings_.growth), settings_.growth.lock_profile);
+  pass.setHairs(growHairs(groom_.guides, settings_.growth), settings_.growth);
   pass.grow(nodes, pass.all());
   HairGroups groups(groom_.guides, pass.hairs(), settings_.growth);
   groups.place(wild.guides.positions, 0);
@@ -141,6 +155,82 @@ TEST_F(Culling, DetailHoldsStillWhileTheSizeWavers) {
   };
   EXPECT_GE(changes(0), 10);
   EXPECT_LE(changes(0.1f), 1);
+}
+
+/// Mean difference from another picture over the pixels that differ from a bare one, of white.
+double meanDifference(const Image& image, const Image& other, const Image& bare, int from_x, int to_x) {
+  double sum = 0;
+  int covered = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = from_x; x < to_x; ++x) {
+      if (std::abs(linearValue(other, x, y, 1) - linearValue(bare, x, y, 1)) < 0.002) continue;
+      sum += std::abs(linearValue(image, x, y, 1) - linearValue(other, x, y, 1));
+      ++covered;
+    }
+  EXPECT_GT(covered, 500);
+  return sum / std::max(covered, 1);
+}
+
+TEST_F(Culling, APictureThatHysteresisHoldsIsAsGoodAsOneThatComesAnew) {
+  settings_.hair_width = 3e-4f;
+  settings_.growth.hairs = 12000;
+  settings_.detail = {0, 0, 0.3f, 1};
+  const auto camera = [](float distance) { return from(Vec3(0, 0.15f * distance, distance), Vec3::Zero()); };
+  const auto picture = [&](float before) {  // before: the picture that came first
+    Renderer renderer(settings_);
+    renderer.setGroom(groom_);
+    renderer.draw(restFrame(groom_), camera(before));
+    renderer.draw(restFrame(groom_), camera(3));
+    return std::pair{renderer.read(), renderer.statistics().hairs_drawn};
+  };
+  // From a little nearer the finer level stays; from far off the picture has its own.
+  const auto [held, held_hairs] = picture(2.75f);
+  const auto [fresh, fresh_hairs] = picture(6);
+  EXPECT_GT(held_hairs, fresh_hairs * 21 / 20);
+  settings_.detail = {1, 0, 0, 0};
+  const auto [full, full_hairs] = picture(3);
+  EXPECT_GT(full_hairs, held_hairs);
+  settings_.passes = {RenderPass::kBackground, RenderPass::kGround, RenderPass::kResolve};
+  const Image bare = picture(3).first;
+  EXPECT_LT(meanDifference(held, full, bare, 0, 128), 0.02);
+  EXPECT_LT(meanDifference(fresh, full, bare, 0, 128), 0.02);
+}
+
+TEST_F(Culling, WhereTheImportanceMapIsDarkThePictureIsCoarserAndTheRestAsItWas) {
+  settings_.light.direction = Vec3(0, -1, -1);
+  settings_.growth.hairs = 12000;
+  settings_.hair_width = 6e-4f;
+  settings_.samples = 1;
+  settings_.cull = false;
+  for (size_t g = 0; g < groom_.guides.strands(); ++g)
+    groom_.guides.uvs.push_back(Vec2(groom_.guides.strand(g).front().x() < 0 ? 0.25f : 0.75f, 0.5f));
+  const auto white = std::make_shared<ScalpMap>(ScalpMap{2, 1, {1, 1}}),
+             half = std::make_shared<ScalpMap>(ScalpMap{2, 1, {1, 0.1f}});
+  const std::vector<RenderPass> passes = settings_.passes;
+  const Camera camera = from(Vec3(0, 0.5f, 3), Vec3::Zero());
+  double all = 0, left = 0;
+  for (const uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+    settings_.growth.seed = seed;
+    Image full, bare, mapped;
+    settings_.passes = {RenderPass::kBackground, RenderPass::kGround, RenderPass::kResolve};
+    draw(camera, bare);
+    settings_.passes = passes;
+    settings_.growth.importance = white;
+    settings_.detail = {1, 0, 0, 0};
+    draw(camera, full);
+    settings_.growth.importance = half;
+    settings_.detail = {0.1f, 0, 0, 0};
+    EXPECT_NEAR(static_cast<double>(draw(camera, mapped).hairs_drawn), 1200, 2);
+    // The white half of the map is the left one of the picture: what is left out there reaches no sample.
+    EXPECT_LT(meanDifference(mapped, full, bare, 0, 60), 0.01);
+    EXPECT_GT(meanDifference(mapped, full, bare, 68, 128), 0.02);
+    for (int y = 0; y < 128; ++y)
+      for (int x = 68; x < 128; ++x) {
+        all += linearValue(full, x, y, 1) - linearValue(bare, x, y, 1);
+        left += linearValue(mapped, x, y, 1) - linearValue(bare, x, y, 1);
+      }
+  }
+  EXPECT_NEAR(left / all, 1, 0.1) << "fewer hairs cover as much";
 }
 
 TEST_F(Culling, WhereTheImportanceMapIsDarkHairsGoFirstAndTheRestGrowsWider) {

@@ -64,9 +64,22 @@ std::vector<Node> guideNodes(std::span<const Vec3> points, int segments) {
   return nodes;
 }
 
+/// The place of an example's curl at u: the cubic that has the samples' values and slopes.
+Eigen::Vector2d exampleAt(const CurlExample& curl, double u) {
+  constexpr int kParts = CurlExample::kParts;
+  const int part = std::min(static_cast<int>(u * kParts), kParts - 1);
+  const auto &a = curl.samples[static_cast<size_t>(part)], &b = curl.samples[static_cast<size_t>(part + 1)];
+  const double s = u * kParts - part, r = 1 - s;
+  const auto mix = [&](double p, double q, double m, double n) {
+    return r * r * (1 + 2 * s) * p + s * s * (3 - 2 * s) * q + s * r * (r * m - s * n) / kParts;
+  };
+  return {mix(a.x, b.x, a.slope_x, b.slope_x), mix(a.y, b.y, a.slope_y, b.slope_y)};
+}
+
 /// hair_growth.h and kernels/hair.h, written again.
-Vec hairPoint(const Hair& hair, const std::vector<std::vector<Node>>& guides, const Vec3& profile,
+Vec hairPoint(const Hair& hair, const std::vector<std::vector<Node>>& guides, const HairGrowth& growth,
               int segments, int wanted) {
+  const Vec3& profile = growth.lock_profile;
   const int node = std::min(wanted, static_cast<int>(std::ceil(hair.extent * static_cast<float>(segments))));
   const double u = static_cast<double>(node) / segments, turn = 2 * std::numbers::pi;
   Vec x = Vec::Zero();
@@ -83,6 +96,12 @@ Vec hairPoint(const Hair& hair, const std::vector<std::vector<Node>>& guides, co
   const double a = turn * (hair.deviation_phase + 1.5 * u),
                c = turn * (hair.curl_phase + hair.curl_turns * u);
   x += stray * (std::cos(a) * n + std::sin(a) * b);
+  if (growth.curl_example) {
+    const double phase = turn * hair.curl_phase;
+    const Eigen::Vector2d place = hair.example_scale * exampleAt(*growth.curl_example, u);
+    const Eigen::Vector2d turned = Eigen::Rotation2Dd(phase) * place;
+    x += turned.x() * n + turned.y() * b;
+  }
   return x + hair.curl_radius * opening * (std::cos(c) * n + std::sin(c) * b);
 }
 
@@ -114,6 +133,12 @@ class HairCurve : public OffscreenTest {
     growth_.seed = 3;
     growth_.curl_radius = 0.006f;
     growth_.curl_pitch = 0.1f;
+    std::vector<Vec3> wave;
+    for (int i = 0; i < 30; ++i) {
+      const float a = 0.5f * static_cast<float>(i);
+      wave.emplace_back(0.03f * std::sin(a), -0.04f * static_cast<float>(i), 0.01f * std::cos(1.3f * a));
+    }
+    growth_.curl_example = std::make_shared<const CurlExample>(curlOf(wave, "wave"));
     growth_.tip_deviation_part = growth_.whole_deviation_part = 0.5f;
     guides_ = bentGuides();
     nodes_ = std::make_unique<GuideNodes>(kSegments);
@@ -126,7 +151,7 @@ class HairCurve : public OffscreenTest {
       curves_.push_back(guideNodes(guides_.strand(g), kSegments));
   }
   Vec expected(const Hair& hair, int node) const {
-    return hairPoint(hair, curves_, growth_.lock_profile, kSegments, node);
+    return hairPoint(hair, curves_, growth_, kSegments, node);
   }
   double lengthOf(const Hair& hair) const { return arcLength(guides_.strand(hair.guides[0])); }
 
@@ -139,7 +164,7 @@ class HairCurve : public OffscreenTest {
 
 TEST_F(HairCurve, TessellatedVerticesAreTheCurvesToRounding) {
   HairPass pass(GrowthPath::kTessellator, HairGeometry::kLines);
-  pass.setHairs(growHairs(guides_, growth_), growth_.lock_profile);
+  pass.setHairs(growHairs(guides_, growth_), growth_);
   pass.grow(*nodes_, pass.all());
   const std::vector<GrownVertex> captured = readTessellated(pass, *nodes_, pass.all());
   ASSERT_EQ(captured.size(), 2 * kHairs * kSegments);
@@ -171,7 +196,7 @@ TEST_F(HairCurve, TessellatedVerticesAreTheCurvesToRounding) {
 
 TEST_F(HairCurve, VerticesOfTheComputeShaderAreTheCurvesToRounding) {
   HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
-  pass.setHairs(growHairs(guides_, growth_), growth_.lock_profile);
+  pass.setHairs(growHairs(guides_, growth_), growth_);
   const HairReference reference(guides_, guides_.positions, kSegments);
   for (const int stride : {1, 3}) {
     HairDetail detail = pass.all();
@@ -183,7 +208,7 @@ TEST_F(HairCurve, VerticesOfTheComputeShaderAreTheCurvesToRounding) {
     for (const GrownVertex& vertex : grown) {
       const Hair& hair = pass.hairs()[vertex.hair];
       const int node = static_cast<int>(vertex.node);
-      const HairReference::Vertex exact = reference.at(hair, growth_.lock_profile, node);
+      const HairReference::Vertex exact = reference.at(hair, growth_, node);
       worst = std::max(worst, (vertex.position.cast<double>() - exact.position).norm() / lengthOf(hair));
       worst_tangent = std::max(worst_tangent, (vertex.tangent.cast<double>() - exact.tangent).norm());
       worst_reference =

@@ -53,7 +53,7 @@ TEST_F(Picture, StraightBundleCoversTheAreaOfItsHairs) {
   settings.width = settings.height = 256;
   settings.shadows = false;
   settings.hair_color = Vec3::Zero();
-  settings.light_direction = Vec3(0, -1, 0);  // along the hair: no highlight, no diffuse light
+  settings.light.direction = Vec3(0, -1, 0);  // along the hair: no highlight, no diffuse light
   settings.background = Vec3(0.8f, 0.8f, 0.8f);
   settings.growth.hairs = 60;  // few enough that they hardly overlap
   settings.growth.clump_radius = 0.0005f;
@@ -90,6 +90,77 @@ TEST_F(Picture, StraightBundleCoversTheAreaOfItsHairs) {
   }
 }
 
+TEST_F(Picture, ThinHairCoversAsMuchOfABrightBackgroundAsEightTimesAsManyPixelsShow) {
+  RenderSettings settings = smallPicture();
+  settings.growth.hairs = 3000;
+  settings.growth.curl_radius = 0.01f;  // so that hairs cross
+  settings.background = Vec3(0.9f, 0.9f, 0.9f);
+  settings.hair_color = Vec3::Zero();
+  settings.light.intensity = 0;
+  const GroomDescription groom = verticalBundle(10, 10, 0.012f, 0.1f, 0.2f, 8);
+  Camera camera;
+  camera.eye = Vec3(0.2f, 0.1f, 0.6f);
+  camera.target = Vec3::Zero();
+  const auto picture = [&](int size, bool hair) {
+    settings.width = settings.height = size;
+    Renderer renderer(settings);
+    if (hair) renderer.setGroom(groom);
+    renderer.draw(hair ? restFrame(groom) : GuideFrame{}, camera);
+    return renderer.read();
+  };
+  for (const float width : {8e-5f, 2.5e-4f}) {  // a fiftieth and a sixteenth of a pixel
+    settings.hair_width = width;
+    double shown = 0, exact = 0, bare = 0, specks = 0;
+    int pixels = 0;
+    for (const uint64_t seed : {1, 2, 3, 4, 5}) {
+      settings.growth.seed = seed;
+      const Image none = picture(96, false), small = picture(96, true), large = picture(768, true);
+      for (int y = 30; y < 66; ++y)
+        for (int x = 36; x < 60; ++x, ++pixels) {
+          double pixel = 0;
+          for (int j = 0; j < 8; ++j)
+            for (int i = 0; i < 8; ++i) pixel += linearValue(large, 8 * x + i, 8 * y + j, 1) / 64;
+          bare += linearValue(none, x, y, 1);
+          shown += linearValue(small, x, y, 1);
+          exact += pixel;
+          specks += std::abs(linearValue(small, x, y, 1) - pixel);
+        }
+    }
+    EXPECT_NEAR(1 - shown / bare, 1 - exact / bare, 0.03) << width;
+    EXPECT_GT(specks / pixels, 0.005) << "single pixels differ: they have four samples of what has gaps";
+  }
+}
+
+TEST_F(Picture, LinesSeenFromNearAreHardlyWiderThanStrips) {
+  RenderSettings settings = smallPicture();
+  settings.width = settings.height = 256;
+  settings.shadows = false;
+  settings.growth.hairs = 12;
+  settings.growth.curl_radius = 0.004f;
+  settings.hair_width = 6e-4f;
+  const GroomDescription groom = verticalBundle(6, 1, 0.015f, 0.1f, 0.2f, 2);  // long edges, so wide boxes
+  Camera camera;
+  camera.eye = Vec3(0, 0, 0.15f);  // within them
+  camera.target = Vec3::Zero();
+  const auto touched = [&](HairGeometry geometry, bool hair) {
+    settings.geometry = geometry;
+    Renderer renderer(settings);
+    if (hair) renderer.setGroom(groom);
+    renderer.draw(hair ? restFrame(groom) : GuideFrame{}, camera);
+    return renderer.read();
+  };
+  const Image bare = touched(HairGeometry::kStrips, false);
+  int pixels[2] = {};
+  for (const HairGeometry geometry : {HairGeometry::kLines, HairGeometry::kStrips}) {
+    const Image image = touched(geometry, true);
+    for (size_t i = 0; i < image.rgb.size(); i += 3)
+      pixels[geometry == HairGeometry::kStrips] += std::abs(image.rgb[i] - bare.rgb[i]) > 3;
+  }
+  EXPECT_GT(pixels[1], 1000);
+  EXPECT_LT(pixels[0], 1.6 * pixels[1]);
+  EXPECT_GT(pixels[0], 0.6 * pixels[1]);
+}
+
 TEST_F(Picture, HairsThatReachNoSampleAreLeftOutAndNotMissed) {
   RenderSettings settings = smallPicture();
   settings.growth.hairs = 4000;
@@ -116,7 +187,7 @@ TEST_F(Picture, FewerAndWiderHairsCoverTheSameArea) {
   settings.growth.clump_radius = 0.001f;
   settings.shadows = false;
   settings.hair_color = Vec3::Zero();
-  settings.light_direction = Vec3(0, -1, 0);
+  settings.light.direction = Vec3(0, -1, 0);
   settings.background = Vec3(0.8f, 0.8f, 0.8f);
   settings.hair_width = 2e-5f;  // a quarter of the picture is covered
   const GroomDescription groom = verticalBundle(100, 1, 0.0025f, 0.1f, 0.2f, 8);
@@ -178,7 +249,7 @@ TEST_F(Picture, SupersamplingWeighsTheSamplesOfALargerPicture) {
 
 TEST_F(Picture, BodyShadowDarkensTheGroundBelowIt) {
   RenderSettings settings = smallPicture();
-  settings.light_direction = Vec3(0, -1, -0.02f);
+  settings.light.direction = Vec3(0, -1, -0.02f);
   Camera camera;
   camera.eye = Vec3(0, 1.2f, 1.6f);
   camera.target = Vec3(0, -0.2f, 0);
@@ -211,7 +282,7 @@ TEST_F(Picture, HairShadesTheGroundAndItself) {
   RenderSettings settings = smallPicture();
   settings.growth.hairs = 4000;
   settings.hair_width = 400e-6f;
-  settings.light_direction = Vec3(0, -1, -1);
+  settings.light.direction = Vec3(0, -1, -1);
   const GroomDescription groom = verticalBundle(12, 12, 0.008f, 0.1f, 0.15f, 8);
   Camera camera;
   camera.eye = Vec3(0.4f, 0.25f, -0.8f);  // sees the side that the light does not

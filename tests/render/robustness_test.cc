@@ -75,7 +75,7 @@ TEST_F(RendererInput, DamagedBodyAndWildSettingsAndCamerasDoNoHarm) {
   settings.samples = 99;
   settings.segments = 1000;
   settings.hair_width = std::numeric_limits<float>::quiet_NaN();
-  settings.light_direction = Vec3::Zero();
+  settings.light.direction = Vec3::Zero();
   Renderer renderer(settings);
   BodyDescription body;
   body.mesh.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, std::numeric_limits<float>::quiet_NaN(), 0)};
@@ -94,6 +94,39 @@ TEST_F(RendererInput, DamagedBodyAndWildSettingsAndCamerasDoNoHarm) {
   GroomDescription damaged = groom;
   damaged.guides.positions.pop_back();
   EXPECT_THROW(renderer.setGroom(damaged), Error);
+}
+
+TEST_F(RendererInput, LampsMayBeAnywhere) {
+  const GroomDescription groom = verticalBundle(6, 6, 0.01f, 0.1f, 0.2f, 6);
+  const auto picture = [&](const Light& light) {
+    RenderSettings settings = smallPicture();
+    settings.light = light;
+    Renderer renderer(settings);
+    renderer.setGroom(groom);
+    renderer.draw(restFrame(groom), Camera{});
+    return renderer.read();
+  };
+  Light light;
+  for (const LightKind kind : {LightKind::kPoint, LightKind::kSpot}) {
+    light.kind = kind;
+    light.intensity = 0;
+    const Image dark = picture(light);
+    light.intensity = 0.5f;
+    // In the middle of the hair, on a vertex of a guide, where the eye is, beside it, and far off.
+    for (const Vec3& place :
+         {Vec3(0, 0, 0), groom.guides.strand(14)[2], Camera{}.eye, Vec3(0, -0.08f, 0.9f), Vec3(0, 90, 0)}) {
+      light.position = place;
+      light.direction = Vec3(Vec3(0, -0.05f, 0) - place);
+      light.intensity = 0.5f + place.squaredNorm();
+      EXPECT_NE(picture(light).rgb, dark.rgb) << place.transpose();
+    }
+    Light wild = light, usual;
+    const float nothing = std::numeric_limits<float>::quiet_NaN();
+    usual.kind = kind;
+    wild.position = wild.direction = Vec3::Constant(nothing);
+    wild.cone = wild.cone_edge = wild.intensity = nothing;
+    EXPECT_EQ(picture(wild).rgb, picture(usual).rgb);
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Kajiya-Kay shading of a bundle bent over a cylinder against the same formula on the CPU.
 #include <numbers>
 
+#include "lamp.h"
 #include "offscreen.h"
 #include "render/hair_growth.h"
 
@@ -32,7 +33,8 @@ double lobe(double il, double ie, double shift, double exponent) {
 /// Green channel of a hair's radiance without shadows: hair_shading.glsl in double precision.
 double radiance(const RenderSettings& s, const Hair& hair, const Vec& position, const Vec& t, const Vec& eye,
                 double along) {
-  const Vec l = -s.light_direction.cast<double>().normalized(), e = (eye - position).normalized();
+  const Arriving light = arriving(s.light, position);
+  const Vec l = light.towards, e = (eye - position).normalized();
   const double tl = t.dot(l), te = t.dot(e), sine = std::sqrt(1 - tl * tl);
   const Vec la = l - tl * t, ea = e - te * t;
   const double front = std::sqrt(0.5 + 0.5 * la.normalized().dot(ea.normalized()));
@@ -43,17 +45,24 @@ double radiance(const RenderSettings& s, const Hair& hair, const Vec& position, 
   const double rise = std::clamp(along / 0.25, 0.0, 1.0),
                occlusion = 0.45 + 0.55 * rise * rise * (3 - 2 * rise);
   const double ambient = 0.13 + (0.38 - 0.13) * (0.5 + 0.5 * ea.normalized().y());
-  return 2.17 * (0.5 * base * sine * (0.45 + 0.55 * front) + specular * sine) +
+  return 2.17 * light.irradiance * (0.5 * base * sine * (0.45 + 0.55 * front) + specular * sine) +
          base * ambient * occlusion * 0.65;
 }
 
 using LightOnHair = OffscreenTest;
 
+Light sun() {
+  Light light;
+  light.direction = Vec3(0, -0.5f, -1);
+  return light;
+}
+
 struct HighlightError {
   int peak = 0;      ///< rows by which the highlight is elsewhere
   double worst = 0;  ///< of a row's brightness, relative
 };
-HighlightError highlightError(RenderSettings settings, int segments, HairShading shading) {
+HighlightError highlightError(RenderSettings settings, int segments, HairShading shading,
+                              const Light& light) {
   settings.width = settings.height = 256;
   settings.growth.hairs = 6000;
   settings.segments = segments;
@@ -62,7 +71,7 @@ HighlightError highlightError(RenderSettings settings, int segments, HairShading
   settings.growth.clump_radius = 1.5e-4f;  // the tangents are the guides'
   settings.growth.tip_deviation = settings.growth.whole_deviation = 0;
   settings.shadows = false;
-  settings.light_direction = Vec3(0, -0.5f, -1);
+  settings.light = light;
   Renderer renderer(settings);
   const GroomDescription groom = bentBundle();
   renderer.setGroom(groom);
@@ -104,17 +113,23 @@ HighlightError highlightError(RenderSettings settings, int segments, HairShading
 }
 
 TEST_F(LightOnHair, HighlightOfABentBundleIsWhereAndAsBrightAsTheFormulaSays) {
-  for (const HairShading shading : {HairShading::kVertex, HairShading::kFragment}) {
-    // With many nodes, as the highlight is narrow.
-    const HighlightError error = highlightError(smallPicture(), 64, shading);
-    EXPECT_LE(error.peak, 3);
-    EXPECT_LT(error.worst, 0.08);  // strands average over 56 columns; their shades spread by a fifth
+  // Lamps so near that their distance counts; the spot's edge lies on the bundle.
+  const Vec3 lamp(0, 0.25f, 0.35f);
+  for (const Light& light :
+       {sun(), pointLight(lamp, 0.05f), spotLight(lamp, Vec3(0, -0.7f, -1), 0.25f, 0.1f)}) {
+    for (const HairShading shading : {HairShading::kVertex, HairShading::kFragment}) {
+      // With many nodes, as the highlight is narrow.
+      const HighlightError error = highlightError(smallPicture(), 64, shading, light);
+      EXPECT_LE(error.peak, 3) << static_cast<int>(light.kind);
+      EXPECT_LT(error.worst, 0.08) << static_cast<int>(light.kind);  // strands average over 56 columns; their
+                                                                     // shades spread by a fifth
+    }
   }
 }
 
 TEST_F(LightOnHair, IsNearerToTheFormulaInEveryFragmentWhereHairHasFewSegments) {
-  const HighlightError vertex = highlightError(smallPicture(), 12, HairShading::kVertex),
-                       fragment = highlightError(smallPicture(), 12, HairShading::kFragment);
+  const HighlightError vertex = highlightError(smallPicture(), 12, HairShading::kVertex, sun()),
+                       fragment = highlightError(smallPicture(), 12, HairShading::kFragment, sun());
   EXPECT_LE(fragment.peak, 3);
   EXPECT_LT(fragment.worst, 0.6 * vertex.worst);
 }

@@ -1,8 +1,10 @@
 // Deep opacity maps against the sum of what lies along each ray of the light.
 #include <algorithm>
 
+#include "lamp.h"
 #include "offscreen.h"
 #include "render/deep_opacity.h"
+#include "render/hair_reference.h"
 #include "render/light_probe.h"
 
 namespace strandcast {
@@ -37,8 +39,9 @@ class DeepOpacity : public OffscreenTest {
     }
     return guides;
   }
-  static RenderSettings settings() {
+  static RenderSettings settings(const Light& light = {}) {
     RenderSettings settings = smallPicture();
+    settings.light = light;
     settings.growth.hairs = 1500;
     settings.hair_width = 4e-4f;
     return settings;
@@ -47,62 +50,101 @@ class DeepOpacity : public OffscreenTest {
 
 constexpr int kMapSize = 64;
 
+/// One of each kind: far off, near the hair, and a cone that takes in a part of it.
+std::vector<Light> lights() {
+  return {Light{}, pointLight(Vec3(0.4f, 0.3f, 0.5f), 1),
+          spotLight(Vec3(0.1f, 0.3f, 0.3f), Vec3(0, -1, -0.7f), 0.2f, 1)};
+}
+
+TEST_F(DeepOpacity, MapsHoldAsMuchHairAsALampSees) {
+  for (const Vec3& place : {Vec3(0.4f, 0.3f, 0.5f), Vec3(0.1f, 0.2f, 0.1f), Vec3(-2, 0.1f, 0)}) {
+    const RenderSettings wanted = settings(pointLight(place, 1));
+    LightProbe probe(guides(), wanted);
+    constexpr int kFine = 256;
+    // Solid angle of hair as the lamp sees it, by what each texel has and how much the lamp sees through it.
+    double held = 0;
+    for (const LightFragment& f : probe.fragments(kFine)) {
+      const double x = (2 * (static_cast<double>(f.x) + 0.5) / kFine - 1) * probe.slope(),
+                   y = (2 * (static_cast<double>(f.y) + 0.5) / kFine - 1) * probe.slope();
+      const double texel = std::pow(2 * probe.slope() / kFine, 2);
+      held += static_cast<double>(f.optical_depth) * texel * std::pow(1 + x * x + y * y, -1.5);
+    }
+    const HairReference reference(guides(), guides().positions, wanted.segments);
+    double seen = 0;
+    for (const Hair& hair : growHairs(guides(), wanted.growth)) {
+      for (int node = 0; node < wanted.segments; ++node) {
+        const Eigen::Vector3d a = reference.at(hair, wanted.growth, node).position,
+                              b = reference.at(hair, wanted.growth, node + 1).position;
+        const Eigen::Vector3d off = 0.5 * (a + b) - place.cast<double>();
+        const double along = (node + 0.5) / (static_cast<double>(hair.extent) * wanted.segments);
+        const double width =
+            static_cast<double>(wanted.hair_width * hair.width) * std::clamp(4 * (1 - along), 0.0, 1.0);
+        seen += width * (b - a).cross(off.normalized()).norm() / off.squaredNorm();
+      }
+    }
+    EXPECT_NEAR(held / seen, 1, 0.03);
+  }
+}
+
 TEST_F(DeepOpacity, IsExactAtTheEndOfEveryLayer) {
-  LightProbe probe(guides(), settings());
-  std::vector<LightFragment> fragments = probe.fragments(kMapSize);
-  ASSERT_GT(fragments.size(), 10000u);
-  for (const int count : {3, 7, 11, 15}) {
-    for (const LayerSizes sizes : {LayerSizes::kConstant, LayerSizes::kFibonacci}) {
-      for (const BeyondLayers beyond :
-           {BeyondLayers::kIgnore, BeyondLayers::kLastLayer, BeyondLayers::kReach}) {
-        OpacityLayers layers;
-        layers.layers = count;
-        layers.sizes = sizes;
-        layers.beyond = beyond;
-        layers.depth = 0.04f;
-        layers.map_size = kMapSize;
-        // Where the front is in texels that have hair.
-        std::vector<Vec3> points;
-        for (size_t i = 0; i < fragments.size(); i += 499)
-          points.emplace_back((fragments[i].x + 0.5f) / kMapSize, (fragments[i].y + 0.5f) / kMapSize,
-                              fragments[i].depth);
-        const std::vector<LightAnswer> fronts = probe.ask(layers, points);
-        const float range = probe.depthRange();
-        const float depth = beyond == BeyondLayers::kReach ? range : layers.depth;
-        const auto ends = layerEnds(layers, depth);
-        std::vector<Vec3> asked;
-        // A piece of hair within rounding of a layer's end may be on either side.
-        std::vector<double> least, most;
-        for (size_t p = 0; p < points.size(); ++p) {
-          ASSERT_LT(fronts[p].behind, range) << "there is hair";
-          const double front = points[p].z() - fronts[p].behind / range;
-          for (int k = 0; k < count; ++k) {
-            // Past the end of the last one too.
-            const float past = k + 1 == count ? 0.01f : 0;
-            asked.emplace_back(points[p].x(), points[p].y(),
-                               static_cast<float>(front + (ends[k] + past) / range));
-            double before = 0, by = 0;
-            for (const LightFragment& f : fragments) {
-              if (f.x != std::floor(points[p].x() * kMapSize) || f.y != std::floor(points[p].y() * kMapSize))
-                continue;
-              const double behind = (f.depth - front) * range;
-              const bool always = k + 1 == count && beyond == BeyondLayers::kLastLayer;
-              if (always || behind < ends[k] - 3e-6) before += f.optical_depth;
-              if (always || behind < ends[k] + 3e-6) by += f.optical_depth;
+  for (const Light& light : lights()) {
+    LightProbe probe(guides(), settings(light));
+    std::vector<LightFragment> fragments = probe.fragments(kMapSize);
+    ASSERT_GT(fragments.size(), 8000u);
+    for (const int count : {3, 7, 11, 15}) {
+      for (const LayerSizes sizes : {LayerSizes::kConstant, LayerSizes::kFibonacci}) {
+        for (const BeyondLayers beyond :
+             {BeyondLayers::kIgnore, BeyondLayers::kLastLayer, BeyondLayers::kReach}) {
+          OpacityLayers layers;
+          layers.layers = count;
+          layers.sizes = sizes;
+          layers.beyond = beyond;
+          layers.depth = 0.04f;
+          layers.map_size = kMapSize;
+          // Where the front is in texels that have hair.
+          std::vector<Vec3> points;
+          for (size_t i = 0; i < fragments.size(); i += 499)
+            points.emplace_back((fragments[i].x + 0.5f) / kMapSize, (fragments[i].y + 0.5f) / kMapSize,
+                                fragments[i].depth);
+          const std::vector<LightAnswer> fronts = probe.ask(layers, points);
+          const float range = probe.depthRange();
+          const float depth = beyond == BeyondLayers::kReach ? range : layers.depth;
+          const auto ends = layerEnds(layers, depth);
+          std::vector<Vec3> asked;
+          // A piece of hair within rounding of a layer's end may be on either side.
+          std::vector<double> least, most;
+          for (size_t p = 0; p < points.size(); ++p) {
+            ASSERT_LT(fronts[p].behind, range) << "there is hair";
+            const double front = points[p].z() - fronts[p].behind / range;
+            for (int k = 0; k < count; ++k) {
+              // Past the end of the last one too.
+              const float past = k + 1 == count ? 0.01f : 0;
+              asked.emplace_back(points[p].x(), points[p].y(),
+                                 static_cast<float>(front + (ends[k] + past) / range));
+              double before = 0, by = 0;
+              for (const LightFragment& f : fragments) {
+                if (f.x != std::floor(points[p].x() * kMapSize) ||
+                    f.y != std::floor(points[p].y() * kMapSize))
+                  continue;
+                const double behind = (f.depth - front) * range;
+                const bool always = k + 1 == count && beyond == BeyondLayers::kLastLayer;
+                if (always || behind < ends[k] - 3e-6) before += f.optical_depth;
+                if (always || behind < ends[k] + 3e-6) by += f.optical_depth;
+              }
+              least.push_back(before);
+              most.push_back(by);
             }
-            least.push_back(before);
-            most.push_back(by);
           }
+          const std::vector<LightAnswer> answers = probe.ask(layers, asked);
+          double deepest = 0;
+          for (size_t i = 0; i < answers.size(); ++i) {
+            deepest = std::max(deepest, most[i]);
+            // Half floats are added up, rounded at each of a hundred pieces.
+            EXPECT_GT(answers[i].optical_depth, 0.98 * least[i] - 0.002) << count << " layers";
+            EXPECT_LT(answers[i].optical_depth, 1.02 * most[i] + 0.002) << count << " layers";
+          }
+          EXPECT_GT(deepest, 0.5);
         }
-        const std::vector<LightAnswer> answers = probe.ask(layers, asked);
-        double deepest = 0;
-        for (size_t i = 0; i < answers.size(); ++i) {
-          deepest = std::max(deepest, most[i]);
-          // Half floats are added up, rounded at each of a hundred pieces.
-          EXPECT_GT(answers[i].optical_depth, 0.98 * least[i] - 0.002) << count << " layers";
-          EXPECT_LT(answers[i].optical_depth, 1.02 * most[i] + 0.002) << count << " layers";
-        }
-        EXPECT_GT(deepest, 0.5);
       }
     }
   }

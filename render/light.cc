@@ -1,0 +1,14 @@
+#include "render/light.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strandcast {
+
+ConeCosines coneCosines(const Light& light) {
+  if (light.kind != LightKind::kSpot) return {-2, -3};
+  const float outer = std::cos(light.cone), inner = std::cos(light.cone * (1 - light.cone_edge));
+  return {std::max(inner, outer + 1e-6f), outer};  // an edge without width is sharp
+}
+
+}  // namespace strandcast

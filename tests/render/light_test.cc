@@ -1,0 +1,145 @@
+// Lamps: how bright the ground is below them, and where a ball's shadow falls, against the law and the rays.
+#include "lamp.h"
+
+#include "offscreen.h"
+
+namespace strandcast {
+namespace {
+
+using Vec = Eigen::Vector3d;
+
+class Lamps : public OffscreenTest {
+ protected:
+  Lamps() {
+    settings_ = smallPicture();
+    settings_.width = settings_.height = kSize;
+    settings_.samples = 1;
+    settings_.background = Vec3(0.5f, 0.5f, 0.5f);
+    camera_.eye = Vec3(0, 6, 0.5f);
+    camera_.target = Vec3(0, kGround, 0);
+    camera_.vertical_fov = 0.25f;
+  }
+
+  /// The ground is at the body's lowest point, evenly coloured 0.15 of four of its diagonals about its
+  /// middle.
+  static BodyDescription bodyOf(const Vec3& center, float radius) {
+    BodyDescription body;
+    constexpr uint32_t kAround = 64, kAlong = 32;
+    for (uint32_t j = 0; j <= kAlong; ++j)
+      for (uint32_t i = 0; i <= kAround; ++i) {
+        const float polar = static_cast<float>(M_PI) * static_cast<float>(j) / kAlong,
+                    turn = 2 * static_cast<float>(M_PI) * static_cast<float>(i) / kAround;
+        const Vec3 d(std::sin(polar) * std::sin(turn), std::cos(polar), std::sin(polar) * std::cos(turn));
+        body.mesh.positions.push_back(Vec3(center + radius * d));
+      }
+    for (uint32_t j = 0; j < kAlong; ++j)
+      for (uint32_t i = 0; i < kAround; ++i) {
+        const uint32_t a = j * (kAround + 1) + i, b = a + kAround + 1;
+        body.mesh.triangles.push_back({a, b, a + 1});
+        body.mesh.triangles.push_back({a + 1, b, b + 1});
+      }
+    // Flecks far apart make the ground wide, and where it is.
+    for (const float side : {-1.0f, 1.0f}) {
+      const auto first = static_cast<uint32_t>(body.mesh.positions.size());
+      for (const Vec3& p : {Vec3(0, 0, 0), Vec3(0.001f, 0, 0), Vec3(0, 0, 0.001f)})
+        body.mesh.positions.push_back(Vec3(Vec3(0.8f * side, kGround, 0.8f * side) + p));
+      body.mesh.triangles.push_back({first, first + 1, first + 2});
+    }
+    return body;
+  }
+
+  /// Where the ray through a pixel meets the ground.
+  Vec groundAt(double x, double y) const {
+    const Eigen::Matrix4d clip =
+        (perspective(camera_.vertical_fov, 1, 0.02f, 50) * viewMatrix(camera_.eye, camera_.target))
+            .cast<double>();
+    Eigen::Vector4d far = clip.inverse() * Eigen::Vector4d(2 * x / kSize - 1, 1 - 2 * y / kSize, 0.5, 1);
+    const Vec eye = camera_.eye.cast<double>(), way = far.head<3>() / far.w() - eye;
+    return Vec(eye + way * ((kGround - eye.y()) / way.y()));
+  }
+  Image draw(const Light& light, bool shadows, const BodyDescription& body) const {
+    RenderSettings settings = settings_;
+    settings.light = light;
+    settings.shadows = shadows;
+    Renderer renderer(settings);
+    renderer.setBody(body);
+    renderer.draw(GuideFrame{}, camera_);
+    return renderer.read();
+  }
+  /// Green of the ground where `light` arrives.
+  static double groundBrightness(const Light& light, const Vec& place) {
+    const Arriving at = arriving(light, place);
+    return 1 - std::exp(-0.5 * 0.55 * (0.38 + 2.17 * at.irradiance * std::max(at.towards.y(), 0.0)));
+  }
+
+  static constexpr int kSize = 160;
+  static constexpr float kGround = -1;
+  RenderSettings settings_;
+  Camera camera_;
+};
+
+TEST_F(Lamps, LightTheGroundByTheInverseSquareLawAndWithinTheirCone) {
+  const BodyDescription body = bodyOf(Vec3(0, 5, 0), 0.01f);  // out of the way
+  const Vec3 place(0.2f, -0.4f, 0.1f);
+  Light sharp = spotLight(place, Vec3(-0.3f, -1, -0.2f), 0.5f, 0.4f), soft = sharp, all = sharp;
+  sharp.cone_edge = 0;
+  soft.cone_edge = 0.5f;
+  all.cone_edge = 1;
+  for (const Light& light :
+       {pointLight(place, 0.4f), pointLight(Vec3(-0.3f, 0, 0.1f), 0.5f), sharp, soft, all}) {
+    const Image image = draw(light, false, body);
+    double least = 1, most = 0;
+    int compared = 0, missed = 0;
+    for (int y = 2; y < kSize; y += 4)
+      for (int x = 2; x < kSize; x += 4) {
+        const Vec ground = groundAt(x + 0.5, y + 0.5);
+        const double expected = groundBrightness(light, ground), shown = linearValue(image, x, y, 1);
+        least = std::min(least, expected);
+        most = std::max(most, expected);
+        ++compared;
+        missed += std::abs(shown - expected) > 0.006;  // a step of sRGB
+      }
+    EXPECT_GT(most, 2 * least) << "there is something to see";
+    // At the sharp edge a rounding decides.
+    EXPECT_LE(missed, light.kind == LightKind::kSpot && light.cone_edge == 0 ? compared / 200 : 0)
+        << static_cast<int>(light.kind) << " " << light.cone_edge;
+  }
+}
+
+TEST_F(Lamps, ABallsShadowFallsWhereItsRaysMeetTheBall) {
+  const Vec3 center(0.05f, -0.6f, -0.1f);
+  constexpr float kRadius = 0.12f;
+  const BodyDescription body = bodyOf(center, kRadius);
+  const Light narrow = spotLight(Vec3(0.5f, 0.6f, 0.3f), Vec3(-0.45f, -1.2f, -0.4f), 0.3f, 2),
+              wide = spotLight(Vec3(0.5f, 0.6f, 0.3f), Vec3(-0.45f, -1.2f, -0.4f), 1.2f, 2);
+  // The last is within the ball about what there is.
+  for (const Light& light :
+       {pointLight(Vec3(3, 6, 2), 40), narrow, wide, pointLight(Vec3(0.15f, -0.2f, 0), 0.4f)}) {
+    const Image lit = draw(light, false, body), shaded = draw(light, true, body);
+    int dark = 0, bright = 0, wrong = 0;
+    for (int y = 1; y < kSize; y += 2)
+      for (int x = 1; x < kSize; x += 2) {
+        const Vec ground = groundAt(x + 0.5, y + 0.5);
+        const Vec middle = center.cast<double>(), eye = camera_.eye.cast<double>();
+        const auto passes = [&](const Vec& to) {  // how near to the ball's middle
+          const Vec way = (to - ground).normalized();
+          return (middle - ground - way * std::max(way.dot(middle - ground), 0.0)).norm();
+        };
+        if (passes(eye) < 1.05 * kRadius) continue;  // the ball is in front
+        if (arriving(light, ground).irradiance < 0.05) continue;
+        const double off = passes(light.position.cast<double>()) / kRadius;
+        if (off > 0.9 && off < 1.15) continue;  // the map's texels
+        const double with = linearValue(shaded, x, y, 1), without = linearValue(lit, x, y, 1);
+        const double ambient = 1 - std::exp(-0.5 * 0.55 * 0.38);
+        (off < 1 ? dark : bright) += 1;
+        wrong += std::abs(with - (off < 1 ? ambient : without)) > 0.01;
+      }
+    EXPECT_GT(dark, 60);
+    EXPECT_GT(bright, 400);
+    EXPECT_EQ(wrong, 0) << static_cast<int>(light.kind) << " cone " << light.cone << ": of " << dark
+                        << " dark and " << bright << " light places";
+  }
+}
+
+}  // namespace
+}  // namespace strandcast
