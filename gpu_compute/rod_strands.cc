@@ -16,6 +16,8 @@ using Vec4 = std::array<float, 4>;
 
 constexpr uint32_t kWorkgroup = 32;  // invocations
 
+constexpr uint32_t kLookStrands = 4;  // of a workgroup of look.comp
+
 // Edges of an invocation. With four of them contact takes more registers than there are: 3.9 ms in place
 // of 2.3 for 100,000 strands on a sphere, on an H100.
 constexpr uint32_t kPerThread = 4, kPerThreadInContact = 2;
@@ -193,7 +195,7 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
       keep_out_[needs.turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, defines);
   for (int substep = 0; substep < substeps; ++substep) {
     glProgramUniform1i(look.id(), 4, substep);
-    dispatch(look, {0, 0, static_cast<uint32_t>(groups_.order().size())}, 1);
+    dispatch(look, {0, 0, static_cast<uint32_t>(groups_.order().size())}, kLookStrands);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     solve(mine, needs, substep, substep + 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
