@@ -1,7 +1,11 @@
-# Every target of the project links strandcast_options: warnings, sanitizers and the rounding rule.
+# Every target of the project links strandcast_options: warnings, sanitizers and the rounding rule; also -pthread and fmt, so
+# that all have the flags with which the common headers are precompiled.
 add_library(strandcast_options INTERFACE)
+target_link_libraries(strandcast_options INTERFACE fmt::fmt)
+target_link_options(strandcast_options INTERFACE -pthread)
 target_compile_options(strandcast_options INTERFACE
   -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wpedantic
+  -pthread
   -ffp-contract=off)   # fused multiply-adds are asked for by name (madd), so rounding is a choice
 if(STRANDCAST_WERROR)
   target_compile_options(strandcast_options INTERFACE -Werror)
