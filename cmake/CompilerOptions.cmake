@@ -8,7 +8,9 @@ target_compile_options(strandcast_options INTERFACE
   -pthread
   -ffp-contract=off)   # fused multiply-adds are asked for by name (madd), so rounding is a choice
 if(STRANDCAST_WERROR)
-  target_compile_options(strandcast_options INTERFACE -Werror)
+  # GCC 12 is wrong about inlined strings, and says so once they come from a precompiled header.
+  target_compile_options(strandcast_options INTERFACE -Werror
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-error=array-bounds -Wno-error=restrict -Wno-error=stringop-overflow>)
 endif()
 if(STRANDCAST_SANITIZE)
   # A null pointer stops the program without a check; those two checks, at every access, took 40 % of the compiler's
