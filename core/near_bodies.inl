@@ -129,9 +129,11 @@ class NearBodies {
                   friction_scale_);
   }
 
-  // kNearest: the least limit; kLookedFrom: where it looked last; a plane: its normal, what that makes of its points, Touch::carried and friction.
+  // kNearest: the least limit; kLookedFrom: where it looked last. Of a plane its normal, what that makes of its points,
+  // Touch::carried and friction.
   enum ContactRow : int {
-    kGone, kNearest, kLookedFrom, kPlanes = kLookedFrom + 3, kNormal = kPlanes, kOffset = kNormal + 3, kCarried, kFriction = kCarried + 3, kPlanesEnd
+    kGone, kNearest, kLookedFrom, kPlanes = kLookedFrom + 3,
+    kNormal = kPlanes, kOffset = kNormal + 3, kCarried, kFriction = kCarried + 3, kPlanesEnd
   };
   static constexpr int kPlaneRows = kPlanesEnd - kPlanes, kMostPlanes = 2;
   static_assert(kPlanes + kMostPlanes * kPlaneRows == kContactPlanes);

@@ -1,12 +1,10 @@
 // What vertices know of bodies in a substep: where they have looked at them from, and the planes along the two nearest.
-// core/near_bodies.inl has the same for the CPU. Needs kernels/contact.h, step_input.glsl,
-// strand_offsets.glsl and touch.glsl.
+// core/near_bodies.inl has the same for the CPU. Needs kernels/contact.h, step_input.glsl, strand_offsets.glsl and touch.glsl.
 
 // Of every vertex what bodies pressed it with, StrandState::contacts, and in w whether exact lengths have moved it from where
 // contact had left it; then, of every vertex, kSightRows rows of what it sees.
 layout(std430, binding = 3) buffer Contacts { vec4 contacts[]; };
-// xyz: where it looked from; w: -1e9 if it has planes, else how much farther than its reach all bodies
-// are from there, m.
+// xyz: where it looked from; w: -1e9 if it has planes, else how much farther than its reach all bodies are from there, m.
 const uint kLooked = 0u;
 // Of a plane: normal, 0 where there is none, and what that makes of its points; then Touch::carried and friction.
 const uint kFirstPlane = 1u, kPlaneRows = 2u, kMostPlanes = 2u;

@@ -29,7 +29,8 @@ void storeContacts() {
 
 // Who has come too far from where it looked at bodies looks again: VIOLENT; else its strand is left to that program.
 #if VIOLENT
-// A loop that is not to be unrolled, because the text of every body's surface is in it. Indexed as usual, arrays would go to memory.
+// A loop that is not to be unrolled, because the text of every body's surface is in it; indexed as usual, arrays would go to
+// memory.
 void lookOn(int substep) {
   for (int p = 0; p < PER_THREAD; ++p) {
     vec3 place = x_new[0], start = x[0];

@@ -168,15 +168,15 @@ TEST_F(ViewerWindowTest, MouseAndKeysReachTheDaemonAndTheDisk) {
 
 TEST_F(ViewerWindowTest, PresetsAreSavedAndLoadedAndAnotherDaemonIsJoined) {
   const std::string domain = std::to_string(testDomain(2));
-  for (const std::string words : {"--scene straight --groom-id 1", "--scene wavy --groom-id 2"})
-    start("exec " + daemon_ + " " + words +
-          " --strands 60 --vertices 10 --motion still --backend reference --quiet --domain " + domain +
-          " >>daemons.log 2>&1");
+  int groom_id = 0;
+  for (const std::string scene : {"straight", "wavy"})
+    start({daemon_, "--scene", scene, "--groom-id", std::to_string(++groom_id), "--strands", "60",
+           "--vertices", "10", "--motion", "still", "--backend", "reference", "--quiet", "--domain", domain},
+          scene + ".log");
   const pid_t viewer =
-      start("exec " + program_ +
-            " view --width 320 --height 440 --hairs 400 --hair-width 0.001 --segments 8 --samples 1 "
-            "--shadows off --domain " +
-            domain + " >viewer.log 2>&1");
+      start({program_, "view", "--width", "320", "--height", "440", "--hairs", "400", "--hair-width", "0.001",
+             "--segments", "8", "--samples", "1", "--shadows", "off", "--domain", domain},
+            "viewer.log");
   const auto shows = [](const std::string& groom) {
     return std::system(("xdotool search --name 'Strandcast: " + groom + "' >/dev/null 2>&1").c_str()) == 0;
   };
