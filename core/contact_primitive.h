@@ -89,7 +89,8 @@ MovingPrimitive moved(const ContactPrimitive& primitive, const Pose& begin, cons
 float signedDistance(const MovingPrimitive& primitive, const Vec3& point,
                      std::span<const uint32_t> words = {});
 
-/// What is farther from a body than this before a substep does not touch it in it: lookReach() of kernels/contact.h. Metres.
+/// What is farther from a body than this before a substep does not touch it in it: lookReach() of
+/// kernels/contact.h. Metres.
 constexpr float kLookReach = 2e-3f;
 
 /// Where the shape may be during the step; a plane's has no end on any side.

@@ -80,9 +80,9 @@ enum GroomingPlane : int {
 constexpr float kPinnedMass = 1e6f;    ///< of a vertex that the rod's bending solve must not move
 constexpr float kShortestEdge = 0.1f;  ///< of the strand's mean: shorter edges bend as if they were this long
 
-constexpr int kGroomingRows = 5;   ///< scratch numbers per vertex of core/grooming.inl
+constexpr int kGroomingRows = 5;    ///< scratch numbers per vertex of core/grooming.inl
 constexpr int kContactPlanes = 21;  ///< and of core/near_bodies.inl,
-constexpr int kPlacedBodies = 16;  ///< which has one for each of so many bodies too, whatever the lanes
+constexpr int kPlacedBodies = 16;   ///< which has one for each of so many bodies too, whatever the lanes
 
 /// Scalars of scratch memory that a step of a block needs: those of its solver, of grooming, of contact.
 constexpr size_t solverScratch(int vertices, int lanes) {

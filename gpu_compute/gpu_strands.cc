@@ -190,8 +190,8 @@ void GpuStrands::makeSights() {
   discardErrors();
   gl::Buffer all(bytes, nullptr, GL_DYNAMIC_STORAGE_BIT);
   if (glGetError() == GL_OUT_OF_MEMORY)
-    throw Error("what hair sees of bodies does not fit the GPU's memory", fmt::format("{} vertices", vertices_),
-                "use fewer strands or --backend simd");
+    throw Error("what hair sees of bodies does not fit the GPU's memory",
+                fmt::format("{} vertices", vertices_), "use fewer strands or --backend simd");
   glCopyNamedBufferSubData(contacts_.id(), all.id(), 0, 0, static_cast<GLsizeiptr>(vertices_ * sizeof(Vec4)));
   contacts_ = std::move(all);
 }

@@ -16,8 +16,6 @@ using Vec4 = std::array<float, 4>;
 
 constexpr uint32_t kWorkgroup = 32;  // invocations
 
-constexpr uint32_t kLookStrands = 4;  // of a workgroup of look.comp
-
 // Edges of an invocation. With four of them contact takes more registers than there are: 3.9 ms in place
 // of 2.3 for 100,000 strands on a sphere, on an H100.
 constexpr uint32_t kPerThread = 4, kPerThreadInContact = 2;
@@ -163,11 +161,12 @@ RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, bool violent,
         fmt::format(
             "#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n#define "
             "PINNED {:d}\n#define "
-            "BODIES {:d}\n#define TURNING {:d}\n#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define "
+            "BODIES {:d}\n#define TURNING {:d}\n#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT "
+            "{:d}\n#define "
             "SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
             spread.per_thread, spread.threads, edges_of_[g], (key & kGeneral) == 0 && !groomed,
-            (key & kPinned) != 0, needs.bodies, needs.turning && violent, groomed, needs.damping, violent, shuffled_,
-            needs.accelerated)));
+            (key & kPinned) != 0, needs.bodies, needs.turning && violent, groomed, needs.damping, violent,
+            shuffled_, needs.accelerated)));
   }
   return out;
 }
@@ -181,10 +180,10 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   edges_.bindStorage(11);
   strands_.bindStorage(12);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
-  glClearNamedBufferSubData(
-      work_.id(), GL_RGBA32UI, static_cast<GLintptr>(dispatchAt(0, 0) * sizeof(uint32_t)),
-      static_cast<GLsizeiptr>((violentLists() - dispatchAt(0, 0)) * sizeof(uint32_t)), GL_RGBA_INTEGER,
-      GL_UNSIGNED_INT, kNobody.data());
+  glClearNamedBufferSubData(work_.id(), GL_RGBA32UI,
+                            static_cast<GLintptr>(dispatchAt(0, 0) * sizeof(uint32_t)),
+                            static_cast<GLsizeiptr>((violentLists() - dispatchAt(0, 0)) * sizeof(uint32_t)),
+                            GL_RGBA_INTEGER, GL_UNSIGNED_INT, kNobody.data());
   if (!needs.bodies) {
     solve(mine, needs, 0, substeps);
     return;
@@ -195,7 +194,7 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
       keep_out_[needs.turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, defines);
   for (int substep = 0; substep < substeps; ++substep) {
     glProgramUniform1i(look.id(), 4, substep);
-    dispatch(look, {0, 0, static_cast<uint32_t>(groups_.order().size())}, kLookStrands);
+    dispatch(look, {0, 0, static_cast<uint32_t>(groups_.order().size())}, 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     solve(mine, needs, substep, substep + 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);

@@ -43,7 +43,7 @@ class RodStrands {
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
   gl::Buffer work_, joints_, edges_, strands_;
   const bool shuffled_;
-  std::array<Programs, 32> programs_;             ///< by needs; empty until first needed
+  std::array<Programs, 32> programs_;           ///< by needs; empty until first needed
   std::array<LazyProgram, 2> look_, keep_out_;  ///< with kinds of bodies that turn, or without
 };
 

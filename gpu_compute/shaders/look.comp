@@ -1,9 +1,8 @@
 #version 450
 // variants: TURNING=0 | TURNING=1
-// Every vertex looks at the bodies of a substep, from where it would go by itself. LANES invocations do a strand.
+// Every vertex looks at the bodies of a substep, from where it would go by itself. A workgroup does a strand.
 // TURNING: see bodies.glsl.
-#define WORKGROUP 128
-#define LANES 32
+#define WORKGROUP 32
 layout(local_size_x = WORKGROUP) in;
 
 #include "kernels/lanes_glsl.h"
@@ -20,14 +19,13 @@ layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  
 layout(location = 4) uniform int substep;
 
 void main() {
-  uint workgroup = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-  uint strand = workgroup * uint(WORKGROUP / LANES) + gl_LocalInvocationID.x / uint(LANES);
+  uint strand = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   if (strand >= settings.strand_count) return;
   uint root = offsets[strand], end = offsets[strand + 1u];
   vec3 from = rootPose(strand).position, to = rootPose(settings.strand_count + strand).position;
   vec3 root_position = madd(to - from, float(substep + 1) / float(settings.substeps), from);
   vec3 jump = root_position - madd(velocities[root].xyz, settings.substep, positions[root].xyz);
-  for (uint vertex = root + 1u + gl_LocalInvocationID.x % uint(LANES); vertex < end; vertex += uint(LANES)) {
+  for (uint vertex = root + 1u + gl_LocalInvocationID.x; vertex < end; vertex += uint(WORKGROUP)) {
     vec4 velocity = velocities[vertex];
     vec3 start = positions[vertex].xyz;
     vec3 ahead = madd(velocity.xyz, settings.substep * settings.keep, start) + jump;
