@@ -172,6 +172,7 @@ RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, bool violent,
 }
 
 void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) {
+  const int dispatches = needs.bodies ? substeps : 1;
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
                              (needs.damping ? 8 : 0) + (needs.turning ? 16 : 0)];
   if (mine.calm.empty()) mine = {compile(needs, false, programs), compile(needs, true, programs)};
@@ -180,10 +181,10 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   edges_.bindStorage(11);
   strands_.bindStorage(12);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
-  glClearNamedBufferSubData(work_.id(), GL_RGBA32UI,
-                            static_cast<GLintptr>(dispatchAt(0, 0) * sizeof(uint32_t)),
-                            static_cast<GLsizeiptr>((violentLists() - dispatchAt(0, 0)) * sizeof(uint32_t)),
-                            GL_RGBA_INTEGER, GL_UNSIGNED_INT, kNobody.data());
+  glClearNamedBufferSubData(
+      work_.id(), GL_RGBA32UI, static_cast<GLintptr>(dispatchAt(0, 0) * sizeof(uint32_t)),
+      static_cast<GLsizeiptr>((dispatchAt(0, dispatches) - dispatchAt(0, 0)) * sizeof(uint32_t)),
+      GL_RGBA_INTEGER, GL_UNSIGNED_INT, kNobody.data());
   if (!needs.bodies) {
     solve(mine, needs, 0, substeps);
     return;

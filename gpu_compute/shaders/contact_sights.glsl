@@ -32,14 +32,8 @@ Touch touchOf(uint vertex, vec3 x) {
   }
   return nearest;
 }
-// The gap of that.
-float gapOf(uint vertex, vec3 x) {
-  uint at = sightOf(vertex) + kFirstPlane;
-  vec4 first = contacts[at], second = contacts[at + kPlaneRows];
-  return min(min(dot(first.xyz, x) - first.w, dot(second.xyz, x) - second.w), contactReach());
-}
-// Whether a vertex that ends the substep at x has to.
+// Whether a vertex that ends the substep at x has to look again.
 bool looksBack(uint vertex, vec3 x) {
   vec4 looked = contacts[sightOf(vertex) + kLooked];
-  return isAstray(looked, x) || (seesPlanes(looked) && gapOf(vertex, x) < lookMargin());
+  return isAstray(looked, x) || (seesPlanes(looked) && touchOf(vertex, x).gap < lookMargin());
 }

@@ -80,7 +80,7 @@ void main() {
   bool has_edge = k + 1 < vertices;
 
   vec3 x = positions[vertex].xyz, v = velocities[vertex].xyz;
-  float clear = min(settings.hair_radius, velocities[vertex].w);
+  float clear = clearance(velocities[vertex]);
   vec4 local = rest_local[vertex], edge = rest_edge[vertex];
   float inverse_mass = max(local.w, 0.0);
 #if GROOMED
@@ -93,7 +93,7 @@ void main() {
   float strength = settings.strength_root + along * (settings.strength_tip - settings.strength_root);
 
   for (uint substep = 0u; substep < settings.substeps; ++substep) {
-    float time = float(substep + 1u) / float(settings.substeps);
+    float time = timeAfter(int(substep));
     vec3 root_position = madd(root_end.position - root_begin.position, time, root_begin.position);
     vec4 root = interpolateRotation(root_begin.rotation, root_end.rotation, time);
     vec3 start = x;

@@ -44,7 +44,7 @@ void keepOut(uint strand) {
       bool displaced = contacts[vertex].w > 0.5 || dot(moved, moved) > 0.0;
       if (displaced && looksBack(vertex, x)) {
         vec3 start = madd(velocity.xyz, -settings.substep, reached);
-        look(strand, vertex, x, start, min(settings.hair_radius, velocity.w), substep);
+        look(strand, vertex, x, start, clearance(velocity), substep);
         if (seesPlanes(contacts[sightOf(vertex) + kLooked])) x = turnedOutOfBodies(vertex, x, inner, edge.x);
       }
     }

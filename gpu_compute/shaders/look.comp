@@ -23,12 +23,12 @@ void main() {
   if (strand >= settings.strand_count) return;
   uint root = offsets[strand], end = offsets[strand + 1u];
   vec3 from = rootPose(strand).position, to = rootPose(settings.strand_count + strand).position;
-  vec3 root_position = madd(to - from, float(substep + 1) / float(settings.substeps), from);
+  vec3 root_position = madd(to - from, timeAfter(substep), from);
   vec3 jump = root_position - madd(velocities[root].xyz, settings.substep, positions[root].xyz);
   for (uint vertex = root + 1u + gl_LocalInvocationID.x; vertex < end; vertex += uint(WORKGROUP)) {
     vec4 velocity = velocities[vertex];
     vec3 start = positions[vertex].xyz;
     vec3 ahead = madd(velocity.xyz, settings.substep * settings.keep, start) + jump;
-    look(strand, vertex, ahead, start, min(settings.hair_radius, velocity.w), substep);
+    look(strand, vertex, ahead, start, clearance(velocity), substep);
   }
 }

@@ -4,15 +4,16 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
 // variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=1 GROOMED=1 DAMPED=1 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 SHUFFLED=0 ACCELERATED=0
-// One step of strands as inextensible rods, all substeps in one dispatch: core/rod_sweep.inl with the state in registers,
-// PER_THREAD (2 or 4) edges per invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand
-// become: own slots by elimination, then the strand's invocations together by cyclic reduction.
+// One step of strands as inextensible rods: core/rod_sweep.inl with the state in registers, PER_THREAD (2 or 4) edges per
+// invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand become: own slots by
+// elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
 // PINNED: more vertices than the roots are. BODIES: there are some; then a dispatch does one substep, for which look.comp has
-// looked at them, and lists strands for keep_out.comp. TURNING: see bodies.glsl. GROOMED: there is a goal pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every
-// vertex has an acceleration of its own. DAMPED: there is internal damping.
-// VIOLENT: what violent motion takes would double the registers of every strand. So a step is two dispatches: 0 does calm
-// strands and lists the others, 1 does the whole step of those.
+// looked at them, and lists strands for keep_out.comp; without, all of them. TURNING: see bodies.glsl. GROOMED: there is a goal
+// pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
+// DAMPED: there is internal damping.
+// VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
+// strands and lists the others, 1 does the same substeps of those.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 #define WORKGROUP 32
 layout(local_size_x = WORKGROUP) in;
@@ -49,10 +50,10 @@ vec3 across;
 vec3 force[PER_THREAD];             // m
 float pull[PER_THREAD], pull_in, pull_out;  // m, of edges; in: before slot 0, out: after the last slot
 float most;                         // violence of this invocation, of all substeps yet
-bool lost;                          // of this invocation's vertices: isLost()
 #if BODIES
 vec3 pressing[PER_THREAD];            // m: StrandState::contacts x substep^2
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
+bool lost;                            // of this invocation's vertices: isLost()
 #define NORMAL(p) normals[p]
 #define NORMAL_IN normal_in
 #else

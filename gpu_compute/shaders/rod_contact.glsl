@@ -41,7 +41,7 @@ void lookOn(int substep) {
       }
     uint vertex = vertexOf(p), sight = sightOf(vertex) + kLooked;
     if (!isEdge(p) || !isAstray(contacts[sight], place)) continue;
-    look(strand, vertex, place, start, min(settings.hair_radius, velocities[vertex].w), substep);
+    look(strand, vertex, place, start, clearance(velocities[vertex]), substep);
     bool now = seesPlanes(contacts[sight]);
     for (int q = 0; q < PER_THREAD; ++q)
       if (q == p) sees[q] = now;

@@ -19,8 +19,6 @@ shared vec4 root_frame[WORKGROUP];
 shared vec4 root_rotation[WORKGROUP];
 #endif
 
-float timeAfter(int substep) { return float(substep + 1) / float(settings.substeps); }
-
 // For the substeps from `first` on.
 void placeRoots(int first) {
   barrier();  // nobody reads those before any more

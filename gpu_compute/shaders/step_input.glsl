@@ -36,6 +36,10 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   uint bone_count;
   uint neighbourhoods;  // with lists of near bodies; 0 = every strand may touch every body
 } settings;
+
+// The part of the step that has passed at the end of a substep.
+float timeAfter(int substep) { return float(substep + 1) / float(settings.substeps); }
+
 // 7 per pose: of strands at the beginning, then at the end; of bones at the beginning, then at the end.
 layout(std430, binding = 6) readonly buffer Roots { float roots[]; };
 // body_count at the end of the first substep, then of the next, and so on.

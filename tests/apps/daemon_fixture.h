@@ -33,11 +33,7 @@ class DaemonFixture : public ::testing::Test {
   }
   /// The daemon's answer.
   std::string order(CommandKind kind, std::vector<double> values, const std::string& name = "") {
-    Command command;
-    command.id = ++id_;
-    command.kind = kind;
-    command.name = name;
-    command.values = std::move(values);
+    const Command command{.id = ++id_, .kind = kind, .name = name, .values = std::move(values)};
     subscriber_->send(command);
     cast(1);
     return subscriber_->waitForAnswer(command.id, std::chrono::milliseconds(1000)).value_or("no answer");

@@ -47,11 +47,7 @@ class ReplayTest : public testing::Test {
     finish();
   }
   std::string order(CommandKind kind, const std::string& name = "", std::vector<double> values = {}) {
-    Command command;
-    command.id = ++id_;
-    command.kind = kind;
-    command.name = name;
-    command.values = std::move(values);
+    const Command command{.id = ++id_, .kind = kind, .name = name, .values = std::move(values)};
     subscriber_->send(command);
     return subscriber_->waitForAnswer(command.id, milliseconds(5000)).value_or("no answer");
   }
