@@ -15,6 +15,7 @@
 #include "core/quantile.h"
 #include "transport/answers.h"
 #include "transport/collider_chunks.h"
+#include "transport/parameter_table.h"
 
 namespace strandcast {
 namespace {
@@ -111,6 +112,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
   status_.device = simulation_.backend().device();
   status_.strands = simulation_.model().strands();
   status_.vertices = simulation_.model().vertices();
+  status_.parameters = parameterTable(simulation_.parameters());
 
   groom_.groom_id = settings.groom_id;
   groom_.session = session;
@@ -138,6 +140,7 @@ void Daemon::apply(const Command& command) {
       Parameters parameters = simulation_.parameters();
       setParameter(parameters, command.name, command.values, where);
       simulation_.setParameters(parameters);
+      status_.parameters = parameterTable(simulation_.parameters());
       return;
     }
     case CommandKind::kHeadPose:

@@ -1,15 +1,11 @@
 #pragma once
 #include <filesystem>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "apps/picture_settings.h"
+#include "transport/parameter_table.h"
 
 namespace strandcast {
-
-/// Parameters of a simulation by name, with their components.
-using NamedValues = std::vector<std::pair<std::string, std::vector<double>>>;
 
 /// A preset is a TOML file with two tables: [parameters], as configuration files have it, and [picture], with
 /// every setting of pictureSettings(): a number or three, the name of a choice, or a file, and `passes`, the

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "transport/answers.h"
 #include "transport/frame_queue.h"
+#include "transport/parameter_table.h"
 
 namespace strandcast {
 namespace {
@@ -79,9 +80,16 @@ void Replay::apply(const Command& command) {
               "it takes set speed, set position, set loop, reset and stop");
 }
 
+void Replay::tellParameters() {
+  status_.parameters = parameterTable(NamedValues{{"speed", {options_.speed}},
+                                                  {"position", {target_.value_or(read_.record.time)}},
+                                                  {"loop", {options_.loops ? 1.0 : 0.0}}});
+}
+
 void Replay::obey(const Command& command) {
   answerCommand(
       command, [&] { apply(command); }, status_);
+  tellParameters();
   publisher_.publishStatus(status_);
 }
 
@@ -123,6 +131,7 @@ void Replay::publishStatus() {
   status_.simulation_time = read_.record.time;
   status_.readers = publisher_.matchedReaders();
   status_.encoding = publisher_.encoding();
+  tellParameters();
   publisher_.publishStatus(status_);
 }
 

@@ -35,6 +35,7 @@ class Replay {
  private:
   void obey(const Command& command);
   void apply(const Command& command);
+  void tellParameters();
   void show(uint64_t number, double elapsed);
   void publish(double elapsed);
   void publishStatus();

@@ -12,6 +12,7 @@
 #include "apps/verbs.h"
 #include "core/error.h"
 #include "transport/collider_chunks.h"
+#include "transport/parameter_table.h"
 
 namespace strandcast {
 namespace {
@@ -63,6 +64,19 @@ double bytesPerVertex(const Status& s) {
   return s.vertices > 0 ? static_cast<double>(s.encoding.frame_bytes) / static_cast<double>(s.vertices) : 0;
 }
 
+/// A value that came as a float, in as few digits as tell it.
+std::string numberText(double value) { return fmt::format("{}", static_cast<float>(value)); }
+
+nlohmann::json parametersJson(const Status& s) {
+  nlohmann::json all = nlohmann::json::object();
+  for (const auto& [name, values] : namedValues(s.parameters)) {
+    nlohmann::json numbers = nlohmann::json::array();
+    for (const double value : values) numbers.push_back(nlohmann::json::parse(numberText(value)));
+    all[name] = values.size() == 1 ? numbers[0] : numbers;
+  }
+  return all;
+}
+
 nlohmann::json toJson(const Status& s) {
   return {{"groom_id", s.groom_id},
           {"session", fmt::format("{:016x}", s.session)},
@@ -87,7 +101,8 @@ nlohmann::json toJson(const Status& s) {
           {"bytes_per_frame", s.encoding.frame_bytes},
           {"bytes_per_vertex", bytesPerVertex(s)},
           {"strands_sent_finer", s.encoding.strands_sent_finer},
-          {"last_command_error", s.last_command_error}};
+          {"last_command_error", s.last_command_error},
+          {"parameters", parametersJson(s)}};
 }
 
 int list(const Options& o) {
@@ -113,12 +128,21 @@ int printStatus(const Options& o) {
   if (!waitUntil(o.timeout, [&] { return (status = subscriber->status()).has_value(); }))
     throw Error("no daemon", fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
                 "see `strandcast ctl list`");
-  const nlohmann::json object = toJson(*status);
+  nlohmann::json object = toJson(*status);
   if (o.json) {
     fmt::print("{}\n", object.dump());
-  } else {
-    for (const auto& [key, value] : object.items())
-      fmt::print("  {:<20} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    return 0;
+  }
+  object.erase("parameters");
+  for (const auto& [key, value] : object.items())
+    fmt::print("  {:<20} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+  fmt::print("  parameters\n");
+  for (const auto& [name, values] : namedValues(status->parameters)) {
+    std::string text;
+    for (const double value : values) text += ' ' + numberText(value);
+    for (const ParameterInfo& info : parameterList())
+      if (info.name == name && !info.unit.empty()) text += ' ' + info.unit;
+    fmt::print("    {:<18}{}\n", name, text);
   }
   return 0;
 }
@@ -244,7 +268,8 @@ Verb addCtl(CLI::App& app) {
     return sub;
   };
   verb("list", "daemons on the domain", [o] { return list(*o); });
-  verb("status", "what the daemon says of itself", [o] { return printStatus(*o); });
+  verb("status", "what the daemon says of itself, with the values of its parameters",
+       [o] { return printStatus(*o); });
   verb("wind", "set the velocity of the air, m/s",
        [o] { return sendCommand(*o, CommandKind::kSetParameter, "wind", o->values); })
       ->add_option("XYZ", o->values, "velocity, m/s")

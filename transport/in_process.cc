@@ -79,10 +79,12 @@ class InProcessPublisher final : public Publisher {
   }
 
   void publishStatus(const Status& status) override {
-    channel_->answers.post(status);
-    const std::lock_guard lock(channel_->mutex);
-    channel_->status = status;
-    channel_->status->groom_id = channel_->groom_id;
+    {
+      const std::lock_guard lock(channel_->mutex);
+      channel_->status = status;
+      channel_->status->groom_id = channel_->groom_id;
+    }
+    channel_->answers.post(status);  // after it: who has heard the answer finds what it changed
   }
 
   std::optional<Command> takeCommand() override { return channel_->commands.take(); }

@@ -137,6 +137,9 @@ void messageFields(Stream& s, auto& m, std::type_identity<Status>) {
   s.text(m.device);
   s.text(m.encoding.codec);
   s.text(m.last_command_error);
+  s.text(m.parameters.names);
+  s.array(m.parameters.components);
+  s.array(m.parameters.values);
 }
 
 }  // namespace strandcast

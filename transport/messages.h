@@ -100,6 +100,13 @@ struct EncodingReport {
   uint64_t strands_sent_finer = 0;  ///< because their error would have been larger
 };
 
+/// Parameters as a status tells them, flat as on the wire (transport/parameter_table.h).
+struct ParameterTable {
+  std::string names;                ///< in order, a space between two
+  std::vector<uint8_t> components;  ///< per parameter: how many of the values are its
+  std::vector<float> values;
+};
+
 struct Status {
   uint32_t groom_id = 0;
   uint64_t session = 0;
@@ -116,6 +123,7 @@ struct Status {
   EncodingReport encoding;
   uint64_t last_command = 0;       ///< id of the newest command carried out or refused
   std::string last_command_error;  ///< empty when it was carried out
+  ParameterTable parameters;       ///< that commands can set, with their present values
 };
 
 }  // namespace strandcast

@@ -1,5 +1,7 @@
 #include "transport/receiving_subscriber.h"
 
+#include "transport/parameter_table.h"
+
 namespace strandcast {
 
 std::optional<Status> ReceivingSubscriber::status() const {
@@ -47,8 +49,10 @@ void ReceivingSubscriber::push(std::shared_ptr<const GuideFrame> frame) {
 }
 
 void ReceivingSubscriber::receive(Status status, const StatusBoard::WriterId& writer) {
+  if (!isSound(status.parameters)) return countDamagedMessage();
+  statuses_.post(writer, status);
+  // After it: who has heard the answer finds what it changed.
   if (status.groom_id == groom_id_) answers_.post(status);
-  statuses_.post(writer, std::move(status));
 }
 
 void ReceivingSubscriber::countDamagedMessage() {

@@ -20,12 +20,12 @@ class GuardedType final : public Generated {
   }
 };
 
-using GroomChunkType = GuardedType<v4::GroomChunkPubSubType>;
-using BodyChunkType = GuardedType<v4::BodyChunkPubSubType>;
-using ColliderChunkType = GuardedType<v4::ColliderChunkPubSubType>;
-using GuideChunkType = GuardedType<v4::GuideChunkPubSubType>;
-using CommandType = GuardedType<v4::CommandPubSubType>;
-using ClaimType = GuardedType<v4::ClaimPubSubType>;
-using StatusType = GuardedType<v4::StatusPubSubType>;
+using GroomChunkType = GuardedType<v5::GroomChunkPubSubType>;
+using BodyChunkType = GuardedType<v5::BodyChunkPubSubType>;
+using ColliderChunkType = GuardedType<v5::ColliderChunkPubSubType>;
+using GuideChunkType = GuardedType<v5::GuideChunkPubSubType>;
+using CommandType = GuardedType<v5::CommandPubSubType>;
+using ClaimType = GuardedType<v5::ClaimPubSubType>;
+using StatusType = GuardedType<v5::StatusPubSubType>;
 
 }  // namespace strandcast

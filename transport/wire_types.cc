@@ -144,21 +144,24 @@ void statusFields(auto copy, auto& own, auto& wire) {
   copy.text(own.backend, wire.backend());
   copy.text(own.device, wire.device());
   copy.text(own.last_command_error, wire.last_command_error());
+  copy.value(own.parameters.names, wire.parameter_names());  // longer than a text
+  copy.array(own.parameters.components, wire.parameter_components());
+  copy.array(own.parameters.values, wire.parameter_values());
 }
 
 }  // namespace
 
-void toWire(GroomChunk& chunk, v4::GroomChunk& wire) { groomFields(ToWire(), chunk, wire); }
-void fromWire(v4::GroomChunk& wire, GroomChunk& chunk) { groomFields(FromWire(), chunk, wire); }
-void toWire(BodyChunk& chunk, v4::BodyChunk& wire) { bodyFields(ToWire(), chunk, wire); }
-void fromWire(v4::BodyChunk& wire, BodyChunk& chunk) { bodyFields(FromWire(), chunk, wire); }
-void toWire(ColliderChunk& chunk, v4::ColliderChunk& wire) { colliderFields(ToWire(), chunk, wire); }
-void fromWire(v4::ColliderChunk& wire, ColliderChunk& chunk) { colliderFields(FromWire(), chunk, wire); }
-void toWire(GuideChunk& chunk, v4::GuideChunk& wire) { guideFields(ToWire(), chunk, wire); }
-void fromWire(v4::GuideChunk& wire, GuideChunk& chunk) { guideFields(FromWire(), chunk, wire); }
-void toWire(const Command& command, v4::Command& wire) { commandFields(ToWire(), command, wire); }
-void fromWire(const v4::Command& wire, Command& command) { commandFields(FromWire(), command, wire); }
-void toWire(const Status& status, v4::Status& wire) { statusFields(ToWire(), status, wire); }
-void fromWire(const v4::Status& wire, Status& status) { statusFields(FromWire(), status, wire); }
+void toWire(GroomChunk& chunk, v5::GroomChunk& wire) { groomFields(ToWire(), chunk, wire); }
+void fromWire(v5::GroomChunk& wire, GroomChunk& chunk) { groomFields(FromWire(), chunk, wire); }
+void toWire(BodyChunk& chunk, v5::BodyChunk& wire) { bodyFields(ToWire(), chunk, wire); }
+void fromWire(v5::BodyChunk& wire, BodyChunk& chunk) { bodyFields(FromWire(), chunk, wire); }
+void toWire(ColliderChunk& chunk, v5::ColliderChunk& wire) { colliderFields(ToWire(), chunk, wire); }
+void fromWire(v5::ColliderChunk& wire, ColliderChunk& chunk) { colliderFields(FromWire(), chunk, wire); }
+void toWire(GuideChunk& chunk, v5::GuideChunk& wire) { guideFields(ToWire(), chunk, wire); }
+void fromWire(v5::GuideChunk& wire, GuideChunk& chunk) { guideFields(FromWire(), chunk, wire); }
+void toWire(const Command& command, v5::Command& wire) { commandFields(ToWire(), command, wire); }
+void fromWire(const v5::Command& wire, Command& command) { commandFields(FromWire(), command, wire); }
+void toWire(const Status& status, v5::Status& wire) { statusFields(ToWire(), status, wire); }
+void fromWire(const v5::Status& wire, Status& status) { statusFields(FromWire(), status, wire); }
 
 }  // namespace strandcast

@@ -23,9 +23,10 @@ CommandQueue::~CommandQueue() {
   thread_.join();
 }
 
-void CommandQueue::send(CommandKind kind, const std::string& name, std::vector<double> values) {
+uint64_t CommandQueue::send(CommandKind kind, const std::string& name, std::vector<double> values) {
   Command command;
-  command.id = newSession();
+  const uint64_t id = newSession();
+  command.id = id;
   command.kind = kind;
   command.name = name;
   command.values = std::move(values);
@@ -37,6 +38,7 @@ void CommandQueue::send(CommandKind kind, const std::string& name, std::vector<d
     queue_.push_back(std::move(command));
   }
   changed_.notify_all();
+  return id;
 }
 
 size_t CommandQueue::waiting() const {
@@ -59,7 +61,7 @@ void CommandQueue::run() {
     asking_ = true;
     lock.unlock();
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    CommandOutcome outcome{command.kind, command.name, "the daemon did not answer"};
+    CommandOutcome outcome{command.id, command.kind, command.name, "the daemon did not answer"};
     try {
       const auto answer = ask(subscriber_, command, [&] {
         const std::lock_guard stopping(mutex_);

@@ -12,6 +12,7 @@ namespace strandcast {
 
 /// What became of a command.
 struct CommandOutcome {
+  uint64_t id;
   CommandKind kind;
   std::string name;
   std::string refusal;  ///< empty where it was carried out
@@ -25,7 +26,8 @@ class CommandQueue {
   explicit CommandQueue(Subscriber& subscriber);  ///< which outlives it
   ~CommandQueue();
 
-  void send(CommandKind kind, const std::string& name, std::vector<double> values);
+  /// Returns the command's id.
+  uint64_t send(CommandKind kind, const std::string& name, std::vector<double> values);
   /// Without an answer yet.
   size_t waiting() const;
   /// Those since the last call.

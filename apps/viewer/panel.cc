@@ -209,9 +209,7 @@ void ViewerPanel::drawParameters(ViewerSession& session) {
   if (filter_.empty())
     ImGui::TextDisabled("%s", waiting > 0 ? fmt::format("{} commands wait for an answer", waiting).c_str()
                                           : "sent to the daemon as commands; all answered");
-  if (filter_.empty() && !session.isHere())
-    ImGui::TextDisabled("pale: the usual value; a daemon does not tell its own");
-  for (const ParameterInfo& info : parameterList()) {
+  for (const ParameterInfo& info : session.settable()) {
     if (!matches(info.name)) continue;
     const auto known = session.parameter(info.name);
     const std::vector<double> usual = session.usualParameter(info.name);

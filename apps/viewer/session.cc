@@ -9,6 +9,15 @@ namespace {
 constexpr int kSliceSize = 192;  // pixels
 constexpr std::chrono::milliseconds kSliceInterval{200};
 
+/// Of one that a daemon told.
+ParameterInfo infoOf(const std::string& name, size_t components) {
+  const int count = static_cast<int>(components);
+  for (const ParameterInfo& info : parameterList())
+    if (info.name == name && info.components == count) return info;
+  constexpr double kAny = 1e9;
+  return {name, "", "as the daemon says", "known to the daemon alone", count, -kAny, kAny, false};
+}
+
 }  // namespace
 
 ViewerSession::ViewerSession(const Settings& settings, bool here, double timeout, Playout playout)
@@ -21,31 +30,39 @@ ViewerSession::ViewerSession(const Settings& settings, bool here, double timeout
 ViewerSession::~ViewerSession() { stopRecording(); }
 
 std::optional<std::vector<double>> ViewerSession::parameter(const std::string& name) const {
-  const std::lock_guard lock(mutex_);
-  if (const auto sent = sent_.find(name); sent != sent_.end()) return sent->second;
-  if (known_) return strandcast::parameter(*known_, name);
+  if (const auto sent = sent_.find(name); sent != sent_.end()) return sent->second.values;
+  if (const auto told = told_.find(name); told != told_.end()) return told->second;
   return std::nullopt;
 }
 
 std::vector<double> ViewerSession::usualParameter(const std::string& name) const {
-  const std::lock_guard lock(mutex_);
-  return strandcast::parameter(first_known_.value_or(Parameters()), name);
+  const auto first = first_told_.find(name);
+  return first != first_told_.end() ? first->second : strandcast::parameter(Parameters(), name);
 }
 
 void ViewerSession::setParameter(const std::string& name, const std::vector<double>& values) {
-  {
-    const std::lock_guard lock(mutex_);
-    sent_[name] = values;
-  }
-  commands_.send(CommandKind::kSetParameter, name, values);
+  sent_[name] = {commands_.send(CommandKind::kSetParameter, name, values), values};
 }
 
 std::vector<CommandOutcome> ViewerSession::takeOutcomes() {
   std::vector<CommandOutcome> outcomes = commands_.takeOutcomes();
-  const std::lock_guard lock(mutex_);
   for (const CommandOutcome& outcome : outcomes)
-    if (outcome.kind == CommandKind::kSetParameter && !outcome.refusal.empty()) sent_.erase(outcome.name);
+    std::erase_if(sent_, [&](const auto& sent) { return sent.second.id == outcome.id; });
+  takeParameters();
   return outcomes;
+}
+
+void ViewerSession::takeParameters() {
+  const std::optional<Status> status = stream_.subscriber().status();
+  if (!status || status->parameters.components.empty()) return;
+  const NamedValues values = namedValues(status->parameters);
+  told_ = {values.begin(), values.end()};
+  if (told_by_ != status->session) {
+    told_by_ = status->session;
+    first_told_ = told_;
+    settable_.clear();
+    for (const auto& [name, components] : values) settable_.push_back(infoOf(name, components.size()));
+  }
 }
 
 NamedValues ViewerSession::parameters() const {
@@ -75,8 +92,6 @@ void ViewerSession::observe(Simulation& simulation) {
   std::optional<SliceRequest> wanted;
   {
     const std::lock_guard lock(mutex_);
-    known_ = simulation.parameters();
-    if (!first_known_) first_known_ = known_;
     const auto now = std::chrono::steady_clock::now();
     if (!request_ || now < slice_due_) return;
     slice_due_ = now + kSliceInterval;

@@ -34,14 +34,19 @@ class ViewerSession {
   bool isHere() const { return here_; }  ///< the simulation is in this process
   uint32_t groomId() const { return groom_id_; }
 
-  /// What a parameter is set to, where that is known: of a simulation in this process, or what was sent.
+  // Of one thread, which calls takeOutcomes() once a picture.
+
+  /// What became of commands since the last call. Looks at what the daemon tells of its parameters.
+  std::vector<CommandOutcome> takeOutcomes();
+  /// The parameters that the daemon told, in its order; those that this program does not know have a name and
+  /// no more. Until it has told any, those of a simulation.
+  const std::vector<ParameterInfo>& settable() const { return settable_; }
+  /// What a parameter is set to: what was sent, until that is answered, else what the daemon told.
   std::optional<std::vector<double>> parameter(const std::string& name) const;
   void setParameter(const std::string& name, const std::vector<double>& values);
-  /// What resets go back to: as the simulation had it when it was first seen, else as all have it.
+  /// What resets go back to: as it was when the daemon was first heard, else as all simulations have it.
   std::vector<double> usualParameter(const std::string& name) const;
-  /// What became of commands since the last call; a value that was refused is forgotten.
-  std::vector<CommandOutcome> takeOutcomes();
-  /// All that are known.
+  /// Those of a simulation that are known, as a preset has them.
   NamedValues parameters() const;
 
   /// Slices of a simulation in this process, a few times a second, until nothing is asked for.
@@ -58,13 +63,21 @@ class ViewerSession {
   std::string recordingProblem() const;
 
  private:
+  /// A command that is not answered yet.
+  struct Sent {
+    uint64_t id;
+    std::vector<double> values;
+  };
   void observe(Simulation& simulation);
+  void takeParameters();
 
   const bool here_;
   const uint32_t groom_id_;
+  uint64_t told_by_ = 0;  // session
+  std::map<std::string, std::vector<double>> told_, first_told_;
+  std::map<std::string, Sent> sent_;
+  std::vector<ParameterInfo> settable_ = parameterList();
   mutable std::mutex mutex_;  // of all below but the stream
-  std::optional<Parameters> known_, first_known_;
-  std::map<std::string, std::vector<double>> sent_;
   std::optional<SliceRequest> request_;
   std::optional<AirSlice> slice_;
   std::string slice_problem_, recording_problem_;

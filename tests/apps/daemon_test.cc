@@ -1,5 +1,6 @@
 // The daemon's loop over the in-process channel.
 #include "tests/apps/daemon_fixture.h"
+#include "transport/parameter_table.h"
 
 namespace strandcast {
 namespace {
@@ -45,6 +46,22 @@ TEST_F(DaemonTest, AHandPullsUntilItLetsGoOrNobodyMovesIt) {
   EXPECT_EQ(order(CommandKind::kPull, {}), "");
   cast(20);
   EXPECT_LT((subscriber_->frame()->positions[tip] - rest).norm(), 0.3f * held);
+}
+
+TEST_F(DaemonTest, ItsStatusTellsParametersAsTheyAre) {
+  const auto told = [&](const std::string& name) {
+    for (const auto& [known, values] : namedValues(subscriber_->status()->parameters))
+      if (known == name) return values;
+    return std::vector<double>();
+  };
+  EXPECT_NE(order(CommandKind::kSetParameter, {-5}, "air_drag"), "");
+  const double usual = told("air_drag").at(0);
+  EXPECT_GE(usual, 0) << "what was refused is not told";
+  EXPECT_EQ(order(CommandKind::kSetParameter, {usual + 2}, "air_drag"), "");
+  EXPECT_EQ(told("air_drag"), std::vector<double>{usual + 2}) << "the answer tells it";
+  EXPECT_EQ(order(CommandKind::kSetParameter, {1, 0, -3}, "wind"), "");
+  EXPECT_EQ(told("wind"), (std::vector<double>{1, 0, -3}));
+  EXPECT_EQ(namedValues(subscriber_->status()->parameters).size(), parameterList().size());
 }
 
 TEST_F(DaemonTest, TheObserverSeesEveryFrame) {

@@ -323,6 +323,13 @@ TEST_F(Programs, DaemonCastsToARendererAndObeys) {
   const Outcome refused = run(program_ + " ctl set air_drag -5" + network);
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("air_drag"), std::string::npos) << refused.err;
+  const Outcome told = run(program_ + " ctl status --json" + network);
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const nlohmann::json parameters = nlohmann::json::parse(told.out)["parameters"];
+  EXPECT_EQ(parameters["wind"], (std::vector<double>{3, 0, 0}));
+  EXPECT_EQ(parameters["air_drag"], 5) << "of the scene";
+  EXPECT_NE(run(program_ + " ctl status" + network).out.find("    wind               3 0 0 m/s\n"),
+            std::string::npos);
 
   const Outcome rival = run(daemon_ + " --scene straight --strands 20 --quiet" + network);
   EXPECT_EQ(rival.exit_code, 2);
@@ -423,6 +430,7 @@ TEST_F(Programs, DaemonCastsOverLcm) {
     status = nlohmann::json::parse(r.out);
   }
   EXPECT_EQ(status["codec"], "oct12");
+  EXPECT_EQ(status["parameters"]["wind"], (std::vector<double>{1, 0, 0}));
   EXPECT_GT(status["bytes_per_vertex"], 1);
   EXPECT_LT(status["bytes_per_vertex"], 5);
   EXPECT_LE(status["codec_worst_error_mm"], 0.0100001);

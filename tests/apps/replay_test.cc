@@ -12,6 +12,7 @@
 #include "tests/groom/scratch_folder.h"
 #include "tests/transport/moving_hair.h"
 #include "transport/in_process.h"
+#include "transport/parameter_table.h"
 #include "transport/recording/recorder.h"
 
 namespace strandcast {
@@ -101,6 +102,9 @@ TEST_F(ReplayTest, LoopsAndIsMovedByCommands) {
 
   EXPECT_EQ(order(CommandKind::kSetParameter, "speed", {0}), "");
   EXPECT_EQ(order(CommandKind::kSetParameter, "position", {0.2}), "");
+  const double told = static_cast<double>(0.2f);
+  EXPECT_EQ(namedValues(subscriber_->status()->parameters),
+            (NamedValues{{"speed", {0}}, {"position", {told}}, {"loop", {1}}}));
   const uint64_t still = subscriber_->frame()->frame;
   RecordedFrame expected;
   Recording(file_).read(12, expected);

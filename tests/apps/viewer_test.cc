@@ -171,7 +171,8 @@ TEST_F(ViewerWindowTest, PresetsAreSavedAndLoadedAndAnotherDaemonIsJoined) {
   int groom_id = 0;
   for (const std::string scene : {"straight", "wavy"})
     start({daemon_, "--scene", scene, "--groom-id", std::to_string(++groom_id), "--strands", "60",
-           "--vertices", "10", "--motion", "still", "--backend", "reference", "--quiet", "--domain", domain},
+           "--vertices", "10", "--motion", "still", "--backend", "reference", "--quiet", "--domain", domain,
+           "--set", "air_drag=3.5"},
           scene + ".log");
   const pid_t viewer =
       start({program_, "view", "--width", "320", "--height", "440", "--hairs", "400", "--hair-width", "0.001",
@@ -189,6 +190,12 @@ TEST_F(ViewerWindowTest, PresetsAreSavedAndLoadedAndAnotherDaemonIsJoined) {
     readPreset(file, picture);
     return picture;
   };
+  const auto air_drag = [&] {
+    PictureOptions picture;
+    for (const auto& [name, values] : readPreset(file, picture))
+      if (name == "air_drag") return values.at(0);
+    return -1.0;
+  };
   // The panel with its first group closed: a header every 24 pixels, the presets' buttons below theirs.
   const std::string presets = "mousemove 150 419 click 1", save = "mousemove 30 470 click 1",
                     load = "mousemove 82 470 click 1";
@@ -198,6 +205,12 @@ TEST_F(ViewerWindowTest, PresetsAreSavedAndLoadedAndAnotherDaemonIsJoined) {
   input(save);
   ASSERT_TRUE(until(seconds(10), [&] { return std::filesystem::exists(file); }));
   EXPECT_EQ(saved().azimuth, 25);
+  EXPECT_EQ(air_drag(), 3.5) << "as the daemon tells it";
+  ASSERT_EQ(std::system((program_ + " ctl set air_drag 4.5 --domain " + domain).c_str()), 0);
+  std::filesystem::remove(file);
+  input(save);
+  ASSERT_TRUE(until(seconds(10), [&] { return std::filesystem::exists(file); }));
+  EXPECT_EQ(air_drag(), 4.5) << "as another client has set it";
   PictureOptions other = saved();
   other.azimuth = 90;
   other.settings.light.kind = LightKind::kSpot;

@@ -18,9 +18,9 @@
 
 enum { kMaxChunks = 4096, kTake = 64, kFramesUnderWay = 64 };
 
-typedef strandcast_v4_GroomChunk GroomChunk;
-typedef strandcast_v4_GuideChunk GuideChunk;
-typedef strandcast_v4_Status Status;
+typedef strandcast_v5_GroomChunk GroomChunk;
+typedef strandcast_v5_GuideChunk GuideChunk;
+typedef strandcast_v5_Status Status;
 
 static dds_entity_t checked(dds_entity_t entity, const char* what) {
   if (entity < 0) {
@@ -62,7 +62,7 @@ static dds_entity_t command_writer_in(dds_entity_t participant, const char* part
   const dds_entity_t publisher = checked(dds_create_publisher(participant, qos, NULL), "publisher");
   dds_delete_qos(qos);
   const dds_entity_t topic =
-      checked(dds_create_topic(participant, &strandcast_v4_Command_desc, "strandcast/command", NULL, NULL),
+      checked(dds_create_topic(participant, &strandcast_v5_Command_desc, "strandcast/command", NULL, NULL),
               "command");
   qos = reliable(64, true);
   const dds_entity_t writer = checked(dds_create_writer(publisher, topic, qos, NULL), "command");
@@ -95,7 +95,7 @@ static bool take_groom(dds_entity_t reader, uint32_t* strands, uint32_t* vertice
 }
 
 static bool is_as_sent(const GuideChunk* chunk) {
-  if (chunk->encoding != strandcast_v4_ENCODING_FLOAT32 || chunk->payload._length != 12 * chunk->vertex_count)
+  if (chunk->encoding != strandcast_v5_ENCODING_FLOAT32 || chunk->payload._length != 12 * chunk->vertex_count)
     return false;
   for (uint32_t v = 0; v < chunk->vertex_count; ++v) {
     float position[3];
@@ -151,7 +151,7 @@ static void take_colliders(dds_entity_t reader) {
   dds_sample_info_t infos[kTake];
   const int count = dds_take(reader, samples, infos, kTake, kTake);
   for (int i = 0; i < count; ++i) {
-    const strandcast_v4_ColliderChunk* chunk = samples[i];
+    const strandcast_v5_ColliderChunk* chunk = samples[i];
     if (!infos[i].valid_data) continue;
     shapes += chunk->kinds._length;
     words += chunk->words._length;
@@ -162,13 +162,36 @@ static void take_colliders(dds_entity_t reader) {
   if (count > 0) dds_return_loan(reader, samples, count);
 }
 
+/* Of a parameter by name, in a status: the first of its values. */
+static bool value_of(const Status* status, const char* name, float* value) {
+  uint32_t at = 0;
+  const char* known = status->parameter_names;
+  for (uint32_t i = 0; i < status->parameter_components._length; ++i) {
+    const size_t length = strcspn(known, " ");
+    if (length == strlen(name) && strncmp(known, name, length) == 0) {
+      *value = status->parameter_values._buffer[at];
+      return true;
+    }
+    at += status->parameter_components._buffer[i];
+    known += length + (known[length] == ' ');
+  }
+  return false;
+}
+
+static float told_wind;
+static uint32_t told_parameters;
+
 static bool is_answered(dds_entity_t reader, uint64_t id) {
   void* samples[kTake] = {NULL};
   dds_sample_info_t infos[kTake];
   const int count = dds_take(reader, samples, infos, kTake, kTake);
   bool found = false;
-  for (int i = 0; i < count; ++i)
-    found = found || (infos[i].valid_data && ((const Status*)samples[i])->last_command == id);
+  for (int i = 0; i < count; ++i) {
+    const Status* status = samples[i];
+    if (!infos[i].valid_data || status->last_command != id) continue;
+    found = value_of(status, "wind", &told_wind);
+    told_parameters = status->parameter_components._length;
+  }
   if (count > 0) dds_return_loan(reader, samples, count);
   return found;
 }
@@ -180,13 +203,13 @@ int main(int argc, char** argv) {
       checked(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
   const dds_entity_t subscriber = subscriber_in(participant, "groom1");
   const dds_entity_t groom =
-      reader_of(participant, subscriber, &strandcast_v4_GroomChunk_desc, "strandcast/groom", 1, true);
+      reader_of(participant, subscriber, &strandcast_v5_GroomChunk_desc, "strandcast/groom", 1, true);
   const dds_entity_t colliders =
-      reader_of(participant, subscriber, &strandcast_v4_ColliderChunk_desc, "strandcast/colliders", 1, true);
+      reader_of(participant, subscriber, &strandcast_v5_ColliderChunk_desc, "strandcast/colliders", 1, true);
   const dds_entity_t guides =
-      reader_of(participant, subscriber, &strandcast_v4_GuideChunk_desc, "strandcast/guides", 4, false);
+      reader_of(participant, subscriber, &strandcast_v5_GuideChunk_desc, "strandcast/guides", 4, false);
   const dds_entity_t status =
-      reader_of(participant, participant, &strandcast_v4_Status_desc, "strandcast/status", 1, true);
+      reader_of(participant, participant, &strandcast_v5_Status_desc, "strandcast/status", 1, true);
   const dds_entity_t writer = command_writer_in(participant, "groom1");
 
   const dds_time_t start = dds_time(), end = start + DDS_SECS(15);
@@ -203,7 +226,7 @@ int main(int argc, char** argv) {
       if (dds_time() - asked > DDS_MSECS(500) && !has_answer) {
         asked = dds_time();
         double values[] = {3, 0, 0};
-        strandcast_v4_Command command = {.id = id, .groom_id = 1, .kind = 0, .name = "wind"};
+        strandcast_v5_Command command = {.id = id, .groom_id = 1, .kind = 0, .name = "wind"};
         command.values._buffer = values;
         command.values._length = command.values._maximum = 3;
         checked(dds_write(writer, &command), "write");
@@ -214,6 +237,7 @@ int main(int argc, char** argv) {
   }
   printf("strands %u\nvertices %u\nanswered %d\n", strands, vertices, has_answer);
   printf("shapes %u\nwords %u\nspheres_of_the_head %u\n", shapes, words, spheres_of_the_head);
+  printf("told_parameters %u\ntold_wind %f\n", told_parameters, (double)told_wind);
   printf("frames %llu\nmissing %llu\nwrong_chunks %llu\n", (unsigned long long)whole_frames,
          (unsigned long long)(newest_whole - first_frame + 1 - whole_frames),
          (unsigned long long)wrong_chunks);

@@ -15,6 +15,7 @@
 #include "tests/transport/sample_messages.h"
 #include "transport/collider_chunks.h"
 #include "transport/dds.h"
+#include "transport/parameter_table.h"
 
 namespace strandcast {
 namespace {
@@ -47,6 +48,9 @@ TEST(Cyclone, ReceivesTheGroomLateAndEveryFrameAndItsCommandIsObeyed) {
         obeyed = command;
         Status status;
         status.last_command = command->id;
+        Parameters parameters;
+        setParameter(parameters, command->name, command->values, "command");
+        status.parameters = parameterTable(parameters);
         publisher->publishStatus(status);
       }
     }
@@ -77,6 +81,8 @@ TEST(Cyclone, ReceivesTheGroomLateAndEveryFrameAndItsCommandIsObeyed) {
   EXPECT_EQ(results["missing"], 0);
   EXPECT_EQ(results["wrong_chunks"], 0);
   EXPECT_EQ(results["answered"], 1);
+  EXPECT_EQ(results["told_parameters"], static_cast<double>(parameterList().size()));
+  EXPECT_EQ(results["told_wind"], 3);
   ASSERT_TRUE(obeyed);
   EXPECT_EQ(obeyed->id, kCommand);
   EXPECT_EQ(obeyed->name, "wind");

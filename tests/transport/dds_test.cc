@@ -14,6 +14,7 @@
 #include "sample_messages.h"
 #include "tests/error_of.h"
 #include "transport/dds.h"
+#include "transport/parameter_table.h"
 #include "true_within.h"
 
 namespace strandcast {
@@ -98,9 +99,18 @@ TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
   Status status;
   status.backend = "simd";
   status.last_command = 42;
+  status.parameters = parameterTable(Parameters());
   publisher->publishStatus(status);
   EXPECT_TRUE(becomesTrue([&] { return subscriber->status() && subscriber->status()->last_command == 42; }));
   EXPECT_EQ(subscriber->status()->backend, "simd");
+  EXPECT_EQ(namedValues(subscriber->status()->parameters), namedValues(status.parameters));
+  const uint64_t rejected = subscriber->statistics().chunks_rejected;
+  Status unsound = status;
+  unsound.backend = "none";
+  unsound.parameters.values.pop_back();
+  publisher->publishStatus(unsound);
+  EXPECT_TRUE(becomesTrue([&] { return subscriber->statistics().chunks_rejected == rejected + 1; }));
+  EXPECT_EQ(subscriber->status()->backend, "simd") << "what does not fit is dropped";
   EXPECT_EQ(subscriber->status()->session, 11u);
   EXPECT_FALSE(publisher->rivalSession()) << "its own status is no rival's";
 }

@@ -13,6 +13,7 @@
 #include "moving_hair.h"
 #include "tests/error_of.h"
 #include "transport/lcm/lcm_ends.h"
+#include "transport/parameter_table.h"
 #include "true_within.h"
 
 namespace strandcast {
@@ -76,10 +77,12 @@ void expectEverything(Publisher& publisher, Subscriber& subscriber, const GroomD
   status.backend = "simd";
   status.last_command = 42;
   status.encoding = publisher.encoding();
+  status.parameters = parameterTable(Parameters());
   publisher.publishStatus(status);
   EXPECT_EQ(subscriber.waitForAnswer(42, kPatience), "");
   ASSERT_TRUE(becomesTrue([&] { return subscriber.status() && subscriber.status()->last_command == 42; }));
   EXPECT_EQ(subscriber.status()->backend, "simd");
+  EXPECT_EQ(namedValues(subscriber.status()->parameters), namedValues(status.parameters));
   EXPECT_EQ(subscriber.status()->session, 11u);
   EXPECT_EQ(subscriber.status()->encoding.frame_bytes, publisher.encoding().frame_bytes);
   EXPECT_FALSE(publisher.rivalSession()) << "its own status is no rival's";

@@ -6,6 +6,7 @@
 #include "transport/assembler.h"
 #include "transport/collider_chunks.h"
 #include "transport/lcm/lcm_messages.h"
+#include "transport/parameter_table.h"
 
 namespace strandcast {
 
@@ -36,7 +37,12 @@ size_t fuzzMessages(const uint8_t* data, size_t size) {
   ReaderSign sign;
   if (fromBytes(bytes, sign)) ++read;
   Status status;
-  if (fromBytes(bytes, status)) ++read;
+  if (fromBytes(bytes, status)) {
+    ++read;
+    if (isSound(status.parameters) &&
+        namedValues(status.parameters).size() != status.parameters.components.size())
+      std::abort();
+  }
   return read;
 }
 
@@ -63,6 +69,11 @@ std::vector<FuzzSeeds> messageSeeds() {
     add("guides", splitFrame(groom, hairFrame(groom, 1), {info.codec})[0]);
   add("command", Command{1, 7, CommandKind::kSetParameter, "wind", {1, 2, 3}});
   add("status", Status());
+  Status telling;
+  telling.session = 5;
+  telling.groom_name = "bob";
+  telling.parameters = parameterTable(Parameters());
+  add("status", telling);
   add("reader", ReaderSign{1, 1, true});
   return seeds;
 }

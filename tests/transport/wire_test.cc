@@ -7,6 +7,7 @@
 #include "sample_messages.h"
 #include "transport/assembler.h"
 #include "transport/chunks.h"
+#include "transport/parameter_table.h"
 #include "transport/wire_type_support.h"
 #include "transport/wire_types.h"
 
@@ -66,7 +67,7 @@ TEST(Wire, ChunksSurviveTheWireFormat) {
   GroomAssembler assembler(1);
   std::shared_ptr<const GroomDescription> result;
   for (GroomChunk& chunk : splitGroom(groom)) {
-    v4::GroomChunk sent, received;
+    v5::GroomChunk sent, received;
     toWire(chunk, sent);
     const std::vector<uint8_t> bytes = serialized<GroomChunkType>(sent);
     EXPECT_LT(bytes.size(), 64u * 1024) << "does not fit a datagram";
@@ -82,9 +83,9 @@ TEST(Wire, ChunksSurviveTheWireFormat) {
 
 TEST(Wire, DamagedBytesAreRefusedOrCaught) {
   const auto groom = std::make_shared<GroomDescription>(uniformGroom(500, 16));
-  damageBytes<GroomChunkType, v4::GroomChunk>(
+  damageBytes<GroomChunkType, v5::GroomChunk>(
       splitGroom(*groom), [] { return GroomAssembler(1); }, 300);
-  damageBytes<BodyChunkType, v4::BodyChunk>(
+  damageBytes<BodyChunkType, v5::BodyChunk>(
       splitBody(sampleBody(60)), [] { return BodyAssembler(1); }, 300);
   const GuideFrame frame = sampleFrame(*groom, 1);
   const auto make = [&] {
@@ -93,7 +94,40 @@ TEST(Wire, DamagedBytesAreRefusedOrCaught) {
     return assembler;
   };
   for (const CodecInfo& info : codecList())
-    damageBytes<GuideChunkType, v4::GuideChunk>(splitFrame(*groom, frame, {info.codec}), make, 300);
+    damageBytes<GuideChunkType, v5::GuideChunk>(splitFrame(*groom, frame, {info.codec}), make, 300);
+}
+
+TEST(Wire, ADamagedStatusIsRefusedOrItsParametersAreCounted) {
+  Status status;
+  status.groom_name = "bob";
+  status.parameters = parameterTable(Parameters());
+  v5::Status wire;
+  toWire(status, wire);
+  const std::vector<uint8_t> sound = serialized<StatusType>(wire);
+  v5::Status received;
+  ASSERT_TRUE(deserialize<StatusType>(sound, received));
+  Status back;
+  fromWire(received, back);
+  EXPECT_TRUE(isSound(back.parameters));
+  EXPECT_EQ(namedValues(back.parameters), namedValues(status.parameters));
+
+  std::mt19937 random(6);
+  int readable = 0, fit = 0;
+  for (int run = 0; run < 4000; ++run) {
+    std::vector<uint8_t> bytes = sound;
+    if (run % 4 == 0) bytes.resize(random() % bytes.size());
+    for (uint32_t i = 0; !bytes.empty() && i < 1 + random() % 3; ++i)
+      bytes[random() % bytes.size()] = static_cast<uint8_t>(random());
+    v5::Status damaged;
+    if (!deserialize<StatusType>(bytes, damaged)) continue;
+    ++readable;
+    fromWire(damaged, back);
+    if (!isSound(back.parameters)) continue;
+    ++fit;
+    EXPECT_EQ(namedValues(back.parameters).size(), back.parameters.components.size());
+  }
+  EXPECT_GT(fit, 0);
+  EXPECT_LT(fit, readable) << "damage is found";
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 #include "transport/lcm/lcm_messages.h"
 
-#include "strandcast_v4/body_chunk_t.hpp"
-#include "strandcast_v4/collider_chunk_t.hpp"
-#include "strandcast_v4/command_t.hpp"
-#include "strandcast_v4/groom_chunk_t.hpp"
-#include "strandcast_v4/guide_chunk_t.hpp"
-#include "strandcast_v4/reader_t.hpp"
-#include "strandcast_v4/status_t.hpp"
+#include "strandcast_v5/body_chunk_t.hpp"
+#include "strandcast_v5/collider_chunk_t.hpp"
+#include "strandcast_v5/command_t.hpp"
+#include "strandcast_v5/groom_chunk_t.hpp"
+#include "strandcast_v5/guide_chunk_t.hpp"
+#include "strandcast_v5/reader_t.hpp"
+#include "strandcast_v5/status_t.hpp"
 #include "transport/message_bytes.h"
 #include "transport/message_fields.h"
 
@@ -44,62 +44,57 @@ bool read(std::span<const uint8_t> bytes, Message& message) {
 }
 
 /// Cuts the texts of a message to what the wire takes.
-struct TextShortener {
-  static void number(auto&) {}
-  static void text(std::string& text) { text = shortened(text); }
-};
-
-void shortenTexts(Status& status) {
-  TextShortener shortener;
-  messageFields(shortener, status, std::type_identity<Status>());
+void shortenTexts(Status& s) {
+  for (std::string* text : {&s.groom_name, &s.backend, &s.device, &s.encoding.codec, &s.last_command_error})
+    *text = shortened(*text);
 }
 
 }  // namespace
 
 void toBytes(const GroomChunk& chunk, std::vector<uint8_t>& bytes) {
-  write<strandcast_v4::groom_chunk_t>(chunk, bytes);
+  write<strandcast_v5::groom_chunk_t>(chunk, bytes);
 }
 void toBytes(const BodyChunk& chunk, std::vector<uint8_t>& bytes) {
-  write<strandcast_v4::body_chunk_t>(chunk, bytes);
+  write<strandcast_v5::body_chunk_t>(chunk, bytes);
 }
 void toBytes(const ColliderChunk& chunk, std::vector<uint8_t>& bytes) {
-  write<strandcast_v4::collider_chunk_t>(chunk, bytes);
+  write<strandcast_v5::collider_chunk_t>(chunk, bytes);
 }
 void toBytes(const GuideChunk& chunk, std::vector<uint8_t>& bytes) {
-  write<strandcast_v4::guide_chunk_t>(chunk, bytes);
+  write<strandcast_v5::guide_chunk_t>(chunk, bytes);
 }
 void toBytes(const Command& command, std::vector<uint8_t>& bytes) {
-  write<strandcast_v4::command_t>(command, bytes);
+  write<strandcast_v5::command_t>(command, bytes);
 }
 void toBytes(const ReaderSign& sign, std::vector<uint8_t>& bytes) {
-  write<strandcast_v4::reader_t>(sign, bytes);
+  write<strandcast_v5::reader_t>(sign, bytes);
 }
 void toBytes(const Status& status, std::vector<uint8_t>& bytes) {
   Status own = status;
   shortenTexts(own);
-  write<strandcast_v4::status_t>(own, bytes);
+  write<strandcast_v5::status_t>(own, bytes);
 }
 
 bool fromBytes(std::span<const uint8_t> bytes, GroomChunk& chunk) {
-  return read<strandcast_v4::groom_chunk_t>(bytes, chunk);
+  return read<strandcast_v5::groom_chunk_t>(bytes, chunk);
 }
 bool fromBytes(std::span<const uint8_t> bytes, BodyChunk& chunk) {
-  return read<strandcast_v4::body_chunk_t>(bytes, chunk);
+  return read<strandcast_v5::body_chunk_t>(bytes, chunk);
 }
 bool fromBytes(std::span<const uint8_t> bytes, ColliderChunk& chunk) {
-  return read<strandcast_v4::collider_chunk_t>(bytes, chunk);
+  return read<strandcast_v5::collider_chunk_t>(bytes, chunk);
 }
 bool fromBytes(std::span<const uint8_t> bytes, GuideChunk& chunk) {
-  return read<strandcast_v4::guide_chunk_t>(bytes, chunk);
+  return read<strandcast_v5::guide_chunk_t>(bytes, chunk);
 }
 bool fromBytes(std::span<const uint8_t> bytes, Command& command) {
-  return read<strandcast_v4::command_t>(bytes, command);
+  return read<strandcast_v5::command_t>(bytes, command);
 }
 bool fromBytes(std::span<const uint8_t> bytes, ReaderSign& sign) {
-  return read<strandcast_v4::reader_t>(bytes, sign);
+  return read<strandcast_v5::reader_t>(bytes, sign);
 }
 bool fromBytes(std::span<const uint8_t> bytes, Status& status) {
-  if (!read<strandcast_v4::status_t>(bytes, status)) return false;
+  if (!read<strandcast_v5::status_t>(bytes, status)) return false;
   shortenTexts(status);
   return true;
 }

@@ -21,7 +21,7 @@ constexpr const char* kLayout =
     "groom id, "
     "float worst error in m, texts codec, layout, source); 2 groom, 3 body, 6 guides: the fields of "
     "groom_chunk_t, "
-    "body_chunk_t and guide_chunk_t of strandcast.lcm version 4 without their fingerprint; 4 input: "
+    "body_chunk_t and guide_chunk_t of strandcast.lcm version 5 without their fingerprint; 4 input: "
     "command_t, "
     "obeyed before the next frame; 5 frame (uint64 number from 0, double seconds, uint64 FNV-1a of all "
     "positions as "

@@ -1,0 +1,79 @@
+#include "transport/parameter_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+namespace strandcast {
+namespace {
+
+/// Of a text of names with a space between two; what is not one gives an empty name.
+std::vector<std::string_view> namesOf(std::string_view text) {
+  std::vector<std::string_view> names;
+  while (!text.empty()) {
+    const size_t length = text.find(' ');
+    names.push_back(text.substr(0, length));
+    if (length == std::string_view::npos) break;
+    text.remove_prefix(length + 1);
+    if (text.empty()) names.emplace_back();
+  }
+  return names;
+}
+
+bool isName(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte > 0x20 && byte != 0x7f;
+  });
+}
+
+}  // namespace
+
+ParameterTable parameterTable(const NamedValues& values) {
+  ParameterTable table;
+  for (const auto& [name, components] : values) {
+    table.names += (table.names.empty() ? "" : " ") + name;
+    table.components.push_back(static_cast<uint8_t>(components.size()));
+    for (const double component : components) table.values.push_back(static_cast<float>(component));
+  }
+  return table;
+}
+
+ParameterTable parameterTable(const Parameters& parameters) {
+  NamedValues values;
+  for (const ParameterInfo& info : parameterList())
+    values.emplace_back(info.name, parameter(parameters, info.name));
+  return parameterTable(values);
+}
+
+bool isSound(const ParameterTable& table) {
+  if (table.names.size() > kMaxToldNames || table.components.size() > kMaxToldParameters ||
+      table.values.size() > kMaxToldValues)
+    return false;
+  std::vector<std::string_view> names = namesOf(table.names);
+  if (names.size() != table.components.size() || !std::all_of(names.begin(), names.end(), isName))
+    return false;
+  std::sort(names.begin(), names.end());
+  if (std::adjacent_find(names.begin(), names.end()) != names.end()) return false;
+  size_t values = 0;
+  for (const uint8_t components : table.components) {
+    if (components < 1 || components > kMaxToldComponents) return false;
+    values += components;
+  }
+  return values == table.values.size() &&
+         std::all_of(table.values.begin(), table.values.end(), [](float v) { return std::isfinite(v); });
+}
+
+NamedValues namedValues(const ParameterTable& table) {
+  NamedValues all;
+  auto value = table.values.begin();
+  auto components = table.components.begin();
+  for (const std::string_view name : namesOf(table.names)) {
+    const auto end = value + *components++;
+    all.emplace_back(name, std::vector<double>(value, end));
+    value = end;
+  }
+  return all;
+}
+
+}  // namespace strandcast
