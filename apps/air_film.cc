@@ -17,8 +17,12 @@ void AirFilm::draw(Simulation& simulation) {
   const AirFields* fields = airFields(simulation.surroundings());
   if (fields == nullptr)
     throw Error("this backend's grids cannot be looked at", simulation.backend().name(), "choose simd");
-  checkHas(*fields, quantity_);
-  const AirSlice slice = airSlice(*fields, quantity_, axis_, simulation.guides(), size_);
+  draw(*fields, simulation.guides());
+}
+
+void AirFilm::draw(const AirFields& fields, std::span<const Vec3> hair) {
+  checkHas(fields, quantity_);
+  const AirSlice slice = airSlice(fields, quantity_, axis_, hair, size_);
   full_ = std::max(full_, slice.full);
   unit_ = slice.unit;
   writePng(picturePath(folder_, drawn_), slice.image);

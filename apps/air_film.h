@@ -8,7 +8,8 @@
 
 namespace strandcast {
 
-/// Slices through the grids of a simulation, frame by frame, as numbered pictures in a folder.
+/// Slices through the grids of a simulation or of a recording, frame by frame, as numbered pictures in a
+/// folder.
 class AirFilm {
  public:
   /// `quantity` as airQuantity(); `axis` "x", "y" or "z", which slices lie across; `size`, pixels along each
@@ -17,6 +18,8 @@ class AirFilm {
           const std::filesystem::path& folder);
   /// The next picture. Throws Error where the simulation has no such grid, or one that cannot be looked at.
   void draw(Simulation& simulation);
+  /// The same of grids from elsewhere, and the hair at that time: vertices, m, world.
+  void draw(const AirFields& fields, std::span<const Vec3> hair);
   int drawn() const { return drawn_; }
   void addTo(Report& out) const;
 

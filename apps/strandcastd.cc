@@ -8,6 +8,7 @@
 #include "apps/console.h"
 #include "apps/daemon.h"
 #include "apps/interrupt.h"
+#include "apps/recorded_air.h"
 #include "apps/resimulation.h"
 #include "apps/settings.h"
 #include "transport/recording/recording_publisher.h"
@@ -57,11 +58,18 @@ int main(int argc, char** argv) {
   SettingsOptions options(app);
   bool json = false, quiet = false;
   std::filesystem::path file;
-  app.add_option(
+  CLI::Option* records = app.add_option(
       "--record", file,
       "also write groom, frames and commands to this file: `strandcast replay FILE` casts it again, "
       "`strandcast replay FILE --resimulate` simulates it again and compares every frame. Frames are written "
       "with --codec");
+  uint32_t grids_every = 0;
+  app.add_option(
+         "--record-grids", grids_every,
+         "also record the grids of air and hair (density, wind, pressure, divergence) of every such "
+         "frame, 1 = of each, where settings use them: `strandcast replay FILE --show wind` draws them")
+      ->check(CLI::Range(1, 1000000))
+      ->needs(records);
   uint32_t claim = 0;
   const CLI::Option* claims = app.add_option(
       "--claim", claim,
@@ -97,12 +105,14 @@ int main(int argc, char** argv) {
                       {settings.groom_id, settings.codec,
                        simulationSource(words, options, daemon.status().backend, daemon.status().device)});
     }
+    if (grids_every > 0) daemon.setObserver(gridRecorder(*recording, grids_every));
     daemon.announce();
     spdlog::info("casting groom {} on {} at {:g} frames/s; Ctrl-C ends it", settings.groom_id,
                  networkName(settings), settings.rate);
     const DaemonSummary summary = daemon.run(g_interrupted);
     const std::string failure = recording != nullptr ? recording->close() : "";
     report(summary, json);
+    if (grids_every > 0) warnWithoutGrids(recording->recorder());
     if (!failure.empty()) spdlog::error("{}", failure);
     if (g_interrupted) return kExitInterrupted;
     return failure.empty() ? 0 : kExitCheckFailed;

@@ -8,63 +8,116 @@
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
+#include "apps/recorded_air.h"
 #include "apps/stream_recording.h"
 #include "apps/verbs.h"
 #include "core/error.h"
+#include "transport/in_process.h"
+#include "transport/recording/recording_publisher.h"
 
 namespace strandcast {
 namespace {
 
 struct Options {
-  Settings network;
+  std::unique_ptr<SettingsOptions> settings;
   std::filesystem::path file;
-  std::string codec = "delta16";
-  double codec_error_mm = 0.01;
+  uint32_t grids_every = 0;
   double seconds = 0;   // of simulation; 0 = until the stream ends
   double timeout = 20;  // s
   bool json = false;
 };
 
-int record(const Options& o) {
-  const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
+/// Shows how far it is; true when it has the seconds that were asked for.
+bool isLongEnough(const Recorder& recorder, const Options& o, ProgressBar& bar) {
+  bar.show(
+      fmt::format("{:.1f} s, {:.1f} MB", recorder.seconds(), 1e-6 * static_cast<double>(recorder.bytes())),
+      o.seconds > 0 ? recorder.seconds() / o.seconds : 0);
+  return o.seconds > 0 && recorder.seconds() >= o.seconds - 1e-6;
+}
+
+void addFile(Report& out, const Recorder& recorder, const Options& o) {
+  out.add("file", "recording", o.file.string());
+  out.addCount("frames", "frames", recorder.frames());
+  if (o.grids_every > 0) out.addCount("grids", "frames with grids", recorder.gridFrames());
+  out.add("seconds", "simulated", recorder.seconds(), "s", 3);
+  out.add("megabytes", "size", 1e-6 * static_cast<double>(recorder.bytes()), "MB", 3);
+}
+
+RecordingOptions recordingOptions(const Settings& settings) {
   RecordingOptions options;
-  options.groom_id = o.network.groom_id;
-  options.codec = {codecNamed(o.codec, "--codec"), static_cast<float>(1e-3 * o.codec_error_mm)};
-  StreamRecording recording(*subscriber, o.file, options);
+  options.groom_id = settings.groom_id;
+  options.codec = settings.codec;
+  return options;
+}
+
+/// A scene, as fast as this machine simulates it, every frame.
+int simulateAndRecord(const Options& o, const Settings& settings) {
+  // Nobody listens at the other end.
+  auto [channel, listener] = makeInProcessChannel(settings.groom_id);
+  RecordingPublisher publisher(std::move(channel));
+  Daemon daemon(settings, makeSceneAloud(settings.scene), publisher, newSession());
+  publisher.open(o.file, recordingOptions(settings));
+  const Recorder& recorder = publisher.recorder();
+  if (o.grids_every > 0) daemon.setObserver(gridRecorder(publisher, o.grids_every));
+  daemon.announce();
+  const auto start = std::chrono::steady_clock::now();
+  const auto isLate = [&] {
+    const std::chrono::duration<double> ran = std::chrono::steady_clock::now() - start;
+    return settings.duration > 0 && ran.count() >= settings.duration;
+  };
+  {
+    ProgressBar bar;
+    while (recorder.isOpen() && !isLate() && !isLongEnough(recorder, o, bar) &&
+           daemon.castFrame(g_interrupted)) {
+    }
+  }
+  const std::string failure = publisher.close();
+  Report out;
+  addFile(out, recorder, o);
+  out.print(o.json);
+  if (o.grids_every > 0) warnWithoutGrids(recorder);
+  if (!failure.empty()) spdlog::error("{}", failure);
+  if (g_interrupted) return kExitInterrupted;
+  return failure.empty() ? 0 : kExitCheckFailed;
+}
+
+/// What a daemon casts.
+int recordStream(const Options& o, const Settings& settings) {
+  if (o.grids_every > 0)
+    throw Error("a daemon does not cast its grids", "--grids",
+                "name what to simulate here, e.g. --scene straight, or let the daemon record: `strandcastd "
+                "--record FILE --record-grids N`");
+  const std::unique_ptr<Subscriber> subscriber = subscribe(settings);
+  StreamRecording recording(*subscriber, o.file, recordingOptions(settings));
   const Recorder& recorder = recording.recorder();
   auto heard = std::chrono::steady_clock::now();
   {
     ProgressBar bar;
-    while (!g_interrupted && (o.seconds == 0 || recorder.seconds() < o.seconds - 1e-6)) {
+    while (!g_interrupted && !isLongEnough(recorder, o, bar)) {
       const bool came = recording.take(std::chrono::milliseconds(100));
       const auto now = std::chrono::steady_clock::now();
-      if (!came) {
-        if (std::chrono::duration<double>(now - heard).count() > o.timeout) break;
-        continue;
-      }
-      heard = now;
-      bar.show(fmt::format("{:.1f} s, {:.1f} MB", recorder.seconds(),
-                           1e-6 * static_cast<double>(recorder.bytes())),
-               o.seconds > 0 ? recorder.seconds() / o.seconds : 0);
+      if (came) heard = now;
+      if (std::chrono::duration<double>(now - heard).count() > o.timeout) break;
     }
   }
   recording.close();
   const uint64_t skipped = recording.skipped();
   if (recorder.frames() == 0 && !g_interrupted)
-    throw Error("no frame came", fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
+    throw Error("no frame came", fmt::format("groom {} on {}", settings.groom_id, networkName(settings)),
                 "start strandcastd, or check --domain and --groom-id");
-  const auto bytes = static_cast<double>(recorder.bytes());
   Report out;
-  out.add("file", "recording", o.file.string());
-  out.addCount("frames", "frames", recorder.frames());
+  addFile(out, recorder, o);
   out.addCount("frames_skipped", "frames skipped", skipped);
   out.addCount("frames_concealed", "with concealed strands", subscriber->statistics().frames_concealed);
-  out.add("seconds", "simulated", recorder.seconds(), "s", 3);
-  out.add("megabytes", "size", 1e-6 * bytes, "MB", 3);
   out.print(o.json);
   if (skipped > 0)
     spdlog::warn("{} frames were lost on the way or came faster than they could be written", skipped);
   return g_interrupted ? kExitInterrupted : 0;
+}
+
+int record(const Options& o) {
+  const Settings settings = o.settings->resolve();
+  return o.settings->namesScene() ? simulateAndRecord(o, settings) : recordStream(o, settings);
 }
 
 }  // namespace
@@ -72,31 +125,27 @@ int record(const Options& o) {
 Verb addRecord(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.footer(
-      "Records what a daemon casts, over any transport, until the stream ends, --seconds or Ctrl-C. Whatever "
-      "ends "
-      "it, the file can be replayed up to there. (`strandcastd --record FILE` also records the commands, so "
-      "that "
-      "`replay --resimulate` can repeat the simulation.)\n"
+      "Records what a daemon casts, over any transport, until the stream ends, --seconds or Ctrl-C. With "
+      "--scene, --groom or --config it simulates here instead, as fast as it can. Whatever ends it, the file "
+      "can be replayed up to there. (`strandcastd --record FILE` also records the commands, so that `replay "
+      "--resimulate` can repeat the simulation.)\n"
       "Examples:\n"
       "  strandcast record take1.rec --seconds 10\n"
       "  strandcast record exact.rec --codec float32\n"
+      "  strandcast record air.rec --scene straight --set wind_grid=1 --seconds 2 --grids 6\n"
       "  strandcast replay take1.rec --loop");
   app.add_option("FILE", o->file, "recording to write; an old one is replaced")->required();
-  app.add_option("--seconds", o->seconds, "of simulation to record; 0 = until the stream ends")
+  app.add_option("--seconds", o->seconds, "of simulation to record; 0 = until the stream ends, or Ctrl-C")
       ->check(CLI::Range(0.0, 1e6));
-  app.add_option(
-         "--codec", o->codec,
-         "how frames are written. delta16: about 3 bytes per vertex; tangent: smallest; float32: bit for bit")
-      ->check(CLI::IsMember({"float32", "delta16", "oct12", "oct16", "tangent"}))
-      ->capture_default_str();
-  app.add_option("--codec-error", o->codec_error_mm, "mm; no vertex is written further from where it was")
-      ->check(CLI::Range(0.001, 1.0))
-      ->capture_default_str();
+  app.add_option("--grids", o->grids_every,
+                 "of a scene: also record the grids of air and hair (density, wind, pressure, divergence) of "
+                 "every such frame, 1 = of each; `strandcast replay FILE --show wind` draws them")
+      ->check(CLI::Range(1, 1000000));
   app.add_option("--timeout", o->timeout, "seconds without a frame after which the stream has ended")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   app.add_flag("--json", o->json, "print the closing summary as one JSON object");
-  addNetworkOptions(app, o->network);
+  o->settings = std::make_unique<SettingsOptions>(app);
   return [o] { return record(*o); };
 }
 

@@ -11,6 +11,7 @@
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
+#include "apps/recorded_air.h"
 #include "apps/replay.h"
 #include "apps/resimulation.h"
 #include "apps/verbs.h"
@@ -44,9 +45,10 @@ void addFile(Report& out, const Recording& recording) {
 
 int check(Recording& recording, const Options& o) {
   const bool is_exact = recording.head().max_error == 0;
-  uint64_t damaged = 0, different = 0, inputs = 0, grooms = 0;
+  uint64_t damaged = 0, different = 0, inputs = 0, grooms = 0, with_grids = 0;
   const GroomDescription* groom = nullptr;
   RecordedFrame read;
+  AirGrids grids;
   {
     ProgressBar bar;
     for (uint64_t number = 0; number < recording.frames() && !g_interrupted; ++number) {
@@ -56,6 +58,7 @@ int check(Recording& recording, const Options& o) {
         inputs += read.inputs.size();
         if (read.groom.get() != groom) ++grooms;
         groom = read.groom.get();
+        if (recording.readGrids(number, grids)) ++with_grids;
       } catch (const Error& error) {
         if (damaged++ == 0) spdlog::warn("{}", error.what());
       }
@@ -67,6 +70,7 @@ int check(Recording& recording, const Options& o) {
   addFile(out, recording);
   out.addCount("grooms", "grooms", grooms);
   out.addCount("inputs", "commands", inputs);
+  out.addCount("grids", "frames with grids", with_grids);
   out.addCount("can_resimulate", "can be simulated again", recording.head().source.empty() ? 0 : 1);
   out.addCount("frames_damaged", "frames damaged", damaged);
   if (is_exact) out.addCount("frames_different", "frames of another hash", different);
@@ -76,18 +80,26 @@ int check(Recording& recording, const Options& o) {
 }
 
 #ifdef STRANDCAST_HAS_RENDER
-/// Draws the grids of a simulation at even times.
+/// Draws grids at even times.
 class GridPictures {
  public:
   explicit GridPictures(const Options& o) : fps_(o.fps), film_(o.show, o.slice, o.size, o.out) {}
   void look(Simulation& simulation) {
-    if (!start_) start_ = simulation.time();
-    constexpr double kRounding = 1e-9;  // s
-    if (simulation.time() >= *start_ + film_.drawn() / fps_ - kRounding) film_.draw(simulation);
+    if (isDue(simulation.time())) film_.draw(simulation);
   }
+  void look(double time, const AirGrids& grids, std::span<const Vec3> hair) {
+    if (isDue(time)) film_.draw(RecordedAir(grids), hair);
+  }
+  int drawn() const { return film_.drawn(); }
   void addTo(Report& out) const { film_.addTo(out); }
 
  private:
+  bool isDue(double time) {
+    if (!start_) start_ = time;
+    constexpr double kRounding = 1e-9;  // s
+    return time >= *start_ + film_.drawn() / fps_ - kRounding;
+  }
+
   const double fps_;
   AirFilm film_;
   std::optional<double> start_;  // s
@@ -99,9 +111,41 @@ class GridPictures {
     throw Error("this build cannot draw", "--show " + o.show, "build with OpenGL");
   }
   void look(Simulation&) {}
+  void look(double, const AirGrids&, std::span<const Vec3>) {}
+  int drawn() const { return 0; }
   void addTo(Report&) const {}
 };
 #endif
+
+/// Draws the grids that were recorded.
+int showGrids(Recording& recording, const Options& o) {
+  GridPictures pictures(o);
+  const double end = o.replay.to > 0 ? o.replay.to : recording.seconds();
+  RecordedFrame read;
+  AirGrids grids;
+  {
+    ProgressBar bar;
+    for (uint64_t number = recording.frameAt(o.replay.from); number < recording.frames() && !g_interrupted;
+         ++number) {
+      const double time = recording.timeOf(number);
+      if (time > end) break;
+      if (recording.readGrids(number, grids)) {
+        recording.read(number, read);
+        pictures.look(time, grids, read.frame->positions);
+      }
+      bar.show(fmt::format("frame {} of {}", number + 1, recording.frames()),
+               static_cast<double>(number + 1) / static_cast<double>(recording.frames()));
+    }
+  }
+  if (pictures.drawn() == 0 && !g_interrupted)
+    throw Error("the recording holds no grids there", o.file.string(),
+                "record them with `strandcastd --record FILE --record-grids 1`, or add --resimulate");
+  Report out;
+  addFile(out, recording);
+  pictures.addTo(out);
+  out.print(o.json);
+  return g_interrupted ? kExitInterrupted : 0;
+}
 
 int simulateAgain(Recording& recording, const Options& o) {
   ResimulationReport report;
@@ -155,6 +199,7 @@ int replay(const Options& o) {
     spdlog::warn("{} was cut or not closed: {} frames, {:.1f} s can be read", o.file.string(),
                  recording.frames(), recording.seconds());
   if (o.resimulates) return simulateAgain(recording, o);
+  if (!o.show.empty()) return showGrids(recording, o);
   return o.checks ? check(recording, o) : cast(recording, o);
 }
 
@@ -172,7 +217,9 @@ Verb addReplay(CLI::App& app) {
       "  strandcast replay take1.rec --check            is every frame sound?\n"
       "  strandcastd --scene curly --duration 5 --record run.rec\n"
       "  strandcast replay run.rec --resimulate         does the simulation repeat itself bit for bit?\n"
-      "  strandcast replay run.rec --resimulate --show density --out slices");
+      "  strandcast replay run.rec --resimulate --show density --out slices\n"
+      "  strandcast record air.rec --scene straight --set wind_grid=1 --seconds 2 --grids 6\n"
+      "  strandcast replay air.rec --show wind --out slices");
   app.add_option("FILE", o->file, "recording, of `strandcast record` or `strandcastd --record`")->required();
   app.add_option("--speed", o->replay.speed, "times as fast as it was simulated; 0 stands still")
       ->check(CLI::Range(0.0, kMaxReplaySpeed))
@@ -184,18 +231,19 @@ Verb addReplay(CLI::App& app) {
       ->check(CLI::Range(0.0, 1e6));
   auto* check =
       app.add_flag("--check", o->checks, "cast nothing: read every frame and say what the file holds");
-  auto* again =
-      app.add_flag("--resimulate", o->resimulates,
-                   "cast nothing: simulate it again from the recorded settings and commands, on the same "
-                   "backend, and compare "
-                   "the hash of every frame")
-          ->excludes(check);
+  app.add_flag("--resimulate", o->resimulates,
+               "cast nothing: simulate it again from the recorded settings and commands, on the same "
+               "backend, and compare "
+               "the hash of every frame")
+      ->excludes(check);
   const char* const kGrids = "Grids of density and wind, as pictures";
-  app.add_option("--show", o->show,
-                 "density, wind, pressure or divergence: with --resimulate, slices through the grids of the "
-                 "simulation")
+  app.add_option(
+         "--show", o->show,
+         "density, wind, pressure or divergence: cast nothing, draw slices through the grids that were "
+         "recorded (--record-grids), between --from and --to; with --resimulate, through those of the "
+         "simulation, of every frame")
       ->check(CLI::IsMember({"density", "wind", "pressure", "divergence"}))
-      ->needs(again)
+      ->excludes(check)
       ->group(kGrids);
   app.add_option("--slice", o->slice, "axis that the slice lies across")
       ->check(CLI::IsMember({"x", "y", "z"}))

@@ -447,7 +447,7 @@ TEST_F(Programs, GridsOfARecordingAreDrawn) {
   const std::string file = (folder_ / "run.rec").string();
   const Outcome cast = run(daemon_ +
                            " --scene straight --strands 100 --vertices 8 --backend simd --motion shake "
-                           "--set volume_stiffness=1 --duration 0.6 --quiet --record " +
+                           "--set volume_stiffness=1 --duration 0.6 --quiet --record-grids 2 --record " +
                            file + " --domain " + domain_);
   ASSERT_EQ(cast.exit_code, 0) << cast.err;
   const std::string replay =
@@ -464,7 +464,43 @@ TEST_F(Programs, GridsOfARecordingAreDrawn) {
   const Outcome still = run(replay + " --resimulate --show wind");
   EXPECT_EQ(still.exit_code, 2);
   EXPECT_NE(still.err.find("wind_grid=1"), std::string::npos) << still.err;
-  EXPECT_EQ(run(replay + " --show density").exit_code, 2) << "a recording has no grids of its own";
+
+  const nlohmann::json stored = nlohmann::json::parse(run(replay + " --show density").out);
+  EXPECT_EQ(stored["frames_drawn"], (report["frames"].get<int>() + 1) / 2) << "of every second frame";
+  EXPECT_GT(stored["full"], 0.5 * report["full"].get<double>()) << "where cells' middles are";
+  EXPECT_LE(stored["full"], 1.001 * report["full"].get<double>());
+  EXPECT_EQ(run(replay + " --show wind").exit_code, 2) << "no wind was on a grid";
+}
+
+TEST_F(Programs, ASceneIsRecordedWithItsGrids) {
+  if (!STRANDCAST_GL) GTEST_SKIP() << "built without OpenGL";
+  const std::string file = (folder_ / "scene.rec").string();
+  const std::string record = program_ + " record " + file +
+                             " --scene straight --strands 60 --backend simd --set grid_cells=16 --json "
+                             "--seconds 0.5";
+  const Outcome plain = run(record);
+  ASSERT_EQ(plain.exit_code, 0) << plain.err;
+  EXPECT_GE(nlohmann::json::parse(plain.out)["frames"], 31) << "at 60 a second";
+  const Outcome none = run(program_ + " replay " + file + " --show wind --out " + (folder_ / "no").string());
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("holds no grids"), std::string::npos) << none.err;
+
+  const Outcome with = run(record + " --set wind_grid=1 --set wind=3,0,0 --grids 10");
+  ASSERT_EQ(with.exit_code, 0) << with.err;
+  EXPECT_EQ(nlohmann::json::parse(with.out)["grids"], 4) << "of frames 0, 10, 20 and 30";
+  const Outcome check = run(program_ + " replay " + file + " --check --json");
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_EQ(nlohmann::json::parse(check.out)["grids"], 4);
+  const Outcome drawn = run(program_ + " replay " + file + " --show wind --size 64 --from 0.1 --json --out " +
+                            (folder_ / "wind").string());
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_EQ(nlohmann::json::parse(drawn.out)["frames_drawn"], 3);
+  EXPECT_GT(nlohmann::json::parse(drawn.out)["full"], 2.5) << "m/s";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "wind" / "frame_0002.png"));
+
+  const Outcome network = run(program_ + " record " + file + " --grids 10");
+  EXPECT_EQ(network.exit_code, 2);
+  EXPECT_NE(network.err.find("--record-grids"), std::string::npos) << network.err;
 }
 
 TEST_F(Programs, ALogOfLcmsToolsIsDrawn) {

@@ -1,6 +1,7 @@
 #include "recording_fuzz.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 
@@ -25,6 +26,24 @@ bool isSoundFrame(const RecordedFrame& read) {
 }
 
 }  // namespace
+
+AirGrids sampleGrids(uint64_t frame, uint32_t cells, bool has_wind) {
+  AirGrids grids;
+  grids.cells = cells;
+  grids.origin = Vec3(-0.1f, 1, 0.25f);
+  grids.cell = 0.4f / static_cast<float>(cells);
+  for (size_t which = 0; which < (has_wind ? kGridValues : 1); ++which)
+    for (uint32_t cell = 0; cell < cells * cells * cells; ++cell) {
+      const auto x = static_cast<float>(cell % cells), z = static_cast<float>(cell / (cells * cells));
+      if (cell / cells % cells != 3) {  // small, so that a fuzzer has room
+        grids.values[which].push_back(0);
+        continue;
+      }
+      const float wave = std::sin(0.3f * x + static_cast<float>(which)) * (z + static_cast<float>(frame));
+      grids.values[which].push_back(which == static_cast<size_t>(GridValue::kSolid) ? float(wave > 5) : wave);
+    }
+  return grids;
+}
 
 bool RecordingInMemory::read(uint64_t offset, std::span<uint8_t> to) {
   if (offset > bytes_.size() || to.size() > bytes_.size() - offset) std::abort();  // as it has promised
@@ -55,6 +74,13 @@ size_t fuzzRecording(const uint8_t* data, size_t size) {
     Recording recording(std::make_unique<RecordingInMemory>(std::move(bytes)), "fuzz");
     const uint64_t frames = std::min(recording.frames(), kMostFrames);
     RecordedFrame frame;
+    AirGrids grids;
+    const auto readGrids = [&](uint64_t number) {
+      try {
+        if (recording.readGrids(number, grids) && !isSound(grids)) std::abort();
+      } catch (const Error&) {
+      }
+    };
     const auto readOne = [&](uint64_t number) {
       try {
         recording.read(number, frame);
@@ -64,7 +90,10 @@ size_t fuzzRecording(const uint8_t* data, size_t size) {
       if (!isSoundFrame(frame) || frame.record.number != number) std::abort();
       ++read;
     };
-    for (uint64_t i = 0; i < frames; ++i) readOne(i);
+    for (uint64_t i = 0; i < frames; ++i) {
+      readOne(i);
+      readGrids(i);
+    }
     for (uint64_t i = frames; i-- > 0;) readOne(i);
     for (const double part : {-1.0, 0.0, 0.5, 1.0, 2.0}) {
       const uint64_t number = recording.frameAt(part * recording.seconds());
@@ -86,12 +115,13 @@ std::vector<FuzzSeeds> recordingSeeds() {
     options.source = "how it was made";
     Recorder recorder(file, options);
     for (const uint64_t session : {11, 12}) {
-      GroomDescription groom = hairGroom(60, [](size_t s) { return 2 + s % 5; });
+      GroomDescription groom = hairGroom(18, [](size_t s) { return 2 + s % 5; });
       groom.session = session;
       recorder.setGroom(groom, sampleBody(4));
       for (uint64_t number = 1; number <= 5; ++number) {
         if (number == 3) recorder.addInput({1, 33, CommandKind::kSetParameter, "wind", {1, 2, 3}});
         recorder.addFrame(hairFrame(groom, number));
+        if (number % 2 == 0) recorder.addGrids(sampleGrids(number, 16, number == 4));
       }
     }
     recorder.close();

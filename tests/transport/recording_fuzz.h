@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fuzz_seeds.h"
+#include "transport/recording/air_grids.h"
 #include "transport/recording/record_file.h"
 
 namespace strandcast {
@@ -23,8 +24,12 @@ class RecordingInMemory final : public RecordingBytes {
 /// Gives every record the hash of what it holds now, so that damage gets as far as the reader's other checks.
 void repairHashes(std::vector<uint8_t>& recording);
 
+/// Grids of hair alone, or of wind too, which differ from frame to frame.
+AirGrids sampleGrids(uint64_t frame, uint32_t cells, bool has_wind);
+
 /// Reads everything in what may be a recording, forwards, backwards and by time. The first byte says whether
-/// hashes are repaired before. Aborts where a frame does not fit its groom. Gives the frames that were read.
+/// hashes are repaired before. Aborts where a frame does not fit its groom, or grids are not sound. Gives the
+/// frames that were read.
 size_t fuzzRecording(const uint8_t* data, size_t size);
 
 /// Recordings of a few frames, as fuzzRecording() takes them.

@@ -158,6 +158,141 @@ TEST(RecordingTest, AFileThatWasNotClosedIsWhole) {
   EXPECT_EQ(read.frame->frame, 30u);
 }
 
+TEST(RecordingTest, GridsStandWithTheirFrames) {
+  const ScratchFolder folder;
+  constexpr uint64_t kFrames = kIndexFrames + 20, kEvery = 31;
+  const GroomDescription groom = smallGroom();
+  const auto cellsOf = [](uint64_t number) { return number % 2 == 0 ? 32u : 16u; };
+  const auto hasWind = [](uint64_t number) { return number % 3 == 0; };
+  {
+    Recorder recorder(folder / "a.rec", {});
+    recorder.setGroom(groom, sampleBody(4));
+    EXPECT_FALSE(recorder.addGrids(sampleGrids(0, 16, true))) << "there is no frame yet";
+    for (uint64_t number = 0; number < kFrames; ++number) {
+      if (number == kIndexFrames) recorder.addInput(inputOf(33));
+      EXPECT_TRUE(recorder.addFrame(hairFrame(groom, number + 1)));
+      if (number % kEvery == 0) {
+        EXPECT_TRUE(recorder.addGrids(sampleGrids(number, cellsOf(number), hasWind(number))));
+        EXPECT_FALSE(recorder.addGrids(sampleGrids(number, 16, false))) << "a second time";
+      }
+    }
+    EXPECT_EQ(recorder.gridFrames(), (kFrames + kEvery - 1) / kEvery);
+  }
+  Recording recording(folder / "a.rec");
+  ASSERT_FALSE(recording.isCut());
+  ASSERT_EQ(recording.frames(), kFrames);
+  AirGrids read;
+  for (const uint64_t number :
+       {uint64_t{0}, kIndexFrames - 1, kIndexFrames, 33 * kEvery, kEvery, 6 * kEvery, kFrames - 1}) {
+    const bool has = number % kEvery == 0;
+    ASSERT_EQ(recording.readGrids(number, read), has) << number;
+    if (!has) continue;
+    const AirGrids expected = sampleGrids(number, cellsOf(number), hasWind(number));
+    ASSERT_EQ(read.cells, expected.cells);
+    EXPECT_EQ(read.cell, expected.cell);
+    EXPECT_EQ(read.origin, expected.origin);
+    for (size_t which = 0; which < kGridValues; ++which) {
+      ASSERT_EQ(read.values[which].size(), expected.values[which].size()) << which;
+      float largest = 0, error = 0;
+      for (size_t i = 0; i < read.values[which].size(); ++i) {
+        largest = std::max(largest, std::fabs(expected.values[which][i]));
+        error = std::max(error, std::fabs(read.values[which][i] - expected.values[which][i]));
+      }
+      EXPECT_LE(error, 0.501f * largest / 32767) << "half a unit, of value " << which;
+    }
+  }
+  RecordedFrame frame;
+  recording.read(kIndexFrames, frame);
+  EXPECT_EQ(frame.inputs.size(), 1u);
+  EXPECT_THROW(recording.readGrids(kFrames, read), Error);
+}
+
+TEST(RecordingTest, GridsThatAreNotSoundAreLeftOut) {
+  const ScratchFolder folder;
+  const GroomDescription groom = smallGroom();
+  Recorder recorder(folder / "a.rec", {});
+  recorder.setGroom(groom, sampleBody(4));
+  uint64_t frame = 0;
+  const auto refuses = [&](auto&& spoil) {
+    EXPECT_TRUE(recorder.addFrame(hairFrame(groom, ++frame)));
+    AirGrids grids = sampleGrids(1, 16, true);
+    spoil(grids);
+    return !recorder.addGrids(grids);
+  };
+  EXPECT_FALSE(refuses([](AirGrids&) {}));
+  EXPECT_TRUE(refuses([](AirGrids& g) { g.of(GridValue::kPressure)[7] = NAN; }));
+  EXPECT_TRUE(refuses([](AirGrids& g) { g.of(GridValue::kWindX)[7] = -INFINITY; }));
+  EXPECT_TRUE(refuses([](AirGrids& g) { g.of(GridValue::kWindX).pop_back(); }));
+  EXPECT_TRUE(refuses([](AirGrids& g) { g.cells = 17; }));
+  EXPECT_TRUE(refuses([](AirGrids& g) { g.cell = 0; }));
+  EXPECT_TRUE(refuses([](AirGrids& g) { g.values = {}; }));
+  GuideFrame broken = hairFrame(groom, ++frame);
+  broken.positions[3].x() = NAN;
+  EXPECT_FALSE(recorder.addFrame(broken));
+  EXPECT_FALSE(recorder.addGrids(sampleGrids(1, 16, true))) << "of a frame that was left out";
+  EXPECT_TRUE(recorder.addFrame(hairFrame(groom, ++frame)));
+  recorder.addInput(inputOf(33));
+  EXPECT_FALSE(recorder.addGrids(sampleGrids(1, 16, true))) << "behind an input of the next frame";
+}
+
+TEST(RecordingTest, GridsThatWereCutAreNotThereAndDamagedOnesAreRefused) {
+  const ScratchFolder folder;
+  const GroomDescription groom = smallGroom();
+  uint64_t frame_end = 0, grids_end = 0;
+  {
+    Recorder recorder(folder / "a.rec", {});
+    recorder.setGroom(groom, sampleBody(4));
+    recorder.addFrame(hairFrame(groom, 1));
+    frame_end = recorder.bytes();
+    recorder.addGrids(sampleGrids(1, 32, true));
+    grids_end = recorder.bytes();
+  }
+  const std::vector<uint8_t> whole = bytesOf(folder / "a.rec");
+  const auto reading = [&](const std::vector<uint8_t>& bytes) {
+    return Recording(std::make_unique<RecordingInMemory>(bytes), "a.rec");
+  };
+  AirGrids grids;
+  RecordedFrame frame;
+  for (uint64_t size = frame_end; size < whole.size(); size += 97) {
+    Recording cut = reading({whole.begin(), whole.begin() + static_cast<ptrdiff_t>(size)});
+    ASSERT_EQ(cut.frames(), 1u) << size;
+    cut.read(0, frame);
+    EXPECT_EQ(cut.readGrids(0, grids), size >= grids_end) << size;
+  }
+
+  // Of the first record: number, cells, origin, cell, first layer, values, count of units, units, packed
+  // bytes.
+  constexpr size_t kOf = kRecordHeadBytes;
+  const auto refuses = [&](size_t at, std::vector<uint8_t> with, bool repairs = true) {
+    std::vector<uint8_t> bytes = whole;
+    std::copy(with.begin(), with.end(), bytes.begin() + static_cast<ptrdiff_t>(frame_end + at));
+    if (repairs) repairHashes(bytes);
+    Recording damaged = reading(bytes);
+    damaged.read(0, frame);
+    try {
+      damaged.readGrids(0, grids);
+    } catch (const Error&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refuses(kOf, {})) << "as it is";
+  EXPECT_TRUE(refuses(kOf + 60, {0x12}, false)) << "the hash";
+  EXPECT_TRUE(refuses(3, {6}, false)) << "the kind";
+  EXPECT_TRUE(refuses(kOf + 7, {9})) << "number";
+  EXPECT_TRUE(refuses(kOf + 11, {33})) << "cells";
+  EXPECT_TRUE(refuses(kOf + 11, {16})) << "fewer cells than the layers";
+  EXPECT_TRUE(refuses(kOf + 8, {0xff, 0xff, 0xff, 0xf0})) << "cells, far too many";
+  EXPECT_TRUE(refuses(kOf + 12, {0x7f, 0xc0, 0, 0})) << "origin, not a number";
+  EXPECT_TRUE(refuses(kOf + 24, {0, 0, 0, 0})) << "cell";
+  EXPECT_TRUE(refuses(kOf + 31, {16})) << "first layer";
+  EXPECT_TRUE(refuses(kOf + 35, {0xff})) << "unknown values";
+  EXPECT_TRUE(refuses(kOf + 35, {0x3f})) << "fewer values than units";
+  EXPECT_TRUE(refuses(kOf + 40, {0x7f, 0xc0, 0, 0})) << "unit, not a number";
+  EXPECT_TRUE(refuses(kOf + 40, {0xbf, 0x80, 0, 0})) << "unit below 0";
+  EXPECT_TRUE(refuses(kOf + 72, {1, 2, 3, 4})) << "packed bytes";
+}
+
 TEST(RecordingTest, AnotherSessionBringsItsOwnGroom) {
   const ScratchFolder folder;
   const GroomDescription first = smallGroom();
@@ -298,6 +433,7 @@ TEST(RecordingTest, DamagedFilesAreRefusedOrReadSoundly) {
   for (const FuzzSeeds& file : files) {
     const std::vector<uint8_t>& sound = file.inputs[0];
     EXPECT_GE(fuzzRecording(sound.data(), sound.size()), 20u) << file.of << " undamaged";
+    EXPECT_LT(sound.size(), 24576u) << "what ./dev fuzz lets an input be long";
   }
   std::mt19937 random(20240229);
   size_t read = 0;

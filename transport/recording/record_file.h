@@ -18,7 +18,8 @@ enum class RecordKind : uint32_t {
   kFrame = 5,   ///< number, time and hash of a frame
   kGuides = 6,  ///< GuideChunk of the frame before it
   kIndex = 7,   ///< where the frames since the last index or groom begin
-  kEnd = 8      ///< where the last index is
+  kEnd = 8,     ///< where the last index is
+  kGrids = 9    ///< some layers of the air around the frame before it
 };
 
 inline constexpr char kRecordingMagic[8] = {'S', 'T', 'R', 'N', 'D', 'R', 'E', 'C'};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/content_hash.h"
 #include "core/error.h"
@@ -29,7 +30,11 @@ constexpr const char* kLayout =
     "it or "
     "0, place of the groom, number of its first frame, arrays of places and seconds); 8 end (uint64 place of "
     "the "
-    "last index or 0, frames). Payloads of guides: docs/wire.md of Strandcast.";
+    "last index or 0, frames); 9 grids of the frame before (uint64 number of the frame, uint32 cells per "
+    "axis, float x y z of the lowest corner in m, float cell in m, uint32 first of 16 layers along z, uint32 "
+    "bits of what is there: 1 density in kg/m^3, 2 4 8 wind x y z in m/s, 16 pressure in Pa, 32 divergence "
+    "in 1/s, 64 solid, array of float units, bytes: zstd of low and then high bytes of 16-bit numbers). "
+    "Payloads of guides and grids: docs/wire.md of Strandcast.";
 
 CodecOptions alone(CodecOptions codec) {
   if (codec.codec == Codec::kTemporal) codec.codec = Codec::kOctahedral12;
@@ -117,21 +122,26 @@ void Recorder::setGroom(const GroomDescription& groom, const BodyDescription& bo
   vertices_ = groom.guides.vertices();
   inputs_at_ = 0;
   newest_ = 0;
+  grids_may_follow_ = false;
 }
 
 void Recorder::addInput(const Command& command) {
+  grids_may_follow_ = false;
   if (!is_open_ || vertices_ == 0) return;
   guarded([&] {
+    writeFullIndex();
     const uint64_t at = writeMessage(RecordKind::kInput, command);
     if (inputs_at_ == 0) inputs_at_ = at;
   });
 }
 
 bool Recorder::addFrame(const GuideFrame& frame) {
+  grids_may_follow_ = false;
   if (!is_open_ || vertices_ == 0 || frame.session != session_ || frame.revision != revision_ ||
       frame.frame <= newest_ || frame.positions.size() != vertices_ || !isSound(frame))
     return false;
   guarded([&] {
+    writeFullIndex();
     if (newest_ != 0) interval_ = std::max(0.0, frame.simulation_time - simulation_time_);
     if (number_ > 0) time_ += interval_;  // from groom to groom as between the frames before
     simulation_time_ = frame.simulation_time;
@@ -151,10 +161,30 @@ bool Recorder::addFrame(const GuideFrame& frame) {
     index_.times.push_back(time_);
     inputs_at_ = 0;
     ++number_;
-    if (index_.offsets.size() == kIndexFrames) writeIndex();
     file_.flush();  // who is killed leaves all frames but the one under way
   });
+  grids_may_follow_ = true;
   return true;
+}
+
+bool Recorder::addGrids(const AirGrids& grids) {
+  if (!is_open_ || !std::exchange(grids_may_follow_, false) || !isSound(grids)) return false;
+  guarded([&] {
+    GridRecord record;
+    record.number = number_ - 1;
+    for (uint32_t layer = 0; layer < grids.cells; layer += kGridLayers) {
+      packLayers(grids, layer, record);
+      writeRecord(RecordKind::kGrids, record);
+    }
+    file_.flush();
+  });
+  ++grid_frames_;
+  return true;
+}
+
+/// Before the next frame and its inputs, so that grids stand behind their own.
+void Recorder::writeFullIndex() {
+  if (index_.offsets.size() == kIndexFrames) writeIndex();
 }
 
 void Recorder::writeIndex() {

@@ -6,6 +6,7 @@
 #include "transport/chunks.h"
 #include "transport/codec/codec.h"
 #include "transport/codec/guide_encoder.h"
+#include "transport/recording/air_grids.h"
 #include "transport/recording/record_file.h"
 #include "transport/recording/recording_fields.h"
 
@@ -37,12 +38,16 @@ class Recorder {
   /// Of the groom that was set. One of another groom, not newer than the last, or not finite is left out:
   /// false.
   bool addFrame(const GuideFrame& frame);
+  /// Of the frame that was added just before, once. Those of a frame that was left out, and grids that are
+  /// not isSound(), are left out: false.
+  bool addGrids(const AirGrids& grids);
   /// Writes the index. Nothing can be added afterwards.
   void close();
 
   uint64_t frames() const { return number_; }
-  double seconds() const { return time_; }         ///< of simulation
-  uint64_t bytes() const { return file_.size(); }  ///< written
+  uint64_t gridFrames() const { return grid_frames_; }  ///< that have grids
+  double seconds() const { return time_; }              ///< of simulation
+  uint64_t bytes() const { return file_.size(); }       ///< written
   bool isOpen() const { return is_open_; }
 
  private:
@@ -51,6 +56,7 @@ class Recorder {
   template <class Message>
   uint64_t writeMessage(RecordKind kind, const Message& message);
   void writeIndex();
+  void writeFullIndex();
   template <class Work>
   void guarded(const Work& work);
 
@@ -66,6 +72,8 @@ class Recorder {
   uint64_t number_ = 0;
   double time_ = 0, interval_ = 0, simulation_time_ = 0;
   uint64_t newest_ = 0;  // frame of the groom in force; 0 = none
+  uint64_t grid_frames_ = 0;
+  bool grids_may_follow_ = false;
   GuideChunk chunk_;
   std::vector<uint8_t> bytes_;
 };

@@ -261,10 +261,46 @@ bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
   return out.frame != nullptr;
 }
 
+bool Recording::findEnd(uint64_t number, uint64_t& end) {
+  const Block& block = blockOf(number);
+  const IndexRecord* index = nullptr;
+  if (!indexOf(block, index)) return false;
+  RecordReader::Record record;
+  uint64_t at = index->offsets[number - block.first_number];
+  while (reader_.skim(at, record) && record.kind == RecordKind::kInput) at = record.next;
+  FrameRecord frame;
+  if (!reader_.read(at, record) || record.kind != RecordKind::kFrame || !parseRecord(record.bytes, frame) ||
+      frame.number != number)
+    return false;
+  for (uint32_t i = 0; i < frame.chunks; ++i)
+    if (!reader_.skim(record.next, record) || record.kind != RecordKind::kGuides) return false;
+  end = record.next;
+  return true;
+}
+
+void Recording::fail(uint64_t number) const {
+  throw Error("frame " + std::to_string(number) + " of the recording cannot be read", name_,
+              number >= frames_ ? "it has " + std::to_string(frames_) : "the file is damaged there");
+}
+
 void Recording::read(uint64_t number, RecordedFrame& out) {
-  if (number >= frames_ || !readFrame(number, out))
-    throw Error("frame " + std::to_string(number) + " of the recording cannot be read", name_,
-                number >= frames_ ? "it has " + std::to_string(frames_) : "the file is damaged there");
+  if (number >= frames_ || !readFrame(number, out)) fail(number);
+}
+
+bool Recording::readGrids(uint64_t number, AirGrids& out) {
+  uint64_t at = 0;
+  if (number >= frames_ || !findEnd(number, at)) fail(number);
+  RecordReader::Record record;
+  GridRecord grids;
+  for (uint32_t layer = 0; layer == 0 || layer < out.cells; layer += kGridLayers, at = record.next) {
+    if (!reader_.skim(at, record) && is_cut_) return false;
+    if (!reader_.read(at, record)) fail(number);
+    if (record.kind != RecordKind::kGrids && layer == 0) return false;
+    if (record.kind != RecordKind::kGrids || !parseRecord(record.bytes, grids) || grids.number != number ||
+        grids.first_layer != layer || !addLayers(grids, out))
+      fail(number);
+  }
+  return true;
 }
 
 }  // namespace strandcast

@@ -7,6 +7,7 @@
 
 #include "transport/assembler.h"
 #include "transport/messages.h"
+#include "transport/recording/air_grids.h"
 #include "transport/recording/record_file.h"
 #include "transport/recording/recording_fields.h"
 
@@ -43,6 +44,9 @@ class Recording {
   double timeOf(uint64_t number);
   /// Frame `number`, below frames(). Throws Error where the file is damaged.
   void read(uint64_t number, RecordedFrame& out);
+  /// The grids of frame `number`, below frames(); false where it has none, or the file was cut within them.
+  /// Throws Error where the file is damaged. Memory is that of one frame's grids.
+  bool readGrids(uint64_t number, AirGrids& out);
 
  private:
   /// A run of frames of one groom.
@@ -68,6 +72,9 @@ class Recording {
   bool readGroom(uint64_t offset);
   bool parseGuides(std::span<const uint8_t> bytes);
   bool readFrame(uint64_t number, RecordedFrame& out);
+  /// Where what follows the guides of a frame begins.
+  bool findEnd(uint64_t number, uint64_t& end);
+  [[noreturn]] void fail(uint64_t number) const;
   void add(const IndexRecord& index, uint64_t offset);
   void dropLast();
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <type_traits>
@@ -43,6 +44,18 @@ struct EndRecord {
   uint64_t frames = 0;
 };
 
+/// Some layers of the air around a frame: air_grids.h.
+struct GridRecord {
+  uint64_t number = 0;            ///< of the frame
+  uint32_t cells = 0;             ///< per axis
+  std::array<float, 3> origin{};  ///< m
+  float cell = 0;                 ///< m
+  uint32_t first_layer = 0;       ///< along z
+  uint32_t values = 0;            ///< a bit for each GridValue that is there
+  std::vector<float> units;       ///< of each that is there
+  std::vector<uint8_t> packed;
+};
+
 // Once for MessageWriter and MessageReader.
 
 template <class Stream>
@@ -76,6 +89,18 @@ template <class Stream>
 void recordFields(Stream& s, auto& m, std::type_identity<EndRecord>) {
   s.number(m.index);
   s.number(m.frames);
+}
+
+template <class Stream>
+void recordFields(Stream& s, auto& m, std::type_identity<GridRecord>) {
+  s.number(m.number);
+  s.number(m.cells);
+  s.items(m.origin);
+  s.number(m.cell);
+  s.number(m.first_layer);
+  s.number(m.values);
+  s.array(m.units);
+  s.array(m.packed);
 }
 
 }  // namespace strandcast

@@ -29,6 +29,10 @@ std::optional<Command> RecordingPublisher::takeCommand() {
   return command;
 }
 
+void RecordingPublisher::addGrids(const AirGrids& grids) {
+  record([&](Recorder& recorder) { recorder.addGrids(grids); });
+}
+
 std::string RecordingPublisher::close() {
   record([&](Recorder& recorder) { recorder.close(); });
   return failure_;

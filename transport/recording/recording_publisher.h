@@ -28,6 +28,9 @@ class RecordingPublisher final : public Publisher {
   EncodingReport encoding() const override { return publisher_->encoding(); }
   std::optional<uint64_t> rivalSession() const override { return publisher_->rivalSession(); }
 
+  /// Those of the frame that was published last, as Recorder.
+  void addGrids(const AirGrids& grids);
+
   /// Of an open() one.
   const Recorder& recorder() const { return *recorder_; }
   /// Closes the file. What went wrong with it, now or before; empty where nothing did.
