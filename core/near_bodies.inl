@@ -116,7 +116,7 @@ class NearBodies {
   size_t candidates() const { return is_listed_ ? listed_.size() : bodies_.size(); }
   uint32_t candidate(size_t i) const { return is_listed_ ? listed_[i] : static_cast<uint32_t>(i); }
 
-  // How far from every body vertex v must be: what lies deeper at rest may stay as deep.
+  // How far from every body vertex v must be.
   real clearance(int v) const {
     const real radius = lit(input_->parameters->hair_radius);
     return block_.rest_distance == nullptr ? radius : min(radius, load(block_.rest_distance + size_t(v) * kLanes));

@@ -11,20 +11,28 @@
 namespace strandcast {
 namespace {
 
-/// How far from `bodies`, at rest, the vertices of the model are: StrandModel::rest_distance. What is deeper
-/// than `depths`, one per body, is held by none.
+/// StrandModel::rest_distance by how far from `bodies`, at rest, the vertices of the model are. What is
+/// deeper than `depths`, one per body, is held by none.
 std::vector<float> restDistances(const StrandModel& model, std::span<const MovingPrimitive> bodies,
-                                 std::span<const uint32_t> words, std::span<const float> depths) {
+                                 std::span<const uint32_t> words, std::span<const float> depths,
+                                 float hair_radius) {
   constexpr float kSlack = 2e-6f;  // m, so that rounding does not press on what is at rest
-  std::vector<float> out(model.vertices(), kFarFromBodies);
-  for (size_t s = 0; s < model.strands(); ++s)
-    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
-      const Vec3 point = model.restPosition(s, v);
-      for (size_t i = 0; i < bodies.size(); ++i) {
-        const float distance = signedDistance(bodies[i], point, words);
-        out[v] = std::min(out[v], distance > -depths[i] ? distance - kSlack : -kFarFromBodies);
+  std::vector<float> out(model.vertices(), kFarFromBodies), distances;  // distances: of a strand
+  for (size_t s = 0; s < model.strands(); ++s) {
+    const uint32_t root = model.offsets[s], end = model.offsets[s + 1];
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      distances.clear();
+      for (uint32_t v = root; v < end; ++v)
+        distances.push_back(signedDistance(bodies[i], model.restPosition(s, v), words));
+      auto inSkin = [&](uint32_t v) { return v >= root && v < end && distances[v - root] < hair_radius; };
+      for (uint32_t v = root; v < end; ++v) {
+        const float distance = distances[v - root];
+        const bool skin = inSkin(v) || ((inSkin(v - 1) || inSkin(v + 1)) && distance < kSkinDepth);
+        const float nearest = distance - (skin ? kSkinDepth : kSlack);
+        out[v] = std::min(out[v], distance > -depths[i] ? nearest : -kFarFromBodies);
       }
     }
+  }
   return out;
 }
 
@@ -69,7 +77,8 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
       depths.push_back(grid != nullptr ? grid->band - 2 * grid->cell : kFarFromBodies);
     }
   }
-  if (!rooted.empty()) model_.rest_distance = restDistances(model_, rooted, shapes_.words, depths);
+  if (!rooted.empty())
+    model_.rest_distance = restDistances(model_, rooted, shapes_.words, depths, parameters_.hair_radius);
   for (size_t s = 0; s < model_.strands(); ++s)
     lengths_.push_back(arcLength({model_.rest_local.data() + model_.offsets[s], model_.verticesOf(s)}));
   for (size_t s = 0; s < model_.strands(); ++s)

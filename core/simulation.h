@@ -16,7 +16,7 @@ namespace strandcast {
 struct RigidBody {
   std::vector<ContactPrimitive> primitives;
   bool follows_head = false;  ///< moves with the head pose; else as it is told
-  /// Hair grows on it: what of the hair is in it at rest may stay as deep, in every body (see
+  /// Hair grows on it: what of the hair is in it at rest is let be, in every body (see
   /// StrandModel::rest_distance). Only of the bodies that a Simulation is made with.
   bool holds_roots = false;
   Pose pose{};  ///< where it is; of a body that follows the head unused

@@ -11,6 +11,9 @@ namespace strandcast {
 
 constexpr float kNoTether = 1e9f;       ///< m
 constexpr float kFarFromBodies = 1e9f;  ///< m
+/// m: hair that is in a body at rest, and what is joined to it, may go so much deeper. Where it may not, what
+/// was pulled along or out of the skin is caught in another place and trembles there.
+constexpr float kSkinDepth = 1e-3f;
 
 /// What does not change while strands move: the rest shape and who is pinned. Natural order (see StrandSet).
 struct StrandModel {
@@ -37,9 +40,10 @@ struct StrandModel {
   std::vector<float> damping_scale, friction_scale;  ///< per strand
   std::vector<float> tether;                         ///< per vertex, m from the root; kNoTether = none
 
-  /// Per vertex, m: how far from the bodies that it grows on it is at rest, negative inside. Every body lets
-  /// it come as near, or as deep, where that is less than the hair's radius: roots in the skin are not pushed
-  /// out. -kFarFromBodies: no body holds it. Empty = all are kFarFromBodies.
+  /// Per vertex, m: how near the bodies that it grows on may come, negative inside; every body may come as
+  /// near where that is less than the hair's radius. As near as at rest, but of segments that are in or
+  /// through the skin at rest kSkinDepth nearer, so that they find back. -kFarFromBodies: no body holds it.
+  /// Empty = all are kFarFromBodies.
   std::vector<float> rest_distance;
 
   // What pinned vertices move with. A bone's pose is its motion since the groom's rest, as the head's is.

@@ -57,7 +57,9 @@ void GaussSeidelStrands::step(bool groomed, bool accelerated, ProgramCache& prog
   order_.bindStorage(5);
   for (size_t g = 0; g < mine.size(); ++g) {
     const StrandGroup& group = groups_.groups()[g];
-    dispatch(*mine[g], group, workgroup(group) / group.key);
+    glProgramUniform1ui(mine[g]->id(), 0, group.first);
+    glProgramUniform1ui(mine[g]->id(), 1, group.count);
+    dispatch(*mine[g], group.count, workgroup(group) / group.key);
   }
 }
 

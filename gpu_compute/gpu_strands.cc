@@ -183,7 +183,7 @@ void GpuStrands::takeShapes(const ShapeData* shapes) {
 }
 
 void GpuStrands::makeSights() {
-  constexpr size_t kSightRows = 5;  // of shaders/contact_sights.glsl
+  constexpr size_t kSightRows = 5;  // see shaders/contact_sights.glsl
   const size_t bytes = vertices_ * (1 + kSightRows) * sizeof(Vec4);
   if (contacts_.bytes() == bytes) return;
   checkFits(vertices_, 1 + kSightRows);
@@ -225,7 +225,8 @@ void GpuStrands::step(const StepInput& input) {
                .turning = std::any_of(input.primitives.begin(), input.primitives.end(), turns),
                .goal = goal,
                .accelerated = accelerated,
-               .damping = input.parameters->damping_time > 0},
+               .damping = input.parameters->damping_time > 0,
+               .same_bodies = seen_.holdsIn(input)},
               input.parameters->substeps, programs_);
   else
     gauss_seidel_.step(groomed_ || goal, accelerated, programs_);

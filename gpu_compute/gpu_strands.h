@@ -6,6 +6,7 @@
 #include "gpu_compute/gauss_seidel_strands.h"
 #include "gpu_compute/mapped_rings.h"
 #include "gpu_compute/rod_strands.h"
+#include "gpu_compute/seen_bodies.h"
 #include "gpu_compute/step_timer.h"
 
 namespace strandcast::gpu {
@@ -64,6 +65,7 @@ class GpuStrands {
   bool accelerated_ = false;  ///< guides_ has the next step's accelerations
   GaussSeidelStrands gauss_seidel_;
   RodStrands rod_;
+  SeenBodies seen_;
   std::optional<UploadRing> uploads_;  ///< never empty
   Readback readback_;
   StepTimer timer_;

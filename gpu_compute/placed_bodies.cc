@@ -22,6 +22,25 @@ void put(To (&to)[n], const From (&from)[n]) {
   std::copy(from, from + n, to);
 }
 
+Eigen::Quaternionf turnOf(const MovingPrimitive& body) {
+  return Eigen::Quaternionf(body.rotation_end) * Eigen::Quaternionf(body.rotation_begin).conjugate();
+}
+
+// Whether in the step both move points that are within some metres of them by kAlike of
+// shaders/step_input.glsl of each other.
+bool movesAlike(const MovingPrimitive& p, const MovingPrimitive& q) {
+  constexpr float kAlikePlace = 2e-5f, kAlikeTurn = 2e-5f;  // m, radians
+  const Eigen::Quaternionf turn = turnOf(p);
+  const Vec3 carried = Vec3(p.a_end) + turn * (Vec3(q.a_begin) - Vec3(p.a_begin));
+  return (carried - Vec3(q.a_end)).norm() < kAlikePlace && turn.angularDistance(turnOf(q)) < kAlikeTurn;
+}
+
+uint32_t leaderOf(std::span<const MovingPrimitive> bodies, uint32_t body) {
+  uint32_t leader = 0;
+  while (!movesAlike(bodies[leader], bodies[body]) && leader != body) ++leader;
+  return leader;
+}
+
 }  // namespace
 
 PlacedBody placedBody(const MovingPrimitive& primitive, double time, double part, double seconds,
@@ -49,9 +68,15 @@ PlacedBody placedBody(const MovingPrimitive& primitive, double time, double part
 void placeBodies(const StepInput& input, PlacedBody* out) {
   const Parameters& p = *input.parameters;
   const double part = 1.0 / p.substeps, seconds = static_cast<double>(p.time_step) / p.substeps;
-  for (int substep = 1; substep <= p.substeps; ++substep)
-    for (const MovingPrimitive& primitive : input.primitives)
-      *out++ = placedBody(primitive, substep * part, part, seconds, p.hair_radius);
+  const auto bodies = static_cast<uint32_t>(input.primitives.size());
+  for (uint32_t i = 0; i < bodies; ++i) {
+    const uint32_t leader = leaderOf(input.primitives, i);
+    for (int substep = 0; substep < p.substeps; ++substep) {
+      PlacedBody& placed = out[static_cast<size_t>(substep) * bodies + i];
+      placed = placedBody(input.primitives[i], (substep + 1) * part, part, seconds, p.hair_radius);
+      placed.leader = leader;
+    }
+  }
 }
 
 }  // namespace gpu

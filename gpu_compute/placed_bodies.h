@@ -23,6 +23,7 @@ struct alignas(16) PlacedBody {
   float extent[3];
   uint32_t data;
   uint32_t planes;
+  uint32_t leader;  ///< of placeBodies(): the first body that moves like it throughout the step
 };
 static_assert(sizeof(PlacedBody) == 128);
 

@@ -107,6 +107,10 @@ std::vector<uint32_t> keysOf(const StrandModel& model) {
 constexpr std::array<GLuint, 4> kNobody = {0, 1, 1, 0};
 constexpr size_t kMostSubsteps = 64;
 
+constexpr uint32_t kStrandsLookingUp = 16;  // of a workgroup of shaders/look_due.comp
+// Workgroups that go through a list as long as it is; so many keep every GPU busy.
+constexpr uint32_t kMostLooking = 2048;
+
 // Whether a workgroup is one subgroup whose invocations can read each other's registers.
 bool canShuffle() {
   if (!epoxy_has_gl_extension("GL_KHR_shader_subgroup")) return false;
@@ -120,7 +124,8 @@ bool canShuffle() {
 
 }  // namespace
 
-RodStrands::RodStrands(const StrandModel& model) : groups_(keysOf(model)), shuffled_(canShuffle()) {
+RodStrands::RodStrands(const StrandModel& model)
+    : groups_(keysOf(model)), vertices_(model.vertices()), shuffled_(canShuffle()) {
   std::vector<Vec4> joints(model.vertices()), edges(model.vertices());
   std::vector<StrandRest> strands(model.strands());
   for (uint32_t s = 0; s < model.strands(); ++s) {
@@ -133,7 +138,7 @@ RodStrands::RodStrands(const StrandModel& model) : groups_(keysOf(model)), shuff
                   pinned ? 0.0f : 1 / model.mass[v + 1]};
     }
   }
-  std::vector<uint32_t> work(lostList() + model.strands());
+  std::vector<uint32_t> work(looksList());
   std::copy(groups_.order().begin(), groups_.order().end(), work.begin());
   work_ = gl::Buffer(std::span<const uint32_t>(work));
   joints_ = gl::Buffer(std::span<const Vec4>(joints));
@@ -176,6 +181,7 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
                              (needs.damping ? 8 : 0) + (needs.turning ? 16 : 0)];
   if (mine.calm.empty()) mine = {compile(needs, false, programs), compile(needs, true, programs)};
+  if (needs.bodies) expectLooks();
   work_.bindStorage(5);
   joints_.bindStorage(10);
   edges_.bindStorage(11);
@@ -190,21 +196,29 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
     return;
   }
   const char* const defines = needs.turning ? "#define TURNING 1\n" : "#define TURNING 0\n";
+  const gl::Program& look_due = look_due_.get(programs, "look_due.comp", shaders::kLookDueComp);
   const gl::Program& look = look_[needs.turning].get(programs, "look.comp", shaders::kLookComp, defines);
   const gl::Program& keep_out =
       keep_out_[needs.turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, defines);
+  const auto strands = static_cast<uint32_t>(groups_.order().size());
   for (int substep = 0; substep < substeps; ++substep) {
-    glProgramUniform1i(look.id(), 4, substep);
-    dispatch(look, {0, 0, static_cast<uint32_t>(groups_.order().size())}, 1);
+    const auto looks = static_cast<GLuint>(looksCount(substep));
+    for (const gl::Program* program : {&look_due, &look}) {
+      glProgramUniform1ui(program->id(), 0, looks);
+      glProgramUniform1ui(program->id(), 1, static_cast<GLuint>(looksList()));
+      glProgramUniform1i(program->id(), 4, substep);
+    }
+    glProgramUniform1i(look_due.id(), 2, substep == 0 && !needs.same_bodies);
+    dispatch(look_due, strands, kStrandsLookingUp);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    dispatch(look, std::min(kMostLooking, static_cast<uint32_t>((vertices_ + 63) / 64)), 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     solve(mine, needs, substep, substep + 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-    const size_t lost = dispatchAt(groups_.groups().size(), substep);
-    glProgramUniform1ui(keep_out.id(), 2, static_cast<GLuint>(lost));
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    glProgramUniform1ui(keep_out.id(), 2, static_cast<GLuint>(lostCount(substep)));
     glProgramUniform1ui(keep_out.id(), 3, static_cast<GLuint>(lostList()));
     glProgramUniform1i(keep_out.id(), 4, substep);
-    keep_out.use();
-    glDispatchComputeIndirect(static_cast<GLintptr>(lost * sizeof(uint32_t)));
+    dispatch(keep_out, std::min(kMostLooking, strands), 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   }
 }
@@ -213,7 +227,7 @@ void RodStrands::solve(const Programs& programs, const Needs& needs, int first, 
   const std::span<const StrandGroup> groups = groups_.groups();
   for (size_t g = 0; g < groups.size(); ++g) {
     placeWork(*programs.calm[g], needs, g, first, end);
-    dispatch(*programs.calm[g], groups[g], kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
+    dispatch(*programs.calm[g], groups[g].count, kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
   for (size_t g = 0; g < groups.size(); ++g) {
@@ -229,15 +243,26 @@ size_t RodStrands::dispatchAt(size_t group, int substep) const {
 }
 size_t RodStrands::violentLists() const { return dispatchAt(0, kMostSubsteps); }
 size_t RodStrands::lostList() const { return violentLists() + groups_.order().size(); }
+size_t RodStrands::looksList() const { return lostList() + groups_.order().size(); }
+
+void RodStrands::expectLooks() {
+  const size_t before = looksList() * sizeof(uint32_t), bytes = before + vertices_ * sizeof(uint32_t);
+  if (work_.bytes() == bytes) return;
+  gl::Buffer all(bytes, nullptr, GL_DYNAMIC_STORAGE_BIT);
+  glCopyNamedBufferSubData(work_.id(), all.id(), 0, 0, static_cast<GLsizeiptr>(before));
+  work_ = std::move(all);
+}
 
 void RodStrands::placeWork(const gl::Program& program, const Needs& needs, size_t group, int first,
                            int end) const {
+  glProgramUniform1ui(program.id(), 0, groups_.groups()[group].first);
+  glProgramUniform1ui(program.id(), 1, groups_.groups()[group].count);
   glProgramUniform1ui(program.id(), 2, static_cast<GLuint>(dispatchAt(group, first)));
   glProgramUniform1ui(program.id(), 3, static_cast<GLuint>(violentLists() + groups_.groups()[group].first));
   glProgramUniform1i(program.id(), 4, first);
   glProgramUniform1i(program.id(), 5, end);
   if (!needs.bodies) return;
-  glProgramUniform1ui(program.id(), 6, static_cast<GLuint>(dispatchAt(groups_.groups().size(), first)));
+  glProgramUniform1ui(program.id(), 6, static_cast<GLuint>(lostCount(first)));
   glProgramUniform1ui(program.id(), 7, static_cast<GLuint>(lostList()));
 }
 

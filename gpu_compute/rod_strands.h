@@ -18,6 +18,7 @@ class RodStrands {
     bool goal;         ///< all strands are pulled towards their goals
     bool accelerated;  ///< StepInput::accelerations
     bool damping;      ///< there is internal damping
+    bool same_bodies;  ///< what vertices have seen of bodies in the step before holds on
   };
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs
   /// compiles. Without bodies it is one dispatch, with them a few for each substep.
@@ -32,18 +33,25 @@ class RodStrands {
   /// The substeps from `first` until before `end`.
   void solve(const Programs& programs, const Needs& needs, int first, int end) const;
   // Places in work_, in 4 bytes: the dispatch of a group's violent strands in a substep, after those of all
-  // groups that of lost ones; and where lists start.
+  // groups how many strands are lost and how many vertices look; and where lists start.
   size_t dispatchAt(size_t group, int substep) const;
+  size_t lostCount(int substep) const { return dispatchAt(groups_.groups().size(), substep); }
+  size_t looksCount(int substep) const { return lostCount(substep) + 3; }
   size_t violentLists() const;
   size_t lostList() const;
+  size_t looksList() const;
+  /// Room in work_ for a list of all vertices, before the first look.
+  void expectLooks();
   /// Tells the program what to do and where in work_ it lists the group's strands.
   void placeWork(const gl::Program& program, const Needs& needs, size_t group, int first, int end) const;
 
   StrandGroups groups_;             ///< key: see rod_strands.cc
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
   gl::Buffer work_, joints_, edges_, strands_;
+  const size_t vertices_;
   const bool shuffled_;
-  std::array<Programs, 32> programs_;           ///< by needs; empty until first needed
+  std::array<Programs, 32> programs_;  ///< by needs; empty until first needed
+  LazyProgram look_due_;
   std::array<LazyProgram, 2> look_, keep_out_;  ///< with kinds of bodies that turn, or without
 };
 

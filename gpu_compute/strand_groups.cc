@@ -28,11 +28,9 @@ StrandGroups::StrandGroups(std::span<const uint32_t> keys) : order_(keys.size())
   }
 }
 
-void dispatch(const gl::Program& program, const StrandGroup& group, uint32_t per_workgroup) {
+void dispatch(const gl::Program& program, uint32_t strands, uint32_t per_workgroup) {
   program.use();
-  glUniform1ui(0, group.first);
-  glUniform1ui(1, group.count);
-  const GLuint workgroups = (group.count + per_workgroup - 1) / per_workgroup;
+  const GLuint workgroups = (strands + per_workgroup - 1) / per_workgroup;
   const GLuint wide = std::min(workgroups, kMaxGroupsPerAxis);
   glDispatchCompute(wide, (workgroups + wide - 1) / wide, 1);
 }

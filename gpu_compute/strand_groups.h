@@ -58,7 +58,7 @@ class StrandGroups {
   std::vector<StrandGroup> groups_;
 };
 
-/// Dispatches `program`, which has `per_workgroup` strands in a workgroup, over a group.
-void dispatch(const gl::Program& program, const StrandGroup& group, uint32_t per_workgroup);
+/// Dispatches `program`, which has `per_workgroup` strands in a workgroup, over so many of them.
+void dispatch(const gl::Program& program, uint32_t strands, uint32_t per_workgroup);
 
 }  // namespace strandcast::gpu

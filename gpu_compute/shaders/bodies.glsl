@@ -10,8 +10,7 @@ uvec2 nearRange(uint strand) {
 }
 uint nearBody(uint i) { return settings.neighbourhoods == 0u ? i : near_bodies[i]; }
 
-// How far from every body a vertex must be, m; `velocity`: its entry, in w its rest distance. What lies deeper at rest may stay
-// as deep.
+// How far from every body a vertex must be, m; `velocity`: its entry, in w its rest distance.
 float clearance(vec4 velocity) { return min(settings.hair_radius, velocity.w); }
 
 // The body with this number at the end of a substep.

@@ -1,11 +1,16 @@
 // A vertex looks at the bodies that its strand may touch. Needs bodies.glsl and contact_sights.glsl.
 
-// From x, in a substep that started at `start`. `clear`: how far from every body it must be, m.
-void look(uint strand, uint vertex, vec3 x, vec3 start, float clear, int substep) {
-  uvec2 range = nearRange(strand);
+struct Sight {
+  vec4 looked;  // as contact_sights.glsl has it
   Touch first, second;
-  first = second = untouched(x, 0.0);
-  first.gap = second.gap = 1e9;
+};
+
+// From x, in a substep that started at `start`. `clear`: how far from every body it must be, m.
+Sight sightFrom(uint strand, vec3 x, vec3 start, float clear, int substep) {
+  uvec2 range = nearRange(strand);
+  Sight sight;
+  sight.first = sight.second = untouched(x, 0.0);
+  sight.first.gap = sight.second.gap = 1e9;
   float room = 1e8;  // less what is in reach
   for (uint i = range.x; i < range.y; ++i) {
     PlacedBody body = bodyAt(nearBody(i), substep);
@@ -14,19 +19,31 @@ void look(uint strand, uint vertex, vec3 x, vec3 start, float clear, int substep
     Touch own = meet(body, x, start, clear, reach);
     room = min(room, own.gap - reach);
     if (own.gap >= reach) continue;
-    if (own.gap < first.gap) {
-      second = first;
-      first = own;
-    } else if (own.gap < second.gap) {
-      second = own;
+    if (own.gap < sight.first.gap) {
+      sight.second = sight.first;
+      sight.first = own;
+    } else if (own.gap < sight.second.gap) {
+      sight.second = own;
     }
   }
-  bool sees = first.gap < 1e8;
-  uint at = sightOf(vertex);
-  contacts[at + kLooked] = vec4(x, sees ? -1e9 : room);
-  if (!sees) return;
-  contacts[at + kFirstPlane] = vec4(first.normal, dot(first.normal, x) - first.gap);
-  contacts[at + kFirstPlane + 1u] = vec4(first.carried, first.friction);
-  contacts[at + kFirstPlane + kPlaneRows] = vec4(second.normal, dot(second.normal, x) - second.gap);
-  contacts[at + kFirstPlane + kPlaneRows + 1u] = vec4(second.carried, second.friction);
+  sight.looked = vec4(x, sight.first.gap < 1e8 ? -1e9 : room);
+  return sight;
+}
+
+// A plane that was seen from x.
+void keepPlane(uint vertex, uint row, Touch plane, vec3 x) {
+  contacts[sightAt(vertex, row)] = vec4(plane.normal, dot(plane.normal, x) - plane.gap);
+  contacts[sightAt(vertex, row + 1u)] = vec4(plane.carried, plane.friction);
+}
+
+void keepSight(uint vertex, Sight sight) {
+  contacts[sightAt(vertex, kLooked)] = sight.looked;
+  if (seesPlanes(sight.looked)) {
+    keepPlane(vertex, kFirstPlane, sight.first, sight.looked.xyz);
+    keepPlane(vertex, kFirstPlane + kPlaneRows, sight.second, sight.looked.xyz);
+  }
+}
+
+void look(uint strand, uint vertex, vec3 x, vec3 start, float clear, int substep) {
+  keepSight(vertex, sightFrom(strand, x, start, clear, substep));
 }

@@ -2,15 +2,15 @@
 // core/near_bodies.inl has the same for the CPU. Needs kernels/contact.h, step_input.glsl, strand_offsets.glsl and touch.glsl.
 
 // Of every vertex what bodies pressed it with, StrandState::contacts, and in w whether exact lengths have moved it from where
-// contact had left it; then, of every vertex, kSightRows rows of what it sees.
+// contact had left it; then what it sees, in five rows.
 layout(std430, binding = 3) buffer Contacts { vec4 contacts[]; };
 // xyz: where it looked from; w: -1e9 if it has planes, else how much farther than its reach all bodies are from there, m.
 const uint kLooked = 0u;
 // Of a plane: normal, 0 where there is none, and what that makes of its points; then Touch::carried and friction.
 const uint kFirstPlane = 1u, kPlaneRows = 2u, kMostPlanes = 2u;
-const uint kSightRows = kFirstPlane + kPlaneRows * kMostPlanes;
 
-uint sightOf(uint vertex) { return offsets[settings.strand_count] + vertex * kSightRows; }
+// Row by row, so that neighbours read neighbours.
+uint sightAt(uint vertex, uint row) { return vertex + (row + 1u) * offsets[settings.strand_count]; }
 bool seesPlanes(vec4 looked) { return looked.w < -1e8; }
 // Whether a vertex is so far from where it looked that it has to look again; its reach may have grown by half of its way.
 bool isAstray(vec4 looked, vec3 x) {
@@ -21,12 +21,11 @@ bool isAstray(vec4 looked, vec3 x) {
 // What the bodies are to a vertex at x that has planes.
 Touch touchOf(uint vertex, vec3 x) {
   Touch nearest = untouched(x, contactReach());
-  uint at = sightOf(vertex) + kFirstPlane;
-  for (uint n = 0u; n < kMostPlanes; ++n, at += kPlaneRows) {
-    vec4 plane = contacts[at];
+  for (uint row = kFirstPlane; row < kFirstPlane + kMostPlanes * kPlaneRows; row += kPlaneRows) {
+    vec4 plane = contacts[sightAt(vertex, row)];
     float gap = dot(plane.xyz, x) - plane.w;
     if (gap < nearest.gap) {
-      vec4 surface = contacts[at + 1u];
+      vec4 surface = contacts[sightAt(vertex, row + 1u)];
       nearest = Touch(gap, plane.xyz, surface.xyz, surface.w);
     }
   }
@@ -34,6 +33,6 @@ Touch touchOf(uint vertex, vec3 x) {
 }
 // Whether a vertex that ends the substep at x has to look again.
 bool looksBack(uint vertex, vec3 x) {
-  vec4 looked = contacts[sightOf(vertex) + kLooked];
+  vec4 looked = contacts[sightAt(vertex, kLooked)];
   return isAstray(looked, x) || (seesPlanes(looked) && touchOf(vertex, x).gap < lookMargin());
 }

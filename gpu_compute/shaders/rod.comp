@@ -561,11 +561,16 @@ void finish(RootMotion root) {
   }
 }
 
-// Lists the strand for a dispatch, which gets a workgroup more for every `per_workgroup` of them: see work[].
-void listStrand(uint dispatch, uint first, uint per_workgroup) {
-  uint at = atomicAdd(work[dispatch + 3u], 1u);
-  work[first + at] = strand;
-  if (at % per_workgroup == 0u && at / per_workgroup < kMostWorkgroups) atomicAdd(work[dispatch], 1u);
+// Lists the strand; its place in the list.
+uint listStrand(uint count, uint list) {
+  uint at = atomicAdd(work[count], 1u);
+  work[list + at] = strand;
+  return at;
+}
+// The same for a dispatch, which gets a workgroup more for every kStrands of them: see work[].
+void listViolent() {
+  uint at = listStrand(violent_dispatch + 3u, violent_list);
+  if (at % kStrands == 0u && at / kStrands < kMostWorkgroups) atomicAdd(work[violent_dispatch], 1u);
 }
 
 void store() {
@@ -627,11 +632,11 @@ void stepStrands(uint list, uint first, uint count) {
 #else
   bool violent = isViolentStrand(most);
   bool stays = exists && !violent;
-  if (exists && violent && rank == 0) listStrand(violent_dispatch, violent_list, kStrands);
+  if (exists && violent && rank == 0) listViolent();
 #endif
 #if BODIES
   bool any_lost = strandSum(lost ? 1.0 : 0.0) > 0.0;
-  if (stays && any_lost && rank == 0) listStrand(lost_dispatch, lost_list, uint(WORKGROUP));
+  if (stays && any_lost && rank == 0) listStrand(lost_count, lost_list);
 #endif
   if (stays) store();
 }

@@ -17,7 +17,7 @@ uint vertexOf(int p) { return root_vertex + uint(min(rank * PER_THREAD + p, edge
 void loadContacts() {
   for (int p = 0; p < PER_THREAD; ++p) {
     pressing[p] = contacts[vertexOf(p)].xyz * (settings.substep * settings.substep);
-    sees[p] = seesPlanes(contacts[sightOf(vertexOf(p)) + kLooked]);
+    sees[p] = seesPlanes(contacts[sightAt(vertexOf(p), kLooked)]);
   }
 }
 
@@ -39,7 +39,7 @@ void lookOn(int substep) {
         place = x_new[q];
         start = x[q];
       }
-    uint vertex = vertexOf(p), sight = sightOf(vertex) + kLooked;
+    uint vertex = vertexOf(p), sight = sightAt(vertex, kLooked);
     if (!isEdge(p) || !isAstray(contacts[sight], place)) continue;
     look(strand, vertex, place, start, clearance(velocities[vertex]), substep);
     bool now = seesPlanes(contacts[sight]);
@@ -50,7 +50,7 @@ void lookOn(int substep) {
 #else
 void lookOn(int substep) {
   for (int p = 0; p < PER_THREAD; ++p)
-    if (isEdge(p) && isAstray(contacts[sightOf(vertexOf(p)) + kLooked], x_new[p])) most = 1.0;
+    if (isEdge(p) && isAstray(contacts[sightAt(vertexOf(p), kLooked)], x_new[p])) most = 1.0;
 }
 #endif
 

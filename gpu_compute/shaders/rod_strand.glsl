@@ -5,8 +5,8 @@
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz; w: rest distance from bodies, m
 layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
-// Strands by group; 4 numbers for each dispatch of listed strands: workgroups in x, y, z, and how many strands; the lists of
-// violent strands, which start where the groups do; that of lost ones.
+// Strands by group; 4 numbers for each group's violent strands: workgroups in x, y, z of their dispatch, and how many strands;
+// how many are lost; the lists of violent strands, which start where the groups do; that of lost ones.
 layout(std430, binding = 5) buffer Work { uint work[]; };
 layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // of the edge that starts at the vertex
 layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // rest strain, bend
@@ -28,7 +28,7 @@ layout(location = 3) uniform uint violent_list;
 layout(location = 4) uniform int first_substep;
 layout(location = 5) uniform int end_substep;  // the first that is not done
 #if BODIES
-layout(location = 6) uniform uint lost_dispatch;
+layout(location = 6) uniform uint lost_count;
 layout(location = 7) uniform uint lost_list;
 #endif
 const uint kStrands = uint(WORKGROUP / THREADS);  // of a workgroup

@@ -16,7 +16,9 @@ struct PlacedBody {  // gpu_compute/placed_bodies.h
   vec3 extent;
   uint data;
   uint planes;
+  uint leader;
 };
+const float kAlike = 1e-4;  // m, by which bodies with one leader may move strands differently in a step
 layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   vec4 gravity;
   vec4 wind;

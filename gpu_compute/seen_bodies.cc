@@ -1,0 +1,40 @@
+#include "gpu_compute/seen_bodies.h"
+
+#include <algorithm>
+
+namespace strandcast::gpu {
+namespace {
+
+template <size_t n>
+bool same(const float (&a)[n], const float (&b)[n]) {
+  return std::equal(a, a + n, b);
+}
+
+bool goesOn(const MovingPrimitive& before, const MovingPrimitive& now) {
+  return before.kind == now.kind && before.radius == now.radius && before.radius_b == now.radius_b &&
+         before.data == now.data && before.planes == now.planes && same(before.extent, now.extent) &&
+         same(before.a_end, now.a_begin) && same(before.b_end, now.b_begin) &&
+         same(before.rotation_end, now.rotation_begin);
+}
+
+}  // namespace
+
+bool SeenBodies::goOn(const StepInput& input) const {
+  const bool shaped = input.shapes == nullptr || input.shapes->revision == shapes_revision_;
+  const bool listed = input.near != nullptr;
+  return shaped && input.parameters->hair_radius == hair_radius_ &&
+         std::ranges::equal(bodies_, input.primitives, goesOn) && listed == listed_ &&
+         (!listed || (input.near->offsets == near_.offsets && input.near->bodies == near_.bodies));
+}
+
+bool SeenBodies::holdsIn(const StepInput& input) {
+  const bool holds = goOn(input);
+  bodies_.assign(input.primitives.begin(), input.primitives.end());
+  listed_ = input.near != nullptr;
+  if (listed_) near_ = *input.near;
+  if (input.shapes != nullptr) shapes_revision_ = input.shapes->revision;
+  hair_radius_ = input.parameters->hair_radius;
+  return holds;
+}
+
+}  // namespace strandcast::gpu
