@@ -137,7 +137,8 @@ class Asset {
     return R"({"asset":{"version":"2.0"},"scene":0,)" +
            fmt::format(R"("scenes":[{{"nodes":[0,{}]}}],"nodes":[{}{{"mesh":0,"skin":0}}],)", mesh_node,
                        nodes) +
-           R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1}]}],)" +
+           R"("meshes":[{"primitives":[{"attributes":)" +
+           R"({"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1}]}],)" +
            fmt::format(R"("skins":[{{"inverseBindMatrices":4,"joints":[{}]}}],)", joints) +
            fmt::format(R"("animations":[{{"name":"bend","channels":[{}],)", channels) +
            fmt::format(R"("samplers":[{{"input":5,"output":6,"interpolation":"{}"}}]}}],)",
