@@ -277,6 +277,11 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     body.text("file", [&](const std::string& v) { s.scene.body = path(v); });
     body.text("contact",
               [&](const std::string& v) { s.scene.body_contact = bodyContactOf(v, body.place("contact")); });
+    const auto skinned = [&]() -> SkinnedMotion& {
+      return s.scene.skinned ? *s.scene.skinned : s.scene.skinned.emplace();
+    };
+    body.text("clip", [&](const std::string& v) { skinned().clip = v.ends_with(".bvh") ? path(v).string() : v; });
+    body.text("joint", [&](const std::string& v) { skinned().joint = v; });
     body.number("cell", 1e-6, 1e3, [&](double v) { s.scene.body_cell = static_cast<float>(v); });
     body.number("fitted_spheres", 0, 64, [&](double v) { s.scene.body_primitives = static_cast<int>(v); });
     body.sections("primitives",

@@ -96,6 +96,7 @@ uint64_t newSession() {
 Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint64_t session)
     : settings_(settings),
       publisher_(publisher),
+      skinned_(scene.skinned),
       motion_(scene.motion),
       head_pivot_(scene.head_pivot),
       simulation_(makeSimulation(scene, settings)) {
@@ -188,7 +189,9 @@ void Daemon::pull(const Command& command, const std::string& where) {
 void Daemon::moveHead(const Command& command, const std::string& where) {
   if (command.values.size() != 7)
     throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
-  motion_ = rampTo(simulation_.headPose(), poseOf(command.values, 0, where));
+  // A clip goes on: the pose is relative to where it has the head.
+  const Pose carried = skinned_ ? skinned_->carried(simulation_.time()) : Pose{};
+  motion_ = rampTo(carried.inverse() * simulation_.headPose(), poseOf(command.values, 0, where));
   motion_start_ = simulation_.time();
 }
 
@@ -254,7 +257,7 @@ void Daemon::advance() {
   const Clock::time_point start = Clock::now();
   if (simulation_.pulledVertices() > 0 && simulation_.time() > pull_until_) simulation_.letGo();
   const double end = simulation_.time() + simulation_.parameters().time_step;
-  simulation_.setHeadPose(motion_(end - motion_start_));
+  moveTo(skinned_.get(), end, motion_(end - motion_start_), simulation_);
   for (auto way = ways_.begin(); way != ways_.end();) {
     const auto& [id, w] = *way;
     simulation_.setBodyPose(id, onTheWay(w.from, w.to, end - w.start, w.seconds));

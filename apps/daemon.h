@@ -2,6 +2,7 @@
 #include <atomic>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 
 #include "apps/settings.h"
@@ -62,6 +63,7 @@ class Daemon {
   std::map<std::string, BodyId> named_;  ///< colliders that commands have added
   std::map<BodyId, Way> ways_;
   uint32_t collider_revision_ = 0;
+  std::shared_ptr<const SkinnedBody> skinned_;
   HeadMotion motion_;
   Vec3 head_pivot_;          ///< m, the joint that procedural motions turn about
   double motion_start_ = 0;  ///< s of simulation time

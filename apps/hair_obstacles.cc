@@ -7,6 +7,7 @@
 #include "apps/console.h"
 #include "apps/interrupt.h"
 #include "core/error.h"
+#include "render/body_binding.h"
 #include "scenes/field_cache.h"
 
 namespace strandcast {
@@ -14,8 +15,6 @@ namespace {
 
 constexpr float kCell =
     0.003f;  // m; grown hair may be seen through a body's edge by no more than a tenth of it
-
-constexpr uint32_t kNoCollider = 0xFFFFFFFF;
 
 /// The triangles whose corners belong to the head, or those whose do not.
 TriangleMesh partOf(const BodyDescription& body, bool head) {

@@ -107,10 +107,23 @@ void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescr
   renderer.setBody(body);
 }
 
+namespace {
+
+/// Parts of a skinned body, which is drawn where they are.
+bool carryTheBody(const ColliderSet* colliders) {
+  if (colliders == nullptr) return false;
+  for (const Collider& collider : colliders->colliders)
+    for (const ContactPrimitive& shape : collider.shapes)
+      if (shape.field && !collider.follows_head) return true;
+  return false;
+}
+
+}  // namespace
+
 void setObstacles(Renderer& renderer, const PictureOptions& options, const ColliderSet* colliders,
                   const BodyDescription& body) {
   const RenderSettings& settings = options.settings;
-  if (settings.keep_out || settings.marks.needBodies())
+  if (settings.keep_out || settings.marks.needBodies() || carryTheBody(colliders))
     renderer.setObstacles(hairObstacles(colliders, body));
 }
 

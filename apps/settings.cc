@@ -162,6 +162,13 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
           "what the hair collides with: the body's baked distance field (default; kept in the cache), or "
           "spheres fitted into it (quick, coarse)")
       ->check(CLI::IsMember({"field", "spheres"}));
+  scene->add_option(
+      "--body-clip", body_clip_,
+      "lets a glTF body with a skin move: the name of one of its animations, or a .bvh clip whose "
+      "joints have the same names");
+  scene->add_option("--body-joint", body_joint_,
+                    "the joint of a skinned body that the hair grows on and --motion turns; the first with "
+                    "'head' in its name if not given. Without --body-clip the rest stands");
   scene
       ->add_option("--body-cell", given_.scene.body_cell,
                    "edge of a cell of the distance field, m; see `strandcast bake`")
@@ -245,6 +252,11 @@ Settings SettingsOptions::over(Settings out) const {
   if (app_.count("--groom") > 0) out.scene.groom.assign(groom_.begin(), groom_.end());
   lay("--body", out.scene.body, given_.scene.body);
   if (!body_contact_.empty()) out.scene.body_contact = bodyContactOf(body_contact_);
+  if (!body_clip_.empty() || !body_joint_.empty()) {
+    if (!out.scene.skinned) out.scene.skinned.emplace();
+    if (!body_clip_.empty()) out.scene.skinned->clip = body_clip_;
+    if (!body_joint_.empty()) out.scene.skinned->joint = body_joint_;
+  }
   lay("--body-cell", out.scene.body_cell, given_.scene.body_cell);
   lay("--unit-meters", out.scene.units.unit_meters, given_.scene.units.unit_meters);
   if (app_.count("--up") > 0) out.scene.units.up = upAxisOf(up_);

@@ -67,7 +67,7 @@ class SettingsOptions {
   CLI::App& app_;
   std::filesystem::path config_;
   Settings given_;
-  std::string up_, solver_, codec_, body_contact_;
+  std::string up_, solver_, codec_, body_contact_, body_clip_, body_joint_;
   double codec_error_mm_ = 0;
   bool sag_free_ = true;
   std::vector<std::string> groom_, material_, set_;

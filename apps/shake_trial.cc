@@ -14,7 +14,9 @@ constexpr double kSpeedWindow = 0.5;  // s, the end of the rest in which speeds 
 }  // namespace
 
 ShakeTrial::ShakeTrial(const Scene& scene, const Settings& settings, double shake, double rest)
-    : simulation_(makeSimulation(scene, settings)), motion_(endingAt(scene.motion, shake, scene.head_pivot)) {
+    : simulation_(makeSimulation(scene, settings)),
+      skinned_(scene.skinned),
+      motion_(endingAt(scene.motion, shake, scene.head_pivot)) {
   const double step = simulation_.parameters().time_step;
   auto stepsIn = [&](double seconds) { return static_cast<size_t>(std::ceil(seconds / step - 1e-3)); };
   shake_steps_ = stepsIn(shake);
@@ -26,7 +28,8 @@ ShakeTrial::ShakeTrial(const Scene& scene, const Settings& settings, double shak
 void ShakeTrial::step() {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
-  simulation_.setHeadPose(motion_(simulation_.time() + simulation_.parameters().time_step));
+  const double end = simulation_.time() + static_cast<double>(simulation_.parameters().time_step);
+  moveTo(skinned_.get(), end, motion_(end), simulation_);
   simulation_.step();
   result_.strands_reset += simulation_.resetBroken();  // waits for the backend
   step_ms_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());

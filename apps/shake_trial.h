@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "apps/settings.h"
@@ -42,6 +43,7 @@ class ShakeTrial {
   void addSpeeds();
 
   Simulation simulation_;
+  std::shared_ptr<const SkinnedBody> skinned_;
   HeadMotion motion_;
   size_t shake_steps_, steps_, speed_steps_;
   ShakeResult result_;

@@ -149,8 +149,8 @@ int renderAir(const Options& o, const Settings& settings) {
   ProgressBar bar;
   while (film.drawn() < o.frames && !g_interrupted) {
     do {
-      simulation.setHeadPose(
-          scene.motion(simulation.time() + static_cast<double>(simulation.parameters().time_step)));
+      const double end = simulation.time() + static_cast<double>(simulation.parameters().time_step);
+      moveTo(scene.skinned.get(), end, scene.motion(end), simulation);
       simulation.step();
       simulation.resetBroken();
     } while (simulation.time() < o.skip + film.drawn() / o.fps && !g_interrupted);

@@ -10,6 +10,7 @@ namespace strandcast {
 class ByteWriter {
  public:
   void reserve(size_t bytes) { bytes_.reserve(bytes); }
+  size_t size() const { return bytes_.size(); }
   template <class T>
   void put(T value) {
     raw(&value, sizeof(T));

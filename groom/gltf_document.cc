@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "groom/byte_reader.h"
@@ -19,7 +20,9 @@ constexpr int kMaxJsonDepth =
     64;  ///< real files stay below 10; a limit keeps hostile ones from nesting for ever
 constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 enum ComponentType : uint64_t {
+  kByte = 5120,
   kUnsignedByte = 5121,
+  kShort = 5122,
   kUnsignedShort = 5123,
   kUnsignedInt = 5125,
   kFloat = 5126
@@ -27,8 +30,10 @@ enum ComponentType : uint64_t {
 
 uint64_t componentBytes(uint64_t type) {
   switch (type) {
+    case kByte:
     case kUnsignedByte:
       return 1;
+    case kShort:
     case kUnsignedShort:
       return 2;
     case kUnsignedInt:
@@ -37,6 +42,19 @@ uint64_t componentBytes(uint64_t type) {
     default:
       return 0;
   }
+}
+
+/// Components of an element.
+uint64_t componentsOf(std::string_view type) {
+  return type == "SCALAR" ? 1 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : type == "MAT4" ? 16 : 0;
+}
+
+/// The number that a normalised whole number stands for (glTF 2.0 specification, "Animations").
+template <class Whole>
+float normalized(const std::byte* from) {
+  Whole whole;
+  std::memcpy(&whole, from, sizeof whole);
+  return std::max(static_cast<float>(whole) / static_cast<float>(std::numeric_limits<Whole>::max()), -1.0f);
 }
 
 int base64Digit(char c) {
@@ -124,9 +142,17 @@ std::span<const std::byte> GltfDocument::splitBinary(std::span<const std::byte> 
 }
 
 void GltfDocument::parseJson(std::span<const std::byte> text, uint64_t file_offset) {
-  static const std::set<std::string> kNeeded{"asset",   "scene",       "scenes",
-                                             "nodes",   "meshes",      "accessors",
-                                             "buffers", "bufferViews", "extensionsRequired"};
+  static const std::set<std::string> kNeeded{"asset",
+                                             "scene",
+                                             "scenes",
+                                             "nodes",
+                                             "meshes",
+                                             "accessors",
+                                             "buffers",
+                                             "bufferViews",
+                                             "skins",
+                                             "animations",
+                                             "extensionsRequired"};
   const auto keep = [&](int depth, json::parse_event_t event, json& parsed) {
     if (depth > kMaxJsonDepth) fail("its JSON is nested too deeply", fmt::format("byte {}", file_offset));
     return !(event == json::parse_event_t::key && depth == 1 &&
@@ -247,7 +273,7 @@ GltfDocument::Elements GltfDocument::elements(uint64_t accessor, const char* typ
     fail(fmt::format("the accessor's type is not {}", type), part);
   if (description.contains("sparse")) fail("sparse accessors are not read", part, "export without them");
   const uint64_t component = unsignedMember(description, "componentType", part).value_or(0);
-  const uint64_t element_bytes = componentBytes(component) * (type == std::string_view("VEC3") ? 3 : 1);
+  const uint64_t element_bytes = componentBytes(component) * componentsOf(type);
   if (element_bytes == 0) fail(fmt::format("component type {} does not fit here", component), part);
   const auto count = unsignedMember(description, "count", part);
   const auto view_index = unsignedMember(description, "bufferView", part);
@@ -279,7 +305,9 @@ GltfDocument::Elements GltfDocument::elements(uint64_t accessor, const char* typ
   return {bytes.data() + view_at + at, *count, stride, component};
 }
 
-uint64_t GltfDocument::accessorCount(uint64_t accessor) const { return elements(accessor, "VEC3").count; }
+uint64_t GltfDocument::accessorCount(uint64_t accessor, const char* type) const {
+  return elements(accessor, type).count;
+}
 
 std::vector<Vec3> GltfDocument::positions(uint64_t accessor) const {
   const Elements found = elements(accessor, "VEC3");
@@ -296,12 +324,66 @@ std::vector<Vec3> GltfDocument::positions(uint64_t accessor) const {
 
 std::vector<uint32_t> GltfDocument::indices(uint64_t accessor) const {
   const Elements found = elements(accessor, "SCALAR");
-  if (found.component_type == kFloat)
-    fail("indices are not whole numbers", fmt::format("accessors[{}]", accessor));
+  if (found.component_type == kFloat || found.component_type == kByte || found.component_type == kShort)
+    fail("indices are not whole numbers without a sign", fmt::format("accessors[{}]", accessor));
   std::vector<uint32_t> values(found.count);
   // Little endian: a narrow index fills the low bytes of the wide one.
   for (uint64_t i = 0; i < found.count; ++i)
     std::memcpy(&values[i], found.data + i * found.stride, componentBytes(found.component_type));
+  return values;
+}
+
+std::vector<std::array<uint32_t, 4>> GltfDocument::joints(uint64_t accessor) const {
+  const Elements found = elements(accessor, "VEC4");
+  if (found.component_type != kUnsignedByte && found.component_type != kUnsignedShort)
+    fail("joints are not numbers of 8 or 16 bits", fmt::format("accessors[{}]", accessor));
+  const uint64_t bytes = componentBytes(found.component_type);
+  std::vector<std::array<uint32_t, 4>> values(found.count);
+  for (uint64_t i = 0; i < found.count; ++i)
+    for (uint64_t c = 0; c < 4; ++c)
+      std::memcpy(&values[i][c], found.data + i * found.stride + c * bytes, bytes);
+  return values;
+}
+
+std::vector<float> GltfDocument::floats(uint64_t accessor, const char* type, bool or_normalized) const {
+  const Elements found = elements(accessor, type);
+  const std::string part = fmt::format("accessors[{}]", accessor);
+  const json& description = entry("accessors", accessor, part);
+  const auto flag = description.find("normalized");
+  const bool is_normalized = flag != description.end() && flag->is_boolean() && flag->get<bool>();
+  if (found.component_type != kFloat && !(or_normalized && is_normalized))
+    fail(or_normalized ? "its numbers are neither 32-bit floats nor normalised"
+                       : "its numbers are not 32-bit floats",
+         part);
+  const uint64_t components = componentsOf(type), bytes = componentBytes(found.component_type);
+  std::vector<float> values;
+  values.reserve(found.count * components);
+  for (uint64_t i = 0; i < found.count; ++i)
+    for (uint64_t c = 0; c < components; ++c) {
+      const std::byte* from = found.data + i * found.stride + c * bytes;
+      float value = 0;
+      switch (found.component_type) {
+        case kFloat:
+          std::memcpy(&value, from, sizeof value);
+          break;
+        case kByte:
+          value = normalized<int8_t>(from);
+          break;
+        case kUnsignedByte:
+          value = normalized<uint8_t>(from);
+          break;
+        case kShort:
+          value = normalized<int16_t>(from);
+          break;
+        case kUnsignedShort:
+          value = normalized<uint16_t>(from);
+          break;
+        default:
+          fail("its numbers are not normalised", part);
+      }
+      if (!std::isfinite(value)) fail(fmt::format("element {} is not a finite number", i), part);
+      values.push_back(value);
+    }
   return values;
 }
 

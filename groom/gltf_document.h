@@ -16,8 +16,8 @@ namespace strandcast {
 /// A glTF 2.0 asset (Khronos, glTF 2.0 specification) taken apart: its JSON and its buffers, and accessors
 /// read with every index, offset and count checked. Private to groom/: the header pulls in the JSON library.
 ///
-/// The parts that a mesh does not need (images, materials, animations) are dropped while parsing, so nothing
-/// outside the file is ever opened for them, and buffers hold no more bytes than the files given.
+/// The parts that a body does not need (images, materials) are dropped while parsing, so nothing outside the
+/// file is ever opened for them, and buffers hold no more bytes than the files given.
 class GltfDocument {
  public:
   /// `folder` is where the external buffers of a .gltf lie; without it a file that has any is refused.
@@ -40,7 +40,11 @@ class GltfDocument {
   std::vector<Vec3> positions(uint64_t accessor) const;  ///< VEC3 of float, all finite
   std::vector<uint32_t> indices(
       uint64_t accessor) const;  ///< SCALAR of 8, 16 or 32 bits, not yet compared with a count
-  uint64_t accessorCount(uint64_t accessor) const;
+  std::vector<std::array<uint32_t, 4>> joints(uint64_t accessor) const;  ///< VEC4 of 8 or 16 bits
+  /// Elements of `type` one after the other: 32-bit floats, all finite, or, where `or_normalized`, whole
+  /// numbers of 8 or 16 bits that stand for 0 to 1 or -1 to 1.
+  std::vector<float> floats(uint64_t accessor, const char* type, bool or_normalized) const;
+  uint64_t accessorCount(uint64_t accessor, const char* type = "VEC3") const;
 
   [[noreturn]] void fail(const std::string& what, const std::string& part,
                          const std::string& remedy = "export the file again") const {

@@ -1,15 +1,12 @@
 #include "render/body_pass.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/shaders.h"
 
 namespace strandcast {
 namespace {
-
-struct Vertex {
-  float position[3], normal[3], head_weight;
-};
 
 bool drawable(const TriangleMesh& mesh, const std::array<uint32_t, 3>& triangle) {
   for (uint32_t index : triangle)
@@ -56,21 +53,57 @@ void BodyPass::setBody(const BodyDescription& body) {
   std::erase_if(mesh.triangles, [&](const auto& triangle) { return !drawable(mesh, triangle); });
   if (mesh.normals.size() != mesh.positions.size()) computeNormals(mesh);
   const bool weighted = body.head_weights.size() == mesh.positions.size();
-  std::vector<Vertex> vertices;
-  vertices.reserve(mesh.positions.size());
-  bounds_ = Box();
+  rest_.clear();
+  rest_.reserve(mesh.positions.size());
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     const Vec3 &p = mesh.positions[i], &n = mesh.normals[i];
-    vertices.push_back(
-        {{p.x(), p.y(), p.z()}, {n.x(), n.y(), n.z()}, weighted ? body.head_weights[i] : 1.0f});
+    rest_.push_back({{p.x(), p.y(), p.z()}, {n.x(), n.y(), n.z()}, weighted ? body.head_weights[i] : 1.0f});
   }
-  for (const auto& triangle : mesh.triangles)
-    for (uint32_t index : triangle) bounds_.extend(Eigen::Vector3f(mesh.positions[index]));
-  vertices_ = gl::Buffer(std::span<const Vertex>(vertices));
+  triangles_ = mesh.triangles;
+  findBounds(rest_);
+  vertices_ = gl::Buffer(std::span<const Vertex>(rest_));
   indices_ = gl::Buffer(std::span<const std::array<uint32_t, 3>>(mesh.triangles));
   index_count_ = static_cast<GLsizei>(3 * mesh.triangles.size());
   glVertexArrayVertexBuffer(mesh_, 0, vertices_.id(), 0, sizeof(Vertex));
   glVertexArrayElementBuffer(mesh_, indices_.id());
+  bind();
+}
+
+void BodyPass::setObstacles(std::span<const HairObstacle> obstacles) {
+  obstacles_.assign(obstacles.begin(), obstacles.end());
+  const bool was_carried = !binding_.empty();
+  bind();
+  if (!was_carried || !binding_.empty()) return;
+  vertices_.write(std::span<const Vertex>(rest_));
+  findBounds(rest_);
+}
+
+void BodyPass::bind() {
+  std::vector<Vec3> positions;
+  for (const Vertex& vertex : rest_) positions.emplace_back(vertex.position);
+  binding_ = BodyBinding(positions, obstacles_);
+}
+
+void BodyPass::findBounds(std::span<const Vertex> vertices) {
+  bounds_ = Box();
+  for (const auto& triangle : triangles_)
+    for (uint32_t index : triangle) bounds_.extend(Eigen::Vector3f(vertices[index].position));
+}
+
+void BodyPass::place(std::span<const PlacedCollider> colliders) {
+  if (binding_.empty()) return;
+  binding_.place(colliders);
+  std::vector<Vertex> moved = rest_;
+  for (size_t v = 0; v < moved.size(); ++v) {
+    if (!binding_.holds(v)) continue;
+    const Vec3 position = binding_.position(v, Vec3(rest_[v].position));
+    const Vec3 normal = binding_.direction(v, Vec3(rest_[v].normal));
+    std::copy(position.begin(), position.end(), moved[v].position);
+    std::copy(normal.begin(), normal.end(), moved[v].normal);
+    moved[v].head_weight = 0;
+  }
+  vertices_.write(std::span<const Vertex>(moved));
+  findBounds(moved);
 }
 
 void BodyPass::drawMesh(const gl::Program& program, const Pose& head) const {

@@ -467,11 +467,13 @@ void Renderer::setBody(const BodyDescription& body) { impl_->body.setBody(body);
 
 void Renderer::setObstacles(std::vector<HairObstacle> obstacles) {
   impl_->hair->bodies().setObstacles(obstacles);
+  impl_->body.setObstacles(obstacles);
   impl_->obstacles = std::move(obstacles);
 }
 
 void Renderer::draw(const GuideFrame& frame, const Camera& camera) {
   impl_->accept(frame);
+  impl_->body.place(impl_->colliders);
   impl_->draw(camera);
 }
 

@@ -198,6 +198,25 @@ Vec3 BvhClip::restPosition(size_t joint) const {
   return sum;
 }
 
+Quat BvhClip::upright(size_t head) const {
+  const Vec3 up = restPosition(head) - restPosition(0);
+  const bool z_up = std::fabs(up.z()) > std::fabs(up.y());
+  const float turn = z_up ? -std::numbers::pi_v<float> / 2 : 0.0f;
+  return Quat(Eigen::AngleAxisf(turn, Eigen::Vector3f::UnitX()));
+}
+
+float BvhClip::guessedUnit() const {
+  Box box;
+  for (size_t j = 0; j < joints.size(); ++j) box.extend(Eigen::Vector3f(restPosition(j)));
+  const float tall = box.sizes().maxCoeff();
+  float best = 1;
+  for (float unit : {1.0f, 0.1f, 0.01f, 0.0254f, 0.001f})
+    if (std::fabs(std::log(std::max(tall * unit, 1e-9f) / 1.7f)) <
+        std::fabs(std::log(std::max(tall * best, 1e-9f) / 1.7f)))
+      best = unit;
+  return best;
+}
+
 BvhClip readBvh(std::span<const std::byte> bytes, const std::string& name) {
   return Parser({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name).run();
 }

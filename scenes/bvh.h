@@ -36,6 +36,11 @@ struct BvhClip {
   Pose pose(size_t joint, size_t frame) const;
   /// The same with every channel at zero.
   Vec3 restPosition(size_t joint) const;
+  /// Turns the clip's axes so that Y is up. Clips stand along Y or Z: the axis along which `head` is farther
+  /// from the first joint tells which.
+  Quat upright(size_t head) const;
+  /// Metres per unit such that the skeleton is about as tall as a person.
+  float guessedUnit() const;
 };
 
 /// Reads a BVH (Biovision hierarchy) clip. Throws Error with `name`, line and remedy on anything truncated,

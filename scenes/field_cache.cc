@@ -62,7 +62,7 @@ SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const 
   if (cache != nullptr)
     if (std::optional<DistanceField> found = cache->find(key)) {
       const std::string text = note(*found, "found in the cache");
-      return {std::move(*found), text};
+      return {std::move(*found), text, true};
     }
   FieldBaker baker(mesh, resolved, {}, progress);
   DistanceField field = baker.bake(progress);

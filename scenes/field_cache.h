@@ -32,6 +32,7 @@ class FieldCache {
 struct SceneField {
   DistanceField field;
   std::string note;  ///< a line for people
+  bool from_cache = false;
 };
 /// From the cache, or baked and kept there; null = no cache. That it cannot be kept is told in the note.
 /// Throws Error as FieldBaker does; BakeStopped.

@@ -9,17 +9,12 @@
 
 #include "core/error.h"
 #include "scenes/bvh.h"
+#include "scenes/ease.h"
 
 namespace strandcast {
 namespace {
 
-constexpr double kStart = 0.5;       // s, over which a motion starts from rest
-constexpr double kEnd = 0.5;         // s, over which it returns to it
-constexpr double kLoopBlend = 0.25;  // s, over which the end of a clip returns to its start
-
-// 0 to 1 over [0, 1] with two derivatives that vanish at both ends, and its integral from 0.
-double ease(double u) { return u <= 0 ? 0 : u >= 1 ? 1 : u * u * u * (10 + u * (6 * u - 15)); }
-double easeIntegral(double u) { return u <= 0 ? 0 : u >= 1 ? u - 0.5 : u * u * u * u * (2.5 + u * (u - 3)); }
+constexpr double kEnd = 0.5;  // s, over which a motion returns to rest
 
 struct Swing {
   const char* name;
@@ -33,7 +28,8 @@ const Swing kSwings[] = {{"still", Vec3::UnitY(), 0, 0},
 
 Quat swung(const Swing& swing, double seconds) {
   const double turn = 2 * std::numbers::pi * swing.hertz * seconds;
-  const double angle = swing.degrees * std::numbers::pi / 180 * ease(seconds / kStart) * std::sin(turn);
+  const double angle =
+      swing.degrees * std::numbers::pi / 180 * ease(seconds / kStartSeconds) * std::sin(turn);
   return Quat(Eigen::AngleAxisf(static_cast<float>(angle), Eigen::Vector3f(swing.axis)));
 }
 
@@ -69,29 +65,8 @@ struct Track {
   }
 };
 
-// Clips stand along Y or Z: the axis along which the head is farther from the root tells which.
-Quat clipToYUp(const BvhClip& clip, size_t head) {
-  const Vec3 up = clip.restPosition(head) - clip.restPosition(0);
-  const bool z_up = std::fabs(up.z()) > std::fabs(up.y());
-  const float turn = z_up ? -std::numbers::pi_v<float> / 2 : 0.0f;
-  return Quat(Eigen::AngleAxisf(turn, Eigen::Vector3f::UnitX()));
-}
-
-// Metres per unit such that the skeleton is about as tall as a person.
-float guessClipUnit(const BvhClip& clip) {
-  Box box;
-  for (size_t j = 0; j < clip.joints.size(); ++j) box.extend(Eigen::Vector3f(clip.restPosition(j)));
-  const float tall = box.sizes().maxCoeff();
-  float best = 1;
-  for (float unit : {1.0f, 0.1f, 0.01f, 0.0254f, 0.001f})
-    if (std::fabs(std::log(std::max(tall * unit, 1e-9f) / 1.7f)) <
-        std::fabs(std::log(std::max(tall * best, 1e-9f) / 1.7f)))
-      best = unit;
-  return best;
-}
-
 Track trackOf(const BvhClip& clip, size_t joint, float unit_meters) {
-  const Quat up = clipToYUp(clip, joint);
+  const Quat up = clip.upright(joint);
   const Pose first = clip.pose(joint, 0);
   const Pose last = clip.pose(joint, clip.frames - 1);
   const size_t period =
@@ -144,11 +119,12 @@ HeadMotion bvhMotion(const std::filesystem::path& file, float unit_meters, const
     throw Error("no such joint", file.string() + ", " + (joint.empty() ? "a name with 'head'" : joint),
                 "name a joint of the clip");
   const auto track = std::make_shared<const Track>(
-      trackOf(clip, static_cast<size_t>(found), unit_meters > 0 ? unit_meters : guessClipUnit(clip)));
+      trackOf(clip, static_cast<size_t>(found), unit_meters > 0 ? unit_meters : clip.guessedUnit()));
   return [track, pivot](double seconds) {
     Quat rotation;
     Vec3 shift;
-    track->at(kStart * easeIntegral(seconds / kStart), rotation, shift);  // time itself starts from rest
+    track->at(kStartSeconds * easeIntegral(seconds / kStartSeconds), rotation,
+              shift);  // time itself starts from rest
     return about(pivot, rotation, shift);
   };
 }

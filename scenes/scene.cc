@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -13,6 +15,7 @@
 #include "groom/clean.h"
 #include "groom/mesh_file.h"
 #include "groom/procedural_body.h"
+#include "scenes/ease.h"
 #include "scenes/field_cache.h"
 
 namespace strandcast {
@@ -153,14 +156,87 @@ void bakeBody(const SceneOptions& options, const Progress& progress, Scene& scen
   scene.bodies.push_back({{std::move(shape)}, true, true});
 }
 
+/// Fields of the parts, as fine as one of the whole body would be.
+void bakeParts(const SceneOptions& options, const Progress& progress, Scene& scene,
+               std::shared_ptr<SkinnedBody> skinned) {
+  constexpr double kFrom = 0.45, kTo = 0.95;  // of the scene's progress
+  FieldOptions whole;
+  whole.hair_radius = scene.parameters.hair_radius;
+  whole.cell = options.body_cell;
+  FieldOptions field;
+  field.hair_radius = whole.hair_radius;
+  field.cell = resolveFieldOptions(scene.body, whole).cell;
+  std::optional<FieldCache> cache;
+  if (!options.field_cache.empty()) cache.emplace(options.field_cache);
+  const auto count = static_cast<double>(skinned->parts().size());
+  size_t bytes = 0, found = 0;
+  skinned->first_body = scene.bodies.size();
+  for (const SkinPart& part : skinned->parts()) {
+    const double done = static_cast<double>(scene.bodies.size() - skinned->first_body);
+    SceneField baked =
+        fieldOf(part.mesh, field, cache ? &*cache : nullptr, [&](const std::string& what, double share) {
+          return !progress || progress(fmt::format("the distance field of {}: {}", part.name, what),
+                                       kFrom + (done + share) / count * (kTo - kFrom));
+        });
+    bytes += baked.field.bytes();
+    found += baked.from_cache ? 1 : 0;
+    ContactPrimitive shape;
+    shape.kind = PrimitiveKind::kField;
+    shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
+    scene.bodies.push_back({{std::move(shape)}, false, true});
+  }
+  scene.notes.push_back(
+      fmt::format("the skinned body's distance fields: {} rigid parts, cells of {:.3g} mm, {:.1f} MiB, {} "
+                  "found in the cache",
+                  skinned->parts().size(), 1e3 * field.cell, static_cast<double>(bytes) / (1 << 20), found));
+  scene.skinned = std::move(skinned);
+}
+
+/// How far the parts' fields are from the blended skin in the course of the clip.
+void noteFollowing(Scene& scene) {
+  constexpr int kLooks = 8;
+  const SkinnedBody& skinned = *scene.skinned;
+  if (!skinned.hasClip()) return;
+  double sum = 0, count = 0;
+  float below = 0, above = 0;
+  for (int look = 1; look <= kLooks; ++look) {
+    const double seconds = kStartSeconds + skinned.duration() * look / kLooks;
+    std::vector<Pose> back = skinned.partPoses(seconds, Pose{});
+    for (Pose& pose : back) pose = pose.inverse();
+    for (const Vec3& p : skinned.surface(seconds, Pose{})) {
+      float distance = std::numeric_limits<float>::max();
+      for (size_t i = 0; i < back.size(); ++i) {
+        const ContactPrimitive& shape = scene.bodies[skinned.first_body + i].primitives[0];
+        distance = std::min(distance, shape.field->at(back[i].apply(p)).distance);
+      }
+      sum += static_cast<double>(std::fabs(distance));
+      below = std::max(below, distance);
+      above = std::max(above, -distance);
+      count += 1;
+    }
+  }
+  scene.notes.push_back(fmt::format(
+      "the rigid parts are {:.2f} mm from the skin's vertices in the mean of {} moments of the clip, "
+      "{:.1f} mm at most below it, {:.1f} mm above",
+      1e3 * sum / count, kLooks, 1e3 * static_cast<double>(below), 1e3 * static_cast<double>(above)));
+}
+
 /// How much of the hair is in the body at rest.
-void noteHairInBody(const StrandSet& strands, const DistanceField& field, std::vector<std::string>& notes) {
+void noteHairInBody(const StrandSet& strands, const std::vector<RigidBody>& bodies,
+                    std::vector<std::string>& notes) {
+  std::vector<const DistanceField*> fields;
+  for (const RigidBody& body : bodies)
+    for (const ContactPrimitive& shape : body.primitives)
+      if (shape.field) fields.push_back(shape.field.get());
+  if (fields.empty()) return;
   size_t inside = 0, free = 0;
   float deepest = 0;
   for (size_t s = 0; s < strands.strands(); ++s)
     for (size_t i = 1; i < strands.verticesOf(s); ++i) {
       if (strands.isPinned(s, i)) continue;
-      const float distance = field.at(strands.strand(s)[i]).distance;
+      float distance = std::numeric_limits<float>::max();
+      for (const DistanceField* field : fields)
+        distance = std::min(distance, field->at(strands.strand(s)[i]).distance);
       ++free;
       inside += distance < 0;
       deepest = std::min(deepest, distance);
@@ -174,7 +250,15 @@ void noteHairInBody(const StrandSet& strands, const DistanceField& field, std::v
 
 void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
   report(progress, "reading the body", 0.2);
-  scene.body = loadMesh(options.body, options.units);
+  std::shared_ptr<SkinnedBody> skinned;
+  if (options.skinned) {
+    skinned = std::make_shared<SkinnedBody>(loadSkinnedMesh(options.body, options.units), *options.skinned);
+    scene.notes.insert(scene.notes.end(), skinned->notes().begin(), skinned->notes().end());
+    scene.body = skinned->skin().mesh;
+    scene.head_weights = skinned->jointWeights();
+  } else {
+    scene.body = loadMesh(options.body, options.units);
+  }
   report(progress, "binding roots to the body", 0.4);
   const auto query = std::make_shared<MeshQuery>(scene.body);
   const ClosestPoint scalp = [query](const Vec3& point) {
@@ -185,7 +269,10 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
   const RootBinding binding = bindRoots(scene.groom.strands, scalp);
   scene.notes.push_back(fmt::format("roots are {:.1f} mm off the body on average, {:.1f} mm at most",
                                     1000 * binding.mean_distance, 1000 * binding.max_distance));
-  if (options.body_contact == BodyContact::kField)
+  if (skinned) {
+    bakeParts(options, progress, scene, std::move(skinned));
+    noteFollowing(scene);
+  } else if (options.body_contact == BodyContact::kField)
     bakeBody(options, progress, scene);
   else
     fillBody(options, progress, scene);
@@ -212,15 +299,18 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
     scene.groom.report.resampled = strands.strands();
   }
   noteReport(scene.groom.report, scene.notes);
-  for (const RigidBody& body : scene.bodies)
-    for (const ContactPrimitive& shape : body.primitives)
-      if (shape.field) noteHairInBody(strands, *shape.field, scene.notes);
+  noteHairInBody(strands, scene.bodies, scene.notes);
 
-  // The joint of head and neck is about 8 cm below the middle of the roots.
-  for (size_t s = 0; s < strands.strands(); ++s)
-    scene.head_pivot += strands.strand(s)[0] / static_cast<float>(strands.strands());
-  scene.head_pivot.y() -= 0.08f;
-  scene.motion = headMotion(options.motion.empty() ? "turn" : options.motion, scene.head_pivot);
+  if (scene.skinned) {
+    scene.head_pivot = scene.skinned->pivot();
+  } else {
+    // The joint of head and neck is about 8 cm below the middle of the roots.
+    for (size_t s = 0; s < strands.strands(); ++s)
+      scene.head_pivot += strands.strand(s)[0] / static_cast<float>(strands.strands());
+    scene.head_pivot.y() -= 0.08f;
+  }
+  const char* own = scene.skinned && scene.skinned->hasClip() ? "still" : "turn";
+  scene.motion = headMotion(options.motion.empty() ? own : options.motion, scene.head_pivot);
   return scene;
 }
 
@@ -241,7 +331,22 @@ StrandModel sceneModel(const Scene& scene) {
   return model;
 }
 
+namespace {
+
+void checkSkinned(const SceneOptions& options) {
+  if (!options.skinned) return;
+  if (options.groom.empty() || options.body.empty())
+    throw Error("there is no body that could be skinned", "clip or joint of the body",
+                "name groom and body files (--groom, --body)");
+  if (options.body_contact != BodyContact::kField)
+    throw Error("spheres do not stand for a skinned body", options.body.string(),
+                "leave body contact to its fields");
+}
+
+}  // namespace
+
 Scene makeScene(const SceneOptions& options, const Progress& progress) {
+  checkSkinned(options);
   Scene scene =
       options.groom.empty() ? makeProceduralScene(options, progress) : makeFileScene(options, progress);
   scene.materials = partMaterials(options.materials, scene.part_names);

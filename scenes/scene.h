@@ -1,6 +1,8 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include "scenes/head_motion.h"
 #include "scenes/part_materials.h"
 #include "scenes/part_pins.h"
+#include "scenes/skinned_body.h"
 
 namespace strandcast {
 
@@ -32,6 +35,8 @@ struct SceneOptions {
   float length = 0;  ///< m, procedural only; 0 = the scene's own
   std::vector<ContactPrimitive> primitives;  ///< further shapes, which move with the head
   BodyContact body_contact = BodyContact::kField;
+  /// Of a glTF body with a skin; empty = it is rigid and moves with the head.
+  std::optional<SkinnedMotion> skinned;
   float body_cell = 0;                  ///< m, of the field; 0 = defaultFieldCell
   std::filesystem::path field_cache;    ///< folder of baked fields; empty = every time anew
   int body_primitives = 24;             ///< spheres at most, fitted into a body mesh
@@ -51,7 +56,8 @@ struct Scene {
   std::vector<float> head_weights;  ///< per body vertex, 1 = moves with the head; empty = all do
   std::vector<RigidBody> bodies;
   Vec3 head_pivot = Vec3::Zero();  ///< m, joint of head and neck, for head motions
-  HeadMotion motion;
+  HeadMotion motion;               ///< of a skinned body with a clip: relative to where the clip has the head
+  std::shared_ptr<const SkinnedBody> skinned;  ///< null unless the body is skinned: moveTo() moves it
   Parameters parameters;
   std::vector<std::string> notes;  ///< what was found and done while making it, a line each
 };

@@ -9,6 +9,7 @@
 
 #include "tests/groom/reader_checks.h"
 #include "tests/groom/sample_files.h"
+#include "tests/groom/skinned_arm.h"
 
 namespace strandcast {
 namespace {
@@ -109,6 +110,11 @@ TEST(DamagedFiles, ObjStrands) { expectDamageIsBorne(checkObjStrandsReader, {sam
 TEST(DamagedFiles, ObjMesh) { expectDamageIsBorne(checkObjMeshReader, {samples::objMesh()}); }
 TEST(DamagedFiles, Sdf) { expectDamageIsBorne(checkSdfReader, {samples::sdf()}); }
 TEST(DamagedFiles, Gltf) { expectDamageIsBorne(checkGltfReader, {samples::glb(), samples::gltf()}); }
+TEST(DamagedFiles, GltfSkin) {
+  samples::ArmOptions cubic = samples::smallArm();
+  cubic.interpolation = "CUBICSPLINE";
+  expectDamageIsBorne(checkGltfSkinReader, {samples::armGlb(samples::smallArm()), samples::armGltf(cubic)});
+}
 
 }  // namespace
 }  // namespace strandcast

@@ -1,13 +1,16 @@
 #include "tests/groom/reader_checks.h"
 #include "tests/groom/sample_files.h"
+#include "tests/groom/skinned_arm.h"
 
 // Run as: fuzz_gltf FOLDER. The folder, which may be empty at first, receives the seeds and what is found.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  strandcast::writeFuzzSeeds(*argc, *argv, {strandcast::samples::glb(), strandcast::samples::gltf()});
+  using namespace strandcast::samples;
+  strandcast::writeFuzzSeeds(*argc, *argv, {glb(), gltf(), armGlb(smallArm()), armGltf(smallArm())});
   return 0;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   strandcast::checkGltfReader(std::as_bytes(std::span(data, size)));
+  strandcast::checkGltfSkinReader(std::as_bytes(std::span(data, size)));
   return 0;
 }

@@ -15,6 +15,7 @@
 #include "groom/file_bytes.h"
 #include "groom/groom_encode.h"
 #include "groom/mesh_file.h"
+#include "groom/skinned_mesh.h"
 
 namespace strandcast {
 namespace {
@@ -94,6 +95,39 @@ void checkMesh(const TriangleMesh& mesh) {
       require(corner < mesh.positions.size(), "an index is out of range");
 }
 
+/// A skin that is accepted can be posed at any time of any clip.
+void checkSkin(const SkinnedMesh& skin, size_t file_bytes) {
+  checkMesh(skin.mesh);
+  const size_t vertices = skin.mesh.positions.size();
+  require(skin.stored.size() == vertices && skin.influences.size() == vertices, "a skin is not per vertex");
+  for (const SkinInfluences& influences : skin.influences) {
+    float sum = 0;
+    for (const auto& [binding, weight] : influences) {
+      require(binding < skin.bindings.size() && weight >= 0, "an influence is out of range");
+      sum += weight;
+    }
+    require(std::abs(sum - 1) < 1e-4f, "weights do not add up to 1");
+  }
+  for (const SkinBinding& binding : skin.bindings)
+    require(binding.joint < skin.skeleton.joints.size(), "a binding has no joint");
+  for (size_t j = 0; j < skin.skeleton.joints.size(); ++j)
+    require(skin.skeleton.joints[j].parent < static_cast<int>(j), "a joint comes before its parent");
+  size_t values = 0;
+  for (const SkeletonClip& clip : skin.clips) {
+    std::vector<JointTransform> locals = skin.skeleton.rest();
+    for (const double part : {-1.0, 0.0, 0.3, 0.7, 1.0, 2.0}) {
+      clip.pose(part * clip.duration, locals);
+      for (const JointTransform& local : locals)
+        require(
+            local.translation.allFinite() && local.rotation.coeffs().allFinite() && local.scale.allFinite(),
+            "a clip's pose is not finite");
+    }
+    for (const ClipSampler& sampler : clip.samplers) values += sampler.values.size();
+    require(skin.blended(skin.skeleton.place(locals)).size() == vertices, "a pose lost vertices");
+  }
+  require(values <= file_bytes, "more values than the file has bytes");
+}
+
 /// A field that is accepted can be sampled anywhere, and is written as it was read.
 void checkField(const StoredField& stored, std::span<const std::byte> bytes) {
   const DistanceField& field = stored.field;
@@ -131,6 +165,10 @@ bool checkObjMeshReader(std::span<const std::byte> bytes) {
 
 bool checkGltfReader(std::span<const std::byte> bytes) {
   return accepts([&] { checkMesh(readGltfMesh(bytes, kName)); });
+}
+
+bool checkGltfSkinReader(std::span<const std::byte> bytes) {
+  return accepts([&] { checkSkin(readGltfSkin(bytes, kName), bytes.size()); });
 }
 
 bool checkSdfReader(std::span<const std::byte> bytes) {

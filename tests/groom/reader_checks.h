@@ -15,6 +15,7 @@ bool checkHairReader(std::span<const std::byte> bytes);
 bool checkObjStrandsReader(std::span<const std::byte> bytes);
 bool checkObjMeshReader(std::span<const std::byte> bytes);
 bool checkGltfReader(std::span<const std::byte> bytes);
+bool checkGltfSkinReader(std::span<const std::byte> bytes);
 bool checkSdfReader(std::span<const std::byte> bytes);
 
 /// For the fuzzers: when the first argument that is no option names a folder, puts the seeds into it.

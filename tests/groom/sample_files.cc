@@ -25,17 +25,6 @@ Bytes quadBuffer() {
   return writer.take();
 }
 
-std::string base64(const Bytes& bytes) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (size_t i = 0; i < bytes.size(); i += 3) {  // the samples' sizes are multiples of 3
-    uint32_t bits = 0;
-    for (size_t k = 0; k < 3; ++k) bits = bits << 8 | static_cast<uint32_t>(bytes[i + k]);
-    for (int shift = 18; shift >= 0; shift -= 6) text += kDigits[bits >> shift & 63];
-  }
-  return text;
-}
-
 }  // namespace
 
 Vec3 vertex(size_t s, size_t i) {
@@ -47,6 +36,17 @@ Bytes fromText(const std::string& text) {
   Bytes bytes(text.size());
   std::memcpy(bytes.data(), text.data(), text.size());
   return bytes;
+}
+
+std::string base64(const Bytes& bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t bits = 0;
+    for (size_t k = 0; k < 3; ++k) bits = bits << 8 | static_cast<uint32_t>(bytes[i + k]);
+    for (int shift = 18; shift >= 0; shift -= 6) text += kDigits[bits >> shift & 63];
+  }
+  return text;
 }
 
 Bytes tfx3(bool both_ends_immovable) {

@@ -31,6 +31,8 @@ constexpr uint64_t kFieldKey = 0x0123456789ABCDEF;
 Vec3 vertex(size_t s, size_t i);
 
 Bytes fromText(const std::string& text);
+/// Of a multiple of three bytes.
+std::string base64(const Bytes& bytes);
 
 template <class T>
 void overwrite(Bytes& bytes, size_t offset, T value) {

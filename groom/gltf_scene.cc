@@ -1,0 +1,70 @@
+#include "groom/gltf_scene.h"
+
+#include <fmt/format.h>
+
+namespace strandcast {
+namespace {
+
+using nlohmann::json;
+
+size_t nodeCount(const GltfDocument& document) {
+  const auto nodes = document.root().find("nodes");
+  return nodes != document.root().end() && nodes->is_array() ? nodes->size() : 0;
+}
+
+std::vector<uint64_t> nodeList(const GltfDocument& document, const json& object, const char* key,
+                               const std::string& part) {
+  std::vector<uint64_t> nodes;
+  const auto list = object.find(key);
+  if (list == object.end()) return nodes;
+  if (!list->is_array()) document.fail(fmt::format("{} is not an array", key), part);
+  for (const json& node : *list) {
+    if (!node.is_number_unsigned() || node.get<uint64_t>() >= nodeCount(document))
+      document.fail(fmt::format("{} names a node that does not exist", key), part);
+    nodes.push_back(node.get<uint64_t>());
+  }
+  return nodes;
+}
+
+/// Without scenes, the nodes that are nobody's children.
+std::vector<uint64_t> rootNodes(const GltfDocument& document) {
+  if (document.root().contains("scenes")) {
+    const uint64_t scene = document.unsignedMember(document.root(), "scene", "scene").value_or(0);
+    return nodeList(document, document.entry("scenes", scene, "scene"), "nodes",
+                    fmt::format("scenes[{}]", scene));
+  }
+  std::vector<bool> is_child(nodeCount(document));
+  for (uint64_t n = 0; n < is_child.size(); ++n) {
+    const std::string part = gltfNodePart(n);
+    for (const uint64_t child : nodeList(document, document.entry("nodes", n, part), "children", part))
+      is_child[child] = true;
+  }
+  std::vector<uint64_t> roots;
+  for (uint64_t n = 0; n < is_child.size(); ++n)
+    if (!is_child[n]) roots.push_back(n);
+  return roots;
+}
+
+}  // namespace
+
+std::string gltfNodePart(uint64_t node) { return fmt::format("nodes[{}]", node); }
+
+std::vector<GltfNode> sceneNodes(const GltfDocument& document) {
+  std::vector<bool> visited(nodeCount(document));
+  std::vector<GltfNode> out, stack;
+  for (const uint64_t root : rootNodes(document)) stack.push_back({root, -1});
+  while (!stack.empty()) {
+    const GltfNode visit = stack.back();
+    stack.pop_back();
+    const std::string part = gltfNodePart(visit.index);
+    const json& node = document.entry("nodes", visit.index, "a scene or node");
+    if (visited[visit.index]) document.fail("the node has two parents, or is its own", part);
+    visited[visit.index] = true;
+    const int place = static_cast<int>(out.size());
+    out.push_back(visit);
+    for (const uint64_t child : nodeList(document, node, "children", part)) stack.push_back({child, place});
+  }
+  return out;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,88 @@
+#include "scenes/bvh_skeleton.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "scenes/skin_parts.h"
+
+namespace strandcast {
+namespace {
+
+/// Values per frame as a spline whose tangents are half of the way from the frame before to the one after.
+ClipSampler splineThrough(const std::vector<Eigen::Vector4f>& values, uint32_t components,
+                          double frame_time) {
+  ClipSampler out;
+  out.interpolation = ClipInterpolation::kCubicSpline;
+  out.components = components;
+  for (size_t f = 0; f < values.size(); ++f) {
+    out.times.push_back(static_cast<float>(frame_time * static_cast<double>(f)));
+    const size_t before = f == 0 ? 0 : f - 1, after = std::min(f + 1, values.size() - 1);
+    const auto seconds = static_cast<float>(frame_time * static_cast<double>(after - before));
+    const Eigen::Vector4f tangent =
+        seconds > 0 ? Eigen::Vector4f((values[after] - values[before]) / seconds) : Eigen::Vector4f::Zero();
+    for (const Eigen::Vector4f& v : {tangent, values[f], tangent})
+      out.values.insert(out.values.end(), v.data(), v.data() + components);
+  }
+  return out;
+}
+
+/// The same rotations, each on the side of the one before.
+void alignSigns(std::vector<Eigen::Vector4f>& quaternions) {
+  for (size_t f = 1; f < quaternions.size(); ++f)
+    if (quaternions[f].dot(quaternions[f - 1]) < 0) quaternions[f] *= -1;
+}
+
+}  // namespace
+
+BvhOnSkeleton onSkeleton(const BvhClip& bvh, const Skeleton& skeleton, float unit_meters,
+                         const std::string& name) {
+  const float unit = unit_meters > 0 ? unit_meters : bvh.guessedUnit();
+  const Quat up = bvh.upright(static_cast<size_t>(std::max(bvh.find(""), 0)));
+  const std::vector<Placement> rest = skeleton.place(skeleton.rest());
+  const size_t joints = skeleton.joints.size();
+  BvhOnSkeleton out;
+  std::vector<int> namesake;
+  for (const SkeletonJoint& joint : skeleton.joints) {
+    namesake.push_back(joint.name.empty() ? -1 : bvh.find(joint.name));
+    out.joints += namesake.back() >= 0 ? 1 : 0;
+  }
+  if (out.joints == 0)
+    throw Error("no joint of the clip has the name of one of the body's", name,
+                "rename them: the clip has '" + bvh.joints.front().name + "', the body '" +
+                    skeleton.joints.front().name + "'");
+  std::vector<std::vector<Eigen::Vector4f>> turns(joints), moves(joints);
+  const Quat root = nearestRotation(skeleton.root.linear());
+  std::vector<Quat> now(joints);
+  for (size_t f = 0; f < bvh.frames; ++f)
+    for (size_t j = 0; j < joints; ++j) {
+      const SkeletonJoint& joint = skeleton.joints[j];
+      const Quat parent = joint.parent < 0 ? root : now[static_cast<size_t>(joint.parent)];
+      now[j] = parent * joint.rest.rotation;
+      if (namesake[j] < 0) continue;
+      const auto other = static_cast<size_t>(namesake[j]);
+      const Pose pose = bvh.pose(other, f);
+      now[j] = (up * pose.rotation * up.conjugate() * nearestRotation(rest[j].linear())).normalized();
+      turns[j].emplace_back((parent.conjugate() * now[j]).normalized().coeffs());
+      if (bvh.joints[other].parent >= 0) continue;
+      const Vec3 moved = up * (pose.position - bvh.pose(other, 0).position) * unit;
+      const Placement& above = joint.parent < 0 ? skeleton.root : rest[static_cast<size_t>(joint.parent)];
+      const Eigen::Vector3d local = above.inverse() * (rest[j].translation() + moved.cast<double>());
+      moves[j].emplace_back(local.cast<float>().homogeneous());
+    }
+  out.clip.name = name;
+  out.clip.duration = bvh.frame_time * static_cast<double>(bvh.frames - 1);
+  const auto add = [&](size_t joint, ClipPath path, const std::vector<Eigen::Vector4f>& values,
+                       uint32_t components) {
+    out.clip.channels.push_back(
+        {static_cast<uint32_t>(joint), path, static_cast<uint32_t>(out.clip.samplers.size())});
+    out.clip.samplers.push_back(splineThrough(values, components, bvh.frame_time));
+  };
+  for (size_t j = 0; j < joints; ++j) {
+    alignSigns(turns[j]);
+    if (!turns[j].empty()) add(j, ClipPath::kRotation, turns[j], 4);
+    if (!moves[j].empty()) add(j, ClipPath::kTranslation, moves[j], 3);
+  }
+  return out;
+}
+
+}  // namespace strandcast

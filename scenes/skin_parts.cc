@@ -1,0 +1,275 @@
+#include "scenes/skin_parts.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "core/error.h"
+
+namespace strandcast {
+namespace {
+
+/// Two joints, the lower number first, and the part between them: 0 is the first joint's own.
+struct Place {
+  uint32_t a = 0, b = 0;
+  float share = 0;  ///< of b, of what both have
+};
+using PartKey = std::array<uint32_t, 3>;  ///< a joint, another or itself, and which part between them
+
+/// Vertices that lie on one another are one: files have several where normals or textures break.
+std::vector<uint32_t> welded(const std::vector<Vec3>& positions) {
+  std::map<std::array<float, 3>, uint32_t> first;
+  std::vector<uint32_t> out;
+  for (const Vec3& p : positions)
+    out.push_back(first.try_emplace({p.x(), p.y(), p.z()}, static_cast<uint32_t>(out.size())).first->second);
+  return out;
+}
+
+Place placeOf(const SkinnedMesh& skin, const std::array<uint32_t, 3>& triangle) {
+  std::map<uint32_t, float> weights;
+  for (const uint32_t v : triangle)
+    for (const auto& [binding, weight] : skin.influences[v])
+      if (weight > 0) weights[skin.bindings[binding].joint] += weight;
+  std::pair<uint32_t, float> most{0, -1}, next{0, -1};
+  for (const auto& joint : weights) {
+    if (joint.second > most.second) {
+      next = most;
+      most = joint;
+    } else if (joint.second > next.second) {
+      next = joint;
+    }
+  }
+  if (next.second <= 0) return {most.first, most.first, 0};
+  const float share = next.second / (most.second + next.second);
+  if (most.first < next.first) return {most.first, next.first, share};
+  return {next.first, most.first, 1 - share};
+}
+
+class Cutter {
+ public:
+  Cutter(const SkinnedMesh& skin, const SkinCut& cut)
+      : skin_(skin), cut_(cut), weld_(welded(skin.mesh.positions)) {
+    for (const auto& triangle : skin.mesh.triangles) places_.push_back(placeOf(skin, triangle));
+    const std::vector<Placement> world = skin.skeleton.place(skin.skeleton.rest());
+    const std::vector<Placement> rest = skin.bindingsAt(world);
+    for (size_t b = 0; b < rest.size(); ++b) {
+      const Eigen::Matrix3d linear = rest[b].linear();
+      back_.push_back(linear.inverse());
+      if (!back_.back().allFinite())
+        throw Error("a joint has no inverse at rest",
+                    skin.mesh.name + ", joint " + nameOf(skin.bindings[b].joint),
+                    "export it with a scale above 0");
+    }
+  }
+
+  std::vector<SkinPart> run() {
+    for (;; --cut_.between) {
+      assign();
+      if (cores_.size() <= kMostSkinParts) break;
+      if (cut_.between == 0)
+        throw Error(fmt::format("{} joints carry the mesh", cores_.size()), skin_.mesh.name,
+                    fmt::format("export it with {} at most", kMostSkinParts));
+    }
+    std::vector<SkinPart> parts;
+    for (const auto& [key, core] : cores_) parts.push_back(partOf(key, core));
+    return parts;
+  }
+
+ private:
+  std::string nameOf(uint32_t joint) const { return skin_.skeleton.joints[joint].name; }
+  int bins() const { return cut_.between + 2; }
+  PartKey keyOf(const Place& place, int bin) const {
+    if (bin <= 0) return {place.a, place.a, 0};
+    if (bin >= bins() - 1) return {place.b, place.b, 0};
+    return {place.a, place.b, static_cast<uint32_t>(bin)};
+  }
+  int binOf(const Place& place) const {
+    return std::clamp(static_cast<int>(place.share * static_cast<float>(bins())), 0, bins() - 1);
+  }
+
+  void assign() {
+    constexpr size_t kFewest = 8;  // triangles of a part between joints
+    cores_.clear();
+    for (size_t t = 0; t < places_.size(); ++t) cores_[keyOf(places_[t], binOf(places_[t]))].push_back(t);
+    for (auto core = cores_.begin(); core != cores_.end();) {
+      if (core->first[2] == 0 || core->second.size() >= kFewest) {
+        ++core;
+        continue;
+      }
+      for (const size_t t : core->second)
+        cores_[places_[t].share < 0.5f ? keyOf(places_[t], 0) : keyOf(places_[t], bins())].push_back(t);
+      core = cores_.erase(core);
+    }
+  }
+
+  /// Whether a part reaches as far as the triangle's weights.
+  bool reaches(const PartKey& key, const Place& place) const {
+    const auto width = 1 / static_cast<float>(bins());
+    if (key[2] == 0)
+      return (place.a == key[0] && place.share < width + cut_.overlap) ||
+             (place.b == key[0] && place.share > 1 - width - cut_.overlap);
+    return place.a == key[0] && place.b == key[1] &&
+           std::fabs(place.share - (static_cast<float>(key[2]) + 0.5f) * width) < 0.5f * width + cut_.overlap;
+  }
+
+  SkinPart partOf(const PartKey& key, const std::vector<size_t>& core) const {
+    SkinPart part;
+    part.name =
+        key[2] == 0 ? nameOf(key[0]) : fmt::format("{}-{} {}", nameOf(key[0]), nameOf(key[1]), key[2]);
+    part.mesh.name = fmt::format("{}, part {}", skin_.mesh.name, part.name);
+    std::set<uint32_t> own;
+    for (const size_t t : core)
+      for (const uint32_t v : skin_.mesh.triangles[t]) own.insert(weld_[v]);
+    // What the weights say, and one ring at least.
+    std::vector<std::array<uint32_t, 3>> triangles;
+    for (size_t t = 0; t < places_.size(); ++t) {
+      std::array<uint32_t, 3> triangle = skin_.mesh.triangles[t];
+      for (uint32_t& v : triangle) v = weld_[v];
+      const bool beside =
+          std::any_of(triangle.begin(), triangle.end(), [&](uint32_t v) { return own.contains(v); });
+      if (beside || reaches(key, places_[t])) triangles.push_back(triangle);
+    }
+    part.mesh = closed(std::move(triangles), part.mesh.name);
+    fit(key, core, part);
+    return part;
+  }
+
+  /// The triangles and, about the middle of each of their open edges' rings, a fan that closes it.
+  TriangleMesh closed(std::vector<std::array<uint32_t, 3>> triangles, const std::string& name) const {
+    std::map<std::pair<uint32_t, uint32_t>, int> edges;  // directed, less those the other way round
+    for (const auto& t : triangles)
+      for (int c = 0; c < 3; ++c) {
+        const uint32_t from = t[static_cast<size_t>(c)], to = t[static_cast<size_t>((c + 1) % 3)];
+        edges[std::minmax(from, to)] += from < to ? 1 : -1;
+      }
+    std::map<uint32_t, uint32_t> ring;  // vertex -> another of the same ring
+    const auto find = [&](uint32_t v) {
+      while (ring.at(v) != v) v = ring[v] = ring.at(ring.at(v));
+      return v;
+    };
+    for (const auto& [edge, count] : edges) {
+      if (count == 0) continue;
+      for (const uint32_t v : {edge.first, edge.second}) ring.try_emplace(v, v);
+      ring[find(edge.first)] = find(edge.second);
+    }
+    std::map<uint32_t, std::pair<Vec3, float>> middles;  // ring -> sum of places, length
+    for (const auto& [edge, count] : edges) {
+      if (count == 0) continue;
+      const Vec3 &a = skin_.mesh.positions[edge.first], &b = skin_.mesh.positions[edge.second];
+      auto& [sum, length] = middles.try_emplace(find(edge.first), Vec3::Zero(), 0.0f).first->second;
+      sum += 0.5f * (b - a).norm() * (a + b);
+      length += (b - a).norm();
+    }
+    TriangleMesh out;
+    out.name = name;
+    std::map<uint32_t, uint32_t> vertex;
+    const auto add = [&](uint32_t v) {
+      const auto [known, is_new] = vertex.try_emplace(v, static_cast<uint32_t>(out.positions.size()));
+      if (is_new) out.positions.push_back(skin_.mesh.positions[v]);
+      return known->second;
+    };
+    for (const auto& t : triangles) out.triangles.push_back({add(t[0]), add(t[1]), add(t[2])});
+    std::map<uint32_t, uint32_t> tips;
+    for (const auto& [edge, count] : edges) {
+      if (count == 0) continue;
+      const uint32_t root = find(edge.first);
+      const auto& [sum, length] = middles.at(root);
+      if (!(length > 0)) continue;
+      const auto [tip, is_new] = tips.try_emplace(root, static_cast<uint32_t>(out.positions.size()));
+      if (is_new) out.positions.push_back(sum / length);
+      const auto [from, to] = count > 0 ? edge : std::pair(edge.second, edge.first);
+      out.triangles.push_back({add(to), add(from), tip->second});
+    }
+    return out;
+  }
+
+  void fit(const PartKey& key, const std::vector<size_t>& core, SkinPart& part) const {
+    constexpr float kWhole = 0.999f;
+    constexpr double kLean = 1e-3;  // on the joints' own rotations, where vertices lie on a line
+    const auto wholly = [&](uint32_t v) {
+      float weight = 0;
+      for (const auto& [binding, w] : skin_.influences[v])
+        if (w > 0 && skin_.bindings[binding].joint == key[0]) weight += w;
+      return weight > kWhole;
+    };
+    std::map<uint32_t, double> areas;
+    double whole_area = 0, area = 0;
+    for (const size_t t : core) {
+      const auto& corners = skin_.mesh.triangles[t];
+      const Vec3 &a = skin_.mesh.positions[corners[0]], &b = skin_.mesh.positions[corners[1]],
+                 &c = skin_.mesh.positions[corners[2]];
+      const double third = static_cast<double>((b - a).cross(c - a).norm()) / 6 + 1e-12;
+      for (const uint32_t v : corners) {
+        areas[v] += third;
+        area += third;
+        whole_area += key[2] == 0 && wholly(v) ? third : 0;
+      }
+    }
+    // A joint's own part goes with the joint, as most of it does.
+    const bool joint_alone = whole_area > 0.25 * area;
+    if (joint_alone) std::erase_if(areas, [&](const auto& entry) { return !wholly(entry.first); });
+    double sum = 0;
+    part.middle.setZero();
+    for (const auto& [v, weight] : areas) {
+      part.middle += weight * skin_.mesh.positions[v].cast<double>();
+      sum += weight;
+    }
+    part.middle /= sum;
+    double spread = 0;
+    for (const auto& [v, weight] : areas)
+      spread += weight / sum * (skin_.mesh.positions[v].cast<double>() - part.middle).squaredNorm();
+    std::map<uint32_t, SkinPart::Moment> moments;
+    for (const auto& [v, weight] : areas) {
+      const Eigen::Vector4d stored = skin_.stored[v].cast<double>().homogeneous();
+      const Eigen::Vector3d from_middle = skin_.mesh.positions[v].cast<double>() - part.middle;
+      for (const auto& [binding, w] : skin_.influences[v]) {
+        if (!(w > 0)) continue;
+        auto& moment = moments[binding];
+        const double own = weight / sum * static_cast<double>(w);
+        if (moment.middle.isZero())
+          moment = {binding, decltype(moment.spread)::Zero(), decltype(moment.middle)::Zero()};
+        moment.spread += own * stored * from_middle.transpose();
+        moment.spread.topRows<3>() += kLean * (spread + 1e-12) * own * back_[binding];
+        moment.middle += own * stored;
+      }
+    }
+    for (const auto& [binding, moment] : moments) part.moments.push_back(moment);
+  }
+
+  const SkinnedMesh& skin_;
+  SkinCut cut_;
+  std::vector<uint32_t> weld_;
+  std::vector<Place> places_;          ///< per triangle
+  std::vector<Eigen::Matrix3d> back_;  ///< per binding
+  std::map<PartKey, std::vector<size_t>> cores_;
+};
+
+}  // namespace
+
+Quat nearestRotation(const Eigen::Matrix3d& matrix) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
+  return Eigen::Quaterniond(u * svd.matrixV().transpose()).normalized().cast<float>();
+}
+
+std::vector<SkinPart> cutSkin(const SkinnedMesh& skin, const SkinCut& cut) { return Cutter(skin, cut).run(); }
+
+Pose partPose(const SkinPart& part, std::span<const Placement> bindings) {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const SkinPart::Moment& moment : part.moments) {
+    const auto& m = bindings[moment.binding].matrix();
+    covariance += m * moment.spread;
+    middle += m * moment.middle;
+  }
+  const Quat rotation = nearestRotation(covariance);
+  return {Vec3((middle - rotation.cast<double>() * part.middle).cast<float>()), rotation};
+}
+
+}  // namespace strandcast

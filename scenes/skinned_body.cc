@@ -1,0 +1,156 @@
+#include "scenes/skinned_body.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/nearest_name.h"
+#include "scenes/bvh_skeleton.h"
+#include "scenes/ease.h"
+
+namespace strandcast {
+namespace {
+
+Pose rigid(const Placement& placement) {
+  return {Vec3(placement.translation().cast<float>()), nearestRotation(placement.linear())};
+}
+
+Placement placementOf(const Pose& pose) {
+  Placement out = Placement::Identity();
+  out.translate(pose.position.cast<double>());
+  out.rotate(pose.rotation.cast<double>());
+  return out;
+}
+
+/// The joints that carry skin come first in the search for a head: meshes have such names too.
+size_t jointNamed(const SkinnedMesh& skin, const std::string& name) {
+  if (name.empty()) {
+    Skeleton carrying;
+    std::vector<uint32_t> joints;
+    for (const SkinBinding& binding : skin.bindings) {
+      joints.push_back(binding.joint);
+      carrying.joints.push_back({skin.skeleton.joints[binding.joint].name, -1, {}});
+    }
+    const int found = carrying.find("");
+    if (found >= 0) return joints[static_cast<size_t>(found)];
+    throw Error("no joint of the body has 'head' in its name", skin.mesh.name,
+                "name the one that hair grows on (--body-joint)");
+  }
+  const int found = skin.skeleton.find(name);
+  if (found >= 0) return static_cast<size_t>(found);
+  std::vector<std::string> names;
+  for (const SkeletonJoint& joint : skin.skeleton.joints) names.push_back(joint.name);
+  throw Error("the body has no joint '" + name + "'", skin.mesh.name,
+              "did you mean '" + nearestName(name, names) + "'?");
+}
+
+SkeletonClip clipNamed(const SkinnedMesh& skin, const std::string& name, std::vector<std::string>& notes) {
+  if (name.empty()) return {};
+  if (name.ends_with(".bvh")) {
+    const BvhClip bvh = readBvh(std::filesystem::path(name));
+    BvhOnSkeleton found = onSkeleton(bvh, skin.skeleton, 0, name);
+    notes.push_back(fmt::format("{} of {} joints of the body are moved by {}", found.joints,
+                                skin.skeleton.joints.size(), name));
+    return std::move(found.clip);
+  }
+  std::vector<std::string> names;
+  for (const SkeletonClip& clip : skin.clips) {
+    if (clip.name == name) return clip;
+    names.push_back(clip.name);
+  }
+  throw Error(
+      "the body has no clip '" + name + "'", skin.mesh.name,
+      names.empty() ? "it has none; give a .bvh file" : "did you mean '" + nearestName(name, names) + "'?");
+}
+
+JointTransform between(const JointTransform& a, const JointTransform& b, double t) {
+  const auto share = static_cast<float>(t);
+  return {a.translation + share * (b.translation - a.translation), a.rotation.slerp(share, b.rotation),
+          a.scale + share * (b.scale - a.scale)};
+}
+
+}  // namespace
+
+SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion, const SkinCut& cut)
+    : skin_(std::move(skin)), joint_(jointNamed(skin_, motion.joint)), parts_(cutSkin(skin_, cut)) {
+  clip_ = clipNamed(skin_, motion.clip, notes_);
+  skin_.clips.clear();
+  rest_locals_ = skin_.skeleton.rest();
+  rest_ = skin_.skeleton.place(rest_locals_);
+  for (size_t j = 0; j < rest_.size(); ++j) {
+    const int parent = skin_.skeleton.joints[j].parent;
+    below_.push_back(j == joint_ || (parent >= 0 && below_[static_cast<size_t>(parent)]));
+  }
+  first_ = last_ = rest_locals_;
+  clip_.pose(0, first_);
+  clip_.pose(clip_.duration, last_);
+}
+
+Vec3 SkinnedBody::pivot() const { return Vec3(rest_[joint_].translation().cast<float>()); }
+
+std::vector<float> SkinnedBody::jointWeights() const {
+  std::vector<float> out;
+  for (const SkinInfluences& influences : skin_.influences) {
+    float sum = 0;
+    for (const auto& [binding, weight] : influences)
+      if (weight > 0 && below_[skin_.bindings[binding].joint]) sum += weight;
+    out.push_back(std::min(sum, 1.0f));
+  }
+  return out;
+}
+
+std::vector<JointTransform> SkinnedBody::played(double seconds) const {
+  std::vector<JointTransform> locals = rest_locals_;
+  if (clip_.channels.empty()) return locals;
+  const double period = clip_.duration;
+  const double t = period > 0 ? std::fmod(std::max(seconds, 0.0), period) : 0;
+  const double share = period > 0 ? t / period : 0;
+  const double blend = std::min(kLoopBlend, 0.5 * period);
+  const double back = blend > 0 ? 1 - ease((period - t) / blend) : 0;
+  clip_.pose(t, locals);
+  for (size_t j = 0; j < locals.size(); ++j) {
+    const auto travelled = static_cast<float>(share) * (last_[j].translation - first_[j].translation);
+    const Vec3 stays = locals[j].translation - travelled;
+    locals[j] = between(locals[j], first_[j], back);
+    locals[j].translation = stays;
+    locals[j] = between(rest_locals_[j], locals[j], ease(seconds / kStartSeconds));
+  }
+  return locals;
+}
+
+Pose SkinnedBody::carried(double seconds) const {
+  return rigid(skin_.skeleton.place(played(seconds))[joint_]) * rigid(rest_[joint_]).inverse();
+}
+
+std::vector<Placement> SkinnedBody::placed(double seconds, const Pose& head) const {
+  std::vector<Placement> world = skin_.skeleton.place(played(seconds));
+  const Pose carried = rigid(world[joint_]) * rigid(rest_[joint_]).inverse();
+  const Placement turn = placementOf(carried * head * carried.inverse());
+  for (size_t j = 0; j < world.size(); ++j)
+    if (below_[j]) world[j] = turn * world[j];
+  return world;
+}
+
+std::vector<Pose> SkinnedBody::partPoses(double seconds, const Pose& head) const {
+  const std::vector<Placement> bindings = skin_.bindingsAt(placed(seconds, head));
+  std::vector<Pose> out;
+  for (const SkinPart& part : parts_) out.push_back(partPose(part, bindings));
+  return out;
+}
+
+std::vector<Vec3> SkinnedBody::surface(double seconds, const Pose& head) const {
+  return skin_.blended(placed(seconds, head));
+}
+
+void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulation& simulation) {
+  if (body == nullptr) return simulation.setHeadPose(head);
+  Pose carried = body->carried(seconds) * head;
+  carried.rotation.normalize();
+  simulation.setHeadPose(carried);
+  BodyId id = body->first_body;
+  for (const Pose& pose : body->partPoses(seconds, head)) simulation.setBodyPose(id++, pose);
+}
+
+}  // namespace strandcast

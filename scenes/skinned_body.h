@@ -1,0 +1,68 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/simulation.h"
+#include "groom/skinned_mesh.h"
+#include "scenes/skin_parts.h"
+
+namespace strandcast {
+
+/// How a skinned body is moved.
+struct SkinnedMotion {
+  /// Of its own clips, by name, or a .bvh file whose joints have the same names; empty = none, it stands as
+  /// it is at rest.
+  std::string clip;
+  /// The joint that hair grows on and that the head's motion turns, with all that hangs on it; empty = the
+  /// first with "head" in its name.
+  std::string joint;
+};
+
+/// A body whose skin is blended from its joints, and its rigid parts. A clip starts from rest within half a
+/// second and is played in a loop: travel is taken out and the end returns to the start. The head's motion is
+/// relative to where the clip has the joint.
+class SkinnedBody {
+ public:
+  /// Throws Error on an unknown clip or joint, and as cutSkin and readBvh.
+  SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion, const SkinCut& cut = {});
+
+  const SkinnedMesh& skin() const { return skin_; }
+  const std::vector<SkinPart>& parts() const { return parts_; }
+  const std::string& joint() const { return skin_.skeleton.joints[joint_].name; }
+  Vec3 pivot() const;                                 ///< m, where the joint is at rest
+  double duration() const { return clip_.duration; }  ///< s, of the clip; 0 without one
+  bool hasClip() const { return !clip_.channels.empty(); }
+  /// How much of each vertex hangs on the joint and what hangs on it, 0 to 1.
+  std::vector<float> jointWeights() const;
+  /// What was found while making it, a line each.
+  const std::vector<std::string>& notes() const { return notes_; }
+
+  /// Where the clip has the joint, relative to rest.
+  Pose carried(double seconds) const;
+  /// Where the parts are, relative to rest, and the skin, m, when the head's motion is at `head`.
+  std::vector<Pose> partPoses(double seconds, const Pose& head) const;
+  std::vector<Vec3> surface(double seconds, const Pose& head) const;
+
+  /// The first of the parts' bodies in the simulation; the others follow it.
+  BodyId first_body = 0;
+
+ private:
+  std::vector<JointTransform> played(double seconds) const;
+  std::vector<Placement> placed(double seconds, const Pose& head) const;
+
+  SkinnedMesh skin_;
+  SkeletonClip clip_;
+  size_t joint_ = 0;
+  std::vector<bool> below_;  ///< per joint: it is the joint or hangs on it
+  std::vector<Placement> rest_;
+  std::vector<JointTransform> rest_locals_, first_, last_;  ///< at rest, and the clip's ends
+  std::vector<SkinPart> parts_;
+  std::vector<std::string> notes_;
+};
+
+/// Tells the simulation where head and body are to be at `seconds`, when the head's motion is at `head`.
+/// `body` may be null: then `head` is where the head is.
+void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulation& simulation);
+
+}  // namespace strandcast

@@ -1,0 +1,243 @@
+// Skinned bodies in scenes: clips of their own, BVH clips, the head's motion, and hair that lies on them.
+#include "scenes/skinned_body.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "collision/mesh_query.h"
+#include "collision/tree_broad_phase.h"
+#include "groom/file_bytes.h"
+#include "scenes/scene.h"
+#include "simd/simd_backend.h"
+#include "tests/groom/expect_error.h"
+#include "tests/groom/scratch_folder.h"
+#include "tests/groom/skinned_arm.h"
+
+namespace strandcast {
+namespace {
+
+SkinnedBody arm(const SkinnedMotion& motion, const samples::ArmOptions& options = {}) {
+  return SkinnedBody(readGltfSkin(samples::armGlb(options), "arm.glb"), motion);
+}
+
+double worstBetween(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  float worst = 0;
+  for (size_t v = 0; v < a.size(); ++v) worst = std::max(worst, (a[v] - b[v]).norm());
+  return static_cast<double>(worst);
+}
+
+TEST(SkinnedBody, AClipStartsFromRestAndLoopsWithoutAJump) {
+  const SkinnedBody body = arm({"bend", "lower"});
+  EXPECT_EQ(body.duration(), 2);
+  EXPECT_LT(worstBetween(body.surface(0, {}), body.skin().mesh.positions), 1e-6);
+  EXPECT_GT(worstBetween(body.surface(1, {}), body.skin().mesh.positions), 0.2) << "60 degrees";
+  const double step = 1e-3;
+  for (double t = 0; t < 5; t += step)
+    ASSERT_LT(worstBetween(body.surface(t, {}), body.surface(t + step, {})), 2.5 * step) << t;
+}
+
+TEST(SkinnedBody, TheHeadsMotionTurnsItsJointAndWhatHangsOnIt) {
+  samples::ArmOptions options;
+  options.joints = {"chest", "Head", "hat"};
+  options.bone = 0.15f;
+  const SkinnedBody body = arm({}, options);
+  EXPECT_EQ(body.joint(), "Head");
+  EXPECT_LT((body.pivot() - Vec3(0, 0.15f, 0)).norm(), 1e-6f);
+  EXPECT_FALSE(body.hasClip());
+  const Pose head = proceduralMotion("turn", body.pivot())(1.25);
+  const std::vector<Vec3> turned = body.surface(1.25, head);
+  const std::vector<float> weights = body.jointWeights();
+  for (size_t v = 0; v < turned.size(); ++v) {
+    const Vec3 rest = body.skin().mesh.positions[v];
+    EXPECT_LT((turned[v] - rest - weights[v] * (head.apply(rest) - rest)).norm(), 1e-6f);
+  }
+  EXPECT_EQ(weights.front(), 0) << "the bottom is the chest's";
+  EXPECT_EQ(weights.back(), 1) << "the top is the hat's";
+}
+
+/// Joints of the same names as an arm's, which hang in other places; the lower one turns about Z.
+std::string bendingBvh(const std::string& upper, const std::string& lower) {
+  std::string text =
+      "HIERARCHY\nROOT " + upper + "\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nJOINT " +
+      lower +
+      "\n{\nOFFSET 0 100 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 70 0\n}\n}\n}\n";
+  text += "MOTION\nFrames: 61\nFrame Time: 0.03333333\n";
+  for (int f = 0; f <= 60; ++f)
+    text += std::to_string(f) + " 0 0 " + std::to_string(60 - 2 * std::abs(f - 30)) + " 0 0\n";
+  return text;
+}
+
+TEST(SkinnedBody, ABvhClipMovesTheJointsOfItsNames) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "bend.bvh") << bendingBvh("upper", "lower");
+  const SkinnedBody bvh = arm({(folder / "bend.bvh").string(), "lower"}), own = arm({"bend", "lower"});
+  ASSERT_EQ(bvh.notes().size(), 1u);
+  EXPECT_NE(bvh.notes()[0].find("2 of 3 joints"), std::string::npos) << bvh.notes()[0];
+  for (const double t : {0.2, 0.5, 0.75, 0.9, 1.5})  // not at the turn, which a spline rounds
+    EXPECT_LT(worstBetween(bvh.surface(t, {}), own.surface(t, {})), 1e-3) << t << ": travel is taken out";
+  std::ofstream(folder / "other.bvh") << bendingBvh("Hips", "Spine");
+  expectError(
+      [&] {
+        arm({(folder / "other.bvh").string(), "lower"});
+      },
+      {"other.bvh", "no joint of the clip"});
+}
+
+TEST(SkinnedBody, WhatItDoesNotHaveIsRefused) {
+  expectError([] { arm({"walk", "lower"}); }, {"no clip 'walk'", "arm.glb", "bend"});
+  expectError([] { arm({"bend", "louver"}); }, {"no joint 'louver'", "arm.glb", "lower"});
+  expectError([] { arm({"bend", ""}); }, {"'head' in its name", "arm.glb", "--body-joint"});
+  expectError([] { arm({"/nowhere/walk.bvh", "lower"}); }, {"no such file", "/nowhere/walk.bvh"});
+}
+
+void writeStrands(const std::filesystem::path& file, const std::vector<std::vector<Vec3>>& strands) {
+  std::ofstream out(file);
+  size_t first = 1;
+  for (const std::vector<Vec3>& strand : strands) {
+    for (const Vec3& p : strand) out << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+    out << 'l';
+    for (size_t i = 0; i < strand.size(); ++i) out << ' ' << first + i;
+    out << '\n';
+    first += strand.size();
+  }
+}
+
+Simulation simulated(const Scene& scene) {
+  Parameters parameters = scene.parameters;
+  parameters.solver = SolverKind::kRod;
+  return Simulation(sceneModel(scene), scene.bodies, parameters, makeSimdBackend(), nullptr,
+                    makeTreeBroadPhase());
+}
+
+/// The arm lies along -X (its file has X up) and its forearm bends down or up about Z; hair from behind lies
+/// over it on both sides of the elbow.
+float deepestUnderTheSkin(float degrees) {
+  const ScratchFolder folder;
+  samples::ArmOptions options;
+  options.degrees = degrees;
+  writeFileBytes(folder / "arm.glb", samples::armGlb(options));
+  std::vector<std::vector<Vec3>> strands;
+  for (int s = 0; s < 24; ++s) {
+    std::vector<Vec3>& strand = strands.emplace_back();
+    for (int i = 0; i < 25; ++i)  // the file's axes: X up, Y to the left
+      strand.emplace_back(0.06f, 0.13f + 0.01f * static_cast<float>(s),
+                          -0.08f + 0.01f * static_cast<float>(i));
+  }
+  writeStrands(folder / "hair.obj", strands);
+  SceneOptions scene_options;
+  scene_options.groom = {folder / "hair.obj"};
+  scene_options.body = folder / "arm.glb";
+  scene_options.units = {1, UpAxis::kX};
+  scene_options.skinned = SkinnedMotion{"bend", "upper"};
+  scene_options.body_cell = 0.003f;
+  const Scene scene = makeScene(scene_options);
+  Simulation simulation = simulated(scene);
+  float deepest = 0;
+  TriangleMesh skin = scene.body;
+  for (int step = 1; step <= 200; ++step) {
+    const double end = simulation.time() + static_cast<double>(simulation.parameters().time_step);
+    moveTo(scene.skinned.get(), end, scene.motion(end), simulation);
+    simulation.step();
+    if (step % 8 != 0) continue;
+    skin.positions = scene.skinned->surface(simulation.time(), scene.motion(simulation.time()));
+    const MeshQuery query(skin);
+    for (const Vec3& p : simulation.guides()) {
+      EXPECT_TRUE(p.allFinite());
+      deepest = std::max(deepest, -query.signedDistance(p));
+    }
+  }
+  EXPECT_EQ(simulation.measure().non_finite, 0u);
+  std::printf("forearm bent by %.0f degrees: hair %.2f mm under the blended skin at most\n",
+              static_cast<double>(degrees), 1e3 * static_cast<double>(deepest));
+  return deepest;
+}
+
+// The parts are up to 1.3 mm under the skin of this arm (SkinParts.FollowABentArm).
+TEST(SkinnedScene, HairOnABendingArmStaysOnItsSkin) {
+  EXPECT_LT(deepestUnderTheSkin(60), 1.3e-3f + 1e-3f) << "the forearm goes down";
+  EXPECT_LT(deepestUnderTheSkin(-60), 1.3e-3f + 1e-3f) << "up, against the hair";
+}
+
+/// Hips that travel and sway, a spine that bends and a head that turns, once a second.
+std::string walkingBvh() {
+  std::string text =
+      "HIERARCHY\nROOT hips\n{\nOFFSET 0 90 0\nCHANNELS 6 Xposition Yposition Zposition Yrotation Xrotation "
+      "Zrotation\n";
+  for (const char* joint : {"spine", "neck", "head"})
+    text += std::string("JOINT ") + joint + "\n{\nOFFSET 0 20 0\nCHANNELS 3 Yrotation Xrotation Zrotation\n";
+  text += "End Site\n{\nOFFSET 0 20 0\n}\n}\n}\n}\n}\nMOTION\nFrames: 31\nFrame Time: 0.0333333\n";
+  for (int f = 0; f <= 30; ++f) {
+    const double turn = 2 * 3.14159265358979 * f / 30, sway = std::sin(turn), bounce = std::cos(2 * turn);
+    const double values[] = {2 * sway,   90 + 2 * bounce, 4.0 * f,   8 * sway, 3, 4 * sway,  // hips
+                             -12 * sway, 4 * bounce,      -6 * sway,                         // spine
+                             6 * sway,   5 * bounce,      3 * sway,                          // neck
+                             35 * sway,  8 * bounce,      4 * sway};                         // head
+    for (const double value : values) text += std::to_string(value) + " ";
+    text += "\n";
+  }
+  return text;
+}
+
+TEST(SkinnedScene, AWalkingFigureOf600StepsLeavesAllHairFinite) {
+  const ScratchFolder folder;
+  samples::ArmOptions options;
+  options.joints = {"hips", "spine", "neck", "head"};
+  options.radius = 0.08f;
+  options.bone = 0.18f;
+  options.blend = 0.05f;
+  options.spacing = 0.015f;
+  writeFileBytes(folder / "figure.glb", samples::armGlb(options));
+  std::ofstream(folder / "walk.bvh") << walkingBvh();
+  std::vector<std::vector<Vec3>> strands;
+  for (int s = 0; s < 60; ++s) {  // from the crown outward and down beside the neck
+    const float turn = 2.4f * static_cast<float>(s), wide = 0.083f + 0.0005f * static_cast<float>(s % 7);
+    std::vector<Vec3>& strand = strands.emplace_back();
+    for (int i = 0; i < 24; ++i)
+      strand.emplace_back(wide * std::cos(turn), 0.70f - 0.014f * static_cast<float>(i),
+                          wide * std::sin(turn));
+    strand.front() = Vec3(0.97f * 0.08f * std::cos(turn), 0.705f, 0.97f * 0.08f * std::sin(turn));
+  }
+  writeStrands(folder / "hair.obj", strands);
+  SceneOptions scene_options;
+  scene_options.groom = {folder / "hair.obj"};
+  scene_options.body = folder / "figure.glb";
+  scene_options.units = {1, UpAxis::kY};
+  scene_options.skinned = SkinnedMotion{(folder / "walk.bvh").string(), ""};
+  scene_options.motion = "nod";
+  scene_options.body_cell = 0.005f;
+  const Scene scene = makeScene(scene_options);
+  Simulation simulation = simulated(scene);
+  Measurement worst;
+  for (int step = 1; step <= 600; ++step) {
+    const double end = simulation.time() + static_cast<double>(simulation.parameters().time_step);
+    moveTo(scene.skinned.get(), end, scene.motion(end), simulation);
+    simulation.step();
+    EXPECT_EQ(simulation.resetBroken(), 0u);
+    if (step % 20 != 0) continue;
+    const Measurement now = simulation.measure();
+    worst.non_finite += now.non_finite;
+    worst.max_penetration = std::max(worst.max_penetration, now.max_penetration);
+  }
+  std::printf("%zu parts, 600 steps: %zu not finite, %.3f mm in a part at most\n", scene.bodies.size(),
+              static_cast<size_t>(worst.non_finite), 1e3 * worst.max_penetration);
+  EXPECT_EQ(worst.non_finite, 0u);
+  EXPECT_LT(worst.max_penetration, 1e-3);
+}
+
+TEST(SkinnedScene, WhatCannotBeSkinnedIsRefused) {
+  SceneOptions options;
+  options.skinned = SkinnedMotion{};
+  expectError([&] { makeScene(options); }, {"no body", "--body"});
+  const ScratchFolder folder;
+  writeStrands(folder / "hair.obj", {{Vec3(0, 0.3f, 0), Vec3(0, 0.4f, 0), Vec3(0, 0.5f, 0)}});
+  options.groom = {folder / "hair.obj"};
+  options.body = folder / "arm.glb";
+  options.body_contact = BodyContact::kSpheres;
+  expectError([&] { makeScene(options); }, {"arm.glb", "spheres"});
+}
+
+}  // namespace
+}  // namespace strandcast
