@@ -1,5 +1,6 @@
 #pragma once
 #include "gl/program.h"
+#include "render/light.h"
 #include "render/scene_block.h"
 #include "transport/messages.h"
 
@@ -15,10 +16,12 @@ class BodyPass {
 
   /// Triangles whose indices are out of range or whose corners are not finite are left out.
   void setBody(const BodyDescription& body);
+  /// Which are none at first.
+  void setLights(const LightCounts& lights);
   /// Of the body with its head at rest; empty without a body.
   const Box& bounds() const { return bounds_; }
 
-  void drawDepth(const Pose& head) const;  ///< from the light
+  void drawDepth(const Pose& head, size_t light) const;  ///< from a light of SceneBlock::lights
   void drawBackground() const;
   void drawBody(const Pose& head) const;
   void drawGround() const;
