@@ -4,10 +4,11 @@
 
 #include <CLI/CLI.hpp>
 #include <map>
+#include <memory>
 #include <numbers>
 
 #include "apps/hair_obstacles.h"
-#include "apps/presets.h"
+#include "apps/picture_arguments.h"
 #include "core/error.h"
 
 namespace strandcast {
@@ -24,57 +25,62 @@ std::string defaultOf(const PictureSetting& setting, const PictureOptions& optio
                                  : setting.choices[static_cast<size_t>(values[0])];
 }
 
-void addNumbers(CLI::Option_group& group, const PictureSetting& setting, PictureOptions& options) {
-  const std::string option = "--" + setting.info.name;
-  group
-      .add_option_function<std::vector<double>>(
-          option,
-          [&options, &setting, option](const std::vector<double>& values) {
-            try {
-              setPicture(options, setting, values, option);
-            } catch (const Error& error) {
-              throw CLI::ValidationError(error.what());
-            }
-          },
-          helpOf(setting))
-      ->expected(setting.info.components)
-      ->check(CLI::Range(setting.info.low, setting.info.high).description(setting.info.range))
-      ->type_name(setting.info.whole ? "INT" : "NUMBER")
-      ->default_str(defaultOf(setting, options));
-}
-
-void addChoice(CLI::Option_group& group, const PictureSetting& setting, PictureOptions& options) {
-  const std::string option = "--" + setting.info.name;
-  const auto set = [&options, &setting, option](const std::string& word) {
-    setPicture(options, setting, choiceNamed(setting, word, option), option);
-  };
-  group.add_option_function<std::string>(option, set, helpOf(setting))
-      ->check(CLI::IsMember(setting.choices))
-      ->type_name("NAME")
-      ->default_str(defaultOf(setting, options));
-}
-
 /// Errors as CLI11 has them.
-void readPresetOption(PictureOptions& options, const std::string& file) {
+template <class Act>
+void asOption(const Act& act) {
   try {
-    readPreset(file, options);
+    act();
   } catch (const Error& error) {
     throw CLI::ValidationError(error.what());
   }
 }
 
+using Arguments = std::shared_ptr<PictureArguments>;
+
+void addNumbers(CLI::Option_group& group, const PictureSetting& setting, const PictureOptions& options,
+                const Arguments& arguments) {
+  group
+      .add_option_function<std::vector<double>>(
+          "--" + setting.info.name,
+          [arguments, &setting](const std::vector<double>& values) {
+            asOption([&] { arguments->set(setting, values); });
+          },
+          helpOf(setting))
+      ->expected(setting.info.components)
+      ->check(CLI::Range(setting.info.low, setting.info.high).description(setting.info.range))
+      ->type_name(setting.info.whole ? "INT" : "NUMBER")
+      ->default_str(defaultOf(setting, options))
+      ->trigger_on_parse(setting.of_light);
+}
+
+void addChoice(CLI::Option_group& group, const PictureSetting& setting, const PictureOptions& options,
+               const Arguments& arguments) {
+  const auto set = [arguments, &setting](const std::string& word) {
+    asOption([&] { arguments->set(setting, choiceNamed(setting, word, "--" + setting.info.name)); });
+  };
+  group.add_option_function<std::string>("--" + setting.info.name, set, helpOf(setting))
+      ->check(CLI::IsMember(setting.choices))
+      ->type_name("NAME")
+      ->default_str(defaultOf(setting, options))
+      ->trigger_on_parse(setting.of_light);
+}
+
 }  // namespace
 
 void addPictureOptions(CLI::App& app, PictureOptions& options) {
-  const std::map<std::string, const char*> kGroups{
+  const std::map<std::string, std::string> kGroups{
       {"Picture", "how it looks"},
       {"Camera", "from where"},
       {"Growth", "how the full head of hair follows the guides"},
-      {"Light", "what shines on it"},
+      {"Light", fmt::format("what shines on it: each --light after the first adds one, to {} in all, and the "
+                            "options behind it are its",
+                            kMostLights)},
       {"Shadow", "deep opacity maps of the hair beside a depth map of the body"},
       {"Marks", "what there is to look for"}};
+  const auto arguments = std::make_shared<PictureArguments>(options);
   app.add_option_function<std::string>(
-         "--preset", [&options](const std::string& file) { readPresetOption(options, file); },
+         "--preset",
+         [arguments](const std::string& file) { asOption([&] { arguments->readPreset(file); }); },
          "TOML file as the viewer saves it, whose table [picture] counts; options win over it")
       ->trigger_on_parse()
       ->type_name("FILE");
@@ -87,9 +93,9 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
       group->add_option("--" + setting.info.name, options.*setting.file, setting.info.help)
           ->type_name("FILE");
     else if (setting.choices.empty())
-      addNumbers(*group, setting, options);
+      addNumbers(*group, setting, options, arguments);
     else
-      addChoice(*group, setting, options);
+      addChoice(*group, setting, options, arguments);
   }
 }
 

@@ -194,35 +194,47 @@ void addGrowth(std::vector<PictureSetting>& list) {
                          AT(settings.growth_path)));
 }
 
-void addLight(std::vector<PictureSetting>& list) {
-  const char* group = "Light";
+void addShading(std::vector<PictureSetting>& list) {
   list.push_back(choice<HairShading>(
-      group, "shading", "hair is lit at its vertices, with colours in between, or in every fragment",
+      "Light", "shading", "hair is lit at its vertices, with colours in between, or in every fragment",
       {{"vertex", HairShading::kVertex}, {"fragment", HairShading::kFragment}}, AT(settings.shading)));
+}
+
+/// Of one of them.
+void addLights(std::vector<PictureSetting>& list) {
+  const char* group = "Light";
+  const size_t first = list.size();
   list.push_back(choice<LightKind>(
       group, "light", "parallel as the sun's, from a point all around, or from a point within a cone",
       {{"directional", LightKind::kDirectional}, {"point", LightKind::kPoint}, {"spot", LightKind::kSpot}},
-      AT(settings.light.kind)));
+      AT(settings.lights[o.light].kind)));
   list.push_back(
       number(group, "light-intensity", "", 0, 10000,
              "irradiance, in units of the sun that the picture is exposed for; a point or spot light has it "
              "1 m away, and by the inverse-square law a quarter of it 2 m away",
-             AT(settings.light.intensity)));
+             AT(settings.lights[o.light].intensity)));
+  list.push_back(vector(group, "light-color", "", 0, 1,
+                        "red green blue, linear, of the sun's; white is as it",
+                        AT(settings.lights[o.light].color)));
   list.push_back(vector(group, "light-direction", "", -1, 1,
                         "the way that the light travels, of a spot its axis; not used by point",
-                        AT(settings.light.direction)));
+                        AT(settings.lights[o.light].direction)));
   list.push_back(vector(group, "light-position", "m", -1000, 1000, "of a point or spot light, Y up",
-                        AT(settings.light.position)));
+                        AT(settings.lights[o.light].position)));
   list.push_back(degrees(group, "light-cone", 1, 85, "of a spot, from its axis to where its light ends",
-                         AT(settings.light.cone)));
+                         AT(settings.lights[o.light].cone)));
   list.push_back(number(group, "light-edge", "", 0, 1,
                         "of a spot: outer part of its cone over which its light fades; 0 is sharp",
-                        AT(settings.light.cone_edge)));
+                        AT(settings.lights[o.light].cone_edge)));
+  list.push_back(flag(group, "light-shadow", "hair and body cast shadows of it",
+                      AT(settings.lights[o.light].casts_shadow)));
+  for (size_t i = first; i < list.size(); ++i) list[i].of_light = true;
 }
 
 void addShadow(std::vector<PictureSetting>& list) {
   const char* group = "Shadow";
-  list.push_back(flag(group, "shadows", "of hair and body", AT(settings.shadows)));
+  list.push_back(
+      flag(group, "shadows", "of hair and body, of all lights that cast any", AT(settings.shadows)));
   list.push_back(choice<int>(group, "shadow-layers", "of the hair's deep opacity map",
                              {{"3", 3}, {"7", 7}, {"11", 11}, {"15", 15}}, AT(settings.opacity.layers)));
   list.push_back(choice<LayerSizes>(group, "layer-sizes", "how the layers grow from the front on",
@@ -265,7 +277,8 @@ void addMarks(std::vector<PictureSetting>& list) {
 const std::vector<PictureSetting>& pictureSettings() {
   static const std::vector<PictureSetting> list = [] {
     std::vector<PictureSetting> all;
-    for (const auto add : {addPicture, addCamera, addGrowth, addLight, addShadow, addMarks}) add(all);
+    for (const auto add : {addPicture, addCamera, addGrowth, addShading, addLights, addShadow, addMarks})
+      add(all);
     return all;
   }();
   return list;
@@ -303,6 +316,14 @@ std::vector<double> choiceNamed(const PictureSetting& setting, const std::string
     throw Error(fmt::format("'{}' cannot be '{}'", setting.info.name, choice), where,
                 fmt::format("choose one of {}", fmt::join(setting.choices, ", ")));
   return {static_cast<double>(known - setting.choices.begin())};
+}
+
+void addLight(PictureOptions& options, const std::string& where) {
+  std::vector<Light>& lights = options.settings.lights;
+  if (lights.size() >= kMostLights)
+    throw Error(fmt::format("a picture has at most {} lights", kMostLights), where, "leave one out");
+  options.light = lights.size();
+  lights.emplace_back();
 }
 
 RenderSettings renderSettings(const PictureOptions& options) {

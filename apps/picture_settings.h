@@ -11,7 +11,8 @@ namespace strandcast {
 
 /// What `render`, `compare` and `view` have in common: how the picture looks and from where.
 struct PictureOptions {
-  RenderSettings settings;
+  RenderSettings settings;             ///< with one light or more
+  size_t light = 0;                    ///< the one that settings of lights are of
   double azimuth = 25, elevation = 5;  ///< degrees; 0 looks at the face
   double zoom = 1;
   std::filesystem::path density_map, thickness_map, importance_map;  ///< empty = none
@@ -28,6 +29,7 @@ struct PictureSetting {
   std::function<std::vector<double>(const PictureOptions&)> get{};
   std::function<void(PictureOptions&, const std::vector<double>&)> set{};  ///< unchecked
   std::filesystem::path PictureOptions::*file = nullptr;
+  bool of_light = false;  ///< "light" is its kind, others have "light-" in front
 };
 /// Settings of a group follow each other.
 const std::vector<PictureSetting>& pictureSettings();
@@ -40,6 +42,9 @@ void setPicture(PictureOptions& options, const PictureSetting& setting, const st
 /// The index of a choice as numbers have it. Error, naming `where`, on an unknown one.
 std::vector<double> choiceNamed(const PictureSetting& setting, const std::string& choice,
                                 const std::string& where);
+
+/// Adds a light as lights are by default and turns to it. Error, naming `where`, beyond kMostLights.
+void addLight(PictureOptions& options, const std::string& where);
 
 /// The settings with the maps that the options name. Throws Error where one cannot be read.
 RenderSettings renderSettings(const PictureOptions& options);

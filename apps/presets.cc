@@ -78,22 +78,58 @@ std::vector<RenderPass> passesOf(const toml::node& node, const std::string& wher
   return passes;
 }
 
-void readPicture(const toml::table& table, const std::string& file, PictureOptions& picture) {
+/// As the table of a light has it.
+std::string lightKey(const PictureSetting& setting) {
+  return setting.info.name == "light" ? "kind" : setting.info.name.substr(std::string("light-").size());
+}
+
+void readSetting(const PictureSetting& setting, const toml::node& node, const std::string& where,
+                 PictureOptions& picture) {
+  if (setting.file != nullptr)
+    picture.*setting.file = textOf(node, where);
+  else if (setting.choices.empty())
+    setPicture(picture, setting, numbersOf(node, where), where);
+  else
+    setPicture(picture, setting, choiceNamed(setting, textOf(node, where), where), where);
+}
+
+std::string placeOf(const toml::node& node, const std::string& file) {
+  return fmt::format("{} line {}", file, node.source().begin.line);
+}
+
+void readPicture(const toml::table& table, const std::string& file, bool has_lights,
+                 PictureOptions& picture) {
   for (const auto& [key, node] : table) {
     const std::string name(key.str());
-    const std::string where = fmt::format("{} line {}, picture.{}", file, node.source().begin.line, name);
+    const std::string where = fmt::format("{}, picture.{}", placeOf(node, file), name);
     if (name == "passes") {
       picture.settings.passes = passesOf(node, where);
       continue;
     }
     const PictureSetting& setting = pictureSetting(name, where);
-    if (setting.file != nullptr)
-      picture.*setting.file = textOf(node, where);
-    else if (setting.choices.empty())
-      setPicture(picture, setting, numbersOf(node, where), where);
-    else
-      setPicture(picture, setting, choiceNamed(setting, textOf(node, where), where), where);
+    if (setting.of_light) {
+      if (has_lights) throw Error("lights are given twice", where, "say it in a table [[light]]");
+      picture.settings.lights.resize(1);
+      picture.light = 0;
+    }
+    readSetting(setting, node, where, picture);
   }
+}
+
+void readLights(const toml::node& node, const std::string& file, PictureOptions& picture) {
+  const toml::array* array = node.as_array();
+  if (array == nullptr || array->empty() || !array->is_homogeneous(toml::node_type::table))
+    throw Error("'light' is no list of lights", placeOf(node, file), "give a table [[light]] for each");
+  picture.settings.lights.clear();
+  for (const toml::node& one : *array) {
+    addLight(picture, placeOf(one, file));
+    for (const auto& [key, value] : *one.as_table()) {
+      const std::string name(key.str());
+      const std::string where = fmt::format("{}, light.{}", placeOf(value, file), name);
+      readSetting(pictureSetting(name == "kind" ? "light" : "light-" + name, where), value, where, picture);
+    }
+  }
+  picture.light = 0;
 }
 
 }  // namespace
@@ -107,10 +143,17 @@ std::string presetText(const NamedValues& parameters, const PictureOptions& pict
   }
   text += "[picture]\n";
   for (const PictureSetting& setting : pictureSettings())
-    text += fmt::format("{} = {}\n", setting.info.name, valueText(setting, picture));
+    if (!setting.of_light) text += fmt::format("{} = {}\n", setting.info.name, valueText(setting, picture));
   std::vector<std::string> passes;
   for (const RenderPass pass : picture.settings.passes) passes.push_back(quoted(nameOf(pass)));
-  return text + fmt::format("passes = [{}]\n", fmt::join(passes, ", "));
+  text += fmt::format("passes = [{}]\n", fmt::join(passes, ", "));
+  PictureOptions each = picture;
+  for (each.light = 0; each.light < picture.settings.lights.size(); ++each.light) {
+    text += "\n[[light]]\n";
+    for (const PictureSetting& setting : pictureSettings())
+      if (setting.of_light) text += fmt::format("{} = {}\n", lightKey(setting), valueText(setting, each));
+  }
+  return text;
 }
 
 NamedValues readPresetText(const std::string& text, const std::string& name, PictureOptions& picture) {
@@ -120,12 +163,16 @@ NamedValues readPresetText(const std::string& text, const std::string& name, Pic
   Parameters checked;
   for (const auto& [key, node] : root) {
     const std::string section(key.str());
+    if (section == "light") {
+      readLights(node, name, read);
+      continue;
+    }
     const toml::table* table = node.as_table();
     if (table == nullptr || (section != "parameters" && section != "picture"))
-      throw Error("'" + section + "' is not known", fmt::format("{} line {}", name, node.source().begin.line),
-                  "a preset has the tables [parameters] and [picture]");
+      throw Error("'" + section + "' is not known", placeOf(node, name),
+                  "a preset has the tables [parameters], [picture] and [[light]]");
     if (section == "picture") {
-      readPicture(*table, name, read);
+      readPicture(*table, name, root.contains("light"), read);
       continue;
     }
     for (const auto& [parameter, value] : *table) {

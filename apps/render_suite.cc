@@ -221,7 +221,7 @@ std::vector<Case> shadowCases(const Laboratory& laboratory) {
                             some.seen(), many.seen());
   cases.insert(cases.end(), lit.begin(), lit.end());
   laboratory.checkStopped();
-  settings.light.kind = LightKind::kPoint;
+  settings.lights[0].kind = LightKind::kPoint;
   cases.push_back(lampCase(settings, layers));
   return cases;
 }

@@ -56,6 +56,11 @@ shot light-spot "${spot[@]}" --light-cone 16 --light-edge 0.4
 shot light-spot-sharp "${spot[@]}" --light-cone 10 --light-edge 0
 shot light-spot-shadow --scene straight --zoom 0.75 --azimuth -40 --elevation 30 --light spot \
   --light-position 0.9 1 1 --light-direction -0.7 -1 -0.8 --light-intensity 2.5 --light-cone 20
+above=(--light-intensity 3.5 --light-cone 22)
+shot light-three --scene straight --zoom 0.75 --azimuth 20 --elevation 30 \
+  --light spot --light-position 1.1 1 0.9 --light-direction -0.9 -1 -0.75 --light-color 1 0.15 0.05 "${above[@]}" \
+  --light spot --light-position -1.1 1 0.9 --light-direction 0.9 -1 -0.75 --light-color 0.05 0.8 0.15 "${above[@]}" \
+  --light spot --light-position 0 1 -1.4 --light-direction 0 -0.9 1 --light-color 0.1 0.25 1 "${above[@]}"
 fine=(--scene wavy --hair-width 0.00012 --hairs 20000)
 shot detail-near-full "${fine[@]}" --zoom 1.6 --detail 1 --longest-segment 0
 shot detail-near "${fine[@]}" --zoom 1.6

@@ -21,14 +21,25 @@ Eigen::Matrix4f matrix(const Pose& pose) {
   return m;
 }
 
+gl::Program groundProgram(const LightCounts& lights) {
+  return {"ground",
+          {{GL_VERTEX_SHADER, shaders::kGroundVert},
+           {GL_FRAGMENT_SHADER, shaders::kGroundFrag, lightDefines(lights)}}};
+}
+
+gl::Program bodyProgram(const LightCounts& lights) {
+  return {"body",
+          {{GL_VERTEX_SHADER, shaders::kBodyVert},
+           {GL_FRAGMENT_SHADER, shaders::kBodyFrag, lightDefines(lights)}}};
+}
+
 }  // namespace
 
 BodyPass::BodyPass()
     : background_("background", {{GL_VERTEX_SHADER, shaders::kBackgroundVert},
                                  {GL_FRAGMENT_SHADER, shaders::kBackgroundFrag}}),
-      ground_("ground",
-              {{GL_VERTEX_SHADER, shaders::kGroundVert}, {GL_FRAGMENT_SHADER, shaders::kGroundFrag}}),
-      body_("body", {{GL_VERTEX_SHADER, shaders::kBodyVert}, {GL_FRAGMENT_SHADER, shaders::kBodyFrag}}),
+      ground_(groundProgram({})),
+      body_(bodyProgram({})),
       depth_("body depth", {{GL_VERTEX_SHADER, shaders::kBodyVert, "#define DEPTH_ONLY\n"},
                             {GL_FRAGMENT_SHADER, shaders::kHairFrontFrag}}) {
   glCreateVertexArrays(1, &empty_vertices_);
@@ -46,6 +57,11 @@ BodyPass::BodyPass()
 BodyPass::~BodyPass() {
   glDeleteVertexArrays(1, &mesh_);
   glDeleteVertexArrays(1, &empty_vertices_);
+}
+
+void BodyPass::setLights(const LightCounts& lights) {
+  ground_ = groundProgram(lights);
+  body_ = bodyProgram(lights);
 }
 
 void BodyPass::setBody(const BodyDescription& body) {
@@ -115,7 +131,11 @@ void BodyPass::drawMesh(const gl::Program& program, const Pose& head) const {
   glBindVertexArray(0);
 }
 
-void BodyPass::drawDepth(const Pose& head) const { drawMesh(depth_, head); }
+void BodyPass::drawDepth(const Pose& head, size_t light) const {
+  depth_.set("map_light", static_cast<int>(light));
+  drawMesh(depth_, head);
+}
+
 void BodyPass::drawBody(const Pose& head) const { drawMesh(body_, head); }
 
 void BodyPass::drawBackground() const {

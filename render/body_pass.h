@@ -5,6 +5,7 @@
 
 #include "gl/program.h"
 #include "render/body_binding.h"
+#include "render/light.h"
 #include "render/scene_block.h"
 #include "transport/messages.h"
 
@@ -24,10 +25,12 @@ class BodyPass {
   void setObstacles(std::span<const HairObstacle> obstacles);
   /// For the pictures from now on.
   void place(std::span<const PlacedCollider> colliders);
+  /// Which are none at first.
+  void setLights(const LightCounts& lights);
   /// Of the body with its head at rest, or where its colliders are; empty without a body.
   const Box& bounds() const { return bounds_; }
 
-  void drawDepth(const Pose& head) const;  ///< from the light
+  void drawDepth(const Pose& head, size_t light) const;  ///< from a light of SceneBlock::lights
   void drawBackground() const;
   void drawBody(const Pose& head) const;
   void drawGround() const;

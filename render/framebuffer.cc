@@ -19,7 +19,7 @@ void requireComplete(GLuint framebuffer, const char* name) {
 
 }  // namespace
 
-Texture::Texture(GLenum format, int width, int height, GLenum filter, int slices) : slices_(slices) {
+Texture::Texture(GLenum format, int width, int height, GLenum filter, int slices) {
   glCreateTextures(slices > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, 1, &id_);
   if (slices > 0)
     glTextureStorage3D(id_, 1, format, width, height, slices);
@@ -41,15 +41,27 @@ Framebuffer::Framebuffer(const Texture* color, const Texture* depth) {
   requireComplete(id_, "off-screen target");
 }
 
-Framebuffer::Framebuffer(const Texture& slices) {
-  glCreateFramebuffers(1, &id_);
+Framebuffer Framebuffer::ofColors(const Texture& slices, int first, int count) {
+  Framebuffer made;
+  glCreateFramebuffers(1, &made.id_);
   std::vector<GLenum> targets;
-  for (int slice = 0; slice < slices.slices(); ++slice) {
+  for (int slice = 0; slice < count; ++slice) {
     targets.push_back(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(slice));
-    glNamedFramebufferTextureLayer(id_, targets.back(), slices.id(), 0, slice);
+    glNamedFramebufferTextureLayer(made.id_, targets.back(), slices.id(), 0, first + slice);
   }
-  glNamedFramebufferDrawBuffers(id_, static_cast<GLsizei>(targets.size()), targets.data());
-  requireComplete(id_, "off-screen slices");
+  glNamedFramebufferDrawBuffers(made.id_, count, targets.data());
+  requireComplete(made.id_, "off-screen slices");
+  return made;
+}
+
+Framebuffer Framebuffer::ofDepth(const Texture& slices, int slice) {
+  Framebuffer made;
+  glCreateFramebuffers(1, &made.id_);
+  glNamedFramebufferTextureLayer(made.id_, GL_DEPTH_ATTACHMENT, slices.id(), 0, slice);
+  glNamedFramebufferDrawBuffer(made.id_, GL_NONE);
+  glNamedFramebufferReadBuffer(made.id_, GL_NONE);
+  requireComplete(made.id_, "off-screen slice of depth");
+  return made;
 }
 
 PictureBuffer::PictureBuffer(int width, int height, int samples) : width_(width), height_(height) {

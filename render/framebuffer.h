@@ -17,15 +17,12 @@ class Texture {
   Texture(Texture&& other) noexcept { *this = std::move(other); }
   Texture& operator=(Texture&& other) noexcept {
     std::swap(id_, other.id_);
-    std::swap(slices_, other.slices_);
     return *this;
   }
   GLuint id() const { return id_; }
-  int slices() const { return slices_; }
 
  private:
   GLuint id_ = 0;
-  int slices_ = 0;
 };
 
 /// A framebuffer over textures, any of which may be null. Throws Error when the device refuses it.
@@ -33,8 +30,10 @@ class Framebuffer {
  public:
   Framebuffer() = default;
   Framebuffer(const Texture* color, const Texture* depth);
-  /// Over every slice of an array, a colour each.
-  explicit Framebuffer(const Texture& slices);
+  /// Over `count` slices of an array from `first` on, a colour each.
+  static Framebuffer ofColors(const Texture& slices, int first, int count);
+  /// Over one slice of an array of depths.
+  static Framebuffer ofDepth(const Texture& slices, int slice);
   ~Framebuffer() {
     if (id_ != 0) glDeleteFramebuffers(1, &id_);
   }

@@ -38,29 +38,43 @@ std::vector<gl::ShaderStage> tessellatedStages(const char* defines, const char* 
   return stages;
 }
 
-HairPass::Programs HairPass::makePrograms(GrowthPath path, HairGeometry geometry, HairShading shading) {
-  const std::string color =
-      std::string("#define COLOR\n") + (shading == HairShading::kFragment ? "#define PER_FRAGMENT\n" : "");
-  if (path == GrowthPath::kTessellator)
-    return {{"hair front", tessellatedStages("#define FRONT\n", shaders::kHairFrontFrag)},
-            {"hair opacity", tessellatedStages("#define OPACITY\n", shaders::kHairOpacityFrag)},
-            {"hair", colored(tessellatedStages(color.c_str(), shaders::kHairFrag), color)}};
+gl::Program HairPass::colorProgram(GrowthPath path, HairGeometry geometry, HairShading shading,
+                                   const LightCounts& lights) {
+  const std::string color = "#define COLOR\n" + lightDefines(lights) +
+                            (shading == HairShading::kFragment ? "#define PER_FRAGMENT\n" : "");
   const std::string strip = geometry == HairGeometry::kStrips ? "#define STRIP\n" : "";
-  return {{"hair front", grownStages("#define FRONT\n", shaders::kHairFrontFrag)},
-          {"hair opacity", grownStages("#define OPACITY\n", shaders::kHairOpacityFrag)},
-          {"hair", colored(grownStages(color + strip, shaders::kHairFrag), color)}};
+  return {"hair",
+          colored(path == GrowthPath::kTessellator ? tessellatedStages(color.c_str(), shaders::kHairFrag)
+                                                   : grownStages(color + strip, shaders::kHairFrag),
+                  color)};
 }
 
-HairPass::HairPass(GrowthPath path, HairGeometry geometry, HairShading shading)
+HairPass::Programs HairPass::makePrograms(GrowthPath path, HairGeometry geometry, HairShading shading,
+                                          const LightCounts& lights) {
+  const auto stages = [path](const char* defines, const char* fragment) {
+    return path == GrowthPath::kTessellator ? tessellatedStages(defines, fragment)
+                                            : grownStages(defines, fragment);
+  };
+  return {{"hair front", stages("#define FRONT\n", shaders::kHairFrontFrag)},
+          {"hair opacity", stages("#define OPACITY\n", shaders::kHairOpacityFrag)},
+          colorProgram(path, geometry, shading, lights)};
+}
+
+HairPass::HairPass(GrowthPath path, HairGeometry geometry, HairShading shading, const LightCounts& lights)
     : path_(path),
       geometry_(path == GrowthPath::kTessellator ? HairGeometry::kLines : geometry),
+      shading_(shading),
       block_buffer_(sizeof(GrowthBlock), nullptr, GL_DYNAMIC_STORAGE_BIT),
-      programs_(makePrograms(path, geometry, shading)) {
+      programs_(makePrograms(path, geometry, shading, lights)) {
   glCreateVertexArrays(1, &empty_vertices_);
   setHairs({}, {});
 }
 
 HairPass::~HairPass() { glDeleteVertexArrays(1, &empty_vertices_); }
+
+void HairPass::setLights(const LightCounts& lights) {
+  programs_.color = colorProgram(path_, geometry_, shading_, lights);
+}
 
 void HairPass::setHairs(std::vector<Hair> hairs, const HairGrowth& growth) {
   hairs_ = std::move(hairs);
@@ -101,11 +115,14 @@ void HairPass::bindHair(const GuideNodes& nodes) const {
   list_buffer_.bindStorage(binding::kHairList);
 }
 
-void HairPass::drawFront(const GuideNodes& nodes, const HairDetail& detail) const {
+void HairPass::drawFront(const GuideNodes& nodes, const HairDetail& detail, size_t light) const {
+  programs_.front.set("map_light", static_cast<int>(light));
   draw(programs_.front, nodes, detail, false);
 }
 
-void HairPass::drawOpacity(const GuideNodes& nodes, const HairDetail& detail, int map_size) const {
+void HairPass::drawOpacity(const GuideNodes& nodes, const HairDetail& detail, size_t light,
+                           int map_size) const {
+  programs_.opacity.set("map_light", static_cast<int>(light));
   programs_.opacity.set("map_size", static_cast<float>(map_size));
   draw(programs_.opacity, nodes, detail, false);
 }

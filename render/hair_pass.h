@@ -18,11 +18,13 @@ namespace strandcast {
 /// segments a patch, which draws lines only.
 class HairPass {
  public:
-  HairPass(GrowthPath path, HairGeometry geometry, HairShading shading = HairShading::kVertex);
+  HairPass(GrowthPath path, HairGeometry geometry, HairShading shading = HairShading::kVertex,
+           const LightCounts& lights = {});
   ~HairPass();
   HairPass(const HairPass&) = delete;
   HairPass& operator=(const HairPass&) = delete;
 
+  void setLights(const LightCounts& lights);
   /// Of `growth` what all hairs have in common counts.
   void setHairs(std::vector<Hair> hairs, const HairGrowth& growth);
   /// Which of the hairs a picture is of, in the order in which it draws them: HairDetail::hairs counts them
@@ -38,9 +40,9 @@ class HairPass {
 
   /// Once per picture, before it draws; `detail` holds what any pass will draw.
   void grow(const GuideNodes& nodes, const HairDetail& detail);
-  /// Depth of the hair nearest to the light.
-  void drawFront(const GuideNodes& nodes, const HairDetail& detail) const;
-  void drawOpacity(const GuideNodes& nodes, const HairDetail& detail, int map_size) const;
+  /// Depth of the hair nearest to a light of SceneBlock::lights.
+  void drawFront(const GuideNodes& nodes, const HairDetail& detail, size_t light) const;
+  void drawOpacity(const GuideNodes& nodes, const HairDetail& detail, size_t light, int map_size) const;
   void drawColor(const GuideNodes& nodes, const SceneBlock& block, const HairDetail& detail) const;
 
   /// With any program of grownStages or tessellatedStages, as the path is.
@@ -61,13 +63,17 @@ class HairPass {
   struct Programs {
     gl::Program front, opacity, color;
   };
-  static Programs makePrograms(GrowthPath path, HairGeometry geometry, HairShading shading);
+  static Programs makePrograms(GrowthPath path, HairGeometry geometry, HairShading shading,
+                               const LightCounts& lights);
+  static gl::Program colorProgram(GrowthPath path, HairGeometry geometry, HairShading shading,
+                                  const LightCounts& lights);
   void writeBlock(const GuideNodes& nodes, size_t bodies);
   void bindHair(const GuideNodes& nodes) const;
   void drawGrown(const gl::Program& program, size_t count, bool strips) const;
 
   GrowthPath path_;
   HairGeometry geometry_;
+  HairShading shading_;
   std::vector<Hair> hairs_;
   GrowthBlock block_{};
   bool keep_out_ = true;

@@ -11,6 +11,8 @@ LightProbe::LightProbe(const StrandSet& guides, const RenderSettings& settings)
       nodes_(settings_.segments),
       hair_(GrowthPath::kCompute, HairGeometry::kLines),
       scene_(sizeof(SceneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT) {
+  settings_.shadows = true;
+  for (Light& light : settings_.lights) light.casts_shadow = true;
   nodes_.setGroom(guides);
   nodes_.update(guides.positions, Pose{});
   hair_.setHairs(growHairs(guides, settings_.growth), settings_.growth);
@@ -18,19 +20,20 @@ LightProbe::LightProbe(const StrandSet& guides, const RenderSettings& settings)
   for (const Vec3& p : guides.positions) box_.extend(Eigen::Vector3f(p));
 }
 
-void LightProbe::bindScene(const ShadowMap& map, const OpacityLayers& layers) {
+void LightProbe::bindScene(const ShadowMaps& maps, const OpacityLayers& layers) {
   settings_.opacity = layers;
   block_ = makeSceneBlock(settings_, Camera{});
-  map.fit(block_, box_);
+  for (size_t light = 0; light < maps.lights(); ++light) maps.fit(block_.lights[light], box_);
   scene_.write(std::span<const SceneBlock>(&block_, 1));
   glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_.id());
 }
 
-std::vector<LightFragment> LightProbe::fragments(int map_size) {
+std::vector<LightFragment> LightProbe::fragments(int map_size, size_t light) {
   OpacityLayers layers;
   layers.map_size = map_size;
-  bindScene(ShadowMap(layers), layers);
+  bindScene(ShadowMaps(layers, settings_.lights.size()), layers);
   const gl::Program program("hair fragments", grownStages("#define OPACITY\n", shaders::kHairFragmentsFrag));
+  program.set("map_light", static_cast<int>(light));
   const Texture nowhere(GL_R8, map_size, map_size, GL_NEAREST);
   const Framebuffer target(&nowhere, nullptr);
   glBindFramebuffer(GL_FRAMEBUFFER, target.id());
@@ -58,23 +61,27 @@ std::vector<LightFragment> LightProbe::fragments(int map_size) {
   return found;
 }
 
-std::vector<LightAnswer> LightProbe::ask(const OpacityLayers& layers, std::span<const Vec3> points) {
-  const ShadowMap map(layers);
-  bindScene(map, layers);
+std::vector<LightAnswer> LightProbe::ask(const OpacityLayers& layers, std::span<const Vec3> points,
+                                         size_t light) {
+  const ShadowMaps maps(layers, settings_.lights.size());
+  bindScene(maps, layers);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
-  map.beginHairFront();
-  hair_.drawFront(nodes_, hair_.all());
-  map.beginHairOpacity();
-  hair_.drawOpacity(nodes_, hair_.all(), map.opacitySize());
-  map.end();
-  map.bindTextures();
+  for (size_t each = 0; each < maps.lights(); ++each) {
+    maps.beginHairFront(each);
+    hair_.drawFront(nodes_, hair_.all(), each);
+    maps.beginHairOpacity(each);
+    hair_.drawOpacity(nodes_, hair_.all(), each, maps.opacitySize());
+    maps.end();
+  }
+  maps.bindTextures();
   const gl::Program program("optical depth", {{GL_COMPUTE_SHADER, shaders::kOpticalDepthComp}});
   const gl::Buffer from(points);
   const gl::Buffer to(points.size() * sizeof(LightAnswer), nullptr, 0);
   from.bindStorage(binding::kProbe);
   to.bindStorage(binding::kProbeAnswer);
   program.set("point_count", static_cast<unsigned>(points.size()));
+  program.set("light", static_cast<int>(light));
   program.use();
   glDispatchCompute(static_cast<GLuint>((points.size() + 63) / 64), 1, 1);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);

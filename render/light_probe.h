@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "render/hair_pass.h"
-#include "render/shadow_map.h"
+#include "render/shadow_maps.h"
 
 namespace strandcast {
 
@@ -23,22 +23,24 @@ struct LightAnswer {
 /// A groom at rest and the light's maps of it, read back: for validation. Needs a current context.
 class LightProbe {
  public:
-  /// Of the settings, growth, hair_width, segments and light count.
+  /// Of the settings, growth, hair_width, segments and lights count, all of which cast shadows.
   LightProbe(const StrandSet& guides, const RenderSettings& settings);
 
   /// Every piece of hair that an opacity map of so many texels adds up, in no certain order: what is exact
-  /// along the light's rays.
-  std::vector<LightFragment> fragments(int map_size);
-  /// Draws the maps and asks them, by the shaders' own look-up, at points in the light's coordinates (0 to
-  /// 1).
-  std::vector<LightAnswer> ask(const OpacityLayers& layers, std::span<const Vec3> points);
+  /// along the rays of that light.
+  std::vector<LightFragment> fragments(int map_size, size_t light = 0);
+  /// Draws the maps of all lights and asks that one's, by the shaders' own look-up, at points in its
+  /// coordinates (0 to 1).
+  std::vector<LightAnswer> ask(const OpacityLayers& layers, std::span<const Vec3> points, size_t light = 0);
   /// m, of the light's coordinates from 0 to 1.
-  float depthRange() const { return block_.light.w(); }
+  float depthRange(size_t light = 0) const { return block_.lights[light].way.w(); }
   /// Tangent of half the angle that the maps of a light with a place take in.
-  float slope() const { return 1 / block_.light_view_projection.block<1, 3>(0, 0).norm(); }
+  float slope(size_t light = 0) const {
+    return 1 / block_.lights[light].view_projection.block<1, 3>(0, 0).norm();
+  }
 
  private:
-  void bindScene(const ShadowMap& map, const OpacityLayers& layers);
+  void bindScene(const ShadowMaps& maps, const OpacityLayers& layers);
 
   RenderSettings settings_;
   GuideNodes nodes_;

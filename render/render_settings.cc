@@ -53,6 +53,7 @@ Light clipped(const Light& light) {
   const bool directed = std::isfinite(length) && length > 1e-6f;
   l.direction = directed ? Vec3(l.direction / length) : Vec3(fallback.direction.normalized());
   for (int i = 0; i < 3; ++i) l.position[i] = inRange(l.position[i], -1000, 1000, fallback.position[i]);
+  l.color = color(l.color, fallback.color);
   l.intensity = inRange(l.intensity, 0, 1e4f, fallback.intensity);
   l.cone = inRange(l.cone, 0.01f, 1.5f, fallback.cone);
   l.cone_edge = inRange(l.cone_edge, 0, 1, fallback.cone_edge);
@@ -71,6 +72,11 @@ std::vector<RenderPass> allPasses() {
   std::vector<RenderPass> passes;
   for (int i = 0; i <= static_cast<int>(kLastPass); ++i) passes.push_back(static_cast<RenderPass>(i));
   return passes;
+}
+
+LightCounts countsOf(const RenderSettings& settings) {
+  const auto casters = std::ranges::count(settings.lights, true, &Light::casts_shadow);
+  return {settings.lights.size(), settings.shadows ? static_cast<size_t>(casters) : 0};
 }
 
 RenderSettings clipped(const RenderSettings& settings) {
@@ -97,7 +103,8 @@ RenderSettings clipped(const RenderSettings& settings) {
     if (pass <= kLastPass && std::find(passes.begin(), passes.end(), pass) == passes.end())
       passes.push_back(pass);
   s.passes = std::move(passes);
-  s.light = clipped(s.light);
+  if (s.lights.size() > kMostLights) s.lights.resize(kMostLights);
+  for (Light& light : s.lights) light = clipped(light);
   return s;
 }
 

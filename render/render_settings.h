@@ -36,8 +36,8 @@ struct LevelOfDetail {
 enum class RenderPass {
   kGuides,       ///< the guides' curves, for kGrowth
   kGrowth,       ///< hair from guides, for every pass that draws hair
-  kSolidShadow,  ///< depth of solids from the light
-  kHairShadow,   ///< front and opacity layers of the hair from the light
+  kSolidShadow,  ///< depth of solids from each light that casts shadows
+  kHairShadow,   ///< front and opacity layers of the hair from each of them
   kBackground,
   kBody,
   kGround,
@@ -73,12 +73,15 @@ struct RenderSettings {
   Vec3 hair_color{0.30f, 0.17f, 0.08f};  ///< of light scattered once around in the hair
   Vec3 body_color{0.62f, 0.42f, 0.33f};
   Vec3 background{0.30f, 0.33f, 0.38f};
-  Light light;
-  bool shadows = true;
+  /// kMostLights at most. Without any there is only the light from all around.
+  std::vector<Light> lights = std::vector<Light>(1);
+  bool shadows = true;    ///< of all lights that cast any
   OpacityLayers opacity;  ///< shadow of the hair
   /// In this order; one named twice is done once. Those that draw may come in any order, as depth decides.
   std::vector<RenderPass> passes = allPasses();
 };
+
+LightCounts countsOf(const RenderSettings& settings);
 
 /// `settings` with every value in its range and not-finite ones replaced by the defaults.
 RenderSettings clipped(const RenderSettings& settings);

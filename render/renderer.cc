@@ -13,7 +13,7 @@
 #include "render/hair_pass.h"
 #include "render/marks.h"
 #include "render/pass_clock.h"
-#include "render/shadow_map.h"
+#include "render/shadow_maps.h"
 #include "render/view_volume.h"
 
 namespace strandcast {
@@ -129,9 +129,17 @@ struct Renderer::Impl {
     if (first || changed(&RenderSettings::width, &RenderSettings::height, &RenderSettings::samples,
                          &RenderSettings::supersampling, &RenderSettings::filter))
       makePicture(next);
-    if (first || changed(&RenderSettings::opacity)) shadows = std::make_unique<ShadowMap>(next.opacity);
-    if (other_hair) hair = std::make_unique<HairPass>(next.growth_path, next.geometry, next.shading);
-    if (other_hair) hair->bodies().setObstacles(obstacles);
+    const LightCounts counts = countsOf(next);
+    const bool other_lights = counts != countsOf(settings);
+    if (first || changed(&RenderSettings::opacity) || counts.casters != shadows->lights())
+      shadows = std::make_unique<ShadowMaps>(next.opacity, counts.casters);
+    if (other_hair) {
+      hair = std::make_unique<HairPass>(next.growth_path, next.geometry, next.shading, counts);
+      hair->bodies().setObstacles(obstacles);
+    } else if (other_lights) {
+      hair->setLights(counts);
+    }
+    if (first || other_lights) body.setLights(counts);
     if (other_nodes) nodes = std::make_unique<GuideNodes>(next.segments);
     hair->setClearance(next.clearance);
     hair->keepOut(next.keep_out);
@@ -169,17 +177,14 @@ struct Renderer::Impl {
     if (guides.size() == nodes->vertices())
       groups.place(guides, settings.hair_width + 2 * settings.clearance);
     const ViewVolume view(block.view_projection);
-    const Eigen::Vector3f beside = Eigen::Vector3f::Constant(light_width * shadows->lookUpReach());
     std::vector<Sight> sights(groups.count(), Sight::kNone);
     statistics.groups = groups.count();
     statistics.groups_seen = 0;
     for (size_t g = 0; g < groups.count(); ++g) {
       if (!groups.box(g).isEmpty()) {
-        const BoxCorners corners = cornersOf(groups.box(g));
-        const Box wider(groups.box(g).min() - beside, groups.box(g).max() + beside);
-        if (!view.misses(corners))
+        if (!view.misses(cornersOf(groups.box(g))))
           sights[g] = Sight::kSeen;
-        else if (settings.shadows && !view.misses(shadowOf(wider)))
+        else if (castsInto(view, groups.box(g)))
           sights[g] = Sight::kCasts;
       }
       statistics.groups_seen += sights[g] == Sight::kSeen;
@@ -187,17 +192,27 @@ struct Renderer::Impl {
     return sights;
   }
 
+  /// Whether what is in the box may shade what the view has.
+  bool castsInto(const ViewVolume& view, const Box& box) const {
+    for (size_t light = 0; light < shadows->lights(); ++light) {
+      const Eigen::Vector3f beside = Eigen::Vector3f::Constant(map_widths[light] * shadows->lookUpReach());
+      if (!view.misses(shadowOf(Box(box.min() - beside, box.max() + beside), block.lights[light])))
+        return true;
+    }
+    return false;
+  }
+
   /// Corners about a box and all the places that its shadow may fall on.
-  std::array<Eigen::Vector3f, 16> shadowOf(const Box& box) const {
+  static std::array<Eigen::Vector3f, 16> shadowOf(const Box& box, const LightBlock& light) {
     const BoxCorners corners = cornersOf(box);
-    const Eigen::Vector3f from = block.light_place.head<3>();
-    const bool placed = block.light_place.w() > 0;
+    const Eigen::Vector3f from = light.place.head<3>();
+    const bool placed = light.place.w() > 0;
     // Away from a light with a place all corners go by one factor, so that what is between stays between.
-    const float farther = block.light.w() / std::max(box.exteriorDistance(from), 1e-3f);
+    const float farther = light.way.w() / std::max(box.exteriorDistance(from), 1e-3f);
     std::array<Eigen::Vector3f, 16> swept;
     for (size_t i = 0; i < 8; ++i) {
       const Eigen::Vector3f away = placed ? Eigen::Vector3f(farther * (corners[i] - from))
-                                          : Eigen::Vector3f(-block.light.w() * block.light.head<3>());
+                                          : Eigen::Vector3f(-light.way.w() * light.way.head<3>());
       swept[i] = corners[i];
       swept[i + 8] = corners[i] + away;
     }
@@ -231,7 +246,7 @@ struct Renderer::Impl {
   /// count them from then on.
   void selectHairs(const std::vector<Sight>& sights) {
     Selection wanted{settings.cull ? sights : std::vector(sights.size(), Sight::kSeen), detail.hairs,
-                     settings.shadows ? shadow_detail.hairs : detail.hairs};
+                     shadows->lights() > 0 ? shadow_detail.hairs : detail.hairs};
     if (wanted != selected) {
       std::vector<uint32_t> list;
       for (size_t i = 0; i < wanted.drawn; ++i)
@@ -316,7 +331,9 @@ struct Renderer::Impl {
     large.width *= settings.supersampling;
     large.height *= settings.supersampling;
     block = makeSceneBlock(large, camera);
-    light_width = shadows->fit(block, content());
+    const Box lit = content();
+    for (size_t light = 0; light < shadows->lights(); ++light)
+      map_widths[light] = shadows->fit(block.lights[light], lit);
     placeGround();
     const std::vector<Sight> sights = sightsOfGroups();
     const float widest = held_width.of(widestHair(sights), settings.detail.hysteresis);
@@ -343,17 +360,19 @@ struct Renderer::Impl {
         hair->grow(*nodes, shadow_detail);
         return;
       case RenderPass::kSolidShadow:
-        if (!settings.shadows) return;
-        shadows->beginSolids();
-        body.drawDepth(head);
+        for (size_t light = 0; light < shadows->lights(); ++light) {
+          shadows->beginSolids(light);
+          body.drawDepth(head, light);
+        }
         return;
       case RenderPass::kHairShadow:
-        if (!settings.shadows) return;
-        shadows->beginHairFront();
-        hair->drawFront(*nodes, shadow_detail);
-        shadows->beginHairOpacity();
-        hair->drawOpacity(*nodes, shadow_detail, shadows->opacitySize());
-        shadows->end();
+        for (size_t light = 0; light < shadows->lights(); ++light) {
+          shadows->beginHairFront(light);
+          hair->drawFront(*nodes, shadow_detail, light);
+          shadows->beginHairOpacity(light);
+          hair->drawOpacity(*nodes, shadow_detail, light, shadows->opacitySize());
+          shadows->end();
+        }
         return;
       case RenderPass::kBackground:
         beginPicture();
@@ -403,7 +422,7 @@ struct Renderer::Impl {
   RenderSettings settings;
   std::unique_ptr<PictureBuffer> picture;
   std::unique_ptr<Supersampling> still;  // null without supersampling
-  std::unique_ptr<ShadowMap> shadows;
+  std::unique_ptr<ShadowMaps> shadows;
   std::unique_ptr<GuideNodes> nodes;
   std::unique_ptr<HairPass> hair;
   std::vector<HairObstacle> obstacles;
@@ -422,7 +441,7 @@ struct Renderer::Impl {
   int least_segments = 1;
   // Of the picture that is being drawn.
   SceneBlock block{};
-  float light_width = 0;  // m, of the shadow maps at most
+  std::array<float, kMostLights> map_widths{};  // m, of each light's shadow maps at most
   HairDetail detail, shadow_detail;
   HairGroups groups;
   Selection selected;

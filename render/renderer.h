@@ -34,7 +34,7 @@ struct RenderStatistics {
          resolve_ms = 0;  ///< the same, those of shadows, and of body, ground and background, added up
 };
 
-/// Grows hair from guides and draws it over the body, with a ground, one light and its shadow map. Needs a
+/// Grows hair from guides and draws it over the body, with a ground, lights and their shadow maps. Needs a
 /// current OpenGL 4.5 context for its whole life. Work in linear light, tone mapped by 1 - exp(-x), stored as
 /// sRGB.
 class Renderer {

@@ -17,32 +17,37 @@ constexpr GLuint kGuidePositions = 0, kGuideKnots = 1, kGuides = 2, kNodes = 3, 
 constexpr GLuint kSolidDepth = 0, kHairFront = 1, kHairOpacity = 2;  // textures
 }  // namespace binding
 
+/// A light as shaders know it; LightBlock of shaders/scene.glsl, field for field.
+struct LightBlock {
+  Eigen::Matrix4f view_projection;  ///< of its shadow maps; z after the division by w (shaders/light.glsl)
+  Eigen::Vector4f way;    ///< unit, towards a directional light, or against the axis of another; w: depth
+                          ///< range of its shadow maps, m
+  Eigen::Vector4f place;  ///< m; w: 1 for a light that is there, 0 for a directional one
+  Eigen::Vector4f cone;   ///< coneCosines(); texels per metre of its opacity map, of a light with a place 1 m
+                          ///< from it; w: unused
+  Eigen::Vector4f power;  ///< intensity times colour; w: unused
+  float layer_ends[kMostOpacityLayers + 1];    ///< m behind the front of the hair, as layerEnds()
+  float layer_limits[kMostOpacityLayers + 1];  ///< m: hair before it counts in the layer
+};
+
 /// What every shader knows of a picture; the std140 block of shaders/scene.glsl, field for field.
 struct SceneBlock {
   Eigen::Matrix4f view_projection;
-  Eigen::Matrix4f
-      light_view_projection;  ///< of the shadow maps; z after the division by w (shaders/light.glsl)
-  Eigen::Vector4f eye;        ///< m; w: pixels per metre at 1 m
-  Eigen::Vector4f light;      ///< unit, towards a directional light, or against the axis of another; w: depth
-                              ///< range of the shadow maps, m
-  Eigen::Vector4f light_place;  ///< m; w: 1 for a light that is there, 0 for a directional one
-  Eigen::Vector4f light_cone;   ///< coneCosines(), intensity; w: unused
+  Eigen::Vector4f eye;          ///< m; w: pixels per metre at 1 m
   Eigen::Vector4f hair_color;   ///< linear; w: hair width, m
   Eigen::Vector4f body_color;   ///< linear; w: picture width, pixels
   Eigen::Vector4f background;   ///< linear; w: picture height, pixels
   Eigen::Vector4f ground;       ///< centre x, height y, centre z; w: radius, all m
-  Eigen::Vector4f sampling;  ///< samples; line width, pixels; texels per metre of the opacity map, of a light
-                             ///< with a place 1 m from it; 1 with shadows
-  float layer_ends[kMostOpacityLayers + 1];    ///< m behind the front of the hair, as layerEnds()
-  float layer_limits[kMostOpacityLayers + 1];  ///< m: hair before it counts in the layer
-  float opacity_slices = 1;                    ///< of four layers each
-  float opacity_filter = 0;                    ///< OpacityLayers::filter
-  float alpha_to_coverage = 0;                 ///< 1 or 0
+  Eigen::Vector4f sampling;     ///< samples; line width, pixels; z, w: unused
+  float opacity_slices = 1;     ///< of four layers each, of one light
+  float opacity_filter = 0;     ///< OpacityLayers::filter
+  float alpha_to_coverage = 0;  ///< 1 or 0
   float unused = 0;
+  LightBlock lights[kMostLights];  ///< those that cast shadows first
 };
-static_assert(sizeof(SceneBlock) == 416);
+static_assert(sizeof(LightBlock) == 256 && sizeof(SceneBlock) == 176 + kMostLights * sizeof(LightBlock));
 
-/// All but what ShadowMap::fit and the renderer fill in.
+/// All but what ShadowMaps::fit and the renderer fill in.
 SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& camera);
 
 }  // namespace strandcast

@@ -223,7 +223,8 @@ void ViewerPanel::drawParameters(ViewerSession& session) {
 
 void ViewerPanel::drawPicture(PanelRequests& requests) {
   std::string group;
-  bool open = false;
+  bool open = false, lights_shown = false;
+  PictureOptions usual = usual_;
   for (const PictureSetting& setting : pictureSettings()) {
     if (!matches(setting.info.name)) continue;
     if (group != setting.group) {
@@ -232,6 +233,12 @@ void ViewerPanel::drawPicture(PanelRequests& requests) {
       open = ImGui::CollapsingHeader(group.c_str());
     }
     if (!open) continue;
+    if (setting.of_light && !lights_shown) {
+      lights_shown = true;
+      drawLights(requests);
+      usual.settings.lights.resize(picture.settings.lights.size());  // one that was added: as by default
+      usual.light = picture.light;
+    }
     if (setting.file != nullptr) {
       std::string file = (picture.*setting.file).string();
       if (!textRow(setting.info.name, setting.info.help, file)) continue;
@@ -240,10 +247,36 @@ void ViewerPanel::drawPicture(PanelRequests& requests) {
       continue;
     }
     std::vector<double> values = setting.get(picture);
-    if (!settingRow(setting.info, setting.choices, setting.get(usual_), values)) continue;
+    if (!settingRow(setting.info, setting.choices, setting.get(usual), values)) continue;
     setting.set(picture, values);
     requests.picture_changed = true;
   }
+}
+
+/// Which of the lights the rows below are of, and how many there are.
+void ViewerPanel::drawLights(PanelRequests& requests) {
+  std::vector<Light>& lights = picture.settings.lights;
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted("lights");
+  for (size_t i = 0; i < lights.size(); ++i) {
+    ImGui::SameLine();
+    ImGui::PushID(static_cast<int>(i));
+    if (chosen(fmt::format(" {} ", i + 1).c_str(), picture.light == i)) picture.light = i;
+    ImGui::PopID();
+    helpHere("what follows is of this light");
+  }
+  const auto button = [](const char* label, bool possible) {
+    if (!possible) return false;
+    ImGui::SameLine();
+    return ImGui::Button(label);
+  };
+  const bool add = button("add", lights.size() < kMostLights), remove = button("remove", lights.size() > 1);
+  if (add) addLight(picture, "panel");
+  if (remove) {
+    lights.erase(lights.begin() + static_cast<ptrdiff_t>(picture.light));
+    picture.light = std::min(picture.light, lights.size() - 1);
+  }
+  requests.picture_changed |= add || remove;
 }
 
 void ViewerPanel::drawPasses(const RenderStatistics& rendered, PanelRequests& requests) {

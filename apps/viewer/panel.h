@@ -51,6 +51,7 @@ class ViewerPanel {
   void drawNetwork(ViewerSession& session, NetworkList& network, PanelRequests& requests);
   void drawParameters(ViewerSession& session);
   void drawPicture(PanelRequests& requests);
+  void drawLights(PanelRequests& requests);
   void drawPasses(const RenderStatistics& rendered, PanelRequests& requests);
   void drawSlices(ViewerSession& session);
   void drawFields();

@@ -1,4 +1,5 @@
 #version 450 core
+// variants: none | LIGHTS=1 CASTERS=1 | LIGHTS=4 CASTERS=2
 #include "render/shaders/scene.glsl"
 #include "render/shaders/color.glsl"
 #include "render/shaders/light.glsl"
@@ -15,20 +16,27 @@ vec3 wrappedDiffuse(float cosine) {
 }
 
 void main() {
-  vec3 n = normalize(normal), e = normalize(scene.eye.xyz - world), l = towardsLight(world);
+  vec3 n = normalize(normal), e = normalize(scene.eye.xyz - world);
   if (dot(n, e) < 0.0 && !gl_FrontFacing) n = -n;
-  float lit = 1.0, hair = 0.0;
-  if (scene.sampling.w > 0.0) {
-    vec3 at = lightCoordinates(world + 0.002 * n);
-    lit = solidVisibility(at, 0.003, 1);
-    hair = hairOpticalDepth(at, 0.0);
+  vec3 diffuse = vec3(0), sheen = vec3(0);
+  float clear = 0.0;
+  for (int light = 0; light < LIGHTS; ++light) {
+    vec3 l = towardsLight(light, world), h = normalize(l + e);
+    float lit = 1.0, hair = 0.0;
+    if (castsShadow(light)) {
+      vec3 at = lightCoordinates(light, world + 0.002 * n);
+      lit = solidVisibility(light, at, 0.003, 1);
+      hair = hairOpticalDepth(light, at, 0.0);
+      clear += exp(-0.15 * hair);
+    }
+    vec3 direct = lightAt(light, world) * lit * exp(-hair * vec3(0.45, 0.55, 0.6));
+    diffuse += wrappedDiffuse(dot(n, l)) * direct * 0.5;
+    float shine = 0.09 * pow(max(dot(n, h), 0.0), 14.0) + 0.06 * pow(max(dot(n, h), 0.0), 60.0);
+    sheen += direct * max(dot(n, l), 0.0) * shine;
   }
-  vec3 direct = lightAt(world) * lit * exp(-hair * vec3(0.45, 0.55, 0.6));
-  vec3 h = normalize(l + e);
   float facing = max(dot(n, e), 0.0);
   float fresnel = 0.03 + 0.35 * pow(1.0 - facing, 5.0);
-  float sheen = 0.09 * pow(max(dot(n, h), 0.0), 14.0) + 0.06 * pow(max(dot(n, h), 0.0), 60.0);
-  vec3 radiance = scene.body_color.rgb * (wrappedDiffuse(dot(n, l)) * direct * 0.5 + ambient(n) * (0.35 + 0.65 * exp(-0.15 * hair)));
-  radiance += direct * max(dot(n, l), 0.0) * sheen + ambient(reflect(-e, n)) * fresnel;
+  vec3 radiance = scene.body_color.rgb * (diffuse + ambient(n) * (0.35 + 0.65 * clearAround(clear)));
+  radiance += sheen + ambient(reflect(-e, n)) * fresnel;
   color = vec4(toneMapped(radiance), 1);
 }

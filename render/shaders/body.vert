@@ -6,14 +6,16 @@ layout(location = 0) in vec3 rest_position;
 layout(location = 1) in vec3 rest_normal;
 layout(location = 2) in float head_weight;
 uniform mat4 head;
-#ifndef DEPTH_ONLY
+#ifdef DEPTH_ONLY
+uniform int map_light;
+#else
 layout(location = 0) out vec3 world;
 layout(location = 1) out vec3 normal;
 #endif
 void main() {
   vec3 moved = mix(rest_position, (head * vec4(rest_position, 1)).xyz, head_weight);
 #ifdef DEPTH_ONLY
-  gl_Position = lightClip(moved);
+  gl_Position = lightClip(map_light, moved);
 #else
   world = moved;
   normal = mix(rest_normal, mat3(head) * rest_normal, head_weight);

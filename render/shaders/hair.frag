@@ -1,5 +1,5 @@
 #version 450 core
-// variants: none | PER_FRAGMENT=1
+// variants: none | PER_FRAGMENT=1 | PER_FRAGMENT=1 LIGHTS=4 CASTERS=2
 // A hair narrower than its line reaches only a part of each pixel's samples, the same part all along the hair: stochastic
 // transparency (Enderton et al. 2010) whose noise runs along strands, where it looks like strands. With alpha to coverage the
 // device chooses the samples.

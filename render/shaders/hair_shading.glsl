@@ -10,8 +10,8 @@ float lobe(float inclination_light, float inclination_eye, float shift, float ex
   return pow(max(cos(inclination_light + inclination_eye - 2.0 * shift), 0.0), exponent);
 }
 
-vec3 hairRadiance(vec3 position, vec3 tangent, float along, float shade, float warmth) {
-  vec3 l = towardsLight(position), e = normalize(scene.eye.xyz - position);
+// Of one light, where nothing is between; `base` is the colour of light scattered in the hair.
+vec3 scattered(vec3 base, vec3 tangent, vec3 l, vec3 e) {
   float tl = clamp(dot(tangent, l), -1.0, 1.0), te = clamp(dot(tangent, e), -1.0, 1.0);
   float sine = sqrt(max(1.0 - tl * tl, 0.0));
   float il = asin(tl), ie = asin(te);
@@ -19,24 +19,32 @@ vec3 hairRadiance(vec3 position, vec3 tangent, float along, float shade, float w
   vec3 la = l - tl * tangent, ea = e - te * tangent;
   float around = dot(la, ea) * inversesqrt(max(dot(la, la) * dot(ea, ea), 1e-8));
   float front = sqrt(max(0.5 + 0.5 * around, 0.0));
-
-  vec3 base = scene.hair_color.rgb * (1.0 + 0.35 * shade) * mix(0.75, 1.25, along);
-  base *= vec3(1.0 + 0.10 * warmth, 1.0, 1.0 - 0.10 * warmth);
-
-  vec3 through = vec3(1);
-  float occlusion = mix(0.45, 1.0, smoothstep(0.0, 0.25, along));
-  if (scene.sampling.w > 0.0) {
-    vec3 at = lightCoordinates(position);
-    float depth = hairOpticalDepth(at, 0.0015);
-    // Dense hair passes its own colour on: the least absorbed colour gets deepest.
-    vec3 tint = scene.hair_color.rgb / max(max(scene.hair_color.r, scene.hair_color.g), max(scene.hair_color.b, 1e-3));
-    through = exp(-depth * mix(vec3(0.75), vec3(0.45), tint)) * solidVisibility(at, 0.006, 0);
-    occlusion *= 0.30 + 0.70 * exp(-0.10 * depth);
-  }
   vec3 diffuse = base * sine * (0.45 + 0.55 * front);
   float outer = lobe(il, ie, kShift, kExponent) * front;
   float inner = lobe(il, ie, kShiftInner, kExponentInner) * (0.3 + 0.7 * front);
   vec3 specular = vec3(0.17) * outer + 1.1 * sqrt(base) * base * inner;
-  vec3 outward = normalize(e - te * tangent + vec3(0, 1e-6, 0));
-  return lightAt(position) * through * (0.5 * diffuse + specular * sine) + base * ambient(outward) * occlusion * 0.65;
+  return 0.5 * diffuse + specular * sine;
+}
+
+vec3 hairRadiance(vec3 position, vec3 tangent, float along, float shade, float warmth) {
+  vec3 e = normalize(scene.eye.xyz - position);
+  vec3 base = scene.hair_color.rgb * (1.0 + 0.35 * shade) * mix(0.75, 1.25, along);
+  base *= vec3(1.0 + 0.10 * warmth, 1.0, 1.0 - 0.10 * warmth);
+  // Dense hair passes its own colour on: the least absorbed colour gets deepest.
+  vec3 tint = scene.hair_color.rgb / max(max(scene.hair_color.r, scene.hair_color.g), max(scene.hair_color.b, 1e-3));
+  vec3 direct = vec3(0);
+  float clear = 0.0;
+  for (int light = 0; light < LIGHTS; ++light) {
+    vec3 through = vec3(1);
+    if (castsShadow(light)) {
+      vec3 at = lightCoordinates(light, position);
+      float depth = hairOpticalDepth(light, at, 0.0015);
+      through = exp(-depth * mix(vec3(0.75), vec3(0.45), tint)) * solidVisibility(light, at, 0.006, 0);
+      clear += exp(-0.10 * depth);
+    }
+    direct += lightAt(light, position) * through * scattered(base, tangent, towardsLight(light, position), e);
+  }
+  float occlusion = mix(0.45, 1.0, smoothstep(0.0, 0.25, along)) * (0.30 + 0.70 * clearAround(clear));
+  vec3 outward = normalize(e - dot(tangent, e) * tangent + vec3(0, 1e-6, 0));
+  return direct + base * ambient(outward) * occlusion * 0.65;
 }

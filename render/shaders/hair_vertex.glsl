@@ -1,4 +1,4 @@
-// What a vertex of a hair becomes in a pass, however it was grown: COLOR shades it, OPACITY and FRONT look from the light.
+// What a vertex of a hair becomes in a pass, however it was grown: COLOR shades it, OPACITY and FRONT look from a light.
 // Needs scene.glsl and hair_curve.glsl. STRIP: one of two on either side of the hair.
 #include "render/shaders/light.glsl"
 #ifdef COLOR
@@ -30,16 +30,19 @@ float detailWidth(Hair hair, out float left) {
 }
 
 #ifndef COLOR
+uniform int map_light;  // whose maps these are
+
 // What a hair of width 1 covers of each texel that its line has in the light's maps: as much of the light's rays as it is
 // across, shared out among the texels. A line has one in every column, or row, that it crosses.
 float lengthInTexel(vec3 position, vec3 tangent, vec4 clip) {
-  mat4 m = scene.light_view_projection;
-  vec3 off = position - scene.light_place.xyz;
-  vec3 ray = lightHasPlace() ? off / max(clip.w, 1e-3) : scene.light.xyz;  // of length 1 along the map's axis
+  mat4 m = scene.lights[map_light].view_projection;
+  vec3 off = position - scene.lights[map_light].place.xyz;
+  // Of length 1 along the map's axis.
+  vec3 ray = lightHasPlace(map_light) ? off / max(clip.w, 1e-3) : scene.lights[map_light].way.xyz;
   vec4 along = m * vec4(tangent, 0);
   vec2 way = abs(along.xy * clip.w - clip.xy * along.w);
   float across = length(cross(tangent, ray)) * length(vec3(m[0].x, m[1].x, m[2].x));
-  return scene.sampling.z * across / max(max(way.x, way.y), 1e-12);
+  return scene.lights[map_light].cone.z * across / max(max(way.x, way.y), 1e-12);
 }
 #endif
 
@@ -69,7 +72,7 @@ void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float side) {
   radiance = hairRadiance(position, tangent, along, hair.shade, hair.warmth);
 #endif
 #else
-  gl_Position = lightClip(position);
+  gl_Position = lightClip(map_light, position);
   coverage = width * lengthInTexel(position, tangent, gl_Position);
 #endif
 }

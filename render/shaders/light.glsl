@@ -1,26 +1,35 @@
-// The light of a picture at a point; Light in render/light.h. Needs scene.glsl.
-const vec3 kSun = vec3(2.3, 2.17, 2.0);  // irradiance of intensity 1, across its way
+// The lights of a picture at a point; Light in render/light.h. Needs scene.glsl.
+const vec3 kSun = vec3(2.3, 2.17, 2.0);  // irradiance of intensity 1 and white, across its way
 
-bool lightHasPlace() { return scene.light_place.w > 0.5; }
+// How many there are, and how many of them, the first ones, cast shadows: LightCounts.
+#ifndef LIGHTS
+#define LIGHTS 0
+#define CASTERS 0
+#endif
+bool castsShadow(int light) { return light < CASTERS; }
+bool lightHasPlace(int light) { return scene.lights[light].place.w > 0.5; }
 
-vec3 towardsLight(vec3 world) {
-  return lightHasPlace() ? normalize(scene.light_place.xyz - world + vec3(0, 1e-12, 0)) : scene.light.xyz;
+vec3 towardsLight(int light, vec3 world) {
+  return lightHasPlace(light) ? normalize(scene.lights[light].place.xyz - world + vec3(0, 1e-12, 0)) : scene.lights[light].way.xyz;
 }
 
 // What arrives across its way where nothing is between: by the inverse-square law, and within the cone.
-vec3 lightAt(vec3 world) {
-  vec3 irradiance = kSun * scene.light_cone.z;
-  if (!lightHasPlace()) return irradiance;
-  vec3 off = scene.light_place.xyz - world;
+vec3 lightAt(int light, vec3 world) {
+  vec3 irradiance = kSun * scene.lights[light].power.rgb;
+  if (!lightHasPlace(light)) return irradiance;
+  vec3 off = scene.lights[light].place.xyz - world;
   float d2 = max(dot(off, off), 1e-6);
-  float t = clamp((dot(scene.light.xyz, off) * inversesqrt(d2) - scene.light_cone.y) / (scene.light_cone.x - scene.light_cone.y),
-                  0.0, 1.0);
+  vec2 cone = scene.lights[light].cone.xy;
+  float t = clamp((dot(scene.lights[light].way.xyz, off) * inversesqrt(d2) - cone.y) / (cone.x - cone.y), 0.0, 1.0);
   return irradiance * (t * t * (3.0 - 2.0 * t) / d2);
 }
 
-// The eye of the shadow maps: their depth is linear in the distance along its axis, for a light with a place too.
-vec4 lightClip(vec3 world) {
-  vec4 clip = scene.light_view_projection * vec4(world, 1);
+// The eye of its shadow maps: their depth is linear in the distance along its axis, for a light with a place too.
+vec4 lightClip(int light, vec3 world) {
+  vec4 clip = scene.lights[light].view_projection * vec4(world, 1);
   clip.z *= clip.w;
   return clip;
 }
+
+// Of light from all around: the mean of what each light that casts shadows finds of it, `sum` added up; 1 without any.
+float clearAround(float sum) { return CASTERS > 0 ? sum / float(max(CASTERS, 1)) : 1.0; }

@@ -1,32 +1,34 @@
-// How much light reaches a point: solids by a depth map, hair by opacity layers behind its front (deep opacity maps,
+// How much of a light reaches a point: solids by a depth map, hair by opacity layers behind its front (deep opacity maps,
 // Yuksel and Keyser 2008). Needs scene.glsl.
-layout(binding = 0) uniform sampler2DShadow solid_depth;
-layout(binding = 1) uniform sampler2D hair_front;    // depth of the hair nearest to the light, coarse so that it is smooth
+// A light behind the other:
+layout(binding = 0) uniform sampler2DArrayShadow solid_depth;
+layout(binding = 1) uniform sampler2DArray hair_front;    // depth of the hair nearest to the light, coarse so that it is smooth
 layout(binding = 2) uniform sampler2DArray hair_opacity;  // optical depth from the front to the end of each layer
 
 // 0 to 1 in the maps; beside them, where it is light, for what is behind the light.
-vec3 lightCoordinates(vec3 world) {
-  vec4 clip = scene.light_view_projection * vec4(world, 1);
+vec3 lightCoordinates(int light, vec3 world) {
+  vec4 clip = scene.lights[light].view_projection * vec4(world, 1);
   return clip.w > 0.0 ? vec3(0.5 * clip.xy / clip.w, 0.5 * clip.z) + 0.5 : vec3(-1);
 }
 
 // Metres behind the front of the hair, `without` where there is no front. Bilinear over the texels that hair reaches, so
 // that the front goes on smoothly past its outline.
-float behindFront(vec3 light_coordinates, float without) {
-  vec4 front = textureGather(hair_front, light_coordinates.xy);
-  vec2 f = fract(light_coordinates.xy * vec2(textureSize(hair_front, 0)) - 0.5);
+float behindFront(int light, vec3 light_coordinates, float without) {
+  vec4 front = textureGather(hair_front, vec3(light_coordinates.xy, light));
+  vec2 f = fract(light_coordinates.xy * vec2(textureSize(hair_front, 0).xy) - 0.5);
   vec4 weights = vec4((1.0 - f.x) * f.y, f.x * f.y, f.x * (1.0 - f.y), (1.0 - f.x) * (1.0 - f.y));
   weights = (weights + 1e-4) * vec4(lessThan(front, vec4(1)));
   float sum = dot(weights, vec4(1));
-  return sum > 0.0 ? (light_coordinates.z - dot(weights, front) / sum) * scene.light.w : without;
+  return sum > 0.0 ? (light_coordinates.z - dot(weights, front) / sum) * scene.lights[light].way.w : without;
 }
 
 // Optical depth to `depth` metres behind the front: linear between the ends of layers.
-float depthInLayers(vec2 texel, float depth) {
+float depthInLayers(int light, vec2 texel, float depth) {
   float sum = 0.0, start = 0.0, before = 0.0;
-  for (int slice = 0; slice < int(scene.opacity.x); ++slice) {
-    vec4 ends = scene.layer_ends[slice], starts = vec4(start, ends.xyz);
-    vec4 up_to = textureLod(hair_opacity, vec3(texel, slice), 0.0);
+  int slices = int(scene.opacity.x);
+  for (int slice = 0; slice < slices; ++slice) {
+    vec4 ends = scene.lights[light].layer_ends[slice], starts = vec4(start, ends.xyz);
+    vec4 up_to = textureLod(hair_opacity, vec3(texel, light * slices + slice), 0.0);
     sum += dot(clamp((vec4(depth) - starts) / (ends - starts), 0.0, 1.0), up_to - vec4(before, up_to.xyz));
     start = ends.w;
     before = up_to.w;
@@ -35,24 +37,24 @@ float depthInLayers(vec2 texel, float depth) {
 }
 
 // Optical depth of the hair between the light and the point; `margin` metres before the point do not count.
-float hairOpticalDepth(vec3 light_coordinates, float margin) {
-  float depth = behindFront(light_coordinates, 1e3) - margin;
+float hairOpticalDepth(int light, vec3 light_coordinates, float margin) {
+  float depth = behindFront(light, light_coordinates, 1e3) - margin;
   int radius = int(scene.opacity.y);
   vec2 texel = 1.0 / vec2(textureSize(hair_opacity, 0).xy);
   float sum = 0.0;
   for (int y = -radius; y <= radius; ++y)
-    for (int x = -radius; x <= radius; ++x) sum += depthInLayers(light_coordinates.xy + texel * vec2(x, y), depth);
+    for (int x = -radius; x <= radius; ++x) sum += depthInLayers(light, light_coordinates.xy + texel * vec2(x, y), depth);
   return sum / float((2 * radius + 1) * (2 * radius + 1));
 }
 
 // 1 in the light, 0 in the shadow of the body. Filtered over (2 radius + 1)^2 bilinear taps.
-float solidVisibility(vec3 light_coordinates, float bias_meters, int radius) {
-  vec2 texel = 1.5 / vec2(textureSize(solid_depth, 0));
+float solidVisibility(int light, vec3 light_coordinates, float bias_meters, int radius) {
+  vec2 texel = 1.5 / vec2(textureSize(solid_depth, 0).xy);
   // Beyond the far end of the map everything is still behind what the map shows.
-  float reference = min(light_coordinates.z - bias_meters / scene.light.w, 1.0);
+  float reference = min(light_coordinates.z - bias_meters / scene.lights[light].way.w, 1.0);
   float sum = 0.0;
   for (int y = -radius; y <= radius; ++y)
     for (int x = -radius; x <= radius; ++x)
-      sum += textureLod(solid_depth, vec3(light_coordinates.xy + texel * vec2(x, y), reference), 0.0);
+      sum += texture(solid_depth, vec4(light_coordinates.xy + texel * vec2(x, y), light, reference));
   return sum / float((2 * radius + 1) * (2 * radius + 1));
 }

@@ -4,7 +4,10 @@
 
 #include <set>
 
+#include "apps/picture_arguments.h"
 #include "core/error.h"
+#include "tests/error_of.h"
+#include "tests/groom/scratch_folder.h"
 
 namespace strandcast {
 namespace {
@@ -52,6 +55,11 @@ TEST(Presets, WhatIsWrittenIsRead) {
   picture.settings.background = Vec3(0.1f, 0.2f, 0.3f);
   picture.settings.keep_out = true;
   picture.zoom = 2.5;
+  addLight(picture, "test");
+  picture.settings.lights[0].kind = LightKind::kSpot;
+  picture.settings.lights[0].cone = 0.3f;
+  picture.settings.lights[1].color = Vec3(1, 0.5f, 0.25f);
+  picture.settings.lights[1].casts_shadow = false;
   picture.density_map = "a \"map\" \\ of.png";
   std::swap(picture.settings.passes[4], picture.settings.passes[7]);
   picture.settings.passes.erase(picture.settings.passes.begin() + 6);
@@ -63,6 +71,27 @@ TEST(Presets, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.settings.hair_width, picture.settings.hair_width);
   EXPECT_EQ(read.settings.passes, picture.settings.passes);
   EXPECT_EQ(read.density_map, picture.density_map);
+  ASSERT_EQ(read.settings.lights.size(), 2u);
+  EXPECT_EQ(read.settings.lights[0].kind, LightKind::kSpot);
+  EXPECT_EQ(read.settings.lights[1], picture.settings.lights[1]);
+}
+
+TEST(Presets, LightsTakeThePlaceOfThoseBeforeOrStay) {
+  PictureOptions picture;
+  addLight(picture, "test");
+  const std::vector<Light> two = picture.settings.lights;
+  readPresetText("[picture]\nsamples = 2\n", "preset", picture);
+  EXPECT_EQ(picture.settings.lights, two);
+  readPresetText("[[light]]\nkind = \"point\"\n[[light]]\nintensity = 2\n[[light]]\n", "preset", picture);
+  ASSERT_EQ(picture.settings.lights.size(), 3u);
+  EXPECT_EQ(picture.settings.lights[0].kind, LightKind::kPoint);
+  EXPECT_EQ(picture.settings.lights[1].intensity, 2);
+  EXPECT_EQ(picture.settings.lights[2], Light());
+  EXPECT_EQ(picture.light, 0u);
+  // As presets had it when pictures had one light.
+  readPresetText("[picture]\nlight = \"spot\"\nlight-cone = 30\n", "preset", picture);
+  ASSERT_EQ(picture.settings.lights.size(), 1u);
+  EXPECT_EQ(picture.settings.lights[0].kind, LightKind::kSpot);
 }
 
 TEST(Presets, WhatIsNotNamedStays) {
@@ -71,6 +100,61 @@ TEST(Presets, WhatIsNotNamedStays) {
   readPresetText("[picture]\nsamples = 2\n", "preset", picture);
   EXPECT_EQ(picture.zoom, 3);
   EXPECT_EQ(picture.settings.samples, 2);
+}
+
+TEST(PictureArguments, SettingsOfLightsAreOfTheOneNamedLast) {
+  const auto set = [](PictureArguments& arguments, const char* name, const std::vector<double>& values) {
+    arguments.set(pictureSetting(name, "test"), values);
+  };
+  PictureOptions options;
+  PictureArguments arguments(options);
+  const std::vector<Light>& lights = options.settings.lights;
+  set(arguments, "light-intensity", {0.5});
+  EXPECT_EQ(lights.size(), 1u);
+  set(arguments, "light", {1});
+  ASSERT_EQ(lights.size(), 1u);
+  EXPECT_EQ(lights[0].kind, LightKind::kPoint);
+  EXPECT_EQ(lights[0].intensity, 0.5f) << "what is said before it stays";
+  set(arguments, "light", {2});
+  set(arguments, "light-color", {1, 0.5, 0});
+  set(arguments, "samples", {2});
+  set(arguments, "light", {0});
+  set(arguments, "light-shadow", {0});
+  ASSERT_EQ(lights.size(), 3u);
+  EXPECT_EQ(lights[1].kind, LightKind::kSpot);
+  EXPECT_EQ(lights[1].color, Vec3(1, 0.5f, 0));
+  EXPECT_EQ(lights[1].intensity, 1);
+  EXPECT_TRUE(lights[1].casts_shadow);
+  EXPECT_FALSE(lights[2].casts_shadow);
+  EXPECT_EQ(options.light, 0u);
+  const std::vector<Light> given = lights;
+
+  // A preset with two lights, behind all that: the options win.
+  const ScratchFolder folder;
+  PictureOptions preset;
+  addLight(preset, "test");
+  preset.settings.lights[0].cone_edge = 0.75f;
+  preset.zoom = 3;
+  writePreset(folder / "p.toml", {}, preset);
+  arguments.readPreset((folder / "p.toml").string());
+  ASSERT_EQ(lights.size(), 3u);
+  EXPECT_EQ(options.zoom, 3);
+  EXPECT_EQ(lights[0].cone_edge, 0.75f) << "what no option says is the preset's";
+  EXPECT_EQ(lights[0].kind, LightKind::kPoint);
+  EXPECT_EQ(lights[1], given[1]);
+
+  // Without a kind the lights of a preset stay.
+  PictureOptions others;
+  PictureArguments few(others);
+  set(few, "light-intensity", {0.25});
+  few.readPreset((folder / "p.toml").string());
+  ASSERT_EQ(others.settings.lights.size(), 2u);
+  EXPECT_EQ(others.settings.lights[0].intensity, 0.25f);
+  EXPECT_EQ(others.settings.lights[1], Light());
+
+  set(arguments, "light", {0});
+  EXPECT_NE(errorOf([&] { set(arguments, "light", {0}); }).find("at most 4 lights: --light"),
+            std::string::npos);
 }
 
 TEST(Presets, MistakesAreSaidWithTheirLineAndChangeNothing) {
@@ -84,8 +168,15 @@ TEST(Presets, MistakesAreSaidWithTheirLineAndChangeNothing) {
            {"[picture]\nhair-color = [1, 2]\n", "takes 3 numbers"},
            {"[parameters]\nair_darg = 1\n", "did you mean 'air_drag'"},
            {"[parameters]\nair_drag = -1\n", "out of range"},
-           {"[daemon]\nrate = 1\n", "[parameters] and [picture]"},
-           {"picture = 1\n", "[parameters] and [picture]"},
+           {"[daemon]\nrate = 1\n", "[parameters], [picture] and [[light]]"},
+           {"picture = 1\n", "[parameters], [picture] and [[light]]"},
+           {"light = 3\n", "no list of lights"},
+           {"light = []\n", "no list of lights"},
+           {"[light]\nkind = \"spot\"\n", "no list of lights"},
+           {"[[light]]\n\nintenisty = 3\n", "preset line 3, light.intenisty; did you mean 'light-intensity'"},
+           {"[[light]]\nkind = \"lava\"\n", "choose one of"},
+           {"[[light]]\n[[light]]\n[[light]]\n[[light]]\n[[light]]\n", "at most 4 lights: preset line 5"},
+           {"[[light]]\n[picture]\nlight-cone = 30\n", "given twice"},
            {"[picture\n", "preset line 1"}}) {
     PictureOptions picture;
     const std::string before = presetText({}, picture);

@@ -393,6 +393,30 @@ TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {
   EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
 }
 
+TEST_F(Programs, SeveralLightsAreDrawn) {
+  if (run(program_ + " render --help").exit_code != 0) GTEST_SKIP() << "made without render";
+  const auto picture = [&](const std::string& lights) {
+    const auto out = folder_ / "lit";
+    const Outcome r =
+        run(program_ +
+            " render --scene straight --strands 60 --backend reference --motion still --frames 1 "
+            "--width 48 --height 48 --hairs 300 --out " +
+            out.string() + lights);
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    return contents(out / "frame_0000.png");
+  };
+  const std::string two = " --light spot --light-color 1 0.2 0.1 --light point --light-color 0.1 0.2 1";
+  const std::string lit = picture(two);
+  EXPECT_NE(lit, picture(" --light spot --light-color 1 0.2 0.1"));
+  write("two.toml",
+        "[[light]]\nkind = \"spot\"\ncolor = [1, 0.2, 0.1]\n[[light]]\nkind = \"point\"\ncolor = [0.1, 0.2, "
+        "1]\n");
+  EXPECT_EQ(lit, picture(" --preset " + (folder_ / "two.toml").string()));
+  const Outcome many = run(program_ + " render --scene straight" + two + two + " --light spot");
+  EXPECT_EQ(many.exit_code, 2);
+  EXPECT_NE(many.err.find("at most 4 lights"), std::string::npos) << many.err;
+}
+
 TEST_F(Programs, SlicesThroughTheAirAreDrawn) {
   if (run(program_ + " render --help").exit_code != 0) GTEST_SKIP() << "made without render";
   const std::string scene =

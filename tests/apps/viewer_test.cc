@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <thread>
 #include <vector>
 
@@ -213,19 +214,33 @@ TEST_F(ViewerWindowTest, PresetsAreSavedAndLoadedAndAnotherDaemonIsJoined) {
   EXPECT_EQ(air_drag(), 4.5) << "as another client has set it";
   PictureOptions other = saved();
   other.azimuth = 90;
-  other.settings.light.kind = LightKind::kSpot;
+  other.settings.lights[0].kind = LightKind::kSpot;
   writePreset(file, {}, other);
   input(load);
   std::filesystem::remove(file);
   input(save);
   ASSERT_TRUE(until(seconds(10), [&] { return std::filesystem::exists(file); }));
   EXPECT_EQ(saved().azimuth, 90);
-  EXPECT_EQ(saved().settings.light.kind, LightKind::kSpot);
+  EXPECT_EQ(saved().settings.lights[0].kind, LightKind::kSpot);
 
   input(presets);
   input("mousemove 150 443 click 1");  // the network; the second daemon is two lines below the first
   input("mousemove 60 500 click 1");
   EXPECT_TRUE(until(seconds(20), [&] { return shows("wavy"); }));
+
+  const auto brightness = [&](const std::string& name) {
+    input("mousemove 700 60 click 1");
+    input("key p");
+    EXPECT_TRUE(until(seconds(10), [&] { return std::filesystem::exists(folder_ / name); }));
+    std::this_thread::sleep_for(milliseconds(300));
+    const Image image = readPng(folder_ / name);
+    return std::accumulate(image.rgb.begin(), image.rgb.end(), 0.0) / static_cast<double>(image.rgb.size());
+  };
+  const double one_light = brightness("strandcast_0000.png");
+  input("mousemove 200 155 click 1");
+  input("type light-color");
+  input("mousemove 113 227 click 1");  // adds another
+  EXPECT_GT(brightness("strandcast_0001.png"), one_light + 5);
   input("mousemove 700 60 key Escape");
   EXPECT_EQ(wait(viewer), 0);
 }

@@ -18,7 +18,7 @@ class Culling : public OffscreenTest {
     settings_.growth.hairs = 6000;
     settings_.hair_width = 0.002f;
     settings_.detail = {1, 0, 0, 0};
-    settings_.light.direction = Vec3(1, -0.3f, 0);
+    settings_.lights[0].direction = Vec3(1, -0.3f, 0);
   }
   RenderStatistics draw(const Camera& camera, Image& image) const {
     Renderer renderer(settings_);
@@ -46,13 +46,15 @@ TEST_F(Culling, LeavesOutOnlyWhatThePictureWouldNotShow) {
     }
     EXPECT_EQ(bare[0].rgb, bare[1].rgb);
     settings_.shadows = true;
-    for (const auto& [path, light] :
-         {std::pair{GrowthPath::kCompute, settings_.light},
-          {GrowthPath::kTessellator, settings_.light},
-          {GrowthPath::kCompute, pointLight(Vec3(-0.4f, 0.3f, 0.2f), 0.5f)},
-          {GrowthPath::kCompute, spotLight(Vec3(-1.5f, 0.8f, 0), Vec3(1, -0.4f, 0), 0.4f, 4)}}) {
+    const Light sun = settings_.lights[0], lamp = pointLight(Vec3(-0.4f, 0.3f, 0.2f), 0.5f),
+                spot = spotLight(Vec3(-1.5f, 0.8f, 0), Vec3(1, -0.4f, 0), 0.4f, 4);
+    for (const auto& [path, lights] : {std::pair{GrowthPath::kCompute, std::vector{sun}},
+                                       {GrowthPath::kTessellator, std::vector{sun}},
+                                       {GrowthPath::kCompute, std::vector{lamp}},
+                                       {GrowthPath::kCompute, std::vector{spot}},
+                                       {GrowthPath::kCompute, std::vector{lamp, spot}}}) {
       settings_.growth_path = path;
-      settings_.light = light;
+      settings_.lights = lights;
       Image all, culled;
       settings_.cull = false;
       const RenderStatistics every = draw(camera, all);
@@ -197,7 +199,7 @@ TEST_F(Culling, APictureThatHysteresisHoldsIsAsGoodAsOneThatComesAnew) {
 }
 
 TEST_F(Culling, WhereTheImportanceMapIsDarkThePictureIsCoarserAndTheRestAsItWas) {
-  settings_.light.direction = Vec3(0, -1, -1);
+  settings_.lights[0].direction = Vec3(0, -1, -1);
   settings_.growth.hairs = 12000;
   settings_.hair_width = 6e-4f;
   settings_.samples = 1;

@@ -57,19 +57,31 @@ class Lamps : public OffscreenTest {
     const Vec eye = camera_.eye.cast<double>(), way = far.head<3>() / far.w() - eye;
     return Vec(eye + way * ((kGround - eye.y()) / way.y()));
   }
-  Image draw(const Light& light, bool shadows, const BodyDescription& body) const {
+  Image draw(const std::vector<Light>& lights, bool shadows, const BodyDescription& body) const {
     RenderSettings settings = settings_;
-    settings.light = light;
+    settings.lights = lights;
     settings.shadows = shadows;
     Renderer renderer(settings);
     renderer.setBody(body);
     renderer.draw(GuideFrame{}, camera_);
     return renderer.read();
   }
-  /// Green of the ground where `light` arrives.
-  static double groundBrightness(const Light& light, const Vec& place) {
-    const Arriving at = arriving(light, place);
-    return 1 - std::exp(-0.5 * 0.55 * (0.38 + 2.17 * at.irradiance * std::max(at.towards.y(), 0.0)));
+  /// One channel of the ground where `lights` arrive.
+  static double groundBrightness(const std::vector<Light>& lights, const Vec& place, int channel = 1) {
+    constexpr double kSky[] = {0.34, 0.38, 0.45}, kSun[] = {2.3, 2.17, 2.0};
+    double sum = kSky[channel];
+    for (const Light& light : lights) {
+      const Arriving at = arriving(light, place);
+      sum += kSun[channel] * static_cast<double>(light.color[channel]) * at.irradiance *
+             std::max(at.towards.y(), 0.0);
+    }
+    return 1 - std::exp(-0.5 * 0.55 * sum);
+  }
+  /// How near to the middle of a ball the way from the ground to a place goes, in radii.
+  static double passes(const Vec& ground, const Vec3& to, const Vec3& center, float radius) {
+    const Vec way = (to.cast<double>() - ground).normalized(), middle = center.cast<double>();
+    return (middle - ground - way * std::max(way.dot(middle - ground), 0.0)).norm() /
+           static_cast<double>(radius);
   }
 
   static constexpr int kSize = 160;
@@ -87,13 +99,13 @@ TEST_F(Lamps, LightTheGroundByTheInverseSquareLawAndWithinTheirCone) {
   all.cone_edge = 1;
   for (const Light& light :
        {pointLight(place, 0.4f), pointLight(Vec3(-0.3f, 0, 0.1f), 0.5f), sharp, soft, all}) {
-    const Image image = draw(light, false, body);
+    const Image image = draw({light}, false, body);
     double least = 1, most = 0;
     int compared = 0, missed = 0;
     for (int y = 2; y < kSize; y += 4)
       for (int x = 2; x < kSize; x += 4) {
         const Vec ground = groundAt(x + 0.5, y + 0.5);
-        const double expected = groundBrightness(light, ground), shown = linearValue(image, x, y, 1);
+        const double expected = groundBrightness({light}, ground), shown = linearValue(image, x, y, 1);
         least = std::min(least, expected);
         most = std::max(most, expected);
         ++compared;
@@ -115,19 +127,14 @@ TEST_F(Lamps, ABallsShadowFallsWhereItsRaysMeetTheBall) {
   // The last is within the ball about what there is.
   for (const Light& light :
        {pointLight(Vec3(3, 6, 2), 40), narrow, wide, pointLight(Vec3(0.15f, -0.2f, 0), 0.4f)}) {
-    const Image lit = draw(light, false, body), shaded = draw(light, true, body);
+    const Image lit = draw({light}, false, body), shaded = draw({light}, true, body);
     int dark = 0, bright = 0, wrong = 0;
     for (int y = 1; y < kSize; y += 2)
       for (int x = 1; x < kSize; x += 2) {
         const Vec ground = groundAt(x + 0.5, y + 0.5);
-        const Vec middle = center.cast<double>(), eye = camera_.eye.cast<double>();
-        const auto passes = [&](const Vec& to) {  // how near to the ball's middle
-          const Vec way = (to - ground).normalized();
-          return (middle - ground - way * std::max(way.dot(middle - ground), 0.0)).norm();
-        };
-        if (passes(eye) < 1.05 * kRadius) continue;  // the ball is in front
+        if (passes(ground, camera_.eye, center, kRadius) < 1.05) continue;  // the ball is in front
         if (arriving(light, ground).irradiance < 0.05) continue;
-        const double off = passes(light.position.cast<double>()) / kRadius;
+        const double off = passes(ground, light.position, center, kRadius);
         if (off > 0.9 && off < 1.15) continue;  // the map's texels
         const double with = linearValue(shaded, x, y, 1), without = linearValue(lit, x, y, 1);
         const double ambient = 1 - std::exp(-0.5 * 0.55 * 0.38);
@@ -139,6 +146,41 @@ TEST_F(Lamps, ABallsShadowFallsWhereItsRaysMeetTheBall) {
     EXPECT_EQ(wrong, 0) << static_cast<int>(light.kind) << " cone " << light.cone << ": of " << dark
                         << " dark and " << bright << " light places";
   }
+}
+
+TEST_F(Lamps, SeveralOfDifferentColorsAddUpEachWithItsOwnShadow) {
+  const Vec3 center(0, -0.7f, 0);
+  constexpr float kRadius = 0.12f;
+  const BodyDescription body = bodyOf(center, kRadius);
+  std::vector<Light> lights{pointLight(Vec3(0.6f, 0.4f, 0.2f), 0.5f),
+                            pointLight(Vec3(-0.5f, 0.3f, 0.5f), 0.4f),
+                            spotLight(Vec3(-0.1f, 0.5f, -0.8f), Vec3(0.1f, -1.2f, 0.8f), 0.4f, 0.9f)};
+  lights[0].color = Vec3(1, 0.3f, 0.2f);
+  lights[1].color = Vec3(0.2f, 0.4f, 1);
+  lights[2].color = Vec3(0.3f, 1, 0.3f);
+  const Image image = draw(lights, true, body);
+  int shadows[4] = {}, wrong = 0;
+  for (int y = 1; y < kSize; y += 2)
+    for (int x = 1; x < kSize; x += 2) {
+      const Vec ground = groundAt(x + 0.5, y + 0.5);
+      if (passes(ground, camera_.eye, center, kRadius) < 1.05) continue;  // the ball is in front
+      std::vector<Light> reach;
+      bool at_an_edge = false;
+      for (const Light& light : lights) {
+        const double off = passes(ground, light.position, center, kRadius);
+        at_an_edge |= off > 0.9 && off < 1.15;
+        if (off > 1) reach.push_back(light);
+      }
+      if (at_an_edge) continue;
+      ++shadows[lights.size() - reach.size()];
+      for (int channel = 0; channel < 3; ++channel)
+        wrong +=
+            std::abs(linearValue(image, x, y, channel) - groundBrightness(reach, ground, channel)) > 0.01;
+    }
+  EXPECT_GT(shadows[0], 1000);
+  EXPECT_GT(shadows[1], 300);
+  EXPECT_EQ(wrong, 0) << "of places in 0, 1, 2 and 3 shadows: " << shadows[0] << " " << shadows[1] << " "
+                      << shadows[2] << " " << shadows[3];
 }
 
 }  // namespace

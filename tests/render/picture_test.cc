@@ -53,7 +53,7 @@ TEST_F(Picture, StraightBundleCoversTheAreaOfItsHairs) {
   settings.width = settings.height = 256;
   settings.shadows = false;
   settings.hair_color = Vec3::Zero();
-  settings.light.direction = Vec3(0, -1, 0);  // along the hair: no highlight, no diffuse light
+  settings.lights[0].direction = Vec3(0, -1, 0);  // along the hair: no highlight, no diffuse light
   settings.background = Vec3(0.8f, 0.8f, 0.8f);
   settings.growth.hairs = 60;  // few enough that they hardly overlap
   settings.growth.clump_radius = 0.0005f;
@@ -96,7 +96,7 @@ TEST_F(Picture, ThinHairCoversAsMuchOfABrightBackgroundAsEightTimesAsManyPixelsS
   settings.growth.curl_radius = 0.01f;  // so that hairs cross
   settings.background = Vec3(0.9f, 0.9f, 0.9f);
   settings.hair_color = Vec3::Zero();
-  settings.light.intensity = 0;
+  settings.lights[0].intensity = 0;
   const GroomDescription groom = verticalBundle(10, 10, 0.012f, 0.1f, 0.2f, 8);
   Camera camera;
   camera.eye = Vec3(0.2f, 0.1f, 0.6f);
@@ -187,7 +187,7 @@ TEST_F(Picture, FewerAndWiderHairsCoverTheSameArea) {
   settings.growth.clump_radius = 0.001f;
   settings.shadows = false;
   settings.hair_color = Vec3::Zero();
-  settings.light.direction = Vec3(0, -1, 0);
+  settings.lights[0].direction = Vec3(0, -1, 0);
   settings.background = Vec3(0.8f, 0.8f, 0.8f);
   settings.hair_width = 2e-5f;  // a quarter of the picture is covered
   const GroomDescription groom = verticalBundle(100, 1, 0.0025f, 0.1f, 0.2f, 8);
@@ -249,7 +249,7 @@ TEST_F(Picture, SupersamplingWeighsTheSamplesOfALargerPicture) {
 
 TEST_F(Picture, BodyShadowDarkensTheGroundBelowIt) {
   RenderSettings settings = smallPicture();
-  settings.light.direction = Vec3(0, -1, -0.02f);
+  settings.lights[0].direction = Vec3(0, -1, -0.02f);
   Camera camera;
   camera.eye = Vec3(0, 1.2f, 1.6f);
   camera.target = Vec3(0, -0.2f, 0);
@@ -282,7 +282,7 @@ TEST_F(Picture, HairShadesTheGroundAndItself) {
   RenderSettings settings = smallPicture();
   settings.growth.hairs = 4000;
   settings.hair_width = 400e-6f;
-  settings.light.direction = Vec3(0, -1, -1);
+  settings.lights[0].direction = Vec3(0, -1, -1);
   const GroomDescription groom = verticalBundle(12, 12, 0.008f, 0.1f, 0.15f, 8);
   Camera camera;
   camera.eye = Vec3(0.4f, 0.25f, -0.8f);  // sees the side that the light does not
@@ -348,7 +348,7 @@ TEST_F(Picture, SettingsThatChangeLaterGiveThePictureThatTheyGiveFromTheStart) {
     renderer.setGroom(groom);
     renderer.setBody(body);
   };
-  std::vector<RenderSettings> all(8, smallPicture());
+  std::vector<RenderSettings> all(10, smallPicture());
   all[1].segments = 5;
   all[2].geometry = HairGeometry::kStrips;
   all[3].growth.hairs = 300;
@@ -357,9 +357,14 @@ TEST_F(Picture, SettingsThatChangeLaterGiveThePictureThatTheyGiveFromTheStart) {
   all[5].width = 90;
   all[6].growth_path = GrowthPath::kTessellator;
   all[7].hair_color = Vec3(0.5f, 0.5f, 0.1f);
+  all[8].lights.resize(3);
+  all[8].lights[1].color = Vec3(1, 0.5f, 0.2f);
+  all[8].lights[2].direction = Vec3(1, -1, 0);
+  all[9] = all[8];
+  all[9].lights[1].casts_shadow = false;
   Renderer changing(all[0]);
   scene(changing);
-  for (size_t i : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 0u}) {
+  for (size_t i : {1u, 2u, 3u, 4u, 5u, 6u, 8u, 9u, 7u, 8u, 0u}) {
     Renderer fresh(all[i]);
     scene(fresh);
     fresh.draw(restFrame(groom), Camera{});

@@ -75,7 +75,8 @@ TEST_F(RendererInput, DamagedBodyAndWildSettingsAndCamerasDoNoHarm) {
   settings.samples = 99;
   settings.segments = 1000;
   settings.hair_width = std::numeric_limits<float>::quiet_NaN();
-  settings.light.direction = Vec3::Zero();
+  settings.lights[0].direction = Vec3::Zero();
+  settings.lights[0].color = Vec3::Constant(std::numeric_limits<float>::quiet_NaN());
   Renderer renderer(settings);
   BodyDescription body;
   body.mesh.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, std::numeric_limits<float>::quiet_NaN(), 0)};
@@ -100,7 +101,7 @@ TEST_F(RendererInput, LampsMayBeAnywhere) {
   const GroomDescription groom = verticalBundle(6, 6, 0.01f, 0.1f, 0.2f, 6);
   const auto picture = [&](const Light& light) {
     RenderSettings settings = smallPicture();
-    settings.light = light;
+    settings.lights = {light};
     Renderer renderer(settings);
     renderer.setGroom(groom);
     renderer.draw(restFrame(groom), Camera{});

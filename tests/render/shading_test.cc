@@ -33,7 +33,7 @@ double lobe(double il, double ie, double shift, double exponent) {
 /// Green channel of a hair's radiance without shadows: hair_shading.glsl in double precision.
 double radiance(const RenderSettings& s, const Hair& hair, const Vec& position, const Vec& t, const Vec& eye,
                 double along) {
-  const Arriving light = arriving(s.light, position);
+  const Arriving light = arriving(s.lights[0], position);
   const Vec l = light.towards, e = (eye - position).normalized();
   const double tl = t.dot(l), te = t.dot(e), sine = std::sqrt(1 - tl * tl);
   const Vec la = l - tl * t, ea = e - te * t;
@@ -71,7 +71,7 @@ HighlightError highlightError(RenderSettings settings, int segments, HairShading
   settings.growth.clump_radius = 1.5e-4f;  // the tangents are the guides'
   settings.growth.tip_deviation = settings.growth.whole_deviation = 0;
   settings.shadows = false;
-  settings.light = light;
+  settings.lights = {light};
   Renderer renderer(settings);
   const GroomDescription groom = bentBundle();
   renderer.setGroom(groom);

@@ -41,7 +41,7 @@ class DeepOpacity : public OffscreenTest {
   }
   static RenderSettings settings(const Light& light = {}) {
     RenderSettings settings = smallPicture();
-    settings.light = light;
+    settings.lights = {light};
     settings.growth.hairs = 1500;
     settings.hair_width = 4e-4f;
     return settings;

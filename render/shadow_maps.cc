@@ -1,4 +1,4 @@
-#include "render/shadow_map.h"
+#include "render/shadow_maps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,12 @@ namespace {
 void begin(const Framebuffer& target, int size) {
   glBindFramebuffer(GL_FRAMEBUFFER, target.id());
   glViewport(0, 0, size, size);
+}
+
+void beginDepth(const Framebuffer& target, int size) {
+  begin(target, size);
+  const float far_depth = 1;
+  glClearNamedFramebufferfv(target.id(), GL_DEPTH, 0, &far_depth);
 }
 
 void setBorder(const Texture& texture, float value) {
@@ -29,10 +35,10 @@ constexpr float kStep = 0.05f;       // m
 constexpr float kWidestView = 1.3f;  // rad
 constexpr float kNearest = 0.01f;    // m, in which a light with a place casts no shadow
 
-LightView parallelView(const SceneBlock& block, const Box& content, int texels) {
+LightView parallelView(const LightBlock& light, const Box& content, int texels) {
   const float radius =
       content.isEmpty() ? kStep : kStep * std::ceil(0.5f * content.diagonal().norm() / kStep + 0.1f);
-  const Eigen::Matrix4f turn = viewMatrix(block.light.head<3>(), Vec3::Zero());
+  const Eigen::Matrix4f turn = viewMatrix(light.way.head<3>(), Vec3::Zero());
   Eigen::Vector3f center = Eigen::Vector3f::Zero();
   if (!content.isEmpty()) center = turn.topLeftCorner<3, 3>() * content.center();
   const float texel = 2 * radius / static_cast<float>(texels);  // on a grid of which they lie
@@ -46,8 +52,8 @@ LightView parallelView(const SceneBlock& block, const Box& content, int texels) 
 }
 
 /// `margin`: how far look-ups reach beside what is lit, over the maps' width.
-LightView perspectiveView(const SceneBlock& block, const Box& content, float margin) {
-  const Vec3 eye = block.light_place.head<3>(), axis = -block.light.head<3>();
+LightView perspectiveView(const LightBlock& light, const Box& content, float margin) {
+  const Vec3 eye = light.place.head<3>(), axis = -light.way.head<3>();
   Vec3 center = Vec3(eye + axis);
   float radius = kStep;
   if (!content.isEmpty()) {
@@ -57,7 +63,7 @@ LightView perspectiveView(const SceneBlock& block, const Box& content, float mar
   const float distance = (center - eye).norm();
   float half = distance > radius ? std::min(std::asin(radius / distance), kWidestView) : kWidestView;
   Vec3 target = distance > 1e-3f ? center : Vec3(eye + axis);
-  const float cone = std::acos(std::clamp(block.light_cone.y(), -1.0f, 1.0f));
+  const float cone = std::acos(std::clamp(light.cone.y(), -1.0f, 1.0f));
   if (cone < half) {
     half = cone;
     target = Vec3(eye + axis);
@@ -76,15 +82,18 @@ LightView perspectiveView(const SceneBlock& block, const Box& content, float mar
 
 }  // namespace
 
-ShadowMap::ShadowMap(const OpacityLayers& layers)
-    : layers_(layers),
-      solid_depth_(GL_DEPTH_COMPONENT32F, kSolidSize, kSolidSize, GL_LINEAR),
-      front_size_(std::min(kFrontSize, layers.map_size)),
-      front_(GL_DEPTH_COMPONENT32F, front_size_, front_size_, GL_LINEAR),
-      opacity_(GL_RGBA16F, layers.map_size, layers.map_size, GL_LINEAR, (layers.layers + 1) / 4),
-      solid_target_(nullptr, &solid_depth_),
-      front_target_(nullptr, &front_),
-      opacity_target_(opacity_) {
+ShadowMaps::ShadowMaps(const OpacityLayers& layers, size_t lights)
+    : layers_(layers), front_size_(std::min(kFrontSize, layers.map_size)) {
+  if (lights == 0) return;
+  const int count = static_cast<int>(lights);
+  solid_depth_ = Texture(GL_DEPTH_COMPONENT32F, kSolidSize, kSolidSize, GL_LINEAR, count);
+  front_ = Texture(GL_DEPTH_COMPONENT32F, front_size_, front_size_, GL_LINEAR, count);
+  opacity_ = Texture(GL_RGBA16F, layers.map_size, layers.map_size, GL_LINEAR, count * slices());
+  for (int light = 0; light < count; ++light) {
+    solid_targets_.push_back(Framebuffer::ofDepth(solid_depth_, light));
+    front_targets_.push_back(Framebuffer::ofDepth(front_, light));
+    opacity_targets_.push_back(Framebuffer::ofColors(opacity_, light * slices(), slices()));
+  }
   setBorder(solid_depth_, 1);
   setBorder(front_, 1);
   setBorder(opacity_, 0);
@@ -92,44 +101,37 @@ ShadowMap::ShadowMap(const OpacityLayers& layers)
   glTextureParameteri(solid_depth_.id(), GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
 }
 
-float ShadowMap::fit(SceneBlock& block, const Box& content) const {
-  const LightView view = block.light_place.w() > 0 ? perspectiveView(block, content, lookUpReach())
-                                                   : parallelView(block, content, front_size_);
-  block.light_view_projection = view.projection;
-  block.light.w() = view.range;
-  block.sampling.z() = static_cast<float>(layers_.map_size) / view.width;
+float ShadowMaps::fit(LightBlock& light, const Box& content) const {
+  const LightView view = light.place.w() > 0 ? perspectiveView(light, content, lookUpReach())
+                                             : parallelView(light, content, front_size_);
+  light.view_projection = view.projection;
+  light.way.w() = view.range;
+  light.cone.z() = static_cast<float>(layers_.map_size) / view.width;
   const float depth = layers_.beyond == BeyondLayers::kReach ? view.range : layers_.depth;
   const auto ends = layerEnds(layers_, depth);
   const float last = layers_.beyond == BeyondLayers::kLastLayer ? 1e9f : ends[layers_.layers - 1];
   for (int k = 0; k <= kMostOpacityLayers; ++k) {
-    block.layer_ends[k] = ends[k];
-    block.layer_limits[k] = k + 1 < layers_.layers ? ends[k] : last;
+    light.layer_ends[k] = ends[k];
+    light.layer_limits[k] = k + 1 < layers_.layers ? ends[k] : last;
   }
   return view.widest;
 }
 
-float ShadowMap::lookUpReach() const {
+float ShadowMaps::lookUpReach() const {
   return 2.0f / static_cast<float>(front_size_) +
          static_cast<float>(layers_.filter + 2) / static_cast<float>(layers_.map_size);
 }
 
-void ShadowMap::beginSolids() const {
-  begin(solid_target_, kSolidSize);
-  const float far_depth = 1;
-  glClearNamedFramebufferfv(solid_target_.id(), GL_DEPTH, 0, &far_depth);
-}
+void ShadowMaps::beginSolids(size_t light) const { beginDepth(solid_targets_[light], kSolidSize); }
 
-void ShadowMap::beginHairFront() const {
-  begin(front_target_, front_size_);
-  const float far_depth = 1;
-  glClearNamedFramebufferfv(front_target_.id(), GL_DEPTH, 0, &far_depth);
-}
+void ShadowMaps::beginHairFront(size_t light) const { beginDepth(front_targets_[light], front_size_); }
 
-void ShadowMap::beginHairOpacity() const {
-  begin(opacity_target_, layers_.map_size);
+void ShadowMaps::beginHairOpacity(size_t light) const {
+  const Framebuffer& target = opacity_targets_[light];
+  begin(target, layers_.map_size);
   const float none[4] = {0, 0, 0, 0};
-  for (int slice = 0; slice < (layers_.layers + 1) / 4; ++slice)
-    glClearNamedFramebufferfv(opacity_target_.id(), GL_COLOR, slice, none);
+  for (int slice = 0; slice < slices(); ++slice)
+    glClearNamedFramebufferfv(target.id(), GL_COLOR, slice, none);
   glDisable(GL_DEPTH_TEST);
   glEnable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
@@ -139,18 +141,18 @@ void ShadowMap::beginHairOpacity() const {
   glBindTextureUnit(binding::kHairOpacity, 0);
 }
 
-void ShadowMap::end() const {
+void ShadowMaps::end() const {
   glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
 }
 
-size_t ShadowMap::bytes() const {
-  const auto square = [](size_t side) { return side * side; };
-  return 4 * square(kSolidSize) + 4 * square(static_cast<size_t>(front_size_)) +
-         8 * square(static_cast<size_t>(layers_.map_size)) * static_cast<size_t>((layers_.layers + 1) / 4);
+size_t ShadowMaps::bytes() const {
+  const auto square = [](int side) { return static_cast<size_t>(side) * static_cast<size_t>(side); };
+  return lights() * (4 * square(kSolidSize) + 4 * square(front_size_) +
+                     8 * square(layers_.map_size) * static_cast<size_t>(slices()));
 }
 
-void ShadowMap::bindTextures() const {
+void ShadowMaps::bindTextures() const {
   glBindTextureUnit(binding::kSolidDepth, solid_depth_.id());
   glBindTextureUnit(binding::kHairFront, front_.id());
   glBindTextureUnit(binding::kHairOpacity, opacity_.id());
