@@ -18,6 +18,10 @@ namespace kernels::f32 {
 
 namespace {
 
+/// Of an ellipsoid, metres: its distances are worked out in units of its shortest half axis, in which those
+/// of far points are to be numbers still.
+constexpr float kLeastHalfAxis = 1e-6f;
+
 void put(float (&out)[3], const Vec3& v) {
   for (int c = 0; c < 3; ++c) out[c] = v[c];
 }
@@ -73,6 +77,8 @@ void checkPrimitive(const ContactPrimitive& p, const std::string& where) {
     throw Error("a body's rotation is not of unit length", where, "normalise it");
   if ((p.kind == PrimitiveKind::kEllipsoid || p.kind == PrimitiveKind::kBox) && !(p.extent.minCoeff() > 0))
     throw Error("a body has no extent", where, "give half axes or half edges above 0");
+  if (p.kind == PrimitiveKind::kEllipsoid && !(p.extent.minCoeff() >= kLeastHalfAxis))
+    throw Error("an ellipsoid's half axis is shorter than a micrometre", where, "give it in metres");
   if (p.kind == PrimitiveKind::kEllipsoid && p.extent.maxCoeff() > 100 * p.extent.minCoeff())
     throw Error("an ellipsoid's half axes differ by more than a factor of 100", where,
                 "use a box or a field for so flat a body");

@@ -257,6 +257,11 @@ TEST(BodyShapes, BadShapesAreRefused) {
   shape.kind = PrimitiveKind::kEllipsoid;
   shape.extent = Vec3(1, 0.001f, 1);
   refused(shape);
+  shape.extent = Vec3::Constant(1e-6f);
+  EXPECT_NO_THROW(checkPrimitive(shape, "a test"));
+  EXPECT_TRUE(std::isfinite(signedDistance(moved(shape, Pose{}, Pose{}, 1), Vec3::Constant(1e7f))));
+  shape.extent = Vec3::Constant(1e-44f);
+  refused(shape);
   shape.kind = PrimitiveKind::kConvex;
   refused(shape);
   shape.kind = PrimitiveKind::kField;

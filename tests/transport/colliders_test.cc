@@ -95,6 +95,10 @@ TEST(Colliders, BadOnesAreRefused) {
   EXPECT_TRUE(isTaken([](auto&) {}));
   EXPECT_FALSE(isTaken([](auto& c) { c[0].numbers[3] = std::numeric_limits<float>::infinity(); }));
   EXPECT_FALSE(isTaken([](auto& c) { c[0].numbers[3] = 3e38f; })) << "whose distance is not a number";
+  EXPECT_FALSE(isTaken([](auto& c) {
+    const auto ellipsoid = std::find(c[0].kinds.begin(), c[0].kinds.end(), uint8_t{4}) - c[0].kinds.begin();
+    std::fill_n(c[0].numbers.begin() + 16 * ellipsoid + 9, 3, 1e-44f);  // half axes
+  })) << "in units of which no distance is a number (found by libFuzzer)";
   EXPECT_FALSE(isTaken([](auto& c) { c[0].kinds[2] = 9; }));
   EXPECT_FALSE(isTaken([](auto& c) { ++c[0].word_counts.back(); }));
   EXPECT_FALSE(isTaken([](auto& c) { c[0].colliders[3] = 0; }));
@@ -157,11 +161,13 @@ TEST(Colliders, MoveBetweenFramesAsHairDoes) {
   const GroomDescription groom = uniformGroom(3, 4);
   publisher->announce(groom, sampleBody(3));
   FramePlayer player(*subscriber, Playout::kSmooth);
-  const auto start = std::chrono::steady_clock::now();
   for (uint64_t number = 1; number <= 2; ++number) {
     publisher->publish(sampleFrame(groom, number));
     player.next();
   }
+  // However long this machine takes in between.
+  const std::chrono::steady_clock::time_point start(
+      std::chrono::nanoseconds(subscriber->waitForFrame(0, std::chrono::milliseconds(0))->arrival_time));
   bool between = false;
   for (int ms = 0; ms < 60; ++ms) {
     const auto frame = player.next(std::nullopt, start + std::chrono::milliseconds(ms));
