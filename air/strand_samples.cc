@@ -6,8 +6,8 @@
 namespace strandcast {
 namespace {
 
-// Cells that a piece of several edges may be long; the blur is wider. With 2.25 a head of hair at rest swings itself up on its
-// own rounding: 0.6 mm in a second.
+// Cells that a piece of several edges may be long; the blur is wider. With 2.25 a head of hair at rest swings
+// itself up on its own rounding: 0.6 mm in a second.
 constexpr float kLongest = 1.5f;
 constexpr uint32_t kMostParts = 16;
 

@@ -36,8 +36,8 @@ class WindGrid : public Wind {
   void clearSolids() override;
   void addSolids(std::span<const MovingPrimitive> bodies, std::span<const uint32_t> words,
                  double seconds) override;
-  /// Cells in `box` whose middle has a distance below 0 are solid and move with velocity(point). Distances are
-  /// never farther from 0 than the true ones.
+  /// Cells in `box` whose middle has a distance below 0 are solid and move with velocity(point). Distances
+  /// are never farther from 0 than the true ones.
   template <class Distance, class Velocity>
   void addSolid(const Box& box, const Distance& distance, const Velocity& velocity);
 

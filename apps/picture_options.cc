@@ -79,8 +79,7 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
       {"Marks", "what there is to look for"}};
   const auto arguments = std::make_shared<PictureArguments>(options);
   app.add_option_function<std::string>(
-         "--preset",
-         [arguments](const std::string& file) { asOption([&] { arguments->readPreset(file); }); },
+         "--preset", [arguments](const std::string& file) { asOption([&] { arguments->readPreset(file); }); },
          "TOML file as the viewer saves it, whose table [picture] counts; options win over it")
       ->trigger_on_parse()
       ->type_name("FILE");

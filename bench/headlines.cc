@@ -124,6 +124,18 @@ void tellLatency(Collector& out, const std::vector<nlohmann::json>& rows) {
   }
 }
 
+// A processor's OpenGL has no goal.
+void tellGrowth(Collector& out, const std::vector<nlohmann::json>& rows) {
+  constexpr double kGoal = 0.3;  // ms, of 100,000 hairs
+  const nlohmann::json& row = rows.back();
+  const double ms = number(row, "growth_ms");
+  const std::string device = row["device"];
+  const bool is_promised = number(row, "hairs") == 100000 && !device.starts_with("llvmpipe");
+  out.add(fmt::format("growth of {} hairs x {}, {}", row["hairs"].dump(), row["vertices"].dump(), device),
+          fmt::format("{:.3f} ms", ms), is_promised ? fmt::format("<= {:g} ms", kGoal) : "",
+          is_promised ? std::optional(ms <= kGoal) : std::nullopt);
+}
+
 }  // namespace
 
 std::string commandOf(const CsvFile& file) { return file.comments.empty() ? "" : file.comments.front(); }
@@ -146,8 +158,11 @@ std::vector<Headline> headlinesOf(const Results& results) {
   out.of("scaling", [&](const auto& rows) { tellScaling(out, rows); });
   out.of("peers", [&](const auto& rows) { tellPeers(out, rows); });
   out.of("contact", [&](const std::vector<nlohmann::json>& rows) {
-    out.add("a mesh and five primitives over no body", fmt::format("{:.2f} x", number(rows.back(), "ratio")));
+    const double ratio = number(rows.back(), "ratio");
+    out.add("a mesh and five primitives over no body", fmt::format("{:.2f} x", ratio), "<= 1.5 x",
+            ratio <= 1.5);
   });
+  out.of("render", [&](const auto& rows) { tellGrowth(out, rows); });
   out.of("end_to_end", [&](const auto& rows) { tellLatency(out, rows); });
   out.of("end_to_end_grown", [&](const auto& rows) { tellLatency(out, rows); });
   return out.lines;

@@ -1,5 +1,8 @@
 # Programs and tests are not worth the compiler's time: loops that take time are in libraries.
 set(STRANDCAST_PROGRAM_OPTIONS $<$<CONFIG:Release>:-O1>)
+if(STRANDCAST_SANITIZE)
+  set(STRANDCAST_PROGRAM_OPTIONS -O0)
+endif()
 
 # strandcast_precompile(GROUP [HEADERS ...] [LINK ...] [OPTIONS ...]): parses HEADERS and what most files include once, for all
 # targets with the same flags to reuse. The debug preset does without, so that a file that misses an include is found there.
@@ -14,21 +17,28 @@ function(strandcast_precompile group)
     <random> <span> <string> <thread> <vector>)
 endfunction()
 strandcast_precompile(library_headers)
-strandcast_precompile(program_headers HEADERS <CLI/CLI.hpp> OPTIONS ${STRANDCAST_PROGRAM_OPTIONS})
+strandcast_precompile(program_headers HEADERS <nlohmann/json.hpp> OPTIONS ${STRANDCAST_PROGRAM_OPTIONS})
 strandcast_precompile(test_headers HEADERS <gtest/gtest.h> LINK GTest::gtest OPTIONS ${STRANDCAST_PROGRAM_OPTIONS})
 
-# strandcast_library(NAME SOURCES ... LINK ... [PRIVATE_LINK ...]): one library per folder, includes from the project's root.
+# strandcast_library(NAME SOURCES ... LINK ... [PRIVATE_LINK ...] [OF_PROGRAMS]): one library per folder, includes from the
+# project's root. OF_PROGRAMS: compiled as programs are.
 function(strandcast_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
+  cmake_parse_arguments(ARG "OF_PROGRAMS" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   add_library(strandcast_${name} STATIC ${ARG_SOURCES})
   target_include_directories(strandcast_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(strandcast_${name} PUBLIC ${ARG_LINK} PRIVATE strandcast_options ${ARG_PRIVATE_LINK})
-  target_precompile_headers(strandcast_${name} REUSE_FROM library_headers)
+  if(ARG_OF_PROGRAMS)
+    target_compile_options(strandcast_${name} PRIVATE ${STRANDCAST_PROGRAM_OPTIONS})
+    target_precompile_headers(strandcast_${name} REUSE_FROM program_headers)
+  else()
+    target_precompile_headers(strandcast_${name} REUSE_FROM library_headers)
+  endif()
 endfunction()
 
 # strandcast_test(NAME SOURCES ... LINK ... [TIMEOUT s] [LABELS ...]): a GoogleTest program, found by ctest under its name.
 # The label "threads" marks what the thread sanitizer is run on; the target thread_tests builds all of those. The target
-# quick_tests builds, for the other sanitizers, all that are not labelled slow, gl (needs OpenGL) or programs.
+# quick_tests builds, for the other sanitizers, all that are not labelled slow, gl (needs OpenGL), measures (benchmarks and
+# validation) or programs.
 function(strandcast_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
@@ -50,9 +60,15 @@ function(strandcast_test name)
   if("threads" IN_LIST ARG_LABELS)
     add_dependencies(thread_tests ${name})
   endif()
-  if(NOT "slow" IN_LIST ARG_LABELS AND NOT "gl" IN_LIST ARG_LABELS AND NOT "programs" IN_LIST ARG_LABELS)
+  if(NOT "${ARG_LABELS}" MATCHES "slow|gl|measures|programs")
     add_dependencies(quick_tests ${name})
   endif()
+endfunction()
+
+# strandcast_on_network(TEST ...): these use the network, so they run one at a time. First, beside what computes: they mostly
+# wait.
+function(strandcast_on_network)
+  set_tests_properties(${ARGN} PROPERTIES RESOURCE_LOCK network COST 1000)
 endfunction()
 
 # strandcast_fuzzer(NAME SOURCES ... LINK ...): a libFuzzer program with the fuzz preset. tests/ runs the same entry

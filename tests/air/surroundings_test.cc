@@ -7,8 +7,6 @@
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
 #include "validation/specimen.h"
-#include "validation/suite.h"
-#include "validation/wind_elastica.h"
 
 namespace strandcast {
 namespace {
@@ -158,43 +156,6 @@ TEST(Surroundings, AreRefusedWhereThereAreNone) {
   EXPECT_THROW(simulation.setParameters(everything()), Error);
   EXPECT_EQ(simulation.parameters().wind_grid, 0);
   EXPECT_THROW(cpuAir("abacus").surroundings({}), Error);
-}
-
-TEST(WindElastica, AWeakWindBendsAStrandAsABeam) {
-  // Uniformly loaded cantilever: w L^4 / (8 B).
-  EXPECT_NEAR(windElastica(1e-3, 0.5).downwind / 1e-3, 1.0 / 8, 1e-5);
-  EXPECT_NEAR(windElastica(1e-3, 0.5).across, 1, 1e-5);
-  EXPECT_GT(windElastica(1e4, 0.5).downwind, 0.98) << "a strong wind lays it along itself";
-}
-
-TEST(Surroundings, AStrandInTheWindLeansAsTheExactOne) {
-  const Laboratory laboratory([] { return makeSimdBackend(1); }, SolverKind::kRod);
-  for (const Case& c : runSuite(validationSuite("air"), laboratory, "load="))
-    EXPECT_TRUE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
-}
-
-// What moves a groom at rest is the rounding of positions in float, not what it feels: doubles stay.
-TEST(Surroundings, AGroomAtRestStaysWhereItIsInDouble) {
-  const Laboratory laboratory(makeOracleBackend, SolverKind::kRod);
-  Parameters parameters = laboratory.parameters(60, 1);
-  parameters.substeps = 4;
-  parameters.damping_time = 5e-4f;
-  parameters.volume_stiffness = 40;
-  parameters.gravity.setZero();
-  Simulation simulation = laboratory.simulation(headOfHair(60, 0.2, 23, 2), parameters);
-  const std::vector<Vec3> before(simulation.guides().begin(), simulation.guides().end());
-  laboratory.advance(simulation, 0.5);
-  double squares = 0;
-  for (size_t v = 0; v < before.size(); ++v)
-    squares += double{(simulation.guides()[v] - before[v]).squaredNorm()};
-  EXPECT_LT(std::sqrt(squares / static_cast<double>(before.size())), 1e-7);
-}
-
-TEST(Surroundings, WispsComeApartAndRest) {
-  const Laboratory laboratory([] { return makeSimdBackend(1); }, SolverKind::kRod);
-  for (const char* name : {"wisps", "momentum"})
-    for (const Case& c : runSuite(validationSuite("volume"), laboratory, name))
-      EXPECT_TRUE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
 }
 
 }  // namespace

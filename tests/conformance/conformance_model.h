@@ -36,8 +36,8 @@ std::vector<MovingPrimitive> movingBodies(float dt);
 constexpr int kFurtherKinds = 5;
 MovingPrimitive furtherBody(int kind, float dt, ShapeData& shapes);
 
-/// StrandModel::rest_distance for which what is in a body at the start may stay a millimetre deeper. Hair that has to leave a
-/// body centimetres thick turns on the last bit of where it is.
+/// StrandModel::rest_distance for which what is in a body at the start may stay a millimetre deeper. Hair
+/// that has to leave a body centimetres thick turns on the last bit of where it is.
 std::vector<float> leftWhereTheyStart(const StrandState& from, std::span<const MovingPrimitive> bodies,
                                       std::span<const uint32_t> words = {});
 

@@ -35,12 +35,12 @@ namespace {
 constexpr size_t kItems = 1003;
 constexpr size_t kPadded = 1008;  // 16 lanes
 constexpr const char* kNames[kKernels] = {
-    "solveDistance",   "solveAngular",        "rotationBetween", "rotate",         "interpolateRotation",
-    "sphereDistance",  "capsuleDistance",     "planeDistance",   "resolveContact", "predictPosition",
-    "normalizeOrZero", "carriedBy",           "multiply",        "fieldPlace",     "trilinear",
-    "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",    "tethered",
-    "gridPlace",       "interpolated",        "splatWeight",     "macCormack",     "crowding",
-    "dragNotFelt",     "heldCrowding",        "taperedCapsule",  "boxDistance",    "ellipsoid",
+    "solveDistance",   "solveAngular",        "rotationBetween", "rotate",          "interpolateRotation",
+    "sphereDistance",  "capsuleDistance",     "planeDistance",   "resolveContact",  "predictPosition",
+    "normalizeOrZero", "carriedBy",           "multiply",        "fieldPlace",      "trilinear",
+    "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",     "tethered",
+    "gridPlace",       "interpolated",        "splatWeight",     "macCormack",      "crowding",
+    "dragNotFelt",     "heldCrowding",        "taperedCapsule",  "boxDistance",     "ellipsoid",
     "convexPlane",     "fieldDistance",       "blurred",         "largestCrowding", "pushAlong"};
 
 using Item = std::array<float, kKernelInputs>;

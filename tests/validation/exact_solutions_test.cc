@@ -12,6 +12,7 @@
 #include "validation/hung_rod.h"
 #include "validation/oscillation.h"
 #include "validation/pendulum.h"
+#include "validation/wind_elastica.h"
 
 namespace strandcast {
 namespace {
@@ -108,6 +109,13 @@ TEST(Oscillation, FrequencyAndDampingOfADecayingSine) {
   EXPECT_NEAR(found.dampingRatio(), kDecay / std::hypot(kDecay, kOmega), 1e-5);
   EXPECT_NEAR(found.energyLostPerCycle(), 1 - std::exp(-4 * kPi * kDecay / kOmega), 1e-4);
   EXPECT_TRUE(std::isnan(oscillationOf(std::vector<double>(100, 1.0), kInterval).angular_frequency));
+}
+
+TEST(WindElastica, AWeakWindBendsAStrandAsABeam) {
+  // Uniformly loaded cantilever: w L^4 / (8 B).
+  EXPECT_NEAR(windElastica(1e-3, 0.5).downwind / 1e-3, 1.0 / 8, 1e-5);
+  EXPECT_NEAR(windElastica(1e-3, 0.5).across, 1, 1e-5);
+  EXPECT_GT(windElastica(1e4, 0.5).downwind, 0.98) << "a strong wind lays it along itself";
 }
 
 }  // namespace

@@ -26,11 +26,11 @@ std::string rules(KeyRole role) {
   const std::string hears_status = criteria("subscribe", "status", "");
   switch (role) {
     case KeyRole::kDaemon:
-      return ofGrooms("publish", {"groom", "bodies", "colliders", "guides", "claim"}) + criteria("publish", "status", "") +
-             ofGrooms("subscribe", {"command", "claim"}) + hears_status;
+      return ofGrooms("publish", {"groom", "bodies", "colliders", "guides", "claim"}) +
+             criteria("publish", "status", "") + ofGrooms("subscribe", {"command", "claim"}) + hears_status;
     case KeyRole::kRenderer:
-      return ofGrooms("publish", {"command"}) + ofGrooms("subscribe", {"groom", "bodies", "colliders", "guides"}) +
-             hears_status;
+      return ofGrooms("publish", {"command"}) +
+             ofGrooms("subscribe", {"groom", "bodies", "colliders", "guides"}) + hears_status;
     case KeyRole::kReader:
       break;
   }
