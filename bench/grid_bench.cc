@@ -6,6 +6,7 @@
 #include <chrono>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "air/hair_grid.h"
 #include "air/wind_grid.h"
@@ -32,9 +33,12 @@ class PassTimes {
  public:
   template <class Pass>
   void time(const std::string& name, const Pass& pass) {
+    const double processor_before = processorMs();
     const Clock::time_point start = Clock::now();
     pass();
-    add(name, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+    const Clock::time_point end = Clock::now();
+    cpu_ms_[name].push_back(processorMs() - processor_before);
+    add(name, std::chrono::duration<double, std::milli>(end - start).count());
   }
   void add(const std::string& name, double ms) {
     if (!ms_.contains(name)) names_.push_back(name);
@@ -44,18 +48,24 @@ class PassTimes {
   bool has(const std::string& name) const { return ms_.contains(name); }
   Spread spread(const std::string& name) const { return spreadOf(ms_.at(name)); }
   double median(const std::string& name) const { return spread(name).median; }
+  /// Median in processor time of all threads, ms; nothing where a pass ran elsewhere.
+  std::optional<double> cpuMedian(const std::string& name) const {
+    const auto found = cpu_ms_.find(name);
+    return found == cpu_ms_.end() ? std::nullopt : std::optional(spreadOf(found->second).median);
+  }
 
  private:
   std::vector<std::string> names_;
-  std::map<std::string, std::vector<double>> ms_;
+  std::map<std::string, std::vector<double>> ms_, cpu_ms_;
 };
 
 struct Result {
   int cells;
   PassTimes times;
-  double all = 0;         ///< ms, of all passes
-  double iterations = 0;  ///< of the pressure, mean
-  double divergence = 0;  ///< largest x cell over the fastest, at last
+  double all = 0;                      ///< ms, of all passes
+  std::optional<double> cpu_all = {};  ///< the same in processor time
+  double iterations = 0;               ///< of the pressure, mean
+  double divergence = 0;               ///< largest x cell over the fastest, at last
 };
 
 Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model, int cells) {
@@ -108,7 +118,11 @@ Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model,
     t.time("project", [&] { out.iterations += wind.project().iterations / static_cast<double>(o.steps); });
   }
   out.divergence = wind.largestOutflow() / wind.fastest();
-  for (const std::string& name : out.times.names()) out.all += out.times.median(name);
+  out.cpu_all = 0;
+  for (const std::string& name : out.times.names()) {
+    out.all += out.times.median(name);
+    *out.cpu_all += *out.times.cpuMedian(name);
+  }
   return out;
 }
 
@@ -220,7 +234,9 @@ int run(const Options& o) {
                        {"ms", "ms", "{:.3f}"},
                        {"ms_min", "min", "{:.3f}"},
                        {"ms_p95", "p95", "{:.3f}"},
+                       {"cpu_ms", "cpu ms", "{:.3f}"},
                        {"of_strand_step", "of a step", "{:.2f}"},
+                       {"of_strand_step_cpu", "of its cpu ms", "{:.2f}"},
                        {"pressure_iterations", "iterations", "{:.1f}"},
                        {"divergence", "divergence", "{:.1e}"}});
   nlohmann::json results = nlohmann::json::array();
@@ -228,12 +244,13 @@ int run(const Options& o) {
     const Result r = on_gpu ? timeGpuGrids(o, scene, model, cells) : timeGrids(o, scene, model, cells);
     const nlohmann::json shared{
         {"device", device}, {"strands", o.strands}, {"vertices", o.vertices}, {"cells", cells}};
-    nlohmann::json passes;
+    nlohmann::json passes, cpu_passes;
     for (const std::string& name : r.times.names()) {
       const Spread ms = r.times.spread(name);
       passes[name] = ms.median;
       nlohmann::json row = shared;
       row.update({{"pass", name}, {"ms", ms.median}, {"ms_min", ms.min}, {"ms_p95", ms.p95}});
+      if (const auto cpu_ms = r.times.cpuMedian(name)) row["cpu_ms"] = cpu_passes[name] = *cpu_ms;
       bench.table.add(std::move(row));
     }
     nlohmann::json all = shared;
@@ -242,13 +259,20 @@ int run(const Options& o) {
                 {"of_strand_step", r.all / steps.strands()},
                 {"pressure_iterations", r.iterations},
                 {"divergence", r.divergence}});
+    nlohmann::json result{{"case", fmt::format("{}^3", cells)},
+                          {"ms_passes", passes},
+                          {"ms_all", r.all},
+                          {"of_strand_step", r.all / steps.strands()},
+                          {"pressure_iterations", r.iterations},
+                          {"divergence", r.divergence}};
+    if (r.cpu_all) {
+      const double share = *r.cpu_all / steps.alone.cpu_ms.median;
+      all.update({{"cpu_ms", *r.cpu_all}, {"of_strand_step_cpu", share}});
+      result.update(
+          {{"cpu_ms_passes", cpu_passes}, {"cpu_ms_all", *r.cpu_all}, {"of_strand_step_cpu", share}});
+    }
     bench.table.add(std::move(all));
-    results.push_back({{"case", fmt::format("{}^3", cells)},
-                       {"ms_passes", passes},
-                       {"ms_all", r.all},
-                       {"of_strand_step", r.all / steps.strands()},
-                       {"pressure_iterations", r.iterations},
-                       {"divergence", r.divergence}});
+    results.push_back(std::move(result));
   }
   bench.more = {{"backend", o.backend},
                 {"device", device},
