@@ -4,6 +4,7 @@
 
 #include "air/grid_shape.h"
 #include "air/hair_layout.h"
+#include "core/contact_primitive.h"
 
 namespace strandcast {
 
@@ -29,6 +30,8 @@ struct PressureView {
   const Scalar* open[3];           ///< weights of faces
   const Scalar* diagonal;          ///< their sum around a cell, 0 in solids
   const Scalar* inverse_diagonal;  ///< 0 in solids
+  const Scalar*
+      even;  ///< [cells * cells], per row: the weight of all faces of its cells, 0 where they differ
 };
 
 /// A piece of a strand, as it is splatted.
@@ -59,6 +62,13 @@ enum PlacePlane : int {
   kPlacePlanes = 6
 };
 
+/// What samples come to: the largest component of velocity, m/s, and where those lie that are in the grid, in
+/// cells; low is above high where none is.
+template <class Scalar>
+struct SplatReach {
+  Scalar fastest, low[3], high[3];
+};
+
 /// How crowded samples are: kernels/grid.h.
 template <class Scalar>
 struct CrowdView {
@@ -70,10 +80,28 @@ struct CrowdView {
   Scalar scale;  ///< from mass x crowding to whole numbers
 };
 
+/// Nodes of the hair grid, from place (0, 0, 0).
+template <class Scalar>
+struct HairView {
+  GridShape shape;
+  const Scalar* nodes;     ///< 4 numbers each: momentum per volume, density
+  const Scalar* density;   ///< blurred
+  const Scalar* crowding;  ///< of the nodes' samples; null where hair is not pushed apart
+  const Scalar* crowded;   ///< mass x crowding, blurred
+  Scalar slope;            ///< pushAlong in kernels/grid.h
+  Scalar turn[9];          ///< of the head, 3 rows: pushes to the world
+  Scalar* spread;          ///< `nodes` x density^(-1/2), then blurred; null where hair does not rub
+  Scalar part;             ///< that friction takes of what hair moves by against its surroundings
+  Scalar* changes;         ///< 4 numbers each: change of velocity, and what it loses of its own
+};
+
 /// What is done to a layer, a range of samples, ... Compiled once per lane type.
 template <class Scalar>
 struct GridPasses {
   std::string name;  ///< "scalar" or of the instruction set
+  /// signedDistance() of points, 3 numbers each; `words` of the ShapeData.
+  void (*distances)(const MovingPrimitive&, const uint32_t* words, const float* points, size_t count,
+                    float* out);
   void (*centre)(const WindView<Scalar>&, int layer);
   /// Into `out`; a negative Courant number (time step over cell, s/m) looks ahead.
   void (*displace)(const WindView<Scalar>&, Scalar courant, Scalar* const* out, int layer);
@@ -90,6 +118,11 @@ struct GridPasses {
   void (*smooth)(const PressureView<Scalar>&, const Scalar* x, const Scalar* right, Scalar weight,
                  Scalar* out, int layer);
   void (*residual)(const PressureView<Scalar>&, const Scalar* x, const Scalar* right, Scalar* out, int layer);
+  /// Between a level of the pressure and the next coarser one: sums of eight cells, of a coarse layer; and to
+  /// the cells of a fine layer that are not solid, what is there in the coarse one.
+  void (*restrict)(const GridShape& fine, const Scalar* in, const GridShape& coarse, Scalar* out, int layer);
+  void (*prolong)(const PressureView<Scalar>& fine, const GridShape& coarse, const Scalar* in, Scalar* x,
+                  int layer);
   /// out = A x; gives dot(x, out).
   double (*apply)(const PressureView<Scalar>&, const Scalar* x, Scalar* out, int layer);
   /// x += a s, r -= a q; gives the largest |r|.
@@ -102,16 +135,21 @@ struct GridPasses {
                            int axis, int layer);
 
   // Samples in ranges that begin at multiples of 16.
-  /// Where samples are and how fast; gives the largest component of velocity.
-  Scalar (*place)(const SplatView<Scalar>&, size_t begin, size_t end);
+  /// Where samples are and how fast.
+  SplatReach<Scalar> (*place)(const SplatView<Scalar>&, size_t begin, size_t end);
   /// Adds them to nodes of 4 numbers, momentum and mass.
   void (*splat)(const SplatView<Scalar>&, size_t begin, size_t end, int32_t* nodes);
   /// What nodes of one number have at samples; per sample and 16 to spare.
   void (*sampleNumbers)(const SplatView<Scalar>&, size_t begin, size_t end, const Scalar* nodes, Scalar* out);
   /// Adds mass x crowding of samples to nodes of one number.
   void (*crowd)(const SplatView<Scalar>&, size_t begin, size_t end, const CrowdView<Scalar>&, int32_t* nodes);
-  /// One axis of a blur by (1 2 1) / 4 of nodes of `numbers` numbers; beyond the grid there is nothing.
-  void (*blur)(const GridShape&, int numbers, int axis, const Scalar* in, Scalar* out, int layer);
+  /// One axis of a blur by (1 2 1) / 4 of nodes of `numbers` numbers, in a box beyond whose inner nodes `in`
+  /// is 0.
+  void (*blur)(const GridShape&, int numbers, int axis, const NodeBox& box, const Scalar* in, Scalar* out,
+               int layer);
+  /// Nodes of a layer in a box: what is to be blurred for friction, and what hair there changes by.
+  void (*spread)(const HairView<Scalar>&, const NodeBox& box, int layer);
+  void (*forces)(const HairView<Scalar>&, const NodeBox& box, int layer);
   /// What nodes of 4 numbers have at `count` places (in cells, 3 planes of `stride` numbers, 16 of each to
   /// spare), 4 numbers each.
   void (*sample)(const GridShape&, const Scalar* nodes, const Scalar* places, size_t stride, size_t count,

@@ -7,43 +7,85 @@ inline size_t startOf(const GridShape& s, int j, int k) {
 }
 inline int inside(int i, int end) { return i < 0 ? 0 : i < end ? i : end - 1; }
 
-// The corners around `kLanes` places.
+// The corners around `kLanes` places: where the first one lies in an array, and the way to the last one.
 struct Corners {
-  alignas(64) Scalar first[kLanes], part[3][kLanes];
+  alignas(64) uint32_t first[kLanes];
+  real3 part;
 };
-inline Corners cornersAt(const GridShape& s, const real3& at) {
-  const real last = lit(s.cells - 1);
-  const GridPlace place = gridPlace(at, makeReal3(last, last, last));
+inline Corners cornersAt(const GridShape& s, const real3& at, const real3& last) {
+  const GridPlace place = gridPlace(at, last);
   Corners out;
-  store(madd(place.low.z, lit(static_cast<double>(s.layer())),
-             madd(place.low.y, lit(static_cast<double>(s.row())), place.low.x)),
-        out.first);
-  store(place.part.x, out.part[0]);
-  store(place.part.y, out.part[1]);
-  store(place.part.z, out.part[2]);
+  storeWhole(madd(place.low.z, lit(static_cast<double>(s.layer())),
+                  madd(place.low.y, lit(static_cast<double>(s.row())), place.low.x)),
+             out.first);
+  out.part = place.part;
   return out;
 }
+inline Corners cornersAt(const GridShape& s, const real3& at) {
+  const real last = lit(s.cells - 1);
+  return cornersAt(s, at, makeReal3(last, last, last));
+}
+// What a field has at them. Neighbours along x are read together, which takes less than gathering.
+inline void readCorners(const GridShape& s, const Scalar* field, const Corners& corners, real (&v)[8]) {
+  const size_t y = s.row();
+  for (int z = 0; z < 2; ++z)
+    transposed(
+        [&](int lane) {
+          const Scalar* p = field + corners.first[lane] + static_cast<size_t>(z) * s.layer();
+          return quads::twoAndTwo(p, p + y);
+        },
+        v + 4 * z);
+}
+// Corners::part, to be looked at lane by lane.
+struct CornerParts {
+  alignas(64) Scalar of[3][kLanes];
+  explicit CornerParts(const real3& part) {
+    store(part.x, of[0]);
+    store(part.y, of[1]);
+    store(part.z, of[2]);
+  }
+};
 // Four numbers of nodes at the corners of one lane.
-inline quads::real sampled(const GridShape& s, const Scalar* nodes, const Corners& corners, int lane) {
-  const Scalar* n = nodes + 4 * static_cast<size_t>(corners.first[lane]);
+inline quads::real sampled(const GridShape& s, const Scalar* nodes, const Corners& corners, const CornerParts& parts,
+                           int lane) {
+  const Scalar* n = nodes + 4 * size_t{corners.first[lane]};
   const size_t y = 4 * s.row(), z = 4 * s.layer();
-  const quads::real3 part = {quads::fill(corners.part[0][lane]), quads::fill(corners.part[1][lane]),
-                             quads::fill(corners.part[2][lane])};
+  const quads::real3 part = {quads::fill(parts.of[0][lane]), quads::fill(parts.of[1][lane]),
+                             quads::fill(parts.of[2][lane])};
   return quads::interpolated(quads::load(n), quads::load(n + 4), quads::load(n + y), quads::load(n + y + 4),
                              quads::load(n + z), quads::load(n + z + 4), quads::load(n + z + y),
                              quads::load(n + z + y + 4), part);
+}
+
+// Of the body where it is at the end of the step, placed once for all points.
+inline void distancesPass(const MovingPrimitive& primitive, const uint32_t* words, const float* points, size_t count,
+                          float* out) {
+  const SubstepBody body = bodyAt(primitive, words, 1, 1, 1, 0, lit(1));
+  for (size_t first = 0; first < count; first += kLanes) {
+    const size_t lanes = count - first < kLanes ? count - first : kLanes;
+    alignas(64) Scalar x[3][kLanes], distance[kLanes];
+    for (size_t lane = 0; lane < kLanes; ++lane)
+      for (size_t c = 0; c < 3; ++c)
+        x[c][lane] = static_cast<Scalar>(points[3 * (first + (lane < lanes ? lane : 0)) + c]);
+    const real3 at = makeReal3(load(x[0]), load(x[1]), load(x[2]));
+    store(surfaceAt(body, at, lit(0), lit(0) < lit(1)).distance, distance);
+    for (size_t lane = 0; lane < lanes; ++lane) out[first + lane] = static_cast<float>(distance[lane]);
+  }
 }
 
 inline void centrePass(const WindView<Scalar>& w, int k) {
   const GridShape& s = w.shape;
   for (int j = 0; j < s.cells; ++j) {
     const size_t row = startOf(s, j, k);
-    for (int i = 0; i < s.cells; ++i) {
+    for (int i = 0; i < s.cells; i += kLanes) {
       const size_t c = row + static_cast<size_t>(i);
-      Scalar* out = w.centre + 4 * c;
-      for (int axis = 0; axis < 3; ++axis)
-        out[axis] = Scalar(0.5) * (w.velocity[axis][c] + w.velocity[axis][c + s.next(axis)]);
-      out[3] = 0;
+      real centre[4];
+      for (int axis = 0; axis < 3; ++axis) {
+        const Scalar* u = w.velocity[axis] + c;
+        centre[axis] = (loadAt(u) + loadAt(u + s.next(axis))) * lit(0.5);
+      }
+      centre[3] = lit(0);
+      storeFours(centre, w.centre + 4 * c);
     }
   }
 }
@@ -61,12 +103,10 @@ inline void displacePass(const WindView<Scalar>& w, Scalar courant, Scalar* cons
       const real3 here = makeReal3(laneNumbers() + lit(i), lit(j), lit(k));
       const real3 middle = tracedBack(here, makeReal3(centre(0), centre(1), centre(2)), lit(0.5 * courant));
       const Corners corners = cornersAt(s, middle);
-      for (int lane = 0; lane < kLanes; ++lane) {
-        alignas(64) Scalar moved[4];
-        quads::store(sampled(s, w.centre, corners, lane), moved);
-        for (int axis = 0; axis < 3; ++axis)
-          out[axis][row + static_cast<size_t>(i + lane)] = courant * moved[axis];
-      }
+      const CornerParts parts(corners.part);
+      real moved[4];
+      transposed([&](int lane) { return sampled(s, w.centre, corners, parts, lane); }, moved);
+      for (int axis = 0; axis < 3; ++axis) storeAt(lit(courant) * moved[axis], out[axis] + row + i);
     }
     for (int axis = 0; axis < 3; ++axis) {
       Scalar* d = out[axis] + row;
@@ -90,15 +130,11 @@ struct Advected {
 };
 inline Advected valueAt(const GridShape& s, const Scalar* field, int axis, const real3& at) {
   const double n = s.cells;
-  const GridPlace place =
-      gridPlace(at, makeReal3(lit(axis == 0 ? n : n - 1), lit(axis == 1 ? n : n - 1), lit(axis == 2 ? n : n - 1)));
-  const real first = madd(place.low.z, lit(static_cast<double>(s.layer())),
-                          madd(place.low.y, lit(static_cast<double>(s.row())), place.low.x));
-  const size_t y = s.row(), z = s.layer();
-  const real v[8] = {gather(field, first),         gather(field + 1, first),     gather(field + y, first),
-                     gather(field + y + 1, first), gather(field + z, first),     gather(field + z + 1, first),
-                     gather(field + z + y, first), gather(field + z + y + 1, first)};
-  Advected out{interpolated(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], place.part), v[0], v[0]};
+  const Corners corners =
+      cornersAt(s, at, makeReal3(lit(axis == 0 ? n : n - 1), lit(axis == 1 ? n : n - 1), lit(axis == 2 ? n : n - 1)));
+  real v[8];
+  readCorners(s, field, corners, v);
+  Advected out{interpolated(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], corners.part), v[0], v[0]};
   for (int c = 1; c < 8; ++c) {
     out.low = min(out.low, v[c]);
     out.high = max(out.high, v[c]);
@@ -193,17 +229,33 @@ inline void exchangePass(const WindView<Scalar>& w, int axis, int k) {
   }
 }
 
-inline real neighbours(const PressureView<Scalar>& p, const Scalar* x, size_t c) {
-  const size_t y = p.shape.row(), z = p.shape.layer();
-  real sum = loadAt(p.open[0] + c) * loadAt(x + c - 1);
-  sum = madd(loadAt(p.open[0] + c + 1), loadAt(x + c + 1), sum);
-  sum = madd(loadAt(p.open[1] + c), loadAt(x + c - y), sum);
-  sum = madd(loadAt(p.open[1] + c + y), loadAt(x + c + y), sum);
-  sum = madd(loadAt(p.open[2] + c), loadAt(x + c - z), sum);
-  return madd(loadAt(p.open[2] + c + z), loadAt(x + c + z), sum);
+// What the cells of a row weigh their neighbours with: each face's own, or one for all, which then need not be read. The
+// results are the same.
+struct StoredWeights {
+  const PressureView<Scalar>& p;
+  real open(int axis, size_t face) const { return loadAt(p.open[axis] + face); }
+  real diagonal(size_t c) const { return loadAt(p.diagonal + c); }
+  real inverseDiagonal(size_t c) const { return loadAt(p.inverse_diagonal + c); }
+};
+struct EvenWeights {
+  real weight, sum, inverse_sum;
+  real open(int, size_t) const { return weight; }
+  real diagonal(size_t) const { return sum; }
+  real inverseDiagonal(size_t) const { return inverse_sum; }
+};
+template <class Weights>
+inline real neighbours(const GridShape& s, const Weights& w, const Scalar* x, size_t c) {
+  const size_t y = s.row(), z = s.layer();
+  real sum = w.open(0, c) * loadAt(x + c - 1);
+  sum = madd(w.open(0, c + 1), loadAt(x + c + 1), sum);
+  sum = madd(w.open(1, c), loadAt(x + c - y), sum);
+  sum = madd(w.open(1, c + y), loadAt(x + c + y), sum);
+  sum = madd(w.open(2, c), loadAt(x + c - z), sum);
+  return madd(w.open(2, c + z), loadAt(x + c + z), sum);
 }
-inline real residualAt(const PressureView<Scalar>& p, const Scalar* x, const Scalar* right, size_t c) {
-  return loadAt(right + c) - (loadAt(p.diagonal + c) * loadAt(x + c) - neighbours(p, x, c));
+template <class Weights>
+inline real residualAt(const GridShape& s, const Weights& w, const Scalar* x, const Scalar* right, size_t c) {
+  return loadAt(right + c) - (w.diagonal(c) * loadAt(x + c) - neighbours(s, w, x, c));
 }
 // body(c) for the first cell of every vector of a layer.
 template <class Body>
@@ -211,6 +263,22 @@ inline void alongRows(const GridShape& s, int k, const Body& body) {
   for (int j = 0; j < s.cells; ++j) {
     const size_t row = startOf(s, j, k);
     for (int i = 0; i < s.cells; i += kLanes) body(row + static_cast<size_t>(i));
+  }
+}
+// body(c, weights) likewise. Behind the end of a row weights are 0, so that vectors must end there to be even.
+template <class Body>
+inline void alongWeights(const PressureView<Scalar>& p, int k, const Body& body) {
+  const GridShape& s = p.shape;
+  const StoredWeights stored{p};
+  for (int j = 0; j < s.cells; ++j) {
+    const size_t row = startOf(s, j, k);
+    const Scalar weight = s.cells % kLanes == 0 ? p.even[k * s.cells + j] : 0;
+    if (weight > 0) {
+      const EvenWeights even{lit(weight), lit(p.diagonal[row]), lit(p.inverse_diagonal[row])};
+      for (int i = 0; i < s.cells; i += kLanes) body(row + static_cast<size_t>(i), even);
+    } else {
+      for (int i = 0; i < s.cells; i += kLanes) body(row + static_cast<size_t>(i), stored);
+    }
   }
 }
 
@@ -240,23 +308,54 @@ inline Scalar fastestPass(const WindView<Scalar>& w, int k) {
 inline void smoothPass(const PressureView<Scalar>& p, const Scalar* x, const Scalar* right, Scalar weight, Scalar* out,
                        int k) {
   if (x == nullptr) {
-    alongRows(p.shape, k, [&](size_t c) {
-      storeAt(loadAt(p.inverse_diagonal + c) * lit(weight) * loadAt(right + c), out + c);
+    alongWeights(p, k, [&](size_t c, const auto& w) {
+      storeAt(w.inverseDiagonal(c) * lit(weight) * loadAt(right + c), out + c);
     });
     return;
   }
-  alongRows(p.shape, k, [&](size_t c) {
-    const real scale = loadAt(p.inverse_diagonal + c) * lit(weight);
-    storeAt(madd(scale, residualAt(p, x, right, c), loadAt(x + c)), out + c);
+  alongWeights(p, k, [&](size_t c, const auto& w) {
+    const real scale = w.inverseDiagonal(c) * lit(weight);
+    storeAt(madd(scale, residualAt(p.shape, w, x, right, c), loadAt(x + c)), out + c);
   });
 }
 inline void residualPass(const PressureView<Scalar>& p, const Scalar* x, const Scalar* right, Scalar* out, int k) {
-  alongRows(p.shape, k, [&](size_t c) { storeAt(residualAt(p, x, right, c), out + c); });
+  alongWeights(p, k, [&](size_t c, const auto& w) { storeAt(residualAt(p.shape, w, x, right, c), out + c); });
+}
+// Sums of eight cells, of a layer of the coarser grid. What vectors have behind the end of its rows does not count.
+inline void restrictPass(const GridShape& fine, const Scalar* in, const GridShape& coarse, Scalar* out, int k) {
+  const size_t y = fine.row(), z = fine.layer();
+  for (int j = 0; j < coarse.cells; ++j)
+    for (int i = 0; i < coarse.cells; i += kLanes) {
+      const Scalar* cells = in + startOf(fine, 2 * j, 2 * k) + 2 * i;
+      real pair[2];
+      loadTwos(cells, pair);
+      real sum = pair[0] + pair[1];
+      for (const size_t next : {y, z, z + y}) {
+        loadTwos(cells + next, pair);
+        sum = sum + pair[0] + pair[1];
+      }
+      storeAt(sum, out + startOf(coarse, j, k) + i);
+    }
+}
+// To the cells of a layer that are not solid, what the coarser grid has there.
+inline void prolongPass(const PressureView<Scalar>& p, const GridShape& coarse, const Scalar* in, Scalar* x, int k) {
+  for (int j = 0; j < p.shape.cells; ++j)
+    for (int i = 0; i < coarse.cells; i += kLanes) {
+      const size_t c = startOf(p.shape, j, k) + 2 * static_cast<size_t>(i);
+      const mask own = laneNumbers() < lit(coarse.cells - i);
+      const real add = select(own, loadAt(in + startOf(coarse, j / 2, k / 2) + i), lit(0));
+      real cells[2], inverse_diagonal[2];
+      loadTwos(x + c, cells);
+      loadTwos(p.inverse_diagonal + c, inverse_diagonal);
+      for (int side = 0; side < 2; ++side)
+        cells[side] = cells[side] + select(inverse_diagonal[side] > lit(0), add, lit(0));
+      storeTwos(cells, x + c);
+    }
 }
 inline double applyPass(const PressureView<Scalar>& p, const Scalar* x, Scalar* out, int k) {
   real sum = lit(0);
-  alongRows(p.shape, k, [&](size_t c) {
-    const real own = loadAt(x + c), row = loadAt(p.diagonal + c) * own - neighbours(p, x, c);
+  alongWeights(p, k, [&](size_t c, const auto& w) {
+    const real own = loadAt(x + c), row = w.diagonal(c) * own - neighbours(p.shape, w, x, c);
     storeAt(row, out + c);
     sum = madd(own, row, sum);
   });
@@ -293,137 +392,196 @@ inline void subtractGradientPass(const WindView<Scalar>& w, const PressureView<S
     }
 }
 
-constexpr double kSane = 1e4;  // m/s
-inline Scalar placePass(const SplatView<Scalar>& v, size_t begin, size_t end) {
-  auto plane = [&](int p) { return v.places + static_cast<size_t>(p) * v.stride; };
-  static constexpr Scalar kOne[4] = {0, 0, 0, 1};
-  const quads::real unit = quads::load(kOne);
-  for (size_t n = begin; n < end; ++n) {
-    const StrandSample& sample = v.samples[n];
-    quads::real x = quads::fill(0), u = unit;
-    for (uint32_t i = 0; i < sample.count; ++i) {
-      const quads::real share = quads::fill(static_cast<Scalar>(v.shares[sample.share + i]));
-      const size_t at = 3 * static_cast<size_t>(sample.vertex + i);
-      x = quads::madd(share, quads::threeOf(v.positions + at), x);
-      u = quads::madd(share, quads::threeOf(v.velocities + at), u);
-    }
-    Scalar place[4];
-    quads::store(x, place);
-    quads::store(u, v.motion + 4 * n);
-    for (int c = 0; c < 3; ++c) plane(kWorldPlace + c)[n] = place[c];
-  }
-  real most = lit(0);
-  for (size_t n = begin; n < end; n += kLanes) {
-    alignas(64) Scalar speeds[3][kLanes];
-    for (int lane = 0; lane < kLanes; ++lane)
-      for (int c = 0; c < 3; ++c) speeds[c][lane] = v.motion[4 * (n + static_cast<size_t>(lane)) + static_cast<size_t>(c)];
-    const real x = loadAt(plane(kWorldPlace) + n), y = loadAt(plane(kWorldPlace + 1) + n),
-               z = loadAt(plane(kWorldPlace + 2) + n);
-    const real a = abs(load(speeds[0])), b = abs(load(speeds[1])), c = abs(load(speeds[2]));
-    // A sample whose strand went wrong is left out, as beyond the grid.
-    const mask sane = a < lit(kSane) && b < lit(kSane) && c < lit(kSane);
-    for (int r = 0; r < 3; ++r) {
-      const Scalar* f = v.frame + 3 * r;
-      const real at = madd(x, lit(f[0]), madd(y, lit(f[1]), madd(z, lit(f[2]), lit(v.frame[9 + r]))));
-      storeAt(select(sane, at, lit(-1)), plane(r) + n);
-    }
-    most = max(most, select(sane, max(max(a, b), c), lit(0)));
-  }
-  return largest(most);
-}
-
 // Samples at the grid's border, and what is not finite, are left out: what is spread from them must stay in the grid.
 inline mask isInGrid(const GridShape& s, const real3& at) {
   const real low = lit(2), high = lit(s.cells - 3);
   return at.x >= low && at.x <= high && at.y >= low && at.y <= high && at.z >= low && at.z <= high;
 }
 
-// For every sample in the grid spread(lane, node, weights): its first corner and the shares of all eight, kLanes apart;
-// before it, for each vector of them, prepare(n, corners).
-template <class Prepare, class Spread>
-inline void eachSplat(const SplatView<Scalar>& v, size_t begin, size_t end, const Prepare& prepare, const Spread& spread) {
-  const GridShape& s = v.shape;
-  for (size_t first = begin; first < end; first += kLanes) {
-    const int count = static_cast<int>(end - first < kLanes ? end - first : kLanes);
-    const Scalar* place = v.places + first;
-    const real3 at = makeReal3(loadAt(place), loadAt(place + v.stride), loadAt(place + 2 * v.stride));
-    const mask in = isInGrid(s, at);
-    const Corners corners =
-        cornersAt(s, makeReal3(select(in, at.x, lit(2)), select(in, at.y, lit(2)), select(in, at.z, lit(2))));
-    alignas(64) Scalar weights[8][kLanes], inside[kLanes];
-    store(select(in, lit(1), lit(0)), inside);
-    const real3 part = makeReal3(load(corners.part[0]), load(corners.part[1]), load(corners.part[2]));
-    for (int c = 0; c < 8; ++c) store(splatWeight(part, lit(c & 1), lit(c >> 1 & 1), lit(c >> 2)), weights[c]);
-    prepare(first, corners);
-    for (int lane = 0; lane < count; ++lane)
-      if (inside[lane] > 0) spread(lane, static_cast<size_t>(corners.first[lane]), &weights[0][lane]);
+constexpr double kSane = 1e4;          // m/s
+constexpr size_t kSamplesTogether = 128;  // stay in the nearest cache from one loop to the next
+// Where samples lie in the world and how fast they are, 4 numbers each.
+inline void locate(const SplatView<Scalar>& v, size_t begin, size_t end, Scalar* places) {
+  static constexpr Scalar kOne[4] = {0, 0, 0, 1};
+  const quads::real unit = quads::load(kOne);
+  for (size_t n = begin; n < end; ++n) {
+    const StrandSample& sample = v.samples[n];
+    const float* shares = v.shares + sample.share;
+    const size_t first = 3 * size_t{sample.vertex};
+    quads::real x = quads::fill(0), u = unit;
+    for (size_t i = 0; i < sample.count; ++i) {
+      const quads::real share = quads::fill(static_cast<Scalar>(shares[i]));
+      x = quads::madd(share, quads::threeOf(v.positions + first + 3 * i), x);
+      u = quads::madd(share, quads::threeOf(v.velocities + first + 3 * i), u);
+    }
+    quads::store(x, places + 4 * (n - begin));
+    quads::store(u, v.motion + 4 * n);
   }
 }
-struct CornerOffsets {
-  size_t of[8];
-  explicit CornerOffsets(const GridShape& s) {
-    const size_t y = s.row(), z = s.layer();
-    const size_t offsets[8] = {0, 1, y, y + 1, z, z + 1, z + y, z + y + 1};
-    for (int c = 0; c < 8; ++c) of[c] = offsets[c];
+inline SplatReach<Scalar> placePass(const SplatView<Scalar>& v, size_t begin, size_t end) {
+  auto plane = [&](int p) { return v.places + static_cast<size_t>(p) * v.stride; };
+  const real none = lit(v.shape.cells);
+  real most = lit(0), low[3] = {none, none, none}, high[3] = {lit(0), lit(0), lit(0)};
+  alignas(64) Scalar places[4 * (kSamplesTogether + kLanes)] = {};
+  for (size_t first = begin; first < end; first += kSamplesTogether) {
+    const size_t last = end - first < kSamplesTogether ? end : first + kSamplesTogether;
+    locate(v, first, last, places);
+    for (size_t n = first; n < last; n += kLanes) {
+      real x[4], u[4], at[3];
+      loadFours(places + 4 * (n - first), x);
+      loadFours(v.motion + 4 * n, u);
+      const real a = abs(u[0]), b = abs(u[1]), c = abs(u[2]);
+      // A sample whose strand went wrong is left out, as beyond the grid.
+      const mask sane = a < lit(kSane) && b < lit(kSane) && c < lit(kSane);
+      for (int r = 0; r < 3; ++r) {
+        const Scalar* f = v.frame + 3 * r;
+        const real there = madd(x[0], lit(f[0]), madd(x[1], lit(f[1]), madd(x[2], lit(f[2]), lit(v.frame[9 + r]))));
+        at[r] = select(sane, there, lit(-1));
+        storeAt(at[r], plane(r) + n);
+        storeAt(x[r], plane(kWorldPlace + r) + n);
+      }
+      most = max(most, select(sane, max(max(a, b), c), lit(0)));
+      const mask in = isInGrid(v.shape, makeReal3(at[0], at[1], at[2]));
+      for (int r = 0; r < 3; ++r) {
+        low[r] = min(low[r], select(in, at[r], none));
+        high[r] = max(high[r], select(in, at[r], lit(0)));
+      }
+    }
   }
-};
+  SplatReach<Scalar> out;
+  out.fastest = largest(most);
+  for (int r = 0; r < 3; ++r) {
+    out.low[r] = leastOf(low[r]);
+    out.high[r] = largest(high[r]);
+  }
+  return out;
+}
+
+// body(n, corners, in) for each vector of samples, `in` those that lie in the grid; the others have any corners.
+template <class Body>
+inline void eachInGrid(const SplatView<Scalar>& v, size_t begin, size_t end, const Body& body) {
+  for (size_t n = begin; n < end; n += kLanes) {
+    const size_t count = end - n < kLanes ? end - n : kLanes;
+    const Scalar* place = v.places + n;
+    const real3 at = makeReal3(loadAt(place), loadAt(place + v.stride), loadAt(place + 2 * v.stride));
+    const mask in = isInGrid(v.shape, at) && laneNumbers() < lit(static_cast<double>(count));
+    body(n,
+         cornersAt(v.shape, makeReal3(select(in, at.x, lit(2)), select(in, at.y, lit(2)), select(in, at.z, lit(2)))), in);
+  }
+}
+// spread(lane, node, low, high) for the lanes of the mask: their first corner and the shares of all, of the four corners of
+// its layer and of those of the next.
+template <class Spread>
+inline void spreadOver(const Corners& corners, const mask& lanes, const Spread& spread) {
+  alignas(64) Scalar shares[2][4 * kLanes];
+  for (int z = 0; z < 2; ++z) {
+    real of_layer[4];
+    for (int c = 0; c < 4; ++c) of_layer[c] = splatWeight(corners.part, lit(c & 1), lit(c >> 1), lit(z));
+    storeFours(of_layer, shares[z]);
+  }
+  for (uint32_t left = laneBits(lanes); left != 0; left &= left - 1) {
+    const int lane = std::countr_zero(left);
+    spread(lane, size_t{corners.first[lane]}, shares[0] + 4 * lane, shares[1] + 4 * lane);
+  }
+}
 inline void splatPass(const SplatView<Scalar>& v, size_t begin, size_t end, int32_t* nodes) {
-  const CornerOffsets corner(v.shape);
+  const size_t y = 4 * v.shape.row(), z = 4 * v.shape.layer();
   const Scalar scales[4] = {v.momentum_scale, v.momentum_scale, v.momentum_scale, v.mass_scale};
-  const quads::real scale = quads::load(scales);
-  size_t first = begin;
-  eachSplat(
-      v, begin, end, [&](size_t n, const Corners&) { first = n; },
-      [&](int lane, size_t node, const Scalar* weights) {
-        const size_t n = first + static_cast<size_t>(lane);
-        const quads::real value = quads::load(v.motion + 4 * n) * quads::fill(v.masses[n]) * scale;
-        for (int c = 0; c < 8; c += 2)
-          addShares(value, weights[c * kLanes], weights[(c + 1) * kLanes], nodes + 4 * (node + corner.of[c]));
-      });
+  eachInGrid(v, begin, end, [&](size_t n, const Corners& corners, const mask& in) {
+    const Scalar *motion = v.motion + 4 * n, *masses = v.masses + n;
+    spreadOver(corners, in, [=, &scales](int lane, size_t node, const Scalar* low, const Scalar* high) {
+      const Shared splatted = sharedOut(motion + 4 * lane, masses[lane], scales);
+      addShares(splatted, low, nodes + 4 * node, y);
+      addShares(splatted, high, nodes + 4 * node + z, y);
+    });
+  });
 }
 // One number of nodes at corners.
 inline real sampledNumber(const GridShape& s, const Scalar* nodes, const Corners& corners) {
-  const real first = load(corners.first);
-  const size_t y = s.row(), z = s.layer();
-  return interpolated(gather(nodes, first), gather(nodes + 1, first), gather(nodes + y, first), gather(nodes + y + 1, first),
-                      gather(nodes + z, first), gather(nodes + z + 1, first), gather(nodes + z + y, first),
-                      gather(nodes + z + y + 1, first),
-                      makeReal3(load(corners.part[0]), load(corners.part[1]), load(corners.part[2])));
+  real v[8];
+  readCorners(s, nodes, corners, v);
+  return interpolated(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], corners.part);
 }
 inline void sampleNumbersPass(const SplatView<Scalar>& v, size_t begin, size_t end, const Scalar* nodes, Scalar* out) {
-  eachSplat(
-      v, begin, end, [&](size_t n, const Corners& corners) { storeAt(sampledNumber(v.shape, nodes, corners), out + n); },
-      [](int, size_t, const Scalar*) {});
+  eachInGrid(v, begin, end, [&](size_t n, const Corners& corners, const mask&) {
+    storeAt(sampledNumber(v.shape, nodes, corners), out + n);
+  });
 }
 inline void crowdPass(const SplatView<Scalar>& v, size_t begin, size_t end, const CrowdView<Scalar>& crowd, int32_t* nodes) {
-  const CornerOffsets corner(v.shape);
-  alignas(64) Scalar numbers[kLanes];
-  eachSplat(
-      v, begin, end,
-      [&](size_t n, const Corners& corners) {
-        const real density = sampledNumber(v.shape, crowd.density, corners);
-        const real rest = loadAt(crowd.rest + n) * lit(crowd.rest_scale);
-        const real stiffness = lit(crowd.stiffness), most = loadAt(crowd.largest + n) * stiffness * lit(kMostHeld);
-        const real held = heldCrowding(loadAt(crowd.held + n), density, rest, stiffness, lit(crowd.gain), most);
-        storeAt(held, crowd.held + n);
-        store(loadAt(v.masses + n) * (crowding(density, rest, stiffness) + held) * lit(crowd.scale), numbers);
-      },
-      [&](int lane, size_t node, const Scalar* weights) {
-        if (!(numbers[lane] > 0)) return;
-        for (int c = 0; c < 8; ++c)
-          nodes[node + corner.of[c]] += static_cast<int32_t>(numbers[lane] * weights[c * kLanes] + Scalar(0.5));
-      });
+  const size_t y = v.shape.row(), z = v.shape.layer();
+  eachInGrid(v, begin, end, [&](size_t n, const Corners& corners, const mask& in) {
+    const real density = sampledNumber(v.shape, crowd.density, corners);
+    const real rest = loadAt(crowd.rest + n) * lit(crowd.rest_scale);
+    const real stiffness = lit(crowd.stiffness), most = loadAt(crowd.largest + n) * stiffness * lit(kMostHeld);
+    const real held = heldCrowding(loadAt(crowd.held + n), density, rest, stiffness, lit(crowd.gain), most);
+    storeAt(held, crowd.held + n);
+    const real number = loadAt(v.masses + n) * (crowding(density, rest, stiffness) + held) * lit(crowd.scale);
+    const mask crowded = in && number > lit(0);
+    if (!anyTrue(crowded)) return;
+    alignas(64) Scalar numbers[kLanes];
+    store(number, numbers);
+    spreadOver(corners, crowded, [&](int lane, size_t node, const Scalar* low, const Scalar* high) {
+      auto add = [&](int32_t& sum, Scalar share) { sum += static_cast<int32_t>(numbers[lane] * share + Scalar(0.5)); };
+      for (size_t c = 0; c < 4; ++c) {
+        const size_t corner = node + (c & 1) + (c >> 1) * y;
+        add(nodes[corner], low[c]);
+        add(nodes[corner + z], high[c]);
+      }
+    });
+  });
 }
 
-inline void blurPass(const GridShape& s, int numbers, int axis, const Scalar* in, Scalar* out, int k) {
-  const size_t next = s.next(axis) * static_cast<size_t>(numbers);
-  for (int j = 0; j < s.cells; ++j) {
+// body(c) for the first number of every vector of a layer that meets the box; nodes have `numbers` numbers.
+template <class Body>
+inline void alongBox(const GridShape& s, int numbers, const NodeBox& box, int k, const Body& body) {
+  for (int j = box.min().y(); j <= box.max().y(); ++j) {
     const size_t row = startOf(s, j, k) * static_cast<size_t>(numbers);
-    for (int i = 0; i < s.cells * numbers; i += kLanes) {
-      const size_t c = row + static_cast<size_t>(i);
-      storeAt(blurred(loadAt(in + c - next), loadAt(in + c), loadAt(in + c + next)), out + c);
-    }
+    for (int i = box.min().x() * numbers / kLanes * kLanes; i < (box.max().x() + 1) * numbers; i += kLanes)
+      body(row + static_cast<size_t>(i));
   }
+}
+inline void blurPass(const GridShape& s, int numbers, int axis, const NodeBox& box, const Scalar* in, Scalar* out, int k) {
+  const size_t next = s.next(axis) * static_cast<size_t>(numbers);
+  alongBox(s, numbers, box, k, [&](size_t c) {
+    storeAt(blurred(loadAt(in + c - next), loadAt(in + c), loadAt(in + c + next)), out + c);
+  });
+}
+// Density^(-1/2) of nodes that have hair.
+inline real thinAt(const HairView<Scalar>& h, const mask& hairy, size_t c) {
+  return lit(1) / sqrt(select(hairy, loadAt(h.density + c), lit(1)));
+}
+inline void spreadPass(const HairView<Scalar>& h, const NodeBox& box, int k) {
+  alongBox(h.shape, 1, box, k, [&](size_t c) {
+    real node[4];
+    loadFours(h.nodes + 4 * c, node);
+    const mask hairy = node[3] > lit(0);
+    const real thin = select(hairy, thinAt(h, hairy, c), lit(0));
+    for (real& number : node) number = number * thin;
+    storeFours(node, h.spread + 4 * c);
+  });
+}
+inline void forcesPass(const HairView<Scalar>& h, const NodeBox& box, int k) {
+  alongBox(h.shape, 1, box, k, [&](size_t c) {
+    real node[4], out[4] = {lit(0), lit(0), lit(0), lit(0)};
+    loadFours(h.nodes + 4 * c, node);
+    const mask hairy = node[3] > lit(0);
+    if (!anyTrue(hairy)) return storeFours(out, h.changes + 4 * c);
+    if (h.crowding != nullptr)
+      for (int axis = 0; axis < 3; ++axis) {
+        const size_t next = h.shape.next(axis);
+        const real push = pushAlong(loadAt(h.crowding + c), loadAt(h.density + c - next), loadAt(h.density + c + next),
+                                    loadAt(h.crowded + c - next), loadAt(h.crowded + c + next), lit(h.slope));
+        for (int r = 0; r < 3; ++r) out[r] = out[r] + lit(h.turn[3 * r + axis]) * push;
+      }
+    if (h.spread != nullptr) {
+      real rubbed[4];
+      loadFours(h.spread + 4 * c, rubbed);
+      const real share = lit(h.part) * thinAt(h, hairy, c);
+      for (int r = 0; r < 4; ++r) out[r] = out[r] + share * rubbed[r];
+    }
+    for (real& number : out) number = select(hairy, number, lit(0));
+    storeFours(out, h.changes + 4 * c);
+  });
 }
 
 // out(n, sampled): what nodes have at each of `count` places.
@@ -434,7 +592,9 @@ inline void eachSampled(const GridShape& s, const Scalar* nodes, const Scalar* p
     const size_t lanes = count - first < kLanes ? count - first : kLanes;
     const Scalar* at = places + first;
     const Corners corners = cornersAt(s, makeReal3(loadAt(at), loadAt(at + stride), loadAt(at + 2 * stride)));
-    for (size_t lane = 0; lane < lanes; ++lane) out(first + lane, sampled(s, nodes, corners, static_cast<int>(lane)));
+    const CornerParts parts(corners.part);
+    for (size_t lane = 0; lane < lanes; ++lane)
+      out(first + lane, sampled(s, nodes, corners, parts, static_cast<int>(lane)));
   }
 }
 inline void samplePass(const GridShape& s, const Scalar* nodes, const Scalar* places, size_t stride, size_t count,
@@ -448,7 +608,8 @@ inline void changePass(const SplatView<Scalar>& v, const Scalar* nodes, size_t b
 }
 
 inline GridPasses<Scalar> passes() {
-  return {"",           &centrePass, &displacePass, &advectPass, &correctPass, &diffusePass, &exchangePass,
-          &fastestPass, &outflowPass, &smoothPass, &residualPass, &applyPass,  &advancePass, &dotPass,     &turnPass,
-          &subtractGradientPass, &placePass, &splatPass, &sampleNumbersPass, &crowdPass, &blurPass, &samplePass, &changePass};
+  return {"", &distancesPass, &centrePass, &displacePass, &advectPass, &correctPass, &diffusePass, &exchangePass,
+          &fastestPass, &outflowPass, &smoothPass, &residualPass, &restrictPass, &prolongPass, &applyPass, &advancePass,
+          &dotPass, &turnPass, &subtractGradientPass, &placePass, &splatPass, &sampleNumbersPass, &crowdPass, &blurPass,
+          &spreadPass, &forcesPass, &samplePass, &changePass};
 }

@@ -1,3 +1,6 @@
+#include <bit>
+#include <cstring>
+
 #include "air/grid_passes.h"
 #include "kernels/scalar_double.h"
 #include "kernels/scalar_float.h"
@@ -6,10 +9,12 @@ namespace strandcast {
 // The order matters.
 // clang-format off
 namespace kernels::f32 {
+#include "core/body_surface.inl"
 #include "air/lanes_scalar.inl"
 #include "air/grid_passes.inl"
 }  // namespace kernels::f32
 namespace kernels::f64 {
+#include "core/body_surface.inl"
 #include "air/lanes_scalar.inl"
 #include "air/grid_passes.inl"
 }  // namespace kernels::f64

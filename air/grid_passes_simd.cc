@@ -1,5 +1,7 @@
 // Compiled once per instruction set: Highway's foreach_target includes this file again for each.
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "air/grid_passes.h"
 #include "simd/simd_targets.h"
@@ -15,6 +17,7 @@ namespace strandcast::air::HWY_NAMESPACE {
 // clang-format off
 #include "simd/lanes_highway.inl"
 #include "kernels/end_lanes.inl"
+#include "core/body_surface.inl"
 #include "air/lanes_highway.inl"
 #include "air/grid_passes.inl"
 // clang-format on

@@ -1,4 +1,5 @@
 #pragma once
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct GridShape {
   /// From a place to the next along `axis`.
   size_t next(int axis) const { return axis == 0 ? 1 : axis == 1 ? row() : layer(); }
 };
+
+/// Nodes or cells from min() to max(), both within.
+using NodeBox = Eigen::AlignedBox3i;
 
 /// Numbers of a grid, [GridShape::size()].
 template <class Scalar>

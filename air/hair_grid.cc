@@ -6,7 +6,6 @@
 
 #include "core/content_hash.h"
 #include "kernels/scalar_double.h"
-#include "kernels/scalar_float.h"
 
 namespace strandcast {
 namespace {
@@ -14,15 +13,19 @@ namespace {
 constexpr size_t kMostSumBytes = size_t{1} << 28;  // of all chunks
 constexpr int kMostChunks = 16;
 
-template <class Scalar>
-Scalar pushed(Scalar crowding, Scalar density_before, Scalar density_after, Scalar crowded_before,
-              Scalar crowded_after, Scalar slope) {
-  if constexpr (std::is_same_v<Scalar, float>)
-    return kernels::f32::pushAlong(crowding, density_before, density_after, crowded_before, crowded_after,
-                                   slope);
-  else
-    return kernels::f64::pushAlong(crowding, density_before, density_after, crowded_before, crowded_after,
-                                   slope);
+NodeBox grown(const NodeBox& box) {
+  return box.isEmpty() ? box
+                       : NodeBox(box.min() - Eigen::Vector3i::Ones(), box.max() + Eigen::Vector3i::Ones());
+}
+
+/// Nodes of `numbers` numbers in a box, of a whole array.
+template <class Array>
+void clear(const GridShape& shape, size_t numbers, const NodeBox& box, Array* array) {
+  if (box.isEmpty()) return;
+  const size_t row = numbers * static_cast<size_t>(box.sizes().x() + 1);
+  for (int k = box.min().z(); k <= box.max().z(); ++k)
+    for (int j = box.min().y(); j <= box.max().y(); ++j)
+      std::fill_n(array + numbers * shape.at(box.min().x(), j, k), row, 0);
 }
 
 }  // namespace
@@ -43,7 +46,7 @@ HairGrid<Scalar>::HairGrid(const GridPasses<Scalar>& passes, const Workers& work
   number_sums_.resize(chunks_);
   for (auto& sum : sums_) sum.resize(4 * shape_.size());
   for (auto& sum : number_sums_) sum.resize(shape_.size());
-  fastest_.resize(chunks_);
+  reach_.resize(chunks_);
   const size_t padded = (samples_.samples.size() + 15) / 16 * 16 + 16;
   places_.assign(kPlacePlanes * padded, Scalar(0));
   motion_.assign(4 * padded, Scalar(0));
@@ -68,7 +71,7 @@ void HairGrid<Scalar>::measureRest(const StrandModel& model) {
       positions[v] = model.restPosition(s, v);
   locate(positions, velocities, Pose{});
   splat();
-  blurDensity();
+  blurDensity(blurBox(false, false));
   passes_.sampleNumbers(view_, 0, samples_.samples.size(), density_.data() + origin_, rest_density_.data());
 }
 
@@ -89,7 +92,8 @@ void HairGrid<Scalar>::boundCrowding(float volume_target) {
 // Of samples first, so that it is exactly 0 where hair is as at rest, then of nodes: the mean of their
 // samples'.
 template <class Scalar>
-void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness, double seconds) {
+void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness, double seconds,
+                                    const NodeBox& box) {
   if (bound_target_ != p.volume_target) boundCrowding(p.volume_target);
   const double scale = kWhole / (stiffness * crowding_bound_);
   const CrowdView<Scalar> crowd{
@@ -102,18 +106,18 @@ void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness, doubl
       static_cast<Scalar>(static_cast<double>(p.volume_hold) * seconds),
       static_cast<Scalar>(scale)};
   workers_.forEach(static_cast<int>(chunks_), [&](int c) {
-    std::fill(number_sums_[c].begin(), number_sums_[c].end(), 0);
+    clear(shape_, 1, box, number_sums_[c].data());
     passes_.crowd(view_, firstOf(c), firstOf(c + 1), crowd, number_sums_[c].data() + origin_);
   });
   const Scalar back = static_cast<Scalar>(1 / (scale * std::pow(static_cast<double>(layout_.cell), 3)));
-  workers_.forEach(shape_.cells, [&](int k) {
-    for (int j = 0; j < shape_.cells; ++j) {
-      const size_t row = shape_.at(0, j, k);
+  eachLayer(box, [&](int k) {
+    for (int j = box.min().y(); j <= box.max().y(); ++j) {
+      const size_t last = shape_.at(box.max().x(), j, k);
       int32_t* sum = number_sums_[0].data();
-      for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) {
+      for (size_t i = shape_.at(box.min().x(), j, k); i <= last; ++i) {
         for (size_t c = 1; c < chunks_; ++c) sum[i] += number_sums_[c][i];
         crowded_[i] = back * static_cast<Scalar>(sum[i]);
-        crowding_[i] = nodes_[4 * i + 3] > 0 ? crowded_[i] / nodes_[4 * i + 3] : Scalar(0);
+        crowding_[i] = sum[i] > 0 && nodes_[4 * i + 3] > 0 ? crowded_[i] / nodes_[4 * i + 3] : Scalar(0);
       }
     }
   });
@@ -140,32 +144,41 @@ void HairGrid<Scalar>::locate(std::span<const Vec3> positions, std::span<const V
   view.places = places_.data();
   view.motion = motion_.data();
   workers_.forEach(static_cast<int>(chunks_),
-                   [&](int c) { fastest_[c] = passes_.place(view, firstOf(c), firstOf(c + 1)); });
+                   [&](int c) { reach_[c] = passes_.place(view, firstOf(c), firstOf(c + 1)); });
 }
 
 template <class Scalar>
 void HairGrid<Scalar>::splat() {
   SplatView<Scalar>& view = view_;
   const int chunks = static_cast<int>(chunks_);
-  const double fastest =
-      std::max(1e-6, static_cast<double>(*std::max_element(fastest_.begin(), fastest_.end())));
+  double fastest = 1e-6;
+  NodeBox box;
+  for (const SplatReach<Scalar>& reach : reach_) {
+    fastest = std::max(fastest, static_cast<double>(reach.fastest));
+    if (reach.low[0] > reach.high[0]) continue;
+    for (const Scalar* corner : {reach.low, reach.high}) {
+      const Eigen::Vector3i node = Eigen::Map<const Eigen::Array<Scalar, 3, 1>>(corner).template cast<int>();
+      box.extend(node).extend(Eigen::Vector3i(node + Eigen::Vector3i::Ones()));
+    }
+  }
+  const NodeBox changed = filled_.merged(box);
+  filled_ = box;
   view.mass_scale = static_cast<Scalar>(kWhole / mass_);
   view.momentum_scale = static_cast<Scalar>(kWhole / (mass_ * fastest));
   workers_.forEach(chunks, [&](int c) {
-    std::fill(sums_[c].begin(), sums_[c].end(), 0);
+    clear(shape_, 4, changed, sums_[c].data());
     passes_.splat(view, firstOf(c), firstOf(c + 1), sums_[c].data() + 4 * origin_);
   });
   const Scalar volume = static_cast<Scalar>(layout_.cell) * static_cast<Scalar>(layout_.cell) *
                         static_cast<Scalar>(layout_.cell);
   const Scalar density = 1 / (view.mass_scale * volume), flow = 1 / (view.momentum_scale * volume);
-  workers_.forEach(shape_.cells, [&](int k) {
-    for (int j = 0; j < shape_.cells; ++j) {
-      const size_t row = shape_.at(0, j, k);
+  eachLayer(changed, [&](int k) {
+    for (int j = changed.min().y(); j <= changed.max().y(); ++j) {
+      const size_t first = shape_.at(changed.min().x(), j, k), end = shape_.at(changed.max().x(), j, k) + 1;
       int32_t* sum = sums_[0].data();
       for (size_t c = 1; c < chunks_; ++c)
-        for (size_t i = 4 * row; i < 4 * (row + static_cast<size_t>(shape_.cells)); ++i)
-          sum[i] += sums_[c][i];
-      for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) {
+        for (size_t i = 4 * first; i < 4 * end; ++i) sum[i] += sums_[c][i];
+      for (size_t i = first; i < end; ++i) {
         for (size_t c = 0; c < 3; ++c) nodes_[4 * i + c] = flow * static_cast<Scalar>(sum[4 * i + c]);
         nodes_[4 * i + 3] = density * static_cast<Scalar>(sum[4 * i + 3]);
       }
@@ -193,73 +206,80 @@ uint64_t HairGrid<Scalar>::splatHash() const {
 }
 
 template <class Scalar>
-void HairGrid<Scalar>::blur(int numbers, GridArray<Scalar>& field) {
+template <class Work>
+void HairGrid<Scalar>::eachLayer(const NodeBox& box, const Work& work) const {
+  if (box.isEmpty()) return;
+  const int first = box.min().z();
+  workers_.forEach(box.max().z() - first + 1, [&](int layer) { work(first + layer); });
+}
+
+template <class Scalar>
+NodeBox HairGrid<Scalar>::blurBox(bool crowds, bool rubs) {
+  NodeBox box = grown(blurred_.merged(filled_));
+  // What was left out for a while is where hair was before that.
+  if (crowds != crowded_before_ || rubs != rubbed_before_)
+    box = NodeBox(Eigen::Vector3i::Zero(), Eigen::Vector3i::Constant(shape_.cells - 1));
+  blurred_ = filled_;
+  crowded_before_ = crowds;
+  rubbed_before_ = rubs;
+  return box;
+}
+
+// Samples stay two nodes away from the grid's border, so that what is grown by one does not leave it.
+template <class Scalar>
+void HairGrid<Scalar>::blur(int numbers, const NodeBox& box, GridArray<Scalar>& field) {
   const size_t start = origin_ * static_cast<size_t>(numbers);
   GridArray<Scalar>& scratch = numbers == 4 ? scratch4_ : scratch_;
   Scalar *a = field.data() + start, *b = scratch.data() + start;
-  workers_.forEach(shape_.cells, [&](int k) { passes_.blur(shape_, numbers, 0, a, b, k); });
-  workers_.forEach(shape_.cells, [&](int k) { passes_.blur(shape_, numbers, 1, b, a, k); });
-  workers_.forEach(shape_.cells, [&](int k) { passes_.blur(shape_, numbers, 2, a, b, k); });
+  eachLayer(box, [&](int k) {
+    passes_.blur(shape_, numbers, 0, box, a, b, k);
+    passes_.blur(shape_, numbers, 1, box, b, a, k);
+  });
+  eachLayer(box, [&](int k) { passes_.blur(shape_, numbers, 2, box, a, b, k); });
   std::swap(field, scratch);
 }
 
 template <class Scalar>
-void HairGrid<Scalar>::blurDensity() {
-  workers_.forEach(shape_.cells, [&](int k) {
-    for (int j = 0; j < shape_.cells; ++j) {
-      const size_t row = shape_.at(0, j, k);
-      for (size_t i = row; i < row + static_cast<size_t>(shape_.cells); ++i) density_[i] = nodes_[4 * i + 3];
+void HairGrid<Scalar>::blurDensity(const NodeBox& box) {
+  eachLayer(box, [&](int k) {
+    for (int j = box.min().y(); j <= box.max().y(); ++j) {
+      const size_t last = shape_.at(box.max().x(), j, k);
+      for (size_t i = shape_.at(box.min().x(), j, k); i <= last; ++i) density_[i] = nodes_[4 * i + 3];
     }
   });
-  blur(1, density_);
+  blur(1, box, density_);
 }
 
 template <class Scalar>
 void HairGrid<Scalar>::findForces(const Parameters& p, double seconds) {
-  const int n = shape_.cells;
-  blurDensity();
   const bool crowds = p.volume_stiffness > 0, rubs = p.hair_friction > 0;
+  const NodeBox box = blurBox(crowds, rubs);
+  blurDensity(box);
   const double stiffness =
       std::min(static_cast<double>(p.volume_stiffness), layout_.largestStiffness(seconds));
-  auto eachNode = [&](const auto& body) {
-    workers_.forEach(n, [&](int k) {
-      for (int j = 0; j < n; ++j) {
-        const size_t row = shape_.at(0, j, k);
-        for (size_t i = row; i < row + static_cast<size_t>(n); ++i) body(i);
-      }
-    });
-  };
-  eachNode([&](size_t i) {
-    const Scalar mass = nodes_[4 * i + 3];
-    const Scalar thin = mass > 0 ? 1 / std::sqrt(density_[i]) : Scalar(0);
-    if (rubs)
-      for (size_t c = 0; c < 4; ++c) spread_[4 * i + c] = nodes_[4 * i + c] * thin;
-  });
-  if (crowds) findCrowding(p, stiffness, seconds);
-  if (rubs) blur(4, spread_);
-  if (crowds) blur(1, crowded_);
-  const Scalar part = static_cast<Scalar>(1 - std::exp(-static_cast<double>(p.hair_friction) * seconds));
-  const Eigen::Matrix3f turn = Eigen::Quaternionf(head_.rotation).toRotationMatrix();
-  const Scalar slope = static_cast<Scalar>(-seconds / (2 * static_cast<double>(layout_.cell)));
-  eachNode([&](size_t i) {
-    Scalar* out = changes_.data() + 4 * i;
-    std::fill_n(out, 4, Scalar(0));
-    if (!(nodes_[4 * i + 3] > 0)) return;
-    if (crowds) {
-      Scalar push[3];
-      for (int axis = 0; axis < 3; ++axis) {
-        const size_t next = shape_.next(axis);
-        push[axis] = pushed(crowding_[i], density_[i - next], density_[i + next], crowded_[i - next],
-                            crowded_[i + next], slope);
-      }
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) out[r] += static_cast<Scalar>(turn(r, c)) * push[c];
-    }
-    if (!rubs) return;
-    const Scalar thin = 1 / std::sqrt(density_[i]);
-    for (int c = 0; c < 3; ++c) out[c] += part * thin * spread_[4 * i + c];
-    out[3] = part * thin * spread_[4 * i + 3];
-  });
+  HairView<Scalar> view{};
+  view.shape = shape_;
+  view.nodes = nodes();
+  view.density = density_.data() + origin_;
+  view.changes = changes_.data() + 4 * origin_;
+  if (rubs) {
+    view.spread = spread_.data() + 4 * origin_;
+    eachLayer(box, [&](int k) { passes_.spread(view, box, k); });
+    blur(4, box, spread_);
+    view.spread = spread_.data() + 4 * origin_;
+    view.part = static_cast<Scalar>(1 - std::exp(-static_cast<double>(p.hair_friction) * seconds));
+  }
+  if (crowds) {
+    findCrowding(p, stiffness, seconds, box);
+    blur(1, box, crowded_);
+    view.crowding = crowding_.data() + origin_;
+    view.crowded = crowded_.data() + origin_;
+    view.slope = static_cast<Scalar>(-seconds / (2 * static_cast<double>(layout_.cell)));
+    const Eigen::Matrix3f turn = Eigen::Quaternionf(head_.rotation).toRotationMatrix();
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) view.turn[3 * r + c] = static_cast<Scalar>(turn(r, c));
+  }
+  eachLayer(box, [&](int k) { passes_.forces(view, box, k); });
 }
 
 template <class Scalar>

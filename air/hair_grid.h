@@ -46,6 +46,7 @@ class HairGrid {
   const GridShape& shape() const { return shape_; }
   /// Momentum per volume and density (kg/m^3, of the strands themselves), from place (0, 0, 0).
   const Scalar* nodes() const { return nodes_.data() + 4 * origin_; }
+  const NodeBox& box() const { return filled_; }  ///< beyond it nodes are empty
   const Scalar* frame() const { return frame_; }
   /// Density at a node, blurred, kg/m^3.
   double densityAt(int i, int j, int k) const { return static_cast<double>(density_[shape_.at(i, j, k)]); }
@@ -57,12 +58,17 @@ class HairGrid {
   uint64_t splatHash() const;
 
  private:
-  void blur(int numbers, GridArray<Scalar>& field);
-  void blurDensity();
+  template <class Work>
+  void eachLayer(const NodeBox& box, const Work& work) const;
+  void blur(int numbers, const NodeBox& box, GridArray<Scalar>& field);
+  void blurDensity(const NodeBox& box);
+  /// Where blurs have something to do: around all nodes that hair is on, and those that it was on when they
+  /// did it last.
+  NodeBox blurBox(bool crowds, bool rubs);
   void measureRest(const StrandModel& model);
   /// What crowding and what is held of it can come to at most.
   void boundCrowding(float volume_target);
-  void findCrowding(const Parameters& parameters, double stiffness, double seconds);
+  void findCrowding(const Parameters& parameters, double stiffness, double seconds, const NodeBox& box);
   size_t firstOf(size_t chunk) const {
     return chunk == chunks_ ? samples_.samples.size() : samples_.samples.size() * chunk / chunks_ / 16 * 16;
   }
@@ -78,10 +84,13 @@ class HairGrid {
   double mass_ = 0;  ///< kg, of all samples
   size_t chunks_;    ///< of samples, each with sums of its own
   std::vector<std::vector<int32_t, CacheLineAllocator<int32_t>>> sums_, number_sums_;
-  SplatView<Scalar> view_{};     ///< of the last splat
-  std::vector<Scalar> fastest_;  ///< per chunk
-  float bound_target_ = 0;       ///< volume_target of crowding_bound_
-  double crowding_bound_ = 0;    ///< of all samples, mass x crowding with a stiffness of 1
+  SplatView<Scalar> view_{};               ///< of the last splat
+  std::vector<SplatReach<Scalar>> reach_;  ///< per chunk
+  NodeBox filled_;                         ///< beyond it sums_ and nodes_ are 0
+  NodeBox blurred_;  ///< filled_ of the last blur: a node around it all that comes from blurs is 0
+  bool crowded_before_ = false, rubbed_before_ = false;  ///< in it
+  float bound_target_ = 0;                               ///< volume_target of crowding_bound_
+  double crowding_bound_ = 0;  ///< of all samples, mass x crowding with a stiffness of 1
   GridArray<Scalar> places_, motion_, masses_, rest_density_, held_, largest_crowding_, nodes_, density_,
       spread_, crowding_, crowded_, scratch_, scratch4_, changes_;
 };

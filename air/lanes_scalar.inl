@@ -2,7 +2,22 @@
 inline real loadAt(const Scalar* p) { return *p; }  // from anywhere, as storeAt
 inline void storeAt(real value, Scalar* p) { *p = value; }
 inline real laneNumbers() { return 0; }
-inline real gather(const Scalar* base, real index) { return base[static_cast<ptrdiff_t>(index)]; }
+// Four numbers of every lane, lane after lane.
+inline void loadFours(const Scalar* p, real* out) {
+  for (int c = 0; c < 4; ++c) out[c] = p[c];
+}
+inline void storeFours(const real* in, Scalar* p) {
+  for (int c = 0; c < 4; ++c) p[c] = in[c];
+}
+// The same of two.
+inline void loadTwos(const Scalar* p, real* out) {
+  out[0] = p[0];
+  out[1] = p[1];
+}
+inline void storeTwos(const real* in, Scalar* p) {
+  p[0] = in[0];
+  p[1] = in[1];
+}
 inline Scalar largest(real a) { return a; }
 inline Scalar sumOf(real a) { return a; }
 

@@ -5,6 +5,12 @@
 #include <numeric>
 
 namespace strandcast {
+namespace {
+
+constexpr int kCellsOfOneThread = 32;  ///< per axis: fewer layers are not worth waking others for
+
+}  // namespace
+
 template <class Scalar>
 PressureSolver<Scalar>::PressureSolver(const GridPasses<Scalar>& passes, const Workers& workers, int cells)
     : passes_(passes), workers_(workers) {
@@ -23,6 +29,8 @@ PressureSolver<Scalar>::PressureSolver(const GridPasses<Scalar>& passes, const W
     for (int axis = 0; axis < 3; ++axis) level.view.open[axis] = level.open[axis].data() + level.origin;
     level.view.diagonal = level.diagonal.data() + level.origin;
     level.view.inverse_diagonal = level.inverse_diagonal.data() + level.origin;
+    level.even.assign(static_cast<size_t>(s.cells) * static_cast<size_t>(s.cells), Scalar(0));
+    level.view.even = level.even.data();
   }
   for (GridArray<Scalar>* array : {&step_, &image_, &residual_})
     array->assign(levels_[0].view.shape.size(), Scalar(0));
@@ -34,10 +42,30 @@ template <class Scalar>
 template <class Work>
 void PressureSolver<Scalar>::eachLayer(const Level& level, const Work& work) const {
   const int n = level.view.shape.cells;
-  if (n <= 32) {  // not worth the threads
+  if (n <= kCellsOfOneThread) {
     for (int k = 0; k < n; ++k) work(k);
   } else {
     workers_.forEach(n, work);
+  }
+}
+
+// One thread has every stage follow the one before it at a layer's distance, while what that wrote is in the
+// nearest cache.
+template <class Scalar>
+template <class... Stages>
+void PressureSolver<Scalar>::inTurn(const Level& level, const Stages&... stages) const {
+  const int n = level.view.shape.cells;
+  if (n > kCellsOfOneThread && workers_.threads() > 1) {
+    (eachLayer(level, stages), ...);
+    return;
+  }
+  for (int step = 0; step < n + static_cast<int>(sizeof...(stages)) - 1; ++step) {
+    int k = step;
+    auto next = [&](const auto& stage) {
+      if (k >= 0 && k < n) stage(k);
+      --k;
+    };
+    (next(stages), ...);
   }
 }
 
@@ -53,6 +81,22 @@ void PressureSolver<Scalar>::findDiagonal(Level& level) {
         level.diagonal[c] = sum;
         level.inverse_diagonal[c] = sum > 0 ? 1 / sum : 0;
       }
+  });
+}
+
+template <class Scalar>
+void PressureSolver<Scalar>::findEvenRows(Level& level) {
+  const GridShape& s = level.view.shape;
+  eachLayer(level, [&](int k) {
+    for (int j = 0; j < s.cells; ++j) {
+      const size_t row = s.at(0, j, k);
+      const Scalar weight = level.open[0][row];
+      bool even = true;
+      for (size_t c = row; c < row + static_cast<size_t>(s.cells); ++c)
+        for (int axis = 0; axis < 3; ++axis)
+          even = even && level.open[axis][c] == weight && level.open[axis][c + s.next(axis)] == weight;
+      level.even[static_cast<size_t>(k * s.cells + j)] = even ? weight : Scalar(0);
+    }
   });
 }
 
@@ -74,10 +118,10 @@ void PressureSolver<Scalar>::coarsen(const Level& fine, Level& coarse) {
 
 template <class Scalar>
 void PressureSolver<Scalar>::build() {
-  findDiagonal(levels_[0]);
-  for (size_t l = 1; l < levels_.size(); ++l) {
-    coarsen(levels_[l - 1], levels_[l]);
+  for (size_t l = 0; l < levels_.size(); ++l) {
+    if (l > 0) coarsen(levels_[l - 1], levels_[l]);
     findDiagonal(levels_[l]);
+    findEvenRows(levels_[l]);
   }
 }
 
@@ -88,45 +132,29 @@ void PressureSolver<Scalar>::cycle(size_t at, const Scalar* right) {
   Scalar *x = level.x.data() + level.origin, *y = level.smoothed.data() + level.origin;
   const Scalar first = static_cast<Scalar>(kFirstWeight), second = static_cast<Scalar>(kSecondWeight);
   auto smooth = [&](const Scalar* from, Scalar* to, Scalar weight) {
-    eachLayer(level, [&](int k) { passes_.smooth(level.view, from, right, weight, to, k); });
+    return [&, from, to, weight](int k) { passes_.smooth(level.view, from, right, weight, to, k); };
   };
   if (at + 1 == levels_.size()) {
     std::fill(level.smoothed.begin(), level.smoothed.end(), Scalar(0));
-    for (int i = 0; i < kCoarsestSweeps; ++i) {
-      smooth(y, x, i % 2 == 0 ? first : second);
-      smooth(x, y, i % 2 == 0 ? second : first);
-    }
+    for (int i = 0; i < kCoarsestSweeps; ++i)
+      inTurn(level, smooth(y, x, i % 2 == 0 ? first : second), smooth(x, y, i % 2 == 0 ? second : first));
     return;
   }
-  smooth(nullptr, x, first);
-  smooth(x, y, second);
   Scalar* left = level.left.data() + level.origin;
-  eachLayer(level, [&](int k) { passes_.residual(level.view, y, right, left, k); });
   Level& coarse = levels_[at + 1];
   const GridShape& c = coarse.view.shape;
-  Scalar *coarse_right = coarse.right.data(), *coarse_x = coarse.smoothed.data();
-  const size_t ny = s.row(), nz = s.layer();
-  eachLayer(coarse, [&](int k) {
-    for (int j = 0; j < c.cells; ++j)
-      for (int i = 0; i < c.cells; ++i) {
-        const Scalar* f = level.left.data() + s.at(2 * i, 2 * j, 2 * k);
-        coarse_right[c.at(i, j, k)] =
-            f[0] + f[1] + f[ny] + f[ny + 1] + f[nz] + f[nz + 1] + f[nz + ny] + f[nz + ny + 1];
-      }
-  });
-  cycle(at + 1, coarse_right + coarse.origin);
-  eachLayer(coarse, [&](int k) {
-    for (int j = 0; j < c.cells; ++j)
-      for (int i = 0; i < c.cells; ++i) {
-        Scalar* f = level.smoothed.data() + s.at(2 * i, 2 * j, 2 * k);
-        const Scalar* solid = level.inverse_diagonal.data() + s.at(2 * i, 2 * j, 2 * k);
-        const Scalar add = coarse_x[c.at(i, j, k)];
-        for (const size_t to : {size_t{0}, size_t{1}, ny, ny + 1, nz, nz + 1, nz + ny, nz + ny + 1})
-          if (solid[to] > 0) f[to] += add;
-      }
-  });
-  smooth(y, x, second);
-  smooth(x, y, first);
+  Scalar *coarse_right = coarse.right.data() + coarse.origin,
+         *coarse_x = coarse.smoothed.data() + coarse.origin;
+  inTurn(
+      level, smooth(nullptr, x, first), smooth(x, y, second),
+      [&](int k) { passes_.residual(level.view, y, right, left, k); },
+      [&](int k) {
+        if (k % 2 != 0) passes_.restrict(s, left, c, coarse_right, k / 2);
+      });
+  cycle(at + 1, coarse_right);
+  inTurn(
+      level, [&](int k) { passes_.prolong(level.view, c, coarse_x, y, k); }, smooth(y, x, second),
+      smooth(x, y, first));
 }
 
 template <class Scalar>
@@ -151,9 +179,10 @@ PressureReport PressureSolver<Scalar>::solve(const Scalar* right, Scalar* pressu
     eachLayer(top, [&](int k) { sums_[k] = passes_.dot(s, r, z, k); });
     const double now = total();
     const Scalar turn = report.iterations > 0 ? static_cast<Scalar>(now / before) : Scalar(0);
-    eachLayer(top, [&](int k) { passes_.turn(s, turn, z, step, k); });
     before = now;
-    eachLayer(top, [&](int k) { sums_[k] = passes_.apply(top.view, step, image, k); });
+    inTurn(
+        top, [&](int k) { passes_.turn(s, turn, z, step, k); },
+        [&](int k) { sums_[k] = passes_.apply(top.view, step, image, k); });
     const double curvature = total();
     if (!(curvature > 0)) break;
     const Scalar length = static_cast<Scalar>(now / curvature);

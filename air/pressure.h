@@ -30,13 +30,17 @@ class PressureSolver {
  private:
   struct Level {
     size_t origin;  ///< of place (0, 0, 0)
-    GridArray<Scalar> open[3], diagonal, inverse_diagonal, x, smoothed, right, left;
+    GridArray<Scalar> open[3], diagonal, inverse_diagonal, even, x, smoothed, right, left;
     PressureView<Scalar> view;
   };
   void findDiagonal(Level& level);
+  void findEvenRows(Level& level);
   void coarsen(const Level& fine, Level& coarse);
   template <class Work>
   void eachLayer(const Level& level, const Work& work) const;
+  /// Stages that each need layers k - 1 to k + 1 of the one before it for their layer k.
+  template <class... Stages>
+  void inTurn(const Level& level, const Stages&... stages) const;
   /// Approximate solution in level.smoothed.
   void cycle(size_t at, const Scalar* right);
 

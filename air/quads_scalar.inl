@@ -14,6 +14,7 @@ inline real lit(double value) { STRANDCAST_EACH(static_cast<Scalar>(value)) }
 inline real fill(Scalar value) { STRANDCAST_EACH(value) }
 inline real load(const Scalar* p) { STRANDCAST_EACH(p[c]) }
 inline real threeOf(const float* p) { STRANDCAST_EACH(c < 3 ? static_cast<Scalar>(p[c]) : 0) }  // then 0
+inline real twoAndTwo(const Scalar* p, const Scalar* q) { STRANDCAST_EACH(c < 2 ? p[c] : q[c - 2]) }
 inline real lastOf(const real& a) { STRANDCAST_EACH(a.v[3]) }
 inline real operator+(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] + b.v[c]) }
 inline real operator-(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] - b.v[c]) }
@@ -34,17 +35,22 @@ inline void store(const real& a, Scalar* p) {
 #include "kernels/end_lanes.inl"
 }  // namespace quads
 
-// Adds four numbers, made whole, to a node's.
-inline void addFixed(const quads::real& value, int32_t* node) {
-  for (int c = 0; c < 4; ++c) node[c] += static_cast<int32_t>(value.v[c]);
+// Four numbers of a sample, from `numbers` x mass x scales, to be shared out to nodes of four whole numbers.
+using Shared = quads::real;
+inline Shared sharedOut(const Scalar* numbers, Scalar mass, const Scalar* scales) {
+  return quads::load(numbers) * quads::fill(mass) * quads::load(scales);
 }
-// The same of a node and the next one along x, which get the shares `low` and `high`.
-inline void addShares(const quads::real& value, Scalar low, Scalar high, int32_t* node) {
-  addFixed(quads::fixedPoint(value * quads::fill(low)), node);
-  addFixed(quads::fixedPoint(value * quads::fill(high)), node + 4);
+// To the node, the next one along x and the same of the next row, the four shares of what was splatted.
+inline void addShares(const Shared& splatted, const Scalar* shares, int32_t* node, size_t row) {
+  int32_t* const corners[4] = {node, node + 4, node + row, node + row + 4};
+  for (int corner = 0; corner < 4; ++corner) {
+    const quads::real fixed = quads::fixedPoint(splatted * quads::fill(shares[corner]));
+    for (int c = 0; c < 4; ++c) corners[corner][c] += static_cast<int32_t>(fixed.v[c]);
+  }
 }
-inline quads::real wholes(const int32_t* node) {
-  quads::real out;
-  for (int c = 0; c < 4; ++c) out.v[c] = static_cast<Scalar>(node[c]);
-  return out;
+// of(lane): four numbers of each lane, which become four times a number of all lanes.
+template <class Of>
+inline void transposed(const Of& of, real* out) {
+  const quads::real numbers = of(0);
+  for (int c = 0; c < 4; ++c) out[c] = loadAt(numbers.v + c);
 }

@@ -84,7 +84,7 @@ class StrandSurroundings final : public Surroundings, public AirFields {
       wind_->diffuse(dt, static_cast<double>(p.air_viscosity));
       HairDrag<Scalar> drag;
       if (drags)
-        drag = {&hair_->shape(), hair_->nodes(), hair_->frame(),
+        drag = {&hair_->shape(), hair_->nodes(), hair_->frame(), hair_->box(),
                 static_cast<Scalar>(static_cast<double>(p.air_drag) *
                                     static_cast<double>(p.hairs_per_strand) / kAirDensity)};
       wind_->exchange(dt, drag, sources_);

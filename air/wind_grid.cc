@@ -24,6 +24,7 @@ WindGrid<Scalar>::WindGrid(const GridPasses<Scalar>& passes, const Workers& work
   places_.assign(3 * (row + 16) * row, Scalar(0));  // a row per layer
   sampled_.assign(4 * row * row, Scalar(0));
   fastest_.assign(row + 1, Scalar(0));
+  exchanges_.assign(row * row, 0);
   solid_.assign(shape_.size(), 0);
   closed_ = solid_;
   solid_cells_.reserve(row * row * row);
@@ -126,7 +127,10 @@ void WindGrid<Scalar>::addSolids(std::span<const MovingPrimitive> bodies, std::s
     const Box box = Box(low, low + size).intersection(sweptBox(body));
     const Vec3 motion = (a - a_before) / static_cast<float>(seconds);
     addSolid(
-        box, [&](const Vec3& point) { return signedDistance(body, point, words); },
+        box,
+        [&](std::span<const Vec3> points, float* out) {
+          passes_.distances(body, words.data(), points.data()->data(), points.size(), out);
+        },
         [&](const Vec3& point) { return Vec3(motion + spin.cross(point - a)); });
   }
 }
@@ -175,6 +179,15 @@ void WindGrid<Scalar>::closeFaces() {
 }
 
 template <class Scalar>
+template <class Work>
+void WindGrid<Scalar>::eachFace(const Work& work) const {
+  workers_.forEach(shape_.cells + 1, [&](int k) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (k < layersOf(axis)) work(axis, k);
+  });
+}
+
+template <class Scalar>
 void WindGrid<Scalar>::findCentres() {
   const WindView<Scalar> w = view();
   workers_.forEach(shape_.cells, [&](int k) { passes_.centre(w, k); });
@@ -188,13 +201,11 @@ void WindGrid<Scalar>::advect(double seconds, bool mac_cormack) {
     passes_.displace(w, courant, w.displacement, k);
     if (mac_cormack) passes_.displace(w, -courant, w.onward, k);
   });
-  for (int axis = 0; axis < 3; ++axis) {
-    workers_.forEach(layersOf(axis), [&](int k) { passes_.advect(w, axis, k); });
-    if (mac_cormack) {
-      Scalar* corrected = right_.data() + shape_.at(0, 0, 0);
-      workers_.forEach(layersOf(axis), [&](int k) { passes_.correct(w, axis, corrected, k); });
-      std::swap(next_[axis], right_);
-    }
+  eachFace([&](int axis, int k) { passes_.advect(w, axis, k); });
+  for (int axis = 0; mac_cormack && axis < 3; ++axis) {
+    Scalar* corrected = right_.data() + shape_.at(0, 0, 0);
+    workers_.forEach(layersOf(axis), [&](int k) { passes_.correct(w, axis, corrected, k); });
+    std::swap(next_[axis], right_);
   }
   for (int axis = 0; axis < 3; ++axis) std::swap(velocity_[axis], next_[axis]);
   if (mac_cormack) std::fill(right_.begin(), right_.end(), Scalar(0));
@@ -204,81 +215,95 @@ template <class Scalar>
 void WindGrid<Scalar>::diffuse(double seconds, double viscosity) {
   const double whole = viscosity * seconds / (static_cast<double>(cell_) * static_cast<double>(cell_));
   const int steps = static_cast<int>(std::ceil(whole / kLargestPart));
-  for (int step = 0; step < steps; ++step)
-    for (int axis = 0; axis < 3; ++axis) {
-      const WindView<Scalar> w = view();
-      // First the padding of every row, which its neighbours do not read, then the values.
-      workers_.forEach(layersOf(axis),
-                       [&](int k) { passes_.diffuse(w, axis, static_cast<Scalar>(whole / steps), k); });
-      std::swap(velocity_[axis], next_[axis]);
-    }
+  for (int step = 0; step < steps; ++step) {
+    const WindView<Scalar> w = view();
+    // First the padding of every row, which its neighbours do not read, then the values.
+    eachFace([&](int axis, int k) { passes_.diffuse(w, axis, static_cast<Scalar>(whole / steps), k); });
+    for (int axis = 0; axis < 3; ++axis) std::swap(velocity_[axis], next_[axis]);
+  }
 }
 
 template <class Scalar>
-bool WindGrid<Scalar>::rowMeets(const HairDrag<Scalar>& hair, int j, int k) const {
-  const Vec3 begin = placeOf(3, 0, j, k), end = placeOf(3, shape_.cells - 1, j, k);
+std::pair<int, int> WindGrid<Scalar>::cellsInHair(const HairDrag<Scalar>& hair, const Scalar* at,
+                                                  const Scalar* step) const {
+  double first = 0, last = shape_.cells - 1;
   for (int c = 0; c < 3; ++c) {
-    const Scalar* f = hair.frame + 3 * c;
-    auto at = [&](const Vec3& x) {
-      return f[0] * static_cast<Scalar>(x.x()) + f[1] * static_cast<Scalar>(x.y()) +
-             f[2] * static_cast<Scalar>(x.z()) + hair.frame[9 + c];
-    };
-    const Scalar a = at(begin), b = at(end);
-    if (std::max(a, b) <= 0 || std::min(a, b) >= static_cast<Scalar>(hair.shape->cells - 1)) return false;
+    const double here = static_cast<double>(at[c]), per_cell = static_cast<double>(step[c]);
+    const double low = hair.box.min()[c] - 1, high = hair.box.max()[c] + 1;
+    if (std::fabs(per_cell) < 1e-6) {  // moves by less than a thousandth of a cell over the row
+      if (here < low - 1e-3 || here > high + 1e-3) return {0, 0};
+      continue;
+    }
+    const double a = (low - here) / per_cell, b = (high - here) / per_cell;
+    first = std::max(first, std::floor(std::min(a, b)));
+    last = std::min(last, std::ceil(std::max(a, b)));
   }
-  return true;
+  return first > last ? std::pair(0, 0) : std::pair(static_cast<int>(first), static_cast<int>(last) + 1);
+}
+
+template <class Scalar>
+void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair,
+                                    std::span<const WindSource> sources, int j, int k, Scalar* places,
+                                    Scalar* sampled) {
+  const int n = shape_.cells;
+  const size_t row = static_cast<size_t>(n), first = shape_.at(0, j, k);
+  uint8_t& exchanges = exchanges_[row * static_cast<size_t>(k) + static_cast<size_t>(j)];
+  if (exchanges != 0)
+    for (GridArray<Scalar>& array : exchange_)
+      std::fill_n(array.begin() + static_cast<ptrdiff_t>(first), n, Scalar(0));
+  exchanges = 0;
+  const Vec3 begin = placeOf(3, 0, j, k);
+  if (hair.nodes != nullptr && !hair.box.isEmpty()) {
+    Scalar at[3], step[3];
+    for (int c = 0; c < 3; ++c) {
+      const Scalar* f = hair.frame + 3 * c;
+      at[c] = f[0] * static_cast<Scalar>(begin.x()) + f[1] * static_cast<Scalar>(begin.y()) +
+              f[2] * static_cast<Scalar>(begin.z()) + hair.frame[9 + c];
+      step[c] = f[0] * static_cast<Scalar>(cell_);
+    }
+    const auto [low, high] = cellsInHair(hair, at, step);
+    if (low < high) {
+      const size_t count = static_cast<size_t>(high - low), from = first + static_cast<size_t>(low);
+      for (int c = 0; c < 3; ++c)
+        for (int i = low; i < high; ++i)
+          places[static_cast<size_t>(c) * (row + 16) + static_cast<size_t>(i - low)] =
+              at[c] + step[c] * static_cast<Scalar>(i);
+      passes_.sample(*hair.shape, hair.nodes, places, row + 16, count, sampled);
+      const Scalar rate = static_cast<Scalar>(seconds) * hair.rate;
+      for (size_t c = 0; c < 4; ++c)
+        for (size_t i = 0; i < count; ++i) exchange_[c][from + i] = rate * sampled[4 * i + (c + 3) % 4];
+      exchanges = 1;
+    }
+  }
+  for (const WindSource& source : sources) {
+    const Box reach = source.reach();
+    if (begin.y() < reach.min().y() || begin.y() > reach.max().y() || begin.z() < reach.min().z() ||
+        begin.z() > reach.max().z())
+      continue;
+    exchanges = 1;
+    for (int i = 0; i < n; ++i) {
+      Vec3 velocity;
+      if (!source.velocityAt(placeOf(3, i, j, k), velocity)) continue;
+      const float rate = source.rate * static_cast<float>(seconds);
+      exchange_[0][first + static_cast<size_t>(i)] += static_cast<Scalar>(rate);
+      for (int c = 0; c < 3; ++c)
+        exchange_[1 + c][first + static_cast<size_t>(i)] += static_cast<Scalar>(rate * velocity[c]);
+    }
+  }
 }
 
 template <class Scalar>
 void WindGrid<Scalar>::exchange(double seconds, const HairDrag<Scalar>& hair,
                                 std::span<const WindSource> sources) {
-  const int n = shape_.cells;
   if (hair.nodes == nullptr && sources.empty()) return;
-  const size_t row = static_cast<size_t>(n);
-  workers_.forEach(n, [&](int k) {
+  const size_t row = static_cast<size_t>(shape_.cells);
+  workers_.forEach(shape_.cells, [&](int k) {
     Scalar *places = places_.data() + 3 * (row + 16) * static_cast<size_t>(k),
            *sampled = sampled_.data() + 4 * row * static_cast<size_t>(k);
-    for (int j = 0; j < n; ++j) {
-      const size_t first = shape_.at(0, j, k);
-      for (GridArray<Scalar>& array : exchange_)
-        std::fill_n(array.begin() + static_cast<ptrdiff_t>(first), n, Scalar(0));
-      if (hair.nodes != nullptr && rowMeets(hair, j, k)) {
-        const Vec3 begin = placeOf(3, 0, j, k);
-        for (int c = 0; c < 3; ++c) {
-          const Scalar* f = hair.frame + 3 * c;
-          const Scalar first_at = f[0] * static_cast<Scalar>(begin.x()) +
-                                  f[1] * static_cast<Scalar>(begin.y()) +
-                                  f[2] * static_cast<Scalar>(begin.z()) + hair.frame[9 + c];
-          const Scalar per_cell = f[0] * static_cast<Scalar>(cell_);
-          Scalar* at = places + static_cast<size_t>(c) * (row + 16);
-          for (int i = 0; i < n; ++i) at[i] = first_at + per_cell * static_cast<Scalar>(i);
-        }
-        // Nodes at the border are empty, so places beyond them get nothing.
-        passes_.sample(*hair.shape, hair.nodes, places, row + 16, row, sampled);
-        const Scalar rate = static_cast<Scalar>(seconds) * hair.rate;
-        for (size_t c = 0; c < 4; ++c)
-          for (size_t i = 0; i < row; ++i) exchange_[c][first + i] = rate * sampled[4 * i + (c + 3) % 4];
-      }
-      for (const WindSource& source : sources) {
-        const Box reach = source.reach();
-        const Vec3 begin = placeOf(3, 0, j, k);
-        if (begin.y() < reach.min().y() || begin.y() > reach.max().y() || begin.z() < reach.min().z() ||
-            begin.z() > reach.max().z())
-          continue;
-        for (int i = 0; i < n; ++i) {
-          Vec3 velocity;
-          if (!source.velocityAt(placeOf(3, i, j, k), velocity)) continue;
-          const float rate = source.rate * static_cast<float>(seconds);
-          exchange_[0][first + static_cast<size_t>(i)] += static_cast<Scalar>(rate);
-          for (int c = 0; c < 3; ++c)
-            exchange_[1 + c][first + static_cast<size_t>(i)] += static_cast<Scalar>(rate * velocity[c]);
-        }
-      }
-    }
+    for (int j = 0; j < shape_.cells; ++j) findExchange(seconds, hair, sources, j, k, places, sampled);
   });
   const WindView<Scalar> w = view();
-  for (int axis = 0; axis < 3; ++axis)
-    workers_.forEach(layersOf(axis), [&](int k) { passes_.exchange(w, axis, k); });
+  eachFace([&](int axis, int k) { passes_.exchange(w, axis, k); });
 }
 
 template <class Scalar>
@@ -299,14 +324,15 @@ PressureReport WindGrid<Scalar>::project() {
   const PressureView<Scalar>& p = solver_.finest();
   const size_t start = shape_.at(0, 0, 0);
   Scalar *right = right_.data() + start, *pressure = pressure_.data() + start;
-  workers_.forEach(shape_.cells, [&](int k) { passes_.outflow(w, p, right, k); });
-  workers_.forEach(shape_.cells + 1, [&](int k) { fastest_[k] = passes_.fastest(w, k); });
+  workers_.forEach(shape_.cells + 1, [&](int k) {
+    if (k < shape_.cells) passes_.outflow(w, p, right, k);
+    fastest_[k] = passes_.fastest(w, k);
+  });
   const double fastest = static_cast<double>(*std::max_element(fastest_.begin(), fastest_.end()));
   const double tolerance = std::max(kResidual * fastest, kStill);
   const PressureReport report =
       solver_.solve(right, pressure, static_cast<Scalar>(tolerance), kMostIterations);
-  for (int axis = 0; axis < 3; ++axis)
-    workers_.forEach(layersOf(axis), [&](int k) { passes_.subtractGradient(w, p, pressure, axis, k); });
+  eachFace([&](int axis, int k) { passes_.subtractGradient(w, p, pressure, axis, k); });
   findCentres();
   return report;
 }

@@ -17,6 +17,7 @@ struct HairDrag {
   const Scalar* nodes =
       nullptr;  ///< from place (0, 0, 0): momentum per volume (kg/(m^2 s)) and density (kg/m^3)
   const Scalar* frame = nullptr;  ///< world to its cells, as SplatView::frame
+  NodeBox box;                    ///< beyond it nodes are empty
   Scalar rate = 0;  ///< m^3/(kg s): rate at which air takes on the hair's velocity, per density of the hair
 };
 
@@ -36,10 +37,10 @@ class WindGrid : public Wind {
   void clearSolids() override;
   void addSolids(std::span<const MovingPrimitive> bodies, std::span<const uint32_t> words,
                  double seconds) override;
-  /// Cells in `box` whose middle has a distance below 0 are solid and move with velocity(point). Distances
-  /// are never farther from 0 than the true ones.
-  template <class Distance, class Velocity>
-  void addSolid(const Box& box, const Distance& distance, const Velocity& velocity);
+  /// Cells in `box` whose middle has a distance below 0 are solid and move with velocity(point).
+  /// distances(points, out) gives those of a std::span<const Vec3>, never farther from 0 than the true ones.
+  template <class Distances, class Velocity>
+  void addSolid(const Box& box, const Distances& distances, const Velocity& velocity);
 
   void advect(double seconds, bool mac_cormack) override;
   void diffuse(double seconds, double viscosity) override;
@@ -63,9 +64,16 @@ class WindGrid : public Wind {
   WindView<Scalar> view();
   int layersOf(int axis) const { return axis == 2 ? shape_.cells + 1 : shape_.cells; }
   void closeFaces();
-  /// Some cell of a row may be in the hair's grid.
-  bool rowMeets(const HairDrag<Scalar>& hair, int j, int k) const;
+  /// Cells of a row that may be among the hair: the first, and the one behind the last. `at`: of cell 0 in
+  /// the hair's grid; `step`: from cell to cell.
+  std::pair<int, int> cellsInHair(const HairDrag<Scalar>& hair, const Scalar* at, const Scalar* step) const;
+  /// What hair and sources do to a row. `places`, `sampled`: room for a row.
+  void findExchange(double seconds, const HairDrag<Scalar>& hair, std::span<const WindSource> sources, int j,
+                    int k, Scalar* places, Scalar* sampled);
   void findCentres();
+  /// work(axis, layer) for the layers of faces of all axes.
+  template <class Work>
+  void eachFace(const Work& work) const;
   static Scalar ambientVelocity(const void* grid, int axis, const Scalar* place);
 
   const GridPasses<Scalar>& passes_;
@@ -78,6 +86,7 @@ class WindGrid : public Wind {
   GridArray<Scalar> velocity_[3], next_[3], displacement_[3], onward_[3], centre_, exchange_[4], pressure_,
       right_, places_, sampled_;
   std::vector<Scalar> fastest_;        ///< per layer
+  std::vector<uint8_t> exchanges_;     ///< per row: exchange_ may be other than 0
   std::vector<uint8_t> solid_;         ///< of the shape
   std::vector<uint8_t> closed_;        ///< solid_ as the solver was built for
   std::vector<uint32_t> solid_cells_;  ///< where solid_ is 1
@@ -87,8 +96,8 @@ class WindGrid : public Wind {
 };
 
 template <class Scalar>
-template <class Distance, class Velocity>
-void WindGrid<Scalar>::addSolid(const Box& box, const Distance& distance, const Velocity& velocity) {
+template <class Distances, class Velocity>
+void WindGrid<Scalar>::addSolid(const Box& box, const Distances& distances, const Velocity& velocity) {
   const Vec3 corner = origin();
   int low[3], high[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -102,25 +111,41 @@ void WindGrid<Scalar>::addSolid(const Box& box, const Distance& distance, const 
                              cell_);
   };
   // Blocks whose middle is farther from the surface than their cells' middles are from it lie on one side.
-  constexpr int kBlock = 4;
+  constexpr int kBlock = 4, kCells = kBlock * kBlock * kBlock, kMostBlocks = 128 / kBlock;
   const float farthest = 1.01f * std::sqrt(3.0f) * 0.5f * static_cast<float>(kBlock - 1) * cell_;
-  auto addBlock = [&](int bi, int bj, int bk) {
-    const float away = distance(middleOf(bi, bj, bk, static_cast<float>(kBlock)));
+  auto addBlock = [&](int bi, int bj, int bk, float away) {
     if (away > farthest) return;
+    Vec3 points[kCells];
+    size_t cells[kCells], count = 0;
     for (int k = bk; k < std::min(bk + kBlock, high[2]); ++k)
       for (int j = bj; j < std::min(bj + kBlock, high[1]); ++j)
-        for (int i = bi; i < std::min(bi + kBlock, high[0]); ++i) {
-          const Vec3 point = middleOf(i, j, k, 1);
-          if (!(away < -farthest || distance(point) < 0)) continue;
-          const size_t c = shape_.at(i, j, k);
-          if (solid_[c] == 0) solid_cells_.push_back(static_cast<uint32_t>(c));
-          solid_[c] = 1;
-          solid_velocity_[c] = velocity(point);
+        for (int i = bi; i < std::min(bi + kBlock, high[0]); ++i, ++count) {
+          points[count] = middleOf(i, j, k, 1);
+          cells[count] = shape_.at(i, j, k);
         }
+    float distance[kCells];
+    if (away < -farthest)
+      std::fill_n(distance, count, away);
+    else
+      distances(std::span<const Vec3>(points, count), distance);
+    for (size_t n = 0; n < count; ++n) {
+      if (!(distance[n] < 0)) continue;
+      const size_t c = cells[n];
+      if (solid_[c] == 0) solid_cells_.push_back(static_cast<uint32_t>(c));
+      solid_[c] = 1;
+      solid_velocity_[c] = velocity(points[n]);
+    }
   };
   for (int k = low[2]; k < high[2]; k += kBlock)
-    for (int j = low[1]; j < high[1]; j += kBlock)
-      for (int i = low[0]; i < high[0]; i += kBlock) addBlock(i, j, k);
+    for (int j = low[1]; j < high[1]; j += kBlock) {
+      Vec3 middles[kMostBlocks];
+      float away[kMostBlocks];
+      size_t blocks = 0;
+      for (int i = low[0]; i < high[0]; i += kBlock)
+        middles[blocks++] = middleOf(i, j, k, static_cast<float>(kBlock));
+      distances(std::span<const Vec3>(middles, blocks), away);
+      for (size_t n = 0; n < blocks; ++n) addBlock(low[0] + kBlock * static_cast<int>(n), j, k, away[n]);
+    }
 }
 
 extern template class WindGrid<float>;

@@ -132,6 +132,41 @@ TEST(HairGrid, HairAtRestFeelsNothingWhereverTheHeadIs) {
   }
 }
 
+// Only nodes that hair is on, or was on, are looked at.
+TEST(HairGrid, WhereHairWasBeforeLeavesNoTrace) {
+  const Hair hair;
+  const Workers workers(1);
+  Parameters both = hair.parameters(), rubbing = both, pushing = both;
+  both.volume_hold = rubbing.volume_hold = pushing.volume_hold = 0;
+  rubbing.volume_stiffness = 0;
+  pushing.hair_friction = 0;
+  const Box box = restBox(hair.model);
+  auto squeezed = [&](float part, float shift) {
+    std::vector<Vec3> positions = hair.state.positions;
+    for (Vec3& p : positions) p = Vec3(part * p.x() + shift, p.y() - shift, p.z() + shift);
+    return positions;
+  };
+  auto changes = [&](HairGrid<float>& grid, const Parameters& parameters, float part, float shift) {
+    grid.locate(squeezed(part, shift), hair.state.velocities, Pose{});
+    grid.splat();
+    grid.findForces(parameters, 1.0 / 60);
+    std::vector<float> out(4 * grid.samples().samples.size());
+    grid.changes(0, grid.samples().samples.size(), out.data());
+    return out;
+  };
+  HairGrid<float> used(simdPasses(), workers, hair.model, 32, box);
+  changes(used, both, 0.5f, -0.03f);
+  changes(used, rubbing, 0.7f, 0.02f);
+  changes(used, pushing, 0.6f, 10);  // beyond the grid
+  for (const Parameters& parameters : {both, pushing, rubbing, both}) {
+    HairGrid<float> fresh(simdPasses(), workers, hair.model, 32, box);
+    const std::vector<float> expected = changes(fresh, parameters, 0.4f, 0.01f);
+    EXPECT_GT(*std::max_element(expected.begin(), expected.end()), 0);
+    EXPECT_EQ(changes(used, parameters, 0.4f, 0.01f), expected);
+    changes(used, parameters, 0.8f, -0.02f);
+  }
+}
+
 TEST(HairGrid, SqueezedHairIsPushedApartAndNoMomentumIsMade) {
   const Hair hair;
   const Workers workers(2);

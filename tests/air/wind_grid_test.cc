@@ -172,7 +172,9 @@ TEST(WindGrid, SignedDistancesOfAnyKindAreSolid) {
   grid.clearSolids();
   grid.addSolid(
       Box(Eigen::Vector3f(-0.2f, -0.2f, -0.2f), Eigen::Vector3f(0.2f, 0.2f, 0.2f)),
-      [](const Vec3& x) { return x.cwiseAbs().maxCoeff() - 0.2f; },
+      [](std::span<const Vec3> points, float* out) {
+        for (const Vec3& x : points) *out++ = x.cwiseAbs().maxCoeff() - 0.2f;
+      },
       [](const Vec3&) { return Vec3(Vec3::Zero()); });
   EXPECT_TRUE(grid.isSolid(8, 8, 8));
   EXPECT_TRUE(grid.isSolid(4, 4, 4));
@@ -202,6 +204,49 @@ TEST(WindGrid, SourcesDriveTheAir) {
       EXPECT_GT(grid.velocityAt(Vec3(0, 0, -0.05f)).z(), 1.0f);
     else  // right-handed about z
       EXPECT_GT(grid.velocityAt(Vec3(0.1f, 0, 0)).y() - grid.velocityAt(Vec3(-0.1f, 0, 0)).y(), 1.0f);
+  }
+}
+
+TEST(WindGrid, ASourceThatMovedAwayDrivesNothingAnyMore) {
+  const Workers workers(1);
+  Grid grid(simdPasses(), workers, 32, 0.025f, Grid::Border::kOpen);
+  grid.centreAt(Vec3::Zero());
+  grid.reset();
+  WindSource ball;
+  ball.kind = WindSource::Kind::kSphere;
+  ball.radius = 0.1f;
+  for (const float y : {0.2f, -0.2f}) {
+    ball.position = Vec3(0, y, 0);
+    grid.reset();
+    grid.exchange(kStep, {}, {&ball, 1});
+  }
+  EXPECT_GT(grid.component(0, 18, 8, 16), 0.1) << "5 cm beside it";
+  EXPECT_EQ(grid.component(0, 18, 24, 16), 0) << "5 cm beside where it was";
+}
+
+TEST(WindGrid, LanesAreAsFarFromABodyAsOnePointIs) {
+  ContactPrimitive shape;
+  shape.a = Vec3(0.01f, 0.02f, 0.03f);
+  shape.b = Vec3(0.1f, 0, -0.05f);
+  shape.radius = 0.05f;
+  shape.radius_b = 0.02f;
+  shape.extent = Vec3(0.05f, 0.03f, 0.08f);
+  shape.rotation = Quat(Eigen::AngleAxisf(0.7f, Eigen::Vector3f(1, 2, 2).normalized()));
+  std::vector<Vec3> points;
+  for (int n = 0; n < 37; ++n)
+    points.push_back(0.1f * Vec3(std::sin(1.3f * static_cast<float>(n)),
+                                 std::cos(2.9f * static_cast<float>(n)), std::sin(static_cast<float>(n))));
+  for (const PrimitiveKind kind :
+       {PrimitiveKind::kSphere, PrimitiveKind::kCapsule, PrimitiveKind::kTaperedCapsule,
+        PrimitiveKind::kEllipsoid, PrimitiveKind::kBox}) {
+    shape.kind = kind;
+    const MovingPrimitive body = moved(shape, Pose{}, Pose{Vec3(0.01f, 0, 0), Quat::Identity()}, 0.1f);
+    for (const GridPasses<float>* passes : {&simdPasses(), &scalarPasses<float>()}) {
+      std::vector<float> distances(points.size());
+      passes->distances(body, nullptr, points.data()->data(), points.size(), distances.data());
+      for (size_t n = 0; n < points.size(); ++n)
+        EXPECT_NEAR(distances[n], signedDistance(body, points[n]), 1e-6f) << static_cast<int>(kind);
+    }
   }
 }
 
