@@ -27,6 +27,7 @@ double operationsPerVertexSubstep(const StrandModel& model, const StrandState& s
                                   const StepInput& input) {
   BlockStore<float> store;
   store.load(model, 1);
+  store.expect(*input.parameters, !input.primitives.empty());
   store.upload(state);
   std::vector<float> scratch(blockScratch(store.maxVertices(), 1));
   const size_t apart = 1 + store.blocks() / 1024;

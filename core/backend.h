@@ -38,15 +38,20 @@ class Backend {
   virtual std::string name() const = 0;    ///< "reference", "simd" or "gpu"
   virtual std::string device() const = 0;  ///< e.g. "AVX3, 2 threads" or the GL renderer string
 
-  /// Takes a copy of what it needs from `model` and sets the state. Throws Error when it does not fit the
-  /// device.
+  /// Takes a copy of what every step needs from `model` and sets the state. What only some need is copied
+  /// when it is: `model` is to stay as and where it is until the next load(), or the end. Throws Error when
+  /// it does not fit the device.
   virtual void load(const StrandModel& model, const StrandState& state) = 0;
+  /// Makes room for what steps with such settings need beyond that, and with bodies where there are some; to
+  /// be called before the first of them, or else that one makes it. Throws Error as load().
+  virtual void expect(const Parameters&, [[maybe_unused]] bool bodies) {}
   /// Replaces the state: reset, teleport, tests.
   virtual void upload(const StrandState& state) = 0;
   /// Copies the whole state out. Waits for pending steps.
   virtual void download(StrandState& state) = 0;
 
-  /// Advances by parameters.time_step. May return before the work is done; neither throws nor allocates.
+  /// Advances by parameters.time_step. May return before the work is done; neither throws nor allocates what
+  /// was expected.
   virtual void step(const StepInput& input) = 0;
   /// Positions after the newest step, natural order, valid until the next step(). Waits for it.
   virtual std::span<const Vec3> guides() = 0;

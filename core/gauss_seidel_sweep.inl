@@ -1,7 +1,14 @@
 // One step of a block of strands by the course's scheme. Included after core/near_bodies.inl. The formulas are in
 // kernels/; here is only their order along the strand.
 
-inline real inverseMass(const Block& b, int i) { return load(b.inverse_mass + at(0, i)); }
+inline const Scalar* courseRow(const Block& b, CoursePlane plane, int i) {
+  return b.course + (static_cast<size_t>(i) * kCoursePlanes + plane) * kLanes;
+}
+inline real inverseMass(const Block& b, int i) { return load(courseRow(b, kInverseMass, i)); }
+inline real3 restEdge(const Block& b, int i) {
+  const Scalar* row = courseRow(b, kRestEdge, i);
+  return {load(row), load(row + kLanes), load(row + 2 * kLanes)};
+}
 
 // scratch: 6 planes of the block's vertices (start positions, then edge targets).
 inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scratch) {
@@ -41,7 +48,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
       real3 tangent = root_tangent;
       real3 x = load3(b.position, 0);
       for (int i = 0; i + 1 < n; ++i) {
-        store3(rotate(frame, load3(b.rest_edge, i)), target, i);
+        store3(rotate(frame, restEdge(b, i)), target, i);
         const real3 next_x = load3(b.position, i + 1);
         const real3 next_tangent = normalizeOrZero(next_x - x);
         frame = multiply(transportFrame(tangent, next_tangent), frame);

@@ -17,7 +17,7 @@ class Grooming {
         const double scale = b.grooming != nullptr ? plane(kAirDragScale, i)[lane] : 1.0;
         keep[lane] = static_cast<Scalar>(std::exp(-p.air_drag * scale * h));
       }
-      const real free = load(b.inverse_mass + at(0, i));
+      const real free = select(load(b.weight + at(0, i)) > lit(0), lit(1), lit(0));
       const real m = load(b.mass + at(0, i));
       const real rate = lit(p.goal_rate) * groomingFactor(b, kGoalScale, i) * free;
       const real stiffness = goalStiffness(m, rate, substep_);

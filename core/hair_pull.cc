@@ -6,13 +6,15 @@ HairPull::HairPull(const StrandModel& model, std::span<const Vec3> positions, co
     : from_(from), radius_(radius) {
   Held nearest{0, Vec3::Zero()};
   float least = -1;
-  for (uint32_t v = 0; v < positions.size(); ++v) {
-    if (model.inverse_mass[v] == 0) continue;
-    const float distance = (positions[v] - from).norm();
-    if (distance <= radius) held_.push_back({v, positions[v]});
-    if (least >= 0 && !(distance < least)) continue;
-    least = distance;
-    nearest = {v, positions[v]};
+  for (size_t s = 0; s < model.strands(); ++s) {
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
+      if (model.isPinned(s, v)) continue;
+      const float distance = (positions[v] - from).norm();
+      if (distance <= radius) held_.push_back({v, positions[v]});
+      if (least >= 0 && !(distance < least)) continue;
+      least = distance;
+      nearest = {v, positions[v]};
+    }
   }
   if (held_.empty() && least >= 0) held_.push_back(nearest);
 }

@@ -23,7 +23,7 @@ Measurement measure(const StrandModel& model, std::span<const Vec3> positions,
         ++edges;
         out.max_stretch = std::max(out.max_stretch, stretch);
       }
-      if (model.inverse_mass[v] == 0) continue;
+      if (model.isPinned(s, v)) continue;
       const double allowed = model.rest_distance.empty() ? 0 : std::min(0.0f, model.rest_distance[v]);
       for (const MovingPrimitive& primitive : primitives)
         out.max_penetration =

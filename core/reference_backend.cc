@@ -37,9 +37,9 @@ class ScalarBackend final : public Backend {
     store_.load(model, 1);
     scratch_.resize(blockScratch(store_.maxVertices(), 1));
     guides_.resize(model.vertices());
-    velocities_.resize(model.vertices());
     upload(state);
   }
+  void expect(const Parameters& parameters, bool bodies) override { store_.expect(parameters, bodies); }
   void upload(const StrandState& state) override {
     store_.upload(state);
     readGuides();
@@ -47,6 +47,7 @@ class ScalarBackend final : public Backend {
   void download(StrandState& state) override { store_.download(state); }
 
   void step(const StepInput& input) override {
+    expect(*input.parameters, !input.primitives.empty());
     for (size_t b = 0; b < store_.blocks(); ++b) {
       store_.setInput(b, input);
       sweep(store_.block(b), input, scratch_.data());
@@ -55,8 +56,12 @@ class ScalarBackend final : public Backend {
   }
   std::span<const Vec3> guides() override { return guides_; }
   bool takesAccelerations() const override { return true; }
-  void expectAccelerations() override { store_.expectAccelerations(); }
+  void expectAccelerations() override {
+    store_.expectAccelerations();
+    velocities_.resize(guides_.size());
+  }
   std::span<const Vec3> velocities() override {
+    velocities_.resize(guides_.size());
     for (size_t b = 0; b < store_.blocks(); ++b) store_.readVelocities(b, velocities_);
     return velocities_;
   }
@@ -69,7 +74,7 @@ class ScalarBackend final : public Backend {
   std::string name_, device_;
   BlockStore<Scalar> store_;
   std::vector<Scalar> scratch_;
-  std::vector<Vec3> guides_, velocities_;
+  std::vector<Vec3> guides_, velocities_;  ///< velocities: empty until accelerations are expected
 };
 
 }  // namespace

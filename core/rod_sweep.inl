@@ -25,7 +25,7 @@ enum RodScratch : int {
   kLengthPivot = kMargin,  // inverse pivots of lengths
   kRodScratchPlanes = 22
 };
-static_assert(kRodScratchPlanes <= kBlockPlanes);  // as much scratch is there
+static_assert(kRodScratchPlanes == kSolverPlanes);
 
 class RodStep {
  public:
@@ -88,7 +88,8 @@ class RodStep {
   }
   size_t row(int plane, int i) const { return (static_cast<size_t>(i) * kRodScratchPlanes + plane) * kLanes; }
   real state(const Scalar* planes, int plane, int i) const { return load(planes + at(plane, i)); }
-  real3 state3(const Scalar* planes, int i) const { return load3(planes, i); }
+  template <class Rows>
+  real3 state3(const Rows& rows, int i) const { return load3(rows, i); }
   quat state4(const Scalar* planes, int i) const {
     return {state(planes, 0, i), state(planes, 1, i), state(planes, 2, i), state(planes, 3, i)};
   }

@@ -46,7 +46,7 @@ void Strand::read(const StrandModel& model, size_t s, const Vec3& gravity) {
   Vector pull = Vector::Zero(), moment = Vector::Zero();
   for (size_t e = count; e-- > 0;) {
     const uint32_t v = first + static_cast<uint32_t>(e);
-    if (model.inverse_mass[v + 1] == 0)
+    if (model.isPinned(s, v + 1))
       pull.setZero();
     else
       pull += g * model.mass[v + 1];

@@ -49,16 +49,16 @@ Parameters inShortSubsteps(Parameters parameters) {
 Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
                        std::unique_ptr<Backend> backend, std::unique_ptr<Surroundings> surroundings,
                        std::unique_ptr<BroadPhase> broad_phase)
-    : model_(std::move(model)),
+    : model_(std::make_unique<StrandModel>(std::move(model))),
       parameters_(parameters),
       backend_(std::move(backend)),
       surroundings_(std::move(surroundings)),
-      bones_begin_(model_.bones.size()),
-      bones_end_(model_.bones.size()),
-      roots_begin_(model_.rest_roots),
-      roots_end_(model_.rest_roots),
+      bones_begin_(model_->bones.size()),
+      bones_end_(model_->bones.size()),
+      roots_begin_(model_->rest_roots),
+      roots_end_(model_->rest_roots),
       broad_phase_(broad_phase != nullptr ? std::move(broad_phase) : makeAllPairs()),
-      order_(strandOrder(model_)),
+      order_(strandOrder(*model_)),
       bound_to_root_(order_.neighbourhoods(), true),
       strand_boxes_(order_.neighbourhoods()) {
   checkParameters(parameters_, "Simulation");
@@ -78,15 +78,17 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
     }
   }
   if (!rooted.empty())
-    model_.rest_distance = restDistances(model_, rooted, shapes_.words, depths, parameters_.hair_radius);
-  for (size_t s = 0; s < model_.strands(); ++s)
-    lengths_.push_back(arcLength({model_.rest_local.data() + model_.offsets[s], model_.verticesOf(s)}));
-  for (size_t s = 0; s < model_.strands(); ++s)
-    for (uint32_t v = model_.offsets[s]; v < model_.offsets[s + 1]; ++v)
-      if (model_.isBonePinned(s, v)) bound_to_root_[order_.neighbourhood_of[s]] = false;
-  backend_->load(model_, restState(model_, roots_begin_));
+    model_->rest_distance = restDistances(*model_, rooted, shapes_.words, depths, parameters_.hair_radius);
+  lengths_.reserve(model_->strands());
+  for (size_t s = 0; s < model_->strands(); ++s)
+    lengths_.push_back(arcLength({model_->rest_local.data() + model_->offsets[s], model_->verticesOf(s)}));
+  for (size_t s = 0; s < model_->strands(); ++s)
+    for (uint32_t v = model_->offsets[s]; v < model_->offsets[s + 1]; ++v)
+      if (model_->isBonePinned(s, v)) bound_to_root_[order_.neighbourhood_of[s]] = false;
+  backend_->load(*model_, restState(*model_, roots_begin_));
   surrounded_ = configureSurroundings(parameters_);
   reserveForBodies();
+  backend_->expect(stepped_, !primitives_.empty());
 }
 
 bool Simulation::configureSurroundings(const Parameters& parameters) {
@@ -101,7 +103,7 @@ bool Simulation::configureSurroundings(const Parameters& parameters) {
         "there is no air for gusts, turbulence, wind_grid, air_drag_along, volume_stiffness or "
         "hair_friction",
         "Simulation", "leave them as they are by default");
-  surroundings_->configure(model_, parameters, *backend_);
+  surroundings_->configure(*model_, parameters, *backend_);
   backend_->expectAccelerations();
   return true;
 }
@@ -120,11 +122,11 @@ void Simulation::setBonePose(size_t bone, const Pose& pose) {
 }
 
 void Simulation::setBonePose(const std::string& bone, const Pose& pose) {
-  const auto known = std::find(model_.bones.begin(), model_.bones.end(), bone);
-  if (known == model_.bones.end())
+  const auto known = std::find(model_->bones.begin(), model_->bones.end(), bone);
+  if (known == model_->bones.end())
     throw Error("there is no bone '" + bone + "'", "Simulation::setBonePose",
-                "did you mean '" + nearestName(bone, model_.bones) + "'?");
-  setBonePose(static_cast<size_t>(known - model_.bones.begin()), pose);
+                "did you mean '" + nearestName(bone, model_->bones) + "'?");
+  setBonePose(static_cast<size_t>(known - model_->bones.begin()), pose);
 }
 
 Simulation::PlacedBody Simulation::placed(RigidBody body, const char* where) {
@@ -148,7 +150,9 @@ Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) {
 }
 
 BodyId Simulation::addBody(RigidBody body) {
-  bodies_.push_back(placed(std::move(body), "Simulation::addBody"));
+  PlacedBody added = placed(std::move(body), "Simulation::addBody");
+  backend_->expect(stepped_, true);
+  bodies_.push_back(std::move(added));
   reserveForBodies();
   return bodies_.back().id;
 }
@@ -186,13 +190,14 @@ void Simulation::removeBody(BodyId body) {
 
 void Simulation::setParameters(const Parameters& parameters) {
   checkParameters(parameters, "Simulation::setParameters");
+  backend_->expect(parameters, !primitives_.empty());
   surrounded_ = configureSurroundings(parameters);
   parameters_ = parameters;
   stepped_ = inShortSubsteps(parameters_);
 }
 
 void Simulation::placeRoots(const std::vector<Pose>& bones, std::vector<Pose>& roots) const {
-  for (size_t s = 0; s < roots.size(); ++s) roots[s] = bones[model_.rootBone(s)] * model_.rest_roots[s];
+  for (size_t s = 0; s < roots.size(); ++s) roots[s] = bones[model_->rootBone(s)] * model_->rest_roots[s];
 }
 
 void Simulation::placePrimitives() {
@@ -268,10 +273,10 @@ void Simulation::pullHair(const Vec3& from, float radius, const Vec3& to, float 
                 "give finite places, a radius of 0 to 10 m and a rate of 0 to 1000 1/s");
   if (!backend_->takesAccelerations())
     throw Error("hair cannot be pulled on this backend", backend_->name(), "choose simd, gpu or reference");
-  if (!pull_ || !pull_->closedAt(from, radius)) pull_.emplace(model_, guides(), from, radius);
+  if (!pull_ || !pull_->closedAt(from, radius)) pull_.emplace(*model_, guides(), from, radius);
   pull_->moveTo(to, rate);
   backend_->expectAccelerations();
-  pull_accelerations_.resize(model_.vertices());
+  pull_accelerations_.resize(model_->vertices());
 }
 
 void Simulation::addPull(StepInput& input) {
@@ -291,12 +296,12 @@ bool needsSurroundings(const Parameters& p) {
 }
 
 StrandState Simulation::restNow() const {
-  StrandState rest = restState(model_, roots_begin_);
-  if (!model_.pin_bones.empty())
-    for (size_t s = 0; s < model_.strands(); ++s)
-      for (uint32_t v = model_.offsets[s]; v < model_.offsets[s + 1]; ++v)
-        if (model_.isBonePinned(s, v))
-          rest.positions[v] = bones_begin_[model_.pin_bones[v]].apply(model_.restPosition(s, v));
+  StrandState rest = restState(*model_, roots_begin_);
+  if (!model_->pin_bones.empty())
+    for (size_t s = 0; s < model_->strands(); ++s)
+      for (uint32_t v = model_->offsets[s]; v < model_->offsets[s + 1]; ++v)
+        if (model_->isBonePinned(s, v))
+          rest.positions[v] = bones_begin_[model_->pin_bones[v]].apply(model_->restPosition(s, v));
   return rest;
 }
 
@@ -312,8 +317,8 @@ size_t Simulation::resetBroken() {
   constexpr float kTooFar = 2;  // times its length: what only gauss_seidel could reach
   const std::span<const Vec3> now = guides();
   std::vector<size_t> broken;
-  for (size_t s = 0; s < model_.strands(); ++s) {
-    const uint32_t first = model_.offsets[s], end = model_.offsets[s + 1];
+  for (size_t s = 0; s < model_->strands(); ++s) {
+    const uint32_t first = model_->offsets[s], end = model_->offsets[s + 1];
     const float far = kTooFar * lengths_[s];
     bool good = true;
     for (uint32_t v = first; v < end; ++v) good = good && (now[v] - now[first]).squaredNorm() <= far * far;
@@ -324,7 +329,7 @@ size_t Simulation::resetBroken() {
   backend_->download(state);
   const StrandState rest = restNow();
   for (const size_t s : broken) {
-    for (uint32_t v = model_.offsets[s]; v < model_.offsets[s + 1]; ++v) {
+    for (uint32_t v = model_->offsets[s]; v < model_->offsets[s + 1]; ++v) {
       state.positions[v] = rest.positions[v];
       state.velocities[v] = rest.velocities[v];
       state.frames[v] = rest.frames[v];
@@ -358,7 +363,7 @@ void Simulation::teleport(const Pose& head) {
 }
 
 Measurement Simulation::measure() {
-  return strandcast::measure(model_, guides(), primitives_, shapes_.words);
+  return strandcast::measure(*model_, guides(), primitives_, shapes_.words);
 }
 
 StrandState Simulation::state() {

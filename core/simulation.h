@@ -91,7 +91,7 @@ class Simulation {
 
   double time() const { return time_; }  ///< s, simulated since the start
   uint64_t steps() const { return steps_; }
-  const StrandModel& model() const { return model_; }
+  const StrandModel& model() const { return *model_; }
   Backend& backend() { return *backend_; }
   Surroundings* surroundings() { return surroundings_.get(); }  ///< may be null
   /// Positions after the newest step, natural order. Waits for the backend.
@@ -124,7 +124,7 @@ class Simulation {
   /// Readies surroundings and backend for settings that need them; says whether they do. Throws Error.
   bool configureSurroundings(const Parameters& parameters);
 
-  StrandModel model_;
+  std::unique_ptr<StrandModel> model_;  ///< stays where it is, for the backend
   std::vector<PlacedBody> bodies_;
   BodyId next_body_ = 0;
   ShapeData shapes_;

@@ -13,21 +13,17 @@ namespace {
 enum Plane {
   kPosition = 0,
   kVelocity = 3,
-  kRestLocal = 6,
-  kRestEdge = 9,
-  kRestLength = 12,
-  kInverseMass = 13,
-  kFrame = 14,
-  kTension = 18,
-  kRestStrain = 19,
-  kInverseLength = 22,
-  kBend = 23,
-  kTwist = 24,
-  kMass = 25,
-  kWeight = 26,
-  kContact = 27,
+  kRestLength = 6,
+  kFrame = 7,
+  kTension = 11,
+  kRestStrain = 12,
+  kInverseLength = 15,
+  kBend = 16,
+  kTwist = 17,
+  kMass = 18,
+  kWeight = 19,
 };
-static_assert(kContact + 3 == kBlockPlanes);
+static_assert(kWeight + 1 == kBlockPlanes);
 
 constexpr float kAlike = 2e-6f;  // relative, of lengths and of masses that count as equal
 
@@ -77,155 +73,205 @@ Scalar* BlockStore<Scalar>::restDistance(const Block& block) const {
 
 template <class Scalar>
 void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
+  model_ = &model;
   lanes_ = lanes;
-  offsets_ = model.offsets;
+  layOut();
+  for (Block& block : blocks_)
+    for (int lane = 0; lane < lanes_; ++lane) block.uniform = setStrand(block, lane) && block.uniform;
+  held_ = std::any_of(blocks_.begin(), blocks_.end(), [](const Block& b) { return b.pinned || b.factors; });
+}
+
+template <class Scalar>
+void BlockStore<Scalar>::layOut() {
   blocks_.clear();
   pins_.clear();
   max_vertices_ = 0;
-  rest_distance_ = !model.rest_distance.empty();
-  StrandOrder order = strandOrder(model);
+  rows_ = 0;
+  for (Table* table : {&rest_local_, &course_, &contacts_, &accelerations_}) table->numbers = Memory();
+  StrandOrder order = strandOrder(*model_);
   order_ = std::move(order.strands);
-  size_t memory = 0, accelerations = 0;
-  for (size_t first = 0; first < order_.size();) {
-    const int vertices = static_cast<int>(model.verticesOf(order_[first]));
-    size_t count = 0;
-    while (count < static_cast<size_t>(lanes) && first + count < order_.size() &&
-           model.verticesOf(order_[first + count]) == static_cast<size_t>(vertices))
-      ++count;
-    bool factors = false, tethers = false;
-    for (size_t i = 0; i < count; ++i) {
-      factors = factors || model.hasFactors(order_[first + i]);
-      tethers = tethers || model.hasTethers(order_[first + i]);
+  size_t memory = 0;
+  for (uint32_t first = 0; first < order_.size();) {
+    const size_t vertices = model_->verticesOf(order_[first]);
+    Block block{};
+    block.vertices = static_cast<int>(vertices);
+    block.uniform = true;
+    block.first = first;
+    block.memory = memory;
+    block.row = rows_;
+    block.neighbourhood = order.neighbourhood_of[order_[first]];
+    block.first_pin = static_cast<uint32_t>(pins_.size());
+    for (; block.count < static_cast<uint32_t>(lanes_) && first < order_.size() &&
+           model_->verticesOf(order_[first]) == vertices;
+         ++block.count, ++first) {
+      const uint32_t strand = order_[first];
+      block.factors = block.factors || model_->hasFactors(strand);
+      block.tethers = block.tethers || model_->hasTethers(strand);
+      for (uint32_t v = model_->offsets[strand] + 1; v < model_->offsets[strand + 1]; ++v)
+        block.pinned = block.pinned || model_->isPinned(strand, v);
     }
-    blocks_.push_back({vertices, false, true, factors, tethers, first, count, memory,
-                       order.neighbourhood_of[order_[first]], pins_.size()});
-    Block& block = blocks_.back();
-    for (int lane = 0; lane < lanes; ++lane) {
-      const uint32_t strand = order_[first + std::min<size_t>(lane, count - 1)];
-      for (int i = 1; i < vertices; ++i) {
-        const uint32_t v = offsets_[strand] + i;
-        if (model.isBonePinned(strand, v))
-          pins_.push_back({i, lane, model.pin_bones[v], model.restPosition(strand, v)});
-      }
-    }
-    block.pins = pins_.size() - block.first_pin;
-    const int planes_of_vertex = kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) +
-                                 (block.pins > 0 ? kBonePinPlanes : 0) + (rest_distance_ ? 1 : 0);
-    memory += static_cast<size_t>(planes_of_vertex * vertices + kRootPlanes) * lanes;
-    memory = (memory + 15) / 16 * 16;
-    block.acceleration = accelerations;
-    accelerations += (static_cast<size_t>(3 * vertices) * lanes + 15) / 16 * 16;
-    max_vertices_ = std::max(max_vertices_, vertices);
-    first += count;
-  }
-  memory_.assign(memory, Scalar(0));
-  acceleration_numbers_ = accelerations;
-  accelerations_ = {};
-
-  std::array<Vec3, kMaxVerticesPerStrand> edges;
-  for (Block& block : blocks_) {
     for (int lane = 0; lane < lanes_; ++lane) {
-      const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
-      const std::span<const Vec3> rest(model.rest_local.data() + offsets_[strand], block.vertices);
-      restEdges(rest, edges);
-      const float mean_length = arcLength(rest) / static_cast<float>(block.vertices - 1);
-      for (int i = 0; i < block.vertices; ++i) {
-        auto put = [&](int plane, float value) {
-          number(block, plane, i, lane) = static_cast<Scalar>(value);
-        };
-        for (int c = 0; c < 3; ++c) put(kRestLocal + c, rest[i][c]);
-        for (int c = 0; c < 3; ++c) put(kRestEdge + c, edges[i][c]);
-        const uint32_t v = offsets_[strand] + i;
-        const float length = i + 1 < block.vertices ? (rest[i + 1] - rest[i]).norm() : 0.0f;
-        const bool pinned = model.inverse_mass[v] == 0;
-        put(kRestLength, length);
-        put(kInverseMass, model.inverse_mass[v]);
-        for (int c = 0; c < 3; ++c) put(kRestStrain + c, model.rest_strain[v][c]);
-        put(kInverseLength, 1 / std::max(length, kShortestEdge * mean_length));
-        put(kBend, model.bend[v]);
-        put(kTwist, model.twist[v]);
-        put(kMass, pinned ? kPinnedMass : model.mass[v]);
-        put(kWeight, pinned ? 0.0f : 1 / model.mass[v]);
-        if (i > 0) block.pinned = block.pinned || pinned;
-        if (rest_distance_)
-          restDistance(block)[static_cast<size_t>(i) * lanes_ + lane] =
-              static_cast<Scalar>(model.rest_distance[v]);
-        if (groomed(block)) {
-          Scalar* factors = grooming(block) + static_cast<size_t>(i) * kGroomingPlanes * lanes_ + lane;
-          factors[kAirDragScale * lanes_] = static_cast<Scalar>(model.air_drag_scale[v]);
-          factors[kGoalScale * lanes_] = static_cast<Scalar>(model.goal_scale[v]);
-          factors[kDampingScale * lanes_] = static_cast<Scalar>(model.damping_scale[strand]);
-          factors[kFrictionScale * lanes_] = static_cast<Scalar>(model.friction_scale[strand]);
-          factors[kTether * lanes_] = static_cast<Scalar>(model.tether[v]);
-        }
+      const uint32_t strand = strandOf(block, lane);
+      for (int i = 1; i < block.vertices; ++i) {
+        const uint32_t v = model_->offsets[strand] + i;
+        if (model_->isBonePinned(strand, v))
+          pins_.push_back({i, lane, model_->pin_bones[v], model_->restPosition(strand, v)});
       }
-      // Lengths and masses of a strand that was resampled evenly differ by rounding only: then they are made
-      // equal, so that one row of them may stand for all.
-      auto alike = [&](int plane, int row, int first_row) {
-        const Scalar one = number(block, plane, first_row, lane);
-        return std::abs(number(block, plane, row, lane) - one) <= Scalar(kAlike) * one;
-      };
-      bool even = true;
-      for (int i = 1; i + 1 < block.vertices; ++i)
-        even = even && alike(kRestLength, i, 0) && alike(kMass, i, 1);
-      for (int i = 1; even && i + 1 < block.vertices; ++i) {
-        for (const int plane : {kRestLength, kInverseLength})
-          number(block, plane, i, lane) = number(block, plane, 0, lane);
-        for (const int plane : {kMass, kWeight})
-          number(block, plane, i, lane) = number(block, plane, 1, lane);
-      }
-      block.uniform = block.uniform && even;
     }
+    block.pins = static_cast<uint32_t>(pins_.size()) - block.first_pin;
+    const int planes_of_vertex = kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) +
+                                 (block.pins > 0 ? kBonePinPlanes : 0) +
+                                 (model_->rest_distance.empty() ? 0 : 1);
+    memory += static_cast<size_t>(planes_of_vertex * block.vertices + kRootPlanes) * lanes_;
+    rows_ += vertices;
+    max_vertices_ = std::max(max_vertices_, block.vertices);
+    blocks_.push_back(block);
+  }
+  blocks_.shrink_to_fit();
+  memory_.assign(memory, Scalar(0));
+}
+
+template <class Scalar>
+bool BlockStore<Scalar>::setStrand(const Block& block, int lane) {
+  const StrandModel& model = *model_;
+  const uint32_t strand = strandOf(block, lane), first = model.offsets[strand];
+  const std::span<const Vec3> rest(model.rest_local.data() + first, block.vertices);
+  const float mean_length = arcLength(rest) / static_cast<float>(block.vertices - 1);
+  for (int i = 0; i < block.vertices; ++i) {
+    auto put = [&](int plane, float value) { number(block, plane, i, lane) = static_cast<Scalar>(value); };
+    const uint32_t v = first + i;
+    const float length = i + 1 < block.vertices ? (rest[i + 1] - rest[i]).norm() : 0.0f;
+    const bool pinned = model.isPinned(strand, v);
+    put(kRestLength, length);
+    for (int c = 0; c < 3; ++c) put(kRestStrain + c, model.rest_strain[v][c]);
+    put(kInverseLength, 1 / std::max(length, kShortestEdge * mean_length));
+    put(kBend, model.bend[v]);
+    put(kTwist, model.twist[v]);
+    put(kMass, pinned ? kPinnedMass : model.mass[v]);
+    put(kWeight, pinned ? 0.0f : 1 / model.mass[v]);
+    if (!model.rest_distance.empty())
+      restDistance(block)[static_cast<size_t>(i) * lanes_ + lane] =
+          static_cast<Scalar>(model.rest_distance[v]);
+    if (groomed(block)) {
+      Scalar* factors = grooming(block) + static_cast<size_t>(i) * kGroomingPlanes * lanes_ + lane;
+      factors[kAirDragScale * lanes_] = static_cast<Scalar>(model.air_drag_scale[v]);
+      factors[kGoalScale * lanes_] = static_cast<Scalar>(model.goal_scale[v]);
+      factors[kDampingScale * lanes_] = static_cast<Scalar>(model.damping_scale[strand]);
+      factors[kFrictionScale * lanes_] = static_cast<Scalar>(model.friction_scale[strand]);
+      factors[kTether * lanes_] = static_cast<Scalar>(model.tether[v]);
+    }
+  }
+  // Lengths and masses of a strand that was resampled evenly differ by rounding only: then they are made
+  // equal, so that one row of them may stand for all.
+  auto alike = [&](int plane, int row, int first_row) {
+    const Scalar one = number(block, plane, first_row, lane);
+    return std::abs(number(block, plane, row, lane) - one) <= Scalar(kAlike) * one;
+  };
+  bool even = true;
+  for (int i = 1; i + 1 < block.vertices; ++i) even = even && alike(kRestLength, i, 0) && alike(kMass, i, 1);
+  for (int i = 1; even && i + 1 < block.vertices; ++i) {
+    for (const int plane : {kRestLength, kInverseLength})
+      number(block, plane, i, lane) = number(block, plane, 0, lane);
+    for (const int plane : {kMass, kWeight}) number(block, plane, i, lane) = number(block, plane, 1, lane);
+  }
+  return even;
+}
+
+template <class Scalar>
+template <class Put>
+void BlockStore<Scalar>::forStrands(const Table& table, const Put& put) {
+  for (const Block& block : blocks_)
+    for (int lane = 0; lane < lanes_; ++lane) {
+      Scalar* numbers = rows(table, block) + lane;
+      put(strandOf(block, lane), [&, numbers](int plane, uint32_t i) -> Scalar& {
+        return numbers[(static_cast<size_t>(i) * table.planes + plane) * lanes_];
+      });
+    }
+}
+
+template <class Scalar>
+void BlockStore<Scalar>::expect(const Parameters& parameters, bool bodies) {
+  const bool rod = parameters.solver == SolverKind::kRod;
+  if (rod && bodies) makeRoom(contacts_);
+  if ((!rod || held_ || parameters.goal_rate > 0) && rest_local_.numbers.empty()) {
+    makeRoom(rest_local_);
+    forStrands(rest_local_, [&](uint32_t strand, const auto& entry) {
+      const uint32_t first = model_->offsets[strand];
+      for (uint32_t v = first; v < model_->offsets[strand + 1]; ++v)
+        for (int c = 0; c < 3; ++c) entry(c, v - first) = static_cast<Scalar>(model_->rest_local[v][c]);
+    });
+  }
+  if (!rod && course_.numbers.empty()) {
+    makeRoom(course_);
+    forStrands(course_, [&](uint32_t strand, const auto& entry) {
+      const uint32_t first = model_->offsets[strand];
+      const std::span<const Vec3> rest(model_->rest_local.data() + first, model_->verticesOf(strand));
+      std::array<Vec3, kMaxVerticesPerStrand> edges;
+      restEdges(rest, edges);
+      for (uint32_t i = 0; i < rest.size(); ++i) {
+        for (int c = 0; c < 3; ++c) entry(kRestEdge + c, i) = static_cast<Scalar>(edges[i][c]);
+        entry(kInverseMass, i) = Scalar(model_->isPinned(strand, first + i) ? 0 : 1);
+      }
+    });
   }
 }
 
 template <class Scalar>
 void BlockStore<Scalar>::upload(const StrandState& state) {
+  const std::vector<uint32_t>& offsets = model_->offsets;
   for (Block& block : blocks_) {
-    block.pressed = !state.contacts.empty();
     for (int lane = 0; lane < lanes_; ++lane) {
-      const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
+      const uint32_t first = offsets[strandOf(block, lane)];
       for (int i = 0; i < block.vertices; ++i) {
+        const uint32_t v = first + i;
         for (int c = 0; c < 3; ++c) {
-          number(block, kPosition + c, i, lane) =
-              static_cast<Scalar>(state.positions[offsets_[strand] + i][c]);
-          number(block, kVelocity + c, i, lane) =
-              static_cast<Scalar>(state.velocities[offsets_[strand] + i][c]);
+          number(block, kPosition + c, i, lane) = static_cast<Scalar>(state.positions[v][c]);
+          number(block, kVelocity + c, i, lane) = static_cast<Scalar>(state.velocities[v][c]);
         }
-        const uint32_t v = offsets_[strand] + i;
         const Quat frame = state.frames.empty() ? Quat(Quat::Identity()) : state.frames[v];
         for (int c = 0; c < 4; ++c)
           number(block, kFrame + c, i, lane) = static_cast<Scalar>(frame.coeffs()[c]);
         number(block, kTension, i, lane) =
             state.tensions.empty() ? Scalar(0) : static_cast<Scalar>(state.tensions[v]);
-        for (int c = 0; c < 3; ++c)
-          number(block, kContact + c, i, lane) =
-              state.contacts.empty() ? Scalar(0) : static_cast<Scalar>(state.contacts[v][c]);
       }
     }
   }
+  const bool pressed = std::any_of(state.contacts.begin(), state.contacts.end(),
+                                   [](const Vec3& force) { return force != Vec3::Zero(); });
+  for (Block& block : blocks_) block.pressed = pressed;
+  if (pressed) makeRoom(contacts_);
+  if (contacts_.numbers.empty()) return;
+  forStrands(contacts_, [&](uint32_t strand, const auto& entry) {
+    for (uint32_t v = offsets[strand]; v < offsets[strand + 1]; ++v)
+      for (int c = 0; c < 3; ++c)
+        entry(c, v - offsets[strand]) = pressed ? static_cast<Scalar>(state.contacts[v][c]) : Scalar(0);
+  });
 }
 
 template <class Scalar>
 void BlockStore<Scalar>::download(StrandState& state) const {
-  state.positions.resize(offsets_.back());
-  state.velocities.resize(offsets_.back());
-  state.frames.resize(offsets_.back());
-  state.tensions.resize(offsets_.back());
-  state.contacts.resize(offsets_.back());
+  const std::vector<uint32_t>& offsets = model_->offsets;
+  state.positions.resize(offsets.back());
+  state.velocities.resize(offsets.back());
+  state.frames.resize(offsets.back());
+  state.tensions.resize(offsets.back());
+  state.contacts.assign(offsets.back(), Vec3::Zero());
   for (size_t b = 0; b < blocks_.size(); ++b) {
     const Block& block = blocks_[b];
     readPositions(b, state.positions);
-    for (size_t lane = 0; lane < block.count; ++lane) {
-      const uint32_t first = offsets_[order_[block.first + lane]];
+    readVelocities(b, state.velocities);
+    for (uint32_t lane = 0; lane < block.count; ++lane) {
+      const uint32_t first = offsets[order_[block.first + lane]];
+      const Scalar* contact = rows(contacts_, block);
       for (int i = 0; i < block.vertices; ++i) {
         auto get = [&](int plane) {
           return static_cast<float>(number(block, plane, i, static_cast<int>(lane)));
         };
-        for (int c = 0; c < 3; ++c) state.velocities[first + i][c] = get(kVelocity + c);
         for (int c = 0; c < 4; ++c) state.frames[first + i].coeffs()[c] = get(kFrame + c);
         state.tensions[first + i] = get(kTension);
-        for (int c = 0; c < 3; ++c) state.contacts[first + i][c] = get(kContact + c);
+        for (int c = 0; contact != nullptr && c < 3; ++c)
+          state.contacts[first + i][c] =
+              static_cast<float>(contact[(static_cast<size_t>(i) * 3 + c) * lanes_ + lane]);
       }
     }
   }
@@ -236,7 +282,7 @@ void BlockStore<Scalar>::read(size_t b, int plane, std::span<Vec3> vectors) cons
   static_assert(kPosition == 0 && kVelocity == 3);
   const Block& block = blocks_[b];
   for (size_t lane = 0; lane < block.count; ++lane) {
-    Vec3* out = vectors.data() + offsets_[order_[block.first + lane]];
+    Vec3* out = vectors.data() + model_->offsets[order_[block.first + lane]];
     for (int i = 0; i < block.vertices; ++i)
       for (int c = 0; c < 3; ++c)
         out[i][c] = static_cast<float>(number(block, plane + c, i, static_cast<int>(lane)));
@@ -245,8 +291,7 @@ void BlockStore<Scalar>::read(size_t b, int plane, std::span<Vec3> vectors) cons
 
 template <class Scalar>
 void BlockStore<Scalar>::forgetContacts(Block& block) {
-  for (int i = 0; i < block.vertices; ++i)
-    std::fill_n(&number(block, kContact, i, 0), static_cast<size_t>(3) * lanes_, Scalar(0));
+  std::fill_n(rows(contacts_, block), static_cast<size_t>(3) * block.vertices * lanes_, Scalar(0));
   block.pressed = false;
 }
 
@@ -258,7 +303,7 @@ void BlockStore<Scalar>::setInput(size_t b, const StepInput& input) {
   block.pressed = pressing;
   Scalar* root = roots(block);
   for (int lane = 0; lane < lanes_; ++lane) {
-    const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
+    const uint32_t strand = strandOf(block, lane);
     Scalar* plane = root + lane;
     for (const Pose* pose : {&input.roots_begin[strand], &input.roots_end[strand]}) {
       for (int c = 0; c < 3; ++c, plane += lanes_) *plane = static_cast<Scalar>(pose->position[c]);
@@ -276,12 +321,11 @@ void BlockStore<Scalar>::setInput(size_t b, const StepInput& input) {
       row[static_cast<size_t>(kHeldEnd + c) * lanes_] = static_cast<Scalar>(end[c]);
     }
   }
-  block.accelerated = !input.accelerations.empty() && !accelerations_.empty();
+  block.accelerated = !input.accelerations.empty() && !accelerations_.numbers.empty();
   if (!block.accelerated) return;
   for (int lane = 0; lane < lanes_; ++lane) {
-    const uint32_t strand = order_[block.first + std::min<size_t>(lane, block.count - 1)];
-    const Vec3* in = input.accelerations.data() + offsets_[strand];
-    Scalar* out = accelerations_.data() + block.acceleration + lane;
+    const Vec3* in = input.accelerations.data() + model_->offsets[strandOf(block, lane)];
+    Scalar* out = rows(accelerations_, block) + lane;
     for (int i = 0; i < block.vertices; ++i)
       for (int c = 0; c < 3; ++c, out += lanes_) *out = static_cast<Scalar>(in[i][c]);
   }
@@ -295,13 +339,9 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           block.uniform,
           planes(block, kPosition),
           planes(block, kVelocity),
-          planes(block, kRestLocal),
-          planes(block, kRestEdge),
           planes(block, kRestLength),
-          planes(block, kInverseMass),
           planes(block, kFrame),
           planes(block, kTension),
-          planes(block, kContact),
           planes(block, kRestStrain),
           planes(block, kInverseLength),
           planes(block, kBend),
@@ -309,11 +349,14 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           planes(block, kMass),
           planes(block, kWeight),
           roots(block),
-          block.pins > 0 ? bonePins(block) : nullptr,
           block.factors,
           groomed(block) ? grooming(block) : nullptr,
-          block.accelerated ? accelerations_.data() + block.acceleration : nullptr,
-          rest_distance_ ? restDistance(block) : nullptr,
+          block.pins > 0 ? bonePins(block) : nullptr,
+          model_->rest_distance.empty() ? nullptr : restDistance(block),
+          {rows(rest_local_, block)},
+          rows(course_, block),
+          {rows(contacts_, block)},
+          {block.accelerated ? rows(accelerations_, block) : nullptr},
           block.neighbourhood};
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -21,11 +22,19 @@ struct CacheLineAllocator {
   bool operator==(const CacheLineAllocator&) const { return true; }
 };
 
-constexpr int kBlockPlanes = 30;  ///< numbers per vertex
+constexpr int kBlockPlanes = 20;  ///< numbers per vertex that every step of the rod needs
+
+/// Vectors in a table of their own: [vertex][3][lane]. Equals null where there is none.
+template <class Scalar>
+struct VectorRows {
+  Scalar* first;
+  bool operator==(std::nullptr_t) const { return first == nullptr; }
+};
 
 /// One block: [vertex][plane][lane] for what is per vertex, so that a sweep along the strands is one stream
 /// through memory; [plane][lane] for the roots. A lane is a strand; the loop runs along it. Lanes past the
-/// last strand hold copies of it and are not read back.
+/// last strand hold copies of it and are not read back. What not every step needs is in tables of its own,
+/// which are null where nobody does (BlockStore::expect).
 template <class Scalar>
 struct BlockView {
   int vertices;
@@ -33,14 +42,10 @@ struct BlockView {
   bool uniform;      ///< the edges of each strand have one length, its vertices but root and tip one mass
   Scalar* position;  ///< 3 planes, m
   Scalar* velocity;  ///< 3 planes, m/s
-  const Scalar* rest_local;  ///< 3 planes, m, in the root frame
-  const Scalar* rest_edge;  ///< 3 planes, m: edge (i, i+1) at rest, in the Bishop frame of the edge before it
-  const Scalar* rest_length;   ///< 1 plane, m, of edge (i, i+1)
-  const Scalar* inverse_mass;  ///< 1 plane, 0 or 1
+  const Scalar* rest_length;  ///< 1 plane, m, of edge (i, i + 1)
   // Of the rod: edge (i, i + 1) and the joint before it at row i. See StrandModel for units.
   Scalar* frame;              ///< 4 planes, x y z w, world
   Scalar* tension;            ///< 1 plane
-  Scalar* contact;            ///< 3 planes, of vertices
   const Scalar* rest_strain;  ///< 3 planes
   const Scalar*
       inverse_length;    ///< 1 plane, 1/m, bounded where an edge is much shorter than its strand's mean
@@ -49,15 +54,25 @@ struct BlockView {
   const Scalar* mass;    ///< 1 plane, of vertices; large where pinned
   const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
-  const Scalar* bone_pins;      ///< [vertex][kBonePinPlanes][lane]; null where there is none
-  bool factors;                 ///< some factor of the strands is not 1
-  const Scalar* grooming;       ///< [vertex][kGroomingPlanes][lane]; null where there is none
-  const Scalar* acceleration;   ///< [vertex][3][lane], m/s^2; null where StepInput has none
-  const Scalar* rest_distance;  ///< [vertex][lane], m, see StrandModel; null where there is none
-  uint32_t neighbourhood;       ///< of StrandOrder, of all its strands
+  bool factors;        ///< some factor of the strands is not 1
+  const Scalar* grooming;                 ///< [vertex][kGroomingPlanes][lane]; null where there is none
+  const Scalar* bone_pins;                ///< [vertex][kBonePinPlanes][lane]; null where there is none
+  const Scalar* rest_distance;            ///< [vertex][lane], m, see StrandModel; null where there is none
+  VectorRows<const Scalar> rest_local;    ///< m, in the root frame
+  const Scalar* course;                   ///< [vertex][kCoursePlanes][lane]: of gauss_seidel
+  VectorRows<Scalar> contact;             ///< of the rod among bodies, see StrandState::contacts
+  VectorRows<const Scalar> acceleration;  ///< m/s^2; null where StepInput has none
+  uint32_t neighbourhood;                 ///< of StrandOrder, of all its strands
 };
 
 constexpr int kRootPlanes = 14;
+
+/// Planes of BlockView::course.
+enum CoursePlane : int {
+  kRestEdge,         ///< 3, m: the edge at rest, in the Bishop frame of the edge before it
+  kInverseMass = 3,  ///< 0 or 1
+  kCoursePlanes = 4
+};
 
 /// Planes of BlockView::bone_pins, of vertices that are pinned to another bone than their root frame.
 enum BonePinPlane : int {
@@ -80,13 +95,14 @@ enum GroomingPlane : int {
 constexpr float kPinnedMass = 1e6f;    ///< of a vertex that the rod's bending solve must not move
 constexpr float kShortestEdge = 0.1f;  ///< of the strand's mean: shorter edges bend as if they were this long
 
-constexpr int kGroomingRows = 5;    ///< scratch numbers per vertex of core/grooming.inl
+constexpr int kSolverPlanes = 22;   ///< scratch numbers per vertex of a solver,
+constexpr int kGroomingRows = 5;    ///< of core/grooming.inl
 constexpr int kContactPlanes = 21;  ///< and of core/near_bodies.inl,
 constexpr int kPlacedBodies = 16;   ///< which has one for each of so many bodies too, whatever the lanes
 
 /// Scalars of scratch memory that a step of a block needs: those of its solver, of grooming, of contact.
 constexpr size_t solverScratch(int vertices, int lanes) {
-  return static_cast<size_t>(kBlockPlanes) * (vertices + 2) * lanes;
+  return static_cast<size_t>(kSolverPlanes) * (vertices + 2) * lanes;
 }
 constexpr size_t groomingScratch(int vertices, int lanes) {
   return static_cast<size_t>(kGroomingRows) * vertices * lanes;
@@ -104,7 +120,11 @@ constexpr size_t blockScratch(int vertices, int lanes) {
 template <class Scalar>
 class BlockStore {
  public:
+  /// `model` is to outlive its use here.
   void load(const StrandModel& model, int lanes);
+  /// Makes room for what steps with such settings need, and with bodies where there are some. To be called
+  /// before the first of them; where there is room, it costs nothing.
+  void expect(const Parameters& parameters, bool bodies);
   void upload(const StrandState& state);
   void download(StrandState& state) const;
 
@@ -116,22 +136,28 @@ class BlockStore {
   /// accelerations. Contact forces of bodies that are gone are forgotten.
   void setInput(size_t b, const StepInput& input);
   /// Room for accelerations, before the first setInput() with some.
-  void expectAccelerations() { accelerations_.resize(acceleration_numbers_); }
+  void expectAccelerations() { makeRoom(accelerations_); }
   /// Copies the positions of block b's strands out, natural order.
   void readPositions(size_t b, std::span<Vec3> positions) const { read(b, 0, positions); }
   /// The same of velocities.
   void readVelocities(size_t b, std::span<Vec3> velocities) const { read(b, 3, velocities); }
 
  private:
+  using Memory = std::vector<Scalar, CacheLineAllocator<Scalar>>;
+  /// What not every step needs, of all blocks: [vertex][planes][lane], empty until then.
+  struct Table {
+    int planes;
+    mutable Memory numbers{};
+  };
   struct Block {
     int vertices;
     bool pinned, uniform, factors, tethers;
-    size_t first;                    ///< in order_
-    size_t count;                    ///< strands, at most lanes_
-    size_t memory;                   ///< index of its first scalar in memory_
-    uint32_t neighbourhood;          ///< of StrandOrder
-    size_t first_pin = 0, pins = 0;  ///< in pins_
-    size_t acceleration = 0;         ///< index of its first scalar in accelerations_
+    uint32_t first;                    ///< in order_
+    uint32_t count;                    ///< strands, at most lanes_
+    size_t memory;                     ///< index of its first scalar in memory_
+    size_t row;                        ///< its first in tables
+    uint32_t neighbourhood;            ///< of StrandOrder
+    uint32_t first_pin = 0, pins = 0;  ///< in pins_
     bool accelerated = false;
     bool pressed = false;  ///< bodies may have left contact forces on it
   };
@@ -142,6 +168,22 @@ class BlockStore {
     uint16_t bone;
     Vec3 rest;  ///< m, in the groom's frame
   };
+  /// Lanes past the last strand repeat it.
+  uint32_t strandOf(const Block& block, int lane) const {
+    return order_[block.first + std::min(static_cast<uint32_t>(lane), block.count - 1)];
+  }
+  void makeRoom(Table& table) { table.numbers.resize(rows_ * table.planes * lanes_); }
+  /// Calls put(strand, entry) for each lane of a table that is there; entry(plane, vertex) is the lane's.
+  template <class Put>
+  void forStrands(const Table& table, const Put& put);
+  /// The block's in a table, null where it is empty.
+  Scalar* rows(const Table& table, const Block& block) const {
+    return table.numbers.empty() ? nullptr : table.numbers.data() + block.row * table.planes * lanes_;
+  }
+  /// Cuts blocks and makes their memory.
+  void layOut();
+  /// Writes what does not change of the strand in a lane; gives whether it is uniform.
+  bool setStrand(const Block& block, int lane);
   Scalar* planes(const Block& block, int plane) const;
   Scalar& number(const Block& block, int plane, int vertex, int lane) const;
   Scalar* roots(const Block& block) const;
@@ -153,20 +195,20 @@ class BlockStore {
 
   int lanes_ = 1;
   int max_vertices_ = 0;
-  bool rest_distance_ = false;  ///< the model has them
+  const StrandModel* model_ = nullptr;
+  bool held_ = false;  ///< vertices may be drawn to their places in the rest shape, whatever the settings
   std::vector<Block> blocks_;
   std::vector<BonePin> pins_;
-  std::vector<uint32_t> order_;    ///< strands, as StrandOrder has them
-  std::vector<uint32_t> offsets_;  ///< of the model
-  mutable std::vector<Scalar, CacheLineAllocator<Scalar>> memory_;
-  std::vector<Scalar, CacheLineAllocator<Scalar>> accelerations_;  ///< empty until expected
-  size_t acceleration_numbers_ = 0;                                ///< of all blocks
+  std::vector<uint32_t> order_;  ///< strands, as StrandOrder has them
+  mutable Memory memory_;
+  size_t rows_ = 0;  ///< of each table
+  Table rest_local_{3}, course_{kCoursePlanes}, contacts_{3}, accelerations_{3};
 };
 
 extern template class BlockStore<float>;
 extern template class BlockStore<double>;
 
-/// Rest edges of one strand as BlockView::rest_edge wants them: edge i in the Bishop frame of edge i - 1,
+/// Rest edges of one strand as kRestEdge wants them: edge i in the Bishop frame of edge i - 1,
 /// whose z axis is that edge; edge 0 in the root frame. `rest_local` and `edges` have as many entries as the
 /// strand has vertices; the last of `edges` is zero.
 void restEdges(std::span<const Vec3> rest_local, std::span<Vec3> edges);

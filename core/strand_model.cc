@@ -114,6 +114,11 @@ void setGrooming(StrandModel& model, size_t s, const Material& material) {
   model.friction_scale[s] = material.friction_scale;
 }
 
+void pin(StrandModel& model, uint32_t vertex) {
+  model.pinned.resize(model.vertices(), 0);
+  model.pinned[vertex] = 1;
+}
+
 bool isGrooming(const Material& material) {
   auto changes = [](const RootTipCurve& curve) {
     return std::any_of(curve.knots.begin(), curve.knots.end(), [](const auto& k) { return k.second != 1; });
@@ -139,7 +144,6 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
   StrandModel model;
   model.offsets = rest.offsets;
   model.rest_local.resize(rest.vertices());
-  model.inverse_mass.resize(rest.vertices());
   model.rest_roots.resize(rest.strands());
   model.rest_frames.assign(rest.vertices(), Quat::Identity());
   model.rest_strain.assign(rest.vertices(), Vec3::Zero());
@@ -165,7 +169,7 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
     const Pose to_local = model.rest_roots[s].inverse();
     for (size_t i = 0; i < points.size(); ++i) {
       model.rest_local[first + i] = i == 0 ? Vec3(Vec3::Zero()) : to_local.apply(points[i]);
-      model.inverse_mass[first + i] = rest.isPinned(s, i) ? 0.0f : 1.0f;
+      if (i > 0 && rest.isPinned(s, i)) pin(model, first + static_cast<uint32_t>(i));
     }
     const size_t part = rest.parts.empty() ? 0 : rest.parts[s];
     const Material& material = materials[std::min(part, materials.size() - 1)];
@@ -200,7 +204,7 @@ void pinToBone(StrandModel& model, size_t strand, float from, float to, const st
   model.root_bones.resize(model.strands(), 0);
   model.pin_bones.resize(model.vertices(), 0);
   for (const uint32_t v : pinned) {
-    model.inverse_mass[v] = 0;
+    pin(model, v);
     model.pin_bones[v] = static_cast<uint16_t>(index);
   }
   if (pinned.front() == first) model.root_bones[strand] = static_cast<uint16_t>(index);

@@ -19,7 +19,7 @@ constexpr float kSkinDepth = 1e-3f;
 struct StrandModel {
   std::vector<uint32_t> offsets{0};  ///< strands + 1
   std::vector<Vec3> rest_local;      ///< per vertex, metres, in the strand's root frame (root at the origin)
-  std::vector<float> inverse_mass;   ///< per vertex, relative: 0 pinned, 1 free
+  std::vector<uint8_t> pinned;       ///< per vertex, 1 = it is, as every root; empty = only the roots are
   std::vector<Pose> rest_roots;      ///< per strand, in the groom's frame; z is the rest tangent at the root
 
   // The strand as an elastic rod. Entry i of a strand is its vertex i, edge (i, i + 1) or joint before edge
@@ -52,9 +52,12 @@ struct StrandModel {
   std::vector<uint16_t> pin_bones;         ///< per vertex, where pinned; empty = all as their root
 
   uint16_t rootBone(size_t strand) const { return root_bones.empty() ? 0 : root_bones[strand]; }
+  bool isPinned(size_t strand, uint32_t vertex) const {
+    return vertex == offsets[strand] || (!pinned.empty() && pinned[vertex] != 0);
+  }
   /// Whether a vertex is pinned to another bone than its root frame.
   bool isBonePinned(size_t strand, uint32_t vertex) const {
-    return !pin_bones.empty() && vertex > offsets[strand] && inverse_mass[vertex] == 0 &&
+    return !pin_bones.empty() && vertex > offsets[strand] && isPinned(strand, vertex) &&
            pin_bones[vertex] != rootBone(strand);
   }
   /// At rest, m, in the groom's frame.

@@ -14,6 +14,17 @@ inline void store3(const real3& value, Scalar* planes, int i) {
   store(value.y, planes + at(1, i));
   store(value.z, planes + at(2, i));
 }
+template <class Number>
+inline real3 load3(const VectorRows<Number>& rows, int i) {
+  const Scalar* row = rows.first + static_cast<size_t>(3 * i) * kLanes;
+  return {load(row), load(row + kLanes), load(row + 2 * kLanes)};
+}
+inline void store3(const real3& value, const VectorRows<Scalar>& rows, int i) {
+  Scalar* row = rows.first + static_cast<size_t>(3 * i) * kLanes;
+  store(value.x, row);
+  store(value.y, row + kLanes);
+  store(value.z, row + 2 * kLanes);
+}
 inline real3 fill3(const Vec3& v) { return fill3(v.data()); }
 
 // Of BlockView::grooming, where there is none a factor of 1.
@@ -23,10 +34,7 @@ inline real groomingFactor(const Block& b, GroomingPlane plane, int i) {
 }
 
 // Of BlockView::acceleration, which there must be.
-inline real3 accelerationOf(const Block& b, int i) {
-  const Scalar* row = b.acceleration + static_cast<size_t>(3 * i) * kLanes;
-  return {load(row), load(row + kLanes), load(row + 2 * kLanes)};
-}
+inline real3 accelerationOf(const Block& b, int i) { return load3(b.acceleration, i); }
 
 struct RootFrame {
   real3 position;

@@ -30,6 +30,10 @@ class GpuBackend final : public Backend, public gpu::GpuDevice {
     strands_ = std::make_unique<gpu::GpuStrands>(model, *programs_);
     strands_->upload(state);
   }
+  void expect(const Parameters& parameters, bool bodies) override {
+    const gl::MakeCurrent current(context_);
+    strands_->expect(parameters, bodies);
+  }
   void upload(const StrandState& state) override {
     const gl::MakeCurrent current(context_);
     strands_->upload(state);

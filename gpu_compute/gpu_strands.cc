@@ -11,7 +11,7 @@
 namespace strandcast::gpu {
 namespace {
 
-// What a step may bring before the ring is made anew, larger.
+// What steps with bodies may bring before the ring is made anew, larger.
 constexpr UploadRing::Counts kFirstCounts = {512, 4096};
 
 using Vec4 = std::array<float, 4>;
@@ -29,7 +29,7 @@ std::vector<Vec4> packRestLocal(const StrandModel& model) {
     for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
       packed[v] = model.isBonePinned(s, v)
                       ? vec4(model.restPosition(s, v), -1 - static_cast<float>(model.pin_bones[v]))
-                      : vec4(model.rest_local[v], model.inverse_mass[v]);
+                      : vec4(model.rest_local[v], model.isPinned(s, v) ? 0.0f : 1.0f);
   return packed;
 }
 
@@ -85,48 +85,68 @@ void discardErrors() {
 
 GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
     : programs_(programs),
+      model_(model),
       vertices_((checkFits(model.vertices()), discardErrors(), model.vertices())),
       strands_(model.strands()),
-      bones_(model.bones.size()),
-      model_offsets_(model.offsets),
-      rest_distance_(model.rest_distance),
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
       frames_(storage<Vec4>(vertices_)),
-      contacts_(storage<Vec4>(vertices_)),
-      rest_local_(std::span<const Vec4>(packRestLocal(model))),
       offsets_(std::span<const uint32_t>(packOffsets(model))),
       guides_(storage<Vec3>(vertices_)),
       shapes_(storage<uint32_t>(1)),
       groomed_(!model.damping_scale.empty()),
-      gauss_seidel_(model),
-      rod_(model),
-      uploads_(std::in_place, strands_, bones_, kFirstCounts),
+      uploads_(std::in_place, strands_, model.bones.size(), UploadRing::Counts{}),
       readback_(vertices_) {
-  if (groomed_) grooming_ = gl::Buffer(std::span<const Vec4>(packGrooming(model)));
+  checkMemory("the model does not fit the GPU's memory");
+}
+
+void GpuStrands::checkMemory(const char* what) const {
   if (glGetError() == GL_OUT_OF_MEMORY)
-    throw Error("the model does not fit the GPU's memory", fmt::format("{} vertices", vertices_),
-                "use fewer strands or --backend simd");
+    throw Error(what, fmt::format("{} vertices", vertices_), "use fewer strands or --backend simd");
+}
+
+void GpuStrands::expect(const Parameters& parameters, bool bodies) {
+  if (vertices_ == 0) return;
+  const bool rod = parameters.solver == SolverKind::kRod, goal = parameters.goal_rate > 0;
+  bool& expected = expected_[(rod ? 1 : 0) + (goal ? 2 : 0) + (bodies ? 4 : 0)];
+  if (expected) return;
+  discardErrors();
+  if (rod && !rod_) rod_.emplace(model_);
+  if (rod) rod_->expect(goal, bodies);
+  if (!rod && !gauss_seidel_) gauss_seidel_.emplace(model_);
+  if (rest_local_.bytes() == 0 && (!rod || goal || rod_->holdsVertices()))
+    rest_local_ = gl::Buffer(std::span<const Vec4>(packRestLocal(model_)));
+  if (grooming_.bytes() == 0 && (groomed_ || goal))
+    grooming_ = gl::Buffer(
+        std::span<const Vec4>(groomed_ ? packGrooming(model_) : std::vector<Vec4>(vertices_, kNotGroomed)));
+  checkMemory("the model does not fit the GPU's memory");
+  if (rod && bodies) makeSights();
+  if (bodies) expectUploads(kFirstCounts);
+  expected = true;
 }
 
 void GpuStrands::upload(const StrandState& state) {
   std::vector<Vec4> packed(vertices_);
   for (size_t i = 0; i < vertices_; ++i) packed[i] = vec4(state.positions[i]);
   if (!state.tensions.empty())
-    forEdges(model_offsets_, [&](uint32_t edge, uint32_t end) { packed[end][3] = state.tensions[edge]; });
+    forEdges(model_.offsets, [&](uint32_t edge, uint32_t end) { packed[end][3] = state.tensions[edge]; });
   positions_.write(std::span<const Vec4>(packed));
   for (size_t i = 0; i < vertices_; ++i)
-    packed[i] = vec4(state.velocities[i], rest_distance_.empty() ? kFarFromBodies : rest_distance_[i]);
+    packed[i] =
+        vec4(state.velocities[i], model_.rest_distance.empty() ? kFarFromBodies : model_.rest_distance[i]);
   velocities_.write(std::span<const Vec4>(packed));
   for (size_t i = 0; i < vertices_; ++i) {
     const Quat frame = state.frames.empty() ? Quat(Quat::Identity()) : state.frames[i];
     packed[i] = {frame.x(), frame.y(), frame.z(), frame.w()};
   }
   frames_.write(std::span<const Vec4>(packed));
-  for (size_t i = 0; i < vertices_; ++i)
-    packed[i] = state.contacts.empty() ? Vec4{} : vec4(state.contacts[i]);
-  contacts_.write(std::span<const Vec4>(packed));
-  pressed_ = !state.contacts.empty();
+  pressed_ = std::any_of(state.contacts.begin(), state.contacts.end(),
+                         [](const Vec3& force) { return force != Vec3::Zero(); });
+  if (pressed_ && contacts_.bytes() == 0) contacts_ = storage<Vec4>(vertices_);
+  if (contacts_.bytes() > 0) {
+    for (size_t i = 0; i < vertices_; ++i) packed[i] = pressed_ ? vec4(state.contacts[i]) : Vec4{};
+    contacts_.write(std::span<const Vec4>(packed));
+  }
   uploaded_ = state.positions;
 }
 
@@ -143,11 +163,14 @@ void GpuStrands::download(StrandState& state) const {
   read(positions_);
   unpack(state.positions);
   state.tensions.resize(vertices_);
-  forEdges(model_offsets_, [&](uint32_t edge, uint32_t end) { state.tensions[edge] = packed[end][3]; });
+  forEdges(model_.offsets, [&](uint32_t edge, uint32_t end) { state.tensions[edge] = packed[end][3]; });
   read(velocities_);
   unpack(state.velocities);
-  read(contacts_);
-  unpack(state.contacts);
+  state.contacts.assign(vertices_, Vec3::Zero());
+  if (contacts_.bytes() > 0) {
+    read(contacts_);
+    unpack(state.contacts);
+  }
   read(frames_);
   state.frames.resize(vertices_);
   for (size_t i = 0; i < vertices_; ++i)
@@ -157,11 +180,11 @@ void GpuStrands::download(StrandState& state) const {
 void GpuStrands::bind() const {
   positions_.bindStorage(0);
   velocities_.bindStorage(1);
-  rest_local_.bindStorage(2);
+  if (rest_local_.bytes() > 0) rest_local_.bindStorage(2);
   offsets_.bindStorage(4);
   guides_.bindStorage(8);
   frames_.bindStorage(9);
-  contacts_.bindStorage(3);  // of the rod; gauss_seidel has its own there
+  if (contacts_.bytes() > 0) contacts_.bindStorage(3);  // of the rod; gauss_seidel has its own there
   if (grooming_.bytes() > 0) grooming_.bindStorage(13);
   shapes_.bindStorage(14);
 }
@@ -187,49 +210,51 @@ void GpuStrands::makeSights() {
   const size_t bytes = vertices_ * (1 + kSightRows) * sizeof(Vec4);
   if (contacts_.bytes() == bytes) return;
   checkFits(vertices_, 1 + kSightRows);
-  discardErrors();
   gl::Buffer all(bytes, nullptr, GL_DYNAMIC_STORAGE_BIT);
-  if (glGetError() == GL_OUT_OF_MEMORY)
-    throw Error("what hair sees of bodies does not fit the GPU's memory",
-                fmt::format("{} vertices", vertices_), "use fewer strands or --backend simd");
-  glCopyNamedBufferSubData(contacts_.id(), all.id(), 0, 0, static_cast<GLsizeiptr>(vertices_ * sizeof(Vec4)));
+  checkMemory("what hair sees of bodies does not fit the GPU's memory");
+  const auto forces = static_cast<GLsizeiptr>(vertices_ * sizeof(Vec4));
+  if (contacts_.bytes() > 0)
+    glCopyNamedBufferSubData(contacts_.id(), all.id(), 0, 0, forces);
+  else
+    glClearNamedBufferSubData(all.id(), GL_RGBA32F, 0, forces, GL_RGBA, GL_FLOAT, nullptr);
   contacts_ = std::move(all);
 }
 
+void GpuStrands::expectUploads(const UploadRing::Counts& wanted) {
+  if (uploads_->takes(wanted)) return;
+  const UploadRing::Counts has = uploads_->capacity();
+  glFinish();
+  uploads_.emplace(strands_, model_.bones.size(),
+                   UploadRing::Counts{std::max(has.bodies, wanted.bodies), std::max(has.near, wanted.near)});
+}
+
 void GpuStrands::step(const StepInput& input) {
-  uploaded_.clear();
+  uploaded_ = std::vector<Vec3>();  // {} would keep its memory
   if (vertices_ == 0) return;
-  const UploadRing::Counts wanted = UploadRing::countsOf(input), has = uploads_->capacity();
-  if (wanted.bodies > has.bodies || wanted.near > has.near) {  // more than ever before
-    glFinish();
-    uploads_.emplace(
-        strands_, bones_,
-        UploadRing::Counts{std::max(has.bodies, 2 * wanted.bodies), std::max(has.near, 2 * wanted.near)});
-  }
+  expect(*input.parameters, !input.primitives.empty());
+  const UploadRing::Counts wanted = UploadRing::countsOf(input);
+  if (!uploads_->takes(wanted)) expectUploads({2 * wanted.bodies, 2 * wanted.near});
   takeShapes(input.shapes);
   uploads_->write(input);
   const bool goal = input.parameters->goal_rate > 0;
-  if (goal && grooming_.bytes() == 0)
-    grooming_ = gl::Buffer(std::span<const Vec4>(std::vector<Vec4>(vertices_, kNotGroomed)));
   const bool accelerated = std::exchange(accelerated_, false) || !input.accelerations.empty();
   if (!input.accelerations.empty()) guides_.write(input.accelerations);
   const bool rod = input.parameters->solver == SolverKind::kRod;
   const bool pressing = rod && !input.primitives.empty();
-  if (pressing) makeSights();
   bind();
   if (pressed_ && !pressing) glClearNamedBufferData(contacts_.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, nullptr);
   pressed_ = pressing;
   timer_.begin();
   if (rod)
-    rod_.step({.bodies = !input.primitives.empty(),
-               .turning = std::any_of(input.primitives.begin(), input.primitives.end(), turns),
-               .goal = goal,
-               .accelerated = accelerated,
-               .damping = input.parameters->damping_time > 0,
-               .same_bodies = seen_.holdsIn(input)},
-              input.parameters->substeps, programs_);
+    rod_->step({.bodies = !input.primitives.empty(),
+                .turning = std::any_of(input.primitives.begin(), input.primitives.end(), turns),
+                .goal = goal,
+                .accelerated = accelerated,
+                .damping = input.parameters->damping_time > 0,
+                .same_bodies = seen_.holdsIn(input)},
+               input.parameters->substeps, programs_);
   else
-    gauss_seidel_.step(groomed_ || goal, accelerated, programs_);
+    gauss_seidel_->step(groomed_ || goal, accelerated, programs_);
   timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   readback_.copyFrom(guides_);

@@ -15,13 +15,17 @@ namespace strandcast::gpu {
 /// current.
 class GpuStrands {
  public:
-  /// Throws Error when the model does not fit the device. `programs` outlives this.
+  /// Throws Error when the model does not fit the device. `model` and `programs` outlive this.
   GpuStrands(const StrandModel& model, ProgramCache& programs);
 
+  /// Makes what steps with such settings, and with bodies or without, need beyond the state. Throws Error
+  /// when it does not fit the device.
+  void expect(const Parameters& parameters, bool bodies);
   void upload(const StrandState& state);
   void download(StrandState& state) const;
-  /// The first step with a solver, and its first with bodies or a goal pull, compile; that may throw Error.
-  /// No other one does, nor allocates, unless there are more bodies than ever before or other shapes.
+  /// The first step with a solver, and its first with bodies or a goal pull, compile and expect() what was
+  /// not; that may throw Error. No other one does, nor allocates, unless there are more bodies than ever
+  /// before or other shapes.
   void step(const StepInput& input);
   /// Room for velocities(), before the first step that has some.
   void expectAccelerations();
@@ -46,32 +50,36 @@ class GpuStrands {
   void bind() const;
   void takeShapes(const ShapeData* shapes);
   void makeSights();
+  void expectUploads(const UploadRing::Counts& wanted);
+  void checkMemory(const char* what) const;  ///< after what was made since discardErrors()
 
   ProgramCache& programs_;
-  size_t vertices_, strands_, bones_;
-  std::vector<uint32_t> model_offsets_;
-  std::vector<float> rest_distance_;  ///< of the model
-  gl::Buffer positions_;              ///< xyz; w: tension of the edge that ends at the vertex
-  gl::Buffer velocities_;             ///< xyz; w: StrandModel::rest_distance
-  gl::Buffer frames_;                 ///< of the edge that starts at the vertex
-  gl::Buffer contacts_;               ///< StrandState::contacts; with bodies see shaders/contact_sights.glsl
-  bool pressed_ = false;              ///< some of them may not be 0
-  gl::Buffer rest_local_, offsets_;
+  const StrandModel& model_;
+  size_t vertices_, strands_;
+  gl::Buffer positions_;   ///< xyz; w: tension of the edge that ends at the vertex
+  gl::Buffer velocities_;  ///< xyz; w: StrandModel::rest_distance
+  gl::Buffer frames_;      ///< of the edge that starts at the vertex
+  gl::Buffer offsets_;
   gl::Buffer guides_;  ///< see shaders/step_input.glsl
   gl::Buffer shapes_;  ///< ShapeData::words of the newest step
   uint64_t shapes_revision_ = 0;
-  gl::Buffer grooming_;       ///< see shaders/grooming.glsl; empty until needed
   bool groomed_;              ///< strands have tethers or factors
   bool accelerated_ = false;  ///< guides_ has the next step's accelerations
-  GaussSeidelStrands gauss_seidel_;
-  RodStrands rod_;
+  // What not every step needs, empty until one is expected that does.
+  gl::Buffer contacts_;    ///< StrandState::contacts; with bodies see shaders/contact_sights.glsl
+  bool pressed_ = false;   ///< some of them may not be 0
+  gl::Buffer rest_local_;  ///< see bonePoint() in shaders/step_input.glsl
+  gl::Buffer grooming_;    ///< see shaders/grooming.glsl
+  std::optional<GaussSeidelStrands> gauss_seidel_;
+  std::optional<RodStrands> rod_;
+  std::array<bool, 8> expected_{};  ///< by solver, goal pull and bodies
   SeenBodies seen_;
   std::optional<UploadRing> uploads_;  ///< never empty
   Readback readback_;
   StepTimer timer_;
   std::vector<std::array<float, 4>> velocities_packed_;
   std::vector<Vec3> velocities_read_;
-  std::vector<Vec3> uploaded_;  ///< what guides() returns until the first step
+  std::vector<Vec3> uploaded_;  ///< what guides() returns until the first step, empty from then on
 };
 
 }  // namespace strandcast::gpu

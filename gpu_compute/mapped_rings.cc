@@ -98,25 +98,22 @@ void UploadRing::write(const StepInput& input) {
                     static_cast<GLsizeiptr>(std::max<size_t>(countsOf(input).near, 1) * sizeof(uint32_t)));
 }
 
-Readback::Readback(size_t vertices) : vertices_(vertices) {
-  for (size_t i = 0; i < 2; ++i) {
-    buffers_[i] = gl::Buffer(vertices * sizeof(Vec3), nullptr, kRead | GL_CLIENT_STORAGE_BIT);
-    memory_[i] = static_cast<const Vec3*>(map(buffers_[i], kRead));
-  }
-}
+Readback::Readback(size_t vertices)
+    : vertices_(vertices),
+      buffer_(vertices * sizeof(Vec3), nullptr, kRead | GL_CLIENT_STORAGE_BIT),
+      memory_(static_cast<const Vec3*>(map(buffer_, kRead))) {}
 
 void Readback::copyFrom(const gl::Buffer& guides) {
-  slot_ = 1 - slot_;
-  glCopyNamedBufferSubData(guides.id(), buffers_[slot_].id(), 0, 0,
+  glCopyNamedBufferSubData(guides.id(), buffer_.id(), 0, 0,
                            static_cast<GLsizeiptr>(vertices_ * sizeof(Vec3)));
-  fences_[slot_].set();
+  fence_.set();
   ready_ = false;
 }
 
 std::span<const Vec3> Readback::newest() {
-  if (!ready_) fences_[slot_].wait();
+  if (!ready_) fence_.wait();
   ready_ = true;
-  return {memory_[slot_], vertices_};
+  return {memory_, vertices_};
 }
 
 }  // namespace strandcast::gpu

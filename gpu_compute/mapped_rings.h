@@ -34,6 +34,9 @@ class UploadRing {
   UploadRing(size_t strands, size_t bones, const Counts& capacity);
 
   const Counts& capacity() const { return capacity_; }
+  bool takes(const Counts& counts) const {
+    return counts.bodies <= capacity_.bodies && counts.near <= capacity_.near;
+  }
   /// Takes the next slot, waiting while the GPU may still read it, copies `input` and binds the shader's
   /// blocks to the GPU's copy of it.
   void write(const StepInput& input);
@@ -50,12 +53,12 @@ class UploadRing {
   size_t slot_ = 0;
 };
 
-/// Positions on their way back: while one slot is read, the GPU fills the other.
+/// Positions on their way back.
 class Readback {
  public:
   explicit Readback(size_t vertices);
 
-  /// Gives the commands that copy `guides` (3 floats per vertex) into the older slot.
+  /// Gives the commands that copy `guides` (3 floats per vertex) here, over what newest() gave before.
   void copyFrom(const gl::Buffer& guides);
   /// Waits for the newest copy.
   std::span<const Vec3> newest();
@@ -64,10 +67,9 @@ class Readback {
 
  private:
   size_t vertices_;
-  std::array<gl::Buffer, 2> buffers_;
-  std::array<const Vec3*, 2> memory_{};
-  std::array<Fence, 2> fences_;
-  size_t slot_ = 0;
+  gl::Buffer buffer_;
+  const Vec3* memory_;
+  Fence fence_;
   bool ready_ = false;
 };
 

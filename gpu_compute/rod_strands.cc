@@ -60,7 +60,7 @@ uint32_t edgesOf(const StrandModel& model, uint32_t strand) {
 
 bool isPinned(const StrandModel& model, uint32_t strand) {
   for (uint32_t v = model.offsets[strand] + 1; v < model.offsets[strand + 1]; ++v)
-    if (model.inverse_mass[v] == 0) return true;
+    if (model.isPinned(strand, v)) return true;
   return false;
 }
 
@@ -70,8 +70,21 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
   const float mean = length / static_cast<float>(edges);
   float free_mass = 0;
   for (uint32_t v = first + 1; v <= first + edges; ++v)
-    if (model.inverse_mass[v] > 0) free_mass += model.mass[v];
+    if (!model.isPinned(strand, v)) free_mass += model.mass[v];
   return {mean, 1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass, length};
+}
+
+/// Of shaders/rod_strand.glsl.
+std::vector<Vec4> packEdges(const StrandModel& model) {
+  std::vector<Vec4> edges(model.vertices());
+  for (uint32_t s = 0; s < model.strands(); ++s) {
+    for (uint32_t v = model.offsets[s]; v + 1 < model.offsets[s + 1]; ++v) {
+      const bool pinned = model.isPinned(s, v + 1);
+      edges[v] = {restLength(model, v), model.twist[v], pinned ? kPinnedMass : model.mass[v + 1],
+                  pinned ? 0.0f : 1 / model.mass[v + 1]};
+    }
+  }
+  return edges;
 }
 
 bool isUniform(const StrandModel& model, uint32_t strand) {
@@ -125,24 +138,20 @@ bool canShuffle() {
 }  // namespace
 
 RodStrands::RodStrands(const StrandModel& model)
-    : groups_(keysOf(model)), vertices_(model.vertices()), shuffled_(canShuffle()) {
-  std::vector<Vec4> joints(model.vertices()), edges(model.vertices());
+    : model_(model), groups_(keysOf(model)), vertices_(model.vertices()), shuffled_(canShuffle()) {
+  std::vector<Vec4> joints(model.vertices());
   std::vector<StrandRest> strands(model.strands());
   for (uint32_t s = 0; s < model.strands(); ++s) {
     strands[s] = strandRest(model, s);
     for (uint32_t v = model.offsets[s]; v + 1 < model.offsets[s + 1]; ++v) {
       const Vec3& strain = model.rest_strain[v];
-      const bool pinned = model.inverse_mass[v + 1] == 0;
       joints[v] = {strain.x(), strain.y(), strain.z(), model.bend[v]};
-      edges[v] = {restLength(model, v), model.twist[v], pinned ? kPinnedMass : model.mass[v + 1],
-                  pinned ? 0.0f : 1 / model.mass[v + 1]};
     }
   }
   std::vector<uint32_t> work(looksList());
   std::copy(groups_.order().begin(), groups_.order().end(), work.begin());
   work_ = gl::Buffer(std::span<const uint32_t>(work));
   joints_ = gl::Buffer(std::span<const Vec4>(joints));
-  edges_ = gl::Buffer(std::span<const Vec4>(edges));
   strands_ = gl::Buffer(std::span<const StrandRest>(strands));
   for (const StrandGroup& group : groups_.groups()) {
     const std::span<const uint32_t> members = groups_.strandsOf(group);
@@ -152,6 +161,18 @@ RodStrands::RodStrands(const StrandModel& model)
                                   [&](uint32_t s) { return model.verticesOf(s) == vertices; });
     edges_of_.push_back(same ? static_cast<uint32_t>(vertices) - 1 : 0);
   }
+}
+
+bool RodStrands::anyGroup(uint32_t bits) const {
+  const std::span<const StrandGroup> groups = groups_.groups();
+  return std::any_of(groups.begin(), groups.end(), [=](const StrandGroup& g) { return (g.key & bits) != 0; });
+}
+
+bool RodStrands::holdsVertices() const { return anyGroup(kPinned | kGroomed); }
+
+void RodStrands::expect(bool goal, bool bodies) {
+  if (edges_.bytes() > 0 || !(goal || bodies || anyGroup(kGeneral | kGroomed))) return;
+  edges_ = gl::Buffer(std::span<const Vec4>(packEdges(model_)));
 }
 
 RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, bool violent,
@@ -184,7 +205,7 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   if (needs.bodies) expectLooks();
   work_.bindStorage(5);
   joints_.bindStorage(10);
-  edges_.bindStorage(11);
+  if (edges_.bytes() > 0) edges_.bindStorage(11);
   strands_.bindStorage(12);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
   glClearNamedBufferSubData(

@@ -10,7 +10,12 @@ namespace strandcast::gpu {
 /// What the rod needs of a model, and its dispatches: four edges per invocation (shaders/rod.comp).
 class RodStrands {
  public:
+  /// `model` outlives this.
   explicit RodStrands(const StrandModel& model);
+  /// Before the first step with a goal pull or bodies.
+  void expect(bool goal, bool bodies);
+  /// Whether a program may ask where vertices are in the rest shape, goal pull aside.
+  bool holdsVertices() const;
   /// What the programs of a step are chosen by.
   struct Needs {
     bool bodies;       ///< there are some
@@ -29,6 +34,8 @@ class RodStrands {
   struct Programs {
     GroupPrograms calm, violent;
   };
+  /// Whether the keys of some groups have one of these.
+  bool anyGroup(uint32_t bits) const;
   GroupPrograms compile(const Needs& needs, bool violent, ProgramCache& programs) const;
   /// The substeps from `first` until before `end`.
   void solve(const Programs& programs, const Needs& needs, int first, int end) const;
@@ -45,9 +52,11 @@ class RodStrands {
   /// Tells the program what to do and where in work_ it lists the group's strands.
   void placeWork(const gl::Program& program, const Needs& needs, size_t group, int first, int end) const;
 
+  const StrandModel& model_;
   StrandGroups groups_;             ///< key: see rod_strands.cc
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
-  gl::Buffer work_, joints_, edges_, strands_;
+  gl::Buffer work_, joints_, strands_;
+  gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
   const size_t vertices_;
   const bool shuffled_;
   std::array<Programs, 32> programs_;  ///< by needs; empty until first needed

@@ -49,10 +49,10 @@ class SimdBackend final : public Backend {
     scratch_stride_ = (needed + 15) / 16 * 16;
     scratch_.assign(scratch_stride_ * threads_, 0.0f);
     guides_.resize(model.vertices());
-    velocities_.resize(model.vertices());
     arena_.initialize();
     upload(state);
   }
+  void expect(const Parameters& parameters, bool bodies) override { store_.expect(parameters, bodies); }
   void upload(const StrandState& state) override {
     store_.upload(state);
     for (size_t b = 0; b < store_.blocks(); ++b) store_.readPositions(b, guides_);
@@ -60,14 +60,19 @@ class SimdBackend final : public Backend {
   void download(StrandState& state) override { store_.download(state); }
 
   void step(const StepInput& input) override {
+    expect(*input.parameters, !input.primitives.empty());
     forBlocks([&](size_t begin, size_t end, int thread) {
       stepBlocks(begin, end, input, scratch_.data() + thread * scratch_stride_);
     });
   }
   std::span<const Vec3> guides() override { return guides_; }
   bool takesAccelerations() const override { return true; }
-  void expectAccelerations() override { store_.expectAccelerations(); }
+  void expectAccelerations() override {
+    store_.expectAccelerations();
+    velocities_.resize(guides_.size());
+  }
   std::span<const Vec3> velocities() override {
+    velocities_.resize(guides_.size());
     forBlocks([&](size_t begin, size_t end, int) {
       for (size_t b = begin; b < end; ++b) store_.readVelocities(b, velocities_);
     });
@@ -100,7 +105,7 @@ class SimdBackend final : public Backend {
   BlockStore<float> store_;
   size_t scratch_stride_ = 0;                              ///< floats per thread
   std::vector<float, CacheLineAllocator<float>> scratch_;  ///< threads x scratch_stride_
-  std::vector<Vec3> guides_, velocities_;
+  std::vector<Vec3> guides_, velocities_;  ///< velocities: empty until accelerations are expected
 };
 
 }  // namespace

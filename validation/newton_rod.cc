@@ -32,10 +32,10 @@ Quaterniond rotationOf(const Vector3d& turn) {
 
 NewtonRod::NewtonRod(const StrandModel& model, size_t strand, const Parameters& parameters,
                      const Pose& root) {
-  const size_t first = model.offsets[strand], n = model.verticesOf(strand);
+  const uint32_t first = model.offsets[strand], n = static_cast<uint32_t>(model.verticesOf(strand));
   const Quaterniond rotation = root.rotation.cast<double>().normalized();
-  for (size_t i = 0; i < n; ++i) {
-    if (i > 0 && model.inverse_mass[first + i] == 0)
+  for (uint32_t i = 0; i < n; ++i) {
+    if (i > 0 && model.isPinned(strand, first + i))
       throw Error(fmt::format("vertex {} is pinned, this solver holds only the root", i),
                   fmt::format("strand {}", strand), "take a strand without pinned vertices");
     mass_.push_back(model.mass[first + i]);

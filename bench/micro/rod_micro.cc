@@ -30,6 +30,7 @@ void stepOfBlock(benchmark::State& state, const simd::SimdTarget& target, Solver
   Parameters parameters = scene.parameters;
   parameters.solver = solver;
   const StepInput input{&parameters, model.rest_roots, model.rest_roots, {}};
+  store.expect(parameters, false);
   for (auto _ : state) {
     store.setInput(0, input);
     target.kernel.step_block(store.block(0), input, scratch.data());

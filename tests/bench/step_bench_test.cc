@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/table.h"
+#include "gpu_compute/gpu_backend.h"
 #include "simd/simd_backend.h"
 #include "tests/bench/bench_program.h"
 
@@ -61,6 +62,19 @@ TEST(StepBench, AForcedInstructionSetIsTheOneThatRuns) {
   }
   EXPECT_EQ(runBench("step --backend simd --target MMX 2>/dev/null").status, 2);
   EXPECT_EQ(runBench("step --backend reference --target AVX2 2>/dev/null").status, 2);
+}
+
+// All that a simulation takes, on the heap and in buffers of the GPU; of the goal of docs/performance.md.
+TEST(StepBench, AVertexTakesNoMoreMemoryThanItNeeds) {
+  const std::string options = " --strands 10000 --scene curly --substeps 1 --steps 1";
+  auto bytes = [&](const std::string& backend) {
+    const nlohmann::json report = benchJson("step --backend " + backend + options);
+    return report.is_object() ? report["results"][0]["bytes_per_vertex"].get<double>() : 1e9;
+  };
+  EXPECT_LE(bytes("simd --threads 1"), 155) << "each thread has room of its own";
+  EXPECT_LE(bytes("reference"), 156);
+  if (!gpuBackendInfo().available) return;
+  EXPECT_LE(bytes("gpu"), 160) << "some of it is the driver's";
 }
 
 TEST(GridBench, SaysWhatItsStepsComputed) {

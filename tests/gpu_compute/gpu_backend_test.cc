@@ -94,16 +94,6 @@ TEST_F(GpuBackend, GuidesAreThoseOfTheNewestStepOfMany) {
   EXPECT_TRUE(std::equal(guides.begin(), guides.end(), state.positions.begin()));
 }
 
-TEST_F(GpuBackend, TheGuidesReadBeforeAStepAreStillThereDuringIt) {
-  step();
-  const std::span<const Vec3> guides = backend_->guides();
-  const std::vector<Vec3> copy(guides.begin(), guides.end());
-  step();
-  EXPECT_TRUE(std::equal(guides.begin(), guides.end(), copy.begin()));
-  const std::span<const Vec3> newer = backend_->guides();
-  EXPECT_FALSE(std::equal(newer.begin(), newer.end(), copy.begin())) << "the hair falls";
-}
-
 // Listed for their neighbourhoods: llvmpipe ends every loop of an invocation after 65,535 rounds of all of
 // them together, and looking at 1000 bodies for every vertex takes more.
 TEST_F(GpuBackend, TakesMoreBodiesThanBefore) {

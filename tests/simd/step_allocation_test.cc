@@ -53,6 +53,31 @@ TEST(StepAllocation, ManyBodiesThatMoveAllocateNothing) {
   EXPECT_EQ(allocations() - before, 0u);
 }
 
+TEST(StepAllocation, WhatChangesWhileItRunsAllocatesBeforeTheStep) {
+  std::vector<std::unique_ptr<Backend>> backends;
+  backends.push_back(makeReferenceBackend());
+  backends.push_back(makeSimdBackend(1));
+  for (std::unique_ptr<Backend>& backend : backends) {
+    Parameters changed;
+    changed.solver = SolverKind::kRod;
+    Simulation simulation(awkwardModel(65, 91), {}, changed, std::move(backend));
+    simulation.step();
+    const auto allocated = [&] {
+      const size_t before = allocations();
+      simulation.step();
+      return allocations() - before;
+    };
+    simulation.addBody({{{PrimitiveKind::kSphere, Vec3::Zero(), Vec3::UnitY(), 0.05f, 0.3f}}});
+    EXPECT_EQ(allocated(), 0u) << "a body";
+    changed.goal_rate = 5;
+    simulation.setParameters(changed);
+    EXPECT_EQ(allocated(), 0u) << "a goal";
+    changed.solver = SolverKind::kGaussSeidel;
+    simulation.setParameters(changed);
+    EXPECT_EQ(allocated(), 0u) << "another solver";
+  }
+}
+
 TEST(StepAllocation, TheCounterCounts) {
   const size_t before = allocations();
   auto number = std::make_unique<int>(3);

@@ -129,7 +129,8 @@ TEST(NewtonRod, RefusesWhatItDoesNotHave) {
   damped.damping_time = 0.001f;
   EXPECT_THROW(NewtonRod(model, 0, damped, model.rest_roots[0]), Error);
   StrandModel pinned = model;
-  pinned.inverse_mass[4] = 0;
+  pinned.pinned.resize(pinned.vertices(), 0);
+  pinned.pinned[4] = 1;
   EXPECT_THROW(NewtonRod(pinned, 0, rodParameters(360, 1), model.rest_roots[0]), Error);
 }
 
