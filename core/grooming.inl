@@ -34,10 +34,12 @@ class Grooming {
   real rate(int i) const { return load(row(kRate, i)); }      // 1/s, of the goal pull, 0 where pinned
   real mass(int i) const { return load(row(kMassWith, i)); }  // with the goal's stiffness
   real weight(int i) const { return load(row(kWeightWith, i)); }
-  // Right-hand side for vertex i of the rod at x; `way`: where it would go if it were like all others and not pulled.
-  real3 pull(int i, const real3& way, const RootFrame& root, const real3& x) const {
+  // Right-hand side for vertex i of the rod, shifted so in this substep; `way`: where it would go if it were like all others and
+  // not pulled.
+  real3 pull(int i, const real3& way, const RootFrame& root, const real3& shift) const {
+    const real3 lack = (restPoint(block_, root, i) - load3(block_.position, i)) - shift;
     const real3 own = madd(wind_, (keep_ - keep(i)) * substep_, way);
-    const real3 pulled = goalPull(own, mass(i), load(row(kStiffnessAdded, i)), restPoint(block_, root, i), x);
+    const real3 pulled = goalPull(own, mass(i), load(row(kStiffnessAdded, i)), lack);
     return select(weight(i) > lit(0), pulled, makeReal3(lit(0), lit(0), lit(0)));
   }
 

@@ -3,9 +3,11 @@
 // lengths and tensions (tridiagonal), lengths again. Each solve eliminates in one direction and substitutes in the other, so
 // that they merge into eight sweeps. Violent motion takes more: its tensions act through the bending matrix.
 
-// Scratch, [row][plane][lane], `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i.
+// Scratch, [row][plane][lane], `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i. Vertices are told by their shifts
+// since the substep began, in small numbers: what is lost where positions are rounded would be taken for motion, and strands at
+// rest would walk at random on it.
 enum RodScratch : int {
-  kNewPosition = 0,   // 3
+  kShift = 0,         // 3
   kTangent = 3,       // 3, later of the lengths
   kStrain = 6,        // 3, of a joint, later the right-hand sides of bending
   kNormal = 9,        // 3, of the contact at a vertex
@@ -115,16 +117,16 @@ class RodStep {
   void eliminateBending();
   void moveByForces();
   void moveByPulls();
-  template <class Move>
-  void moveAndEliminateLengths(Move move);
+  template <class Shift>
+  void moveAndEliminateLengths(Shift shift);
   real substituteLengths();
   void pullThroughBending(const mask& violent);
   class BentMoves;
   class Pulls;
   void finish();
-  real3 collide(int i, const real3& x, const real3& moved);
-  real3 pressed(int i, const real3& x, const real3& moved);
-  real3 keptOut(int i, const real3& placed, const real3& inner);
+  real3 collide(int i, const real3& shift, const real3& moved);
+  real3 pressed(int i, const real3& shift, const real3& x, const real3& moved);
+  real3 keptOut(int i, const real3& shift, const real3& inner);
   real3 turnedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes);
   real3 normalAt(int i) const { return near_.size() > 0 ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
 
@@ -159,24 +161,24 @@ inline void RodStep::predict(const RootFrame& root, double time) {
   inner_frame_ = multiply(rotationBetween(tangent_new, tangent_old_), root.rotation);
   jump_ = root.position - madd(state3(b.velocity, 0), lit(h), x0);
 
-  set3(kNewPosition, 0, root.position);
-  real3 before = x0;
+  real3 before = x0, shift_in = root.position - x0;
+  set3(kShift, 0, shift_in);
   real3 unit_before = tangent_old_;
   for (int e = 0; e < ne; ++e) {
     const real3 x = state3(b.position, e + 1), v = state3(b.velocity, e + 1);
-    const real3 ahead = madd(v, lit(h * keep_), x) + jump_;  // from there it looks at bodies
-    real3 moved = grooming_.on() ? madd(v, grooming_.keep(e + 1) * lit(h), x) + jump_ : ahead;
+    const real3 ahead = madd(v, lit(h * keep_), jump_);
+    real3 shift = grooming_.on() ? madd(v, grooming_.keep(e + 1) * lit(h), jump_) : ahead;
     if (b.pinned) {
-      moved = select(weight(e + 1) > lit(0), moved, heldPoint(b, root, e + 1, time));
+      shift = select(weight(e + 1) > lit(0), shift, heldPoint(b, root, e + 1, time) - x);
     }
-    set3(kNewPosition, e + 1, moved);
+    set3(kShift, e + 1, shift);
     if (near_.size() > 0) {
-      near_.lookAhead(e + 1, ahead, x);
+      near_.lookAhead(e + 1, x + ahead, x);
       set3(kNormal, e + 1, makeReal3(lit(0), lit(0), lit(0)));
       store3(state3(b.contact, e + 1) * lit(h * h), b.contact, e + 1);
     }
-    const real3 edge = moved - get3(kNewPosition, e), old = x - before;
-    const real3 advance = edge - old;
+    const real3 old = x - before, advance = shift - shift_in;
+    const real3 edge = old + advance;
     const real il = inverseLength(e);
     const real3 unit = old * il;
     const real kept = min(keptTension(state(b.tension, 0, e) * lit(h * h), advance * il, bend(e), il, lit(h * h)),
@@ -190,6 +192,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     if (damped_) set3(kDirection, e, madd(advance, (lit(0) - ahead_) * il, t));
     setState4(b.frame, e, transportTo(state4(b.frame, e), t));
     before = x;
+    shift_in = shift;
     unit_before = unit;
   }
 }
@@ -262,7 +265,7 @@ inline void RodStep::eliminateBending() {
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
     const real3 way = b.acceleration != nullptr ? madd(accelerationOf(b, e + 1), lit(h * h), pull) : pull;
-    real3 total = grooming_.on() ? grooming_.pull(e + 1, way, root_, get3(kNewPosition, e + 1)) + (force - force_out)
+    real3 total = grooming_.on() ? grooming_.pull(e + 1, way, root_, get3(kShift, e + 1)) + (force - force_out)
                                  : madd(way, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
     if (near_.size() > 0) total = total + state3(b.contact, e + 1);
 
@@ -301,21 +304,22 @@ inline void RodStep::eliminateBending() {
   }
 }
 
-// Contact of vertex i at x, where forces have moved it by `moved`.
-inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
+// Contact of vertex i, shifted so, of which forces have just moved it by `moved`. Gives its shift.
+inline real3 RodStep::collide(int i, const real3& shift, const real3& moved) {
+  const real3 x = state3(b.position, i) + shift;
   near_.lookOn(i, x, state3(b.position, i));
-  if (near_.sees(i)) return pressed(i, x, moved);
+  if (near_.sees(i)) return pressed(i, shift, x, moved);
   const real3 before = state3(b.contact, i);
-  return anyTrue(dot(before, before) > lit(0)) ? pressed(i, x, moved) : x;
+  return anyTrue(dot(before, before) > lit(0)) ? pressed(i, shift, x, moved) : shift;
 }
 
 // The same of a vertex that may touch something; the normal is kept for the length solve, which must not push it back in. By
 // itself, as keptOut(), so that sweeps of hair that is near no body stay small.
-[[gnu::noinline]] inline real3 RodStep::pressed(int i, const real3& x, const real3& moved) {
+[[gnu::noinline]] inline real3 RodStep::pressed(int i, const real3& shift, const real3& x, const real3& moved) {
   const real3 before = state3(b.contact, i);
   const Touch touch = near_.touch(i, x);
   const mask touches = (touch.gap < lit(0) || dot(before, before) > lit(0)) && weight(i) > lit(0);
-  if (!anyTrue(touches)) return x;
+  if (!anyTrue(touches)) return shift;
   real3 force = before;
   const real3 out = resolveContact(x, touch.carried, moved, touch.normal, touch.gap, touch.friction,
                                    select(touches, weight(i), lit(1)), force);
@@ -323,20 +327,25 @@ inline real3 RodStep::collide(int i, const real3& x, const real3& moved) {
   store3(select(touches, force, before), b.contact, i);
   set3(kNormal, i, select(presses, touch.normal, get3(kNormal, i)));
   set(kSoftness, i, select(presses, lit(0), get(kSoftness, i)));
-  return select(touches, out, x);
+  return select(touches, out - state3(b.position, i), shift);
 }
 
-// Vertex i once more, where making lengths exact has placed it, from `inner` on: held to the side of the bodies it was on.
-inline real3 RodStep::keptOut(int i, const real3& placed, const real3& inner) {
-  const real3 before = state3(b.position, i), off = placed - get3(kNewPosition, i);
+// Vertex i once more, shifted by making lengths exact, its edge from `inner` on: held to the side of the bodies it was on.
+// Gives its shift.
+inline real3 RodStep::keptOut(int i, const real3& shift, const real3& inner) {
+  const real3 before = state3(b.position, i), placed = before + shift, off = shift - get3(kShift, i);
   const mask moved = dot(off, off) > contactSlack() * contactSlack() && weight(i) > lit(0);
-  real3 x = placed;
+  real3 x = placed, out = shift;
   if (anyTrue(moved)) {
     const mask looks = near_.lookBack(i, placed, before, moved);
-    if (anyTrue(looks)) x = turnedOutOfBodies(i, placed, inner, looks);
+    if (anyTrue(looks)) {
+      x = turnedOutOfBodies(i, placed, inner, looks);
+      const real3 turned = x - placed;
+      out = select(dot(turned, turned) > lit(0), x - before, shift);
+    }
   }
   near_.goOn(i, near_.wayAlong(x, before));
-  return x;
+  return out;
 }
 // The same of lanes that have looked again.
 [[gnu::noinline]] inline real3 RodStep::turnedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes) {
@@ -359,15 +368,15 @@ class RodStep::Pulls {
   explicit Pulls(const RodStep& step) : s_(step), pull_(step.get(kRight, 0)), t_(step.get3(kTangent, 0)) {}
   // The tension of edge e with its pull.
   real tension(int e) const { return s_.state(s_.b.tension, 0, e) + pull_; }
-  // Where the pulls on both its sides move the outer vertex of edge e.
-  real3 moved(int e) {
+  // The shift that the pulls on both its sides leave the outer vertex of edge e with.
+  real3 shifted(int e) {
     const real pull_in = pull_;
     const real3 t_in = t_;
     const bool last = e + 1 == s_.ne;
     pull_ = last ? lit(0) : s_.get(kRight, e + 1);
     t_ = last ? makeReal3(lit(0), lit(0), lit(0)) : s_.get3(kTangent, e + 1);
     const real3 push = pushOfPulls(t_in, pull_in, t_, pull_, s_.normalAt(e + 1), s_.get(kSoftness, e + 1));
-    return madd(push, s_.weight(e + 1), s_.get3(kNewPosition, e + 1));
+    return madd(push, s_.weight(e + 1), s_.get3(kShift, e + 1));
   }
 
  private:
@@ -376,11 +385,12 @@ class RodStep::Pulls {
   real3 t_;
 };
 
-// From root to tip: every vertex moved to move(e, by_forces), edge e before it, contact, and the elimination of the length
-// system. by_forces: how far the forces of the bending system have moved it just now, else left as it is, 0.
-template <class Move>
-void RodStep::moveAndEliminateLengths(Move move) {
-  real3 x_in = root_.position, t_in = makeReal3(lit(0), lit(0), lit(0)), normal_in = t_in;
+// From root to tip: every vertex shifted by shift(e, by_forces) in all, edge e before it, contact, and the elimination of the
+// length system. by_forces: how far the forces of the bending system have moved it just now, else left as it is, 0.
+template <class Shift>
+void RodStep::moveAndEliminateLengths(Shift shift) {
+  real3 old_in = state3(b.position, 0), shift_in = get3(kShift, 0);
+  real3 t_in = makeReal3(lit(0), lit(0), lit(0)), normal_in = t_in;
   real w_in = lit(0), w_in2 = lit(0);
   real own = lit(0), excess = lit(0), lower = lit(0), right = lit(0), factor = lit(0);
   // Row e with `own_out`, what its outer vertex has on its diagonal; gives its inverse pivot.
@@ -394,10 +404,10 @@ void RodStep::moveAndEliminateLengths(Move move) {
   for (int e = 0; e < ne; ++e) {
     const real3 t_before = get3(kTangent, e);
     real3 by_forces = makeReal3(lit(0), lit(0), lit(0));
-    const real3 reached = move(e, by_forces);
-    const real3 x = near_.size() > 0 ? collide(e + 1, reached, by_forces) : reached;
-    set3(kNewPosition, e + 1, x);
-    const real3 edge = x - x_in;
+    const real3 reached = shift(e, by_forces);
+    const real3 shifted = near_.size() > 0 ? collide(e + 1, reached, by_forces) : reached;
+    set3(kShift, e + 1, shifted);
+    const real3 old = state3(b.position, e + 1), edge = (old - old_in) + (shifted - shift_in);
     const real3 t = directionOr(edge, t_before);
     set3(kTangent, e, t);
     if (e > 0) {
@@ -411,7 +421,8 @@ void RodStep::moveAndEliminateLengths(Move move) {
     w_in2 = w_in;
     w_in = weight(e + 1);
     excess = lengthExcess(edge, t, lengthOf(e), w_in2, w_in);
-    x_in = x;
+    old_in = old;
+    shift_in = shifted;
     t_in = t;
     normal_in = normalAt(e + 1);
   }
@@ -443,8 +454,8 @@ inline void RodStep::moveByForces() {
   BentMoves moves(*this);
   moveAndEliminateLengths([&](int e, real3& by_forces) {
     by_forces = moves.next(e);
-    const real3 d = by_forces, x = get3(kNewPosition, e + 1);
-    return b.pinned ? select(weight(e + 1) > lit(0), x + d, x) : x + d;
+    const real3 d = by_forces, shift = get3(kShift, e + 1);
+    return b.pinned ? select(weight(e + 1) > lit(0), shift + d, shift) : shift + d;
   });
 }
 
@@ -464,19 +475,21 @@ inline real RodStep::substituteLengths() {
 inline void RodStep::pullThroughBending(const mask& violent) {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real product = lit(0);  // residual x correction
-  real3 x_in = root_.position;
+  real3 old_in = state3(b.position, 0), shift_in = get3(kShift, 0);
   real w_in = lit(0);
   for (int e = 0; e < ne; ++e) {
-    const real3 x = get3(kNewPosition, e + 1);
+    const real3 old = state3(b.position, e + 1), shift = get3(kShift, e + 1);
     const real w = weight(e + 1), correction = get(kRight, e);
-    const real excess = lengthExcess(x - x_in, get3(kTangent, e), lengthOf(e), w_in, w);
+    const real3 edge = (old - old_in) + (shift - shift_in);
+    const real excess = lengthExcess(edge, get3(kTangent, e), lengthOf(e), w_in, w);
     set(kResidual, e, excess);
     set(kConjugate, e, lit(0));
     set(kCorrection, e, correction);
     set(kRight, e, select(violent, lit(0), correction));
     set(kSoftness, e + 1, select(violent, lit(0), get(kSoftness, e + 1)));
     product = madd(excess, correction, product);
-    x_in = x;
+    old_in = old;
+    shift_in = shift;
     w_in = w;
   }
   real kept = lit(0);  // of the last direction
@@ -511,9 +524,9 @@ inline void RodStep::pullThroughBending(const mask& violent) {
     moved_in = zero;
     real y = lit(0);
     for (int e = 0; e < ne; ++e) {
-      const real3 moved = get3(kStrain, e), x = get3(kNewPosition, e + 1);
+      const real3 moved = get3(kStrain, e), shift = get3(kShift, e + 1);
       const real tension = state(b.tension, 0, e);
-      set3(kNewPosition, e + 1, select(violent, madd(moved, step, x), x));
+      set3(kShift, e + 1, select(violent, madd(moved, step, shift), shift));
       store(select(violent, madd(get(kConjugate, e), step, tension), tension), b.tension + at(0, e));
       const real residual = get(kResidual, e) - step * dot(get3(kTangent, e), moved_in - moved);
       set(kResidual, e, residual);
@@ -539,31 +552,31 @@ inline void RodStep::moveByPulls() {
   Pulls pulls(*this);
   moveAndEliminateLengths([&](int e, real3&) {
     store(pulls.tension(e), b.tension + at(0, e));
-    return pulls.moved(e);
+    return pulls.shifted(e);
   });
 }
 
 // What the second pulls move, exact lengths, velocities.
 inline void RodStep::finish() {
   const real inverse_h = lit(1 / h);
-  const real3 x0 = state3(b.position, 0);
-  store3((root_.position - x0) * inverse_h, b.velocity, 0);
-  store3(root_.position, b.position, 0);
+  real3 old_in = state3(b.position, 0), pulled_in = get3(kShift, 0), shift = pulled_in, inner = root_.position;
+  store3(shift * inverse_h, b.velocity, 0);
+  store3(inner, b.position, 0);
   Pulls pulls(*this);
-  real3 before = root_.position, placed = root_.position;
   for (int e = 0; e < ne; ++e) {
     store(pulls.tension(e) * lit(1 / (h * h)), b.tension + at(0, e));
-    const real3 t = get3(kTangent, e), x = pulls.moved(e);
-    const mask free = weight(e + 1) > lit(0);
-    const real3 inner = placed;
-    placed = select(free, madd(directionOr(x - before, t), lengthOf(e), placed), x);
+    const real3 old = state3(b.position, e + 1), pulled = pulls.shifted(e), advance = pulled - pulled_in;
+    const real3 exact = advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
+    shift = select(weight(e + 1) > lit(0), shift + exact, pulled);
     if (near_.size() > 0) {
-      placed = keptOut(e + 1, placed, inner);
+      shift = keptOut(e + 1, shift, inner);
       store3(state3(b.contact, e + 1) * lit(1 / (h * h)), b.contact, e + 1);
     }
-    store3((placed - state3(b.position, e + 1)) * inverse_h, b.velocity, e + 1);
-    store3(placed, b.position, e + 1);
-    before = x;
+    inner = old + shift;
+    store3(shift * inverse_h, b.velocity, e + 1);
+    store3(inner, b.position, e + 1);
+    old_in = old;
+    pulled_in = pulled;
   }
 }
 

@@ -7,10 +7,10 @@ FN real goalStiffness(IN(real) mass, IN(real) rate, IN(real) substep) {
   real turn = rate * substep;
   return mass * turn * turn;
 }
-// Right-hand side (m x mass) of a vertex at `x` that would go on to x + way without the pull. `mass` has the stiffness
-// added.
-FN real3 goalPull(IN(real3) way, IN(real) mass, IN(real) stiffness, IN(real3) goal, IN(real3) x) {
-  return madd(goal - x - way, stiffness, way * mass);
+// Right-hand side (m x mass) of a vertex that is `lack` from its goal and would go on by `way` without the pull. `mass` has the
+// stiffness added.
+FN real3 goalPull(IN(real3) way, IN(real) mass, IN(real) stiffness, IN(real3) lack) {
+  return madd(lack - way, stiffness, way * mass);
 }
 // The same pull on a vertex that nothing else holds: where it ends up instead of at x.
 FN real3 drawnToGoal(IN(real3) x, IN(real3) goal, IN(real) rate, IN(real) substep) {

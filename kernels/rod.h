@@ -148,6 +148,12 @@ FN real lengthPivot(IN(real) weight_in, IN(real) weight) { return max((weight_in
 FN real lengthExcess(IN(real3) edge, IN(real3) t, IN(real) rest_length, IN(real) weight_in, IN(real) weight) {
   return select(weight_in + weight > lit(0), dot(edge, t) - rest_length, lit(0));
 }
+// What an edge lacks to its rest length, along itself, or along `otherwise` where it has no direction. As a small change: an edge
+// made anew from direction and length would come out elsewhere by the rounding of both.
+FN real3 missingLength(IN(real3) edge, IN(real3) otherwise, IN(real) rest_length) {
+  real3 t = directionOr(edge, otherwise);
+  return t * (rest_length - dot(edge, t));
+}
 // The length system of violent motion has the dense metric after all: J A^-1 J'. So many conjugate gradient iterations
 // (Shewchuk 1994, algorithm B3), preconditioned with the tridiagonal system, solve it well enough; after one, some stiff strands
 // never calm down. This is a quotient of theirs, 0 where there is nothing left to do. It is bounded: longer steps, on strands far

@@ -36,8 +36,9 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/pentadiagonal.glsl"
 
 // Of the present substep; entry p is of slot p, entries from PER_THREAD on are of the next invocation.
-vec3 x_new[PER_THREAD];             // m
-vec3 x_new_in;                      // of the vertex before slot 0
+// How far vertices have come since the substep began, m: in small numbers, see RodScratch in core/rod_sweep.inl.
+vec3 shift[PER_THREAD];
+vec3 shift_in;                      // of the vertex before slot 0
 vec3 tangent[PER_THREAD], tangent_in, tangent_out;
 vec3 direction_in;                  // in which the forces of the edge before slot 0 act
 vec3 moment[PER_THREAD + 1];        // m^2/s^2
@@ -70,24 +71,25 @@ vec3 heldPoint(uint vertex, RootMotion root) {
 }
 #endif
 
-// Where a vertex would go by itself; pinned ones ride on the root frame.
-vec3 inertialPoint(vec3 position, vec3 velocity, float keep, float weight, uint vertex, RootMotion root) {
-  vec3 moved = madd(velocity, settings.substep * keep, position) + root.jump;
+// How far a vertex would go by itself, to its inertial point; pinned ones ride on the root frame.
+vec3 inertialShift(vec3 position, vec3 velocity, float keep, float weight, uint vertex, RootMotion root) {
+  vec3 way = madd(velocity, settings.substep * keep, root.jump);
 #if PINNED
-  if (weight == 0.0) moved = heldPoint(vertex, root);
+  if (weight == 0.0) way = heldPoint(vertex, root) - position;
 #endif
-  return moved;
+  return way;
 }
 
 vec3 oldEdge(int p) { return x[p] - (p > 0 ? x[max(p - 1, 0)] : x_in); }
-vec3 newEdge(int p) { return x_new[p] - (p > 0 ? x_new[max(p - 1, 0)] : x_new_in); }
+vec3 edgeShift(int p) { return shift[p] - (p > 0 ? shift[max(p - 1, 0)] : shift_in); }
+vec3 newEdge(int p) { return oldEdge(p) + edgeShift(p); }
 
-// In which the forces of the edge of slot p act, while x_new are the inertial points. With internal damping, frames and
+// In which the forces of the edge of slot p act, while vertices are shifted to the inertial points. With internal damping, frames and
 // tangents are ahead of the motion by the damping time.
 vec3 forceDirection(int p) {
 #if DAMPED
   float ahead = DAMPING_TIME * settings.per_substep;
-  return madd(newEdge(p) - oldEdge(p), -ahead * inverseLength(p), tangent[p]);
+  return madd(edgeShift(p), -ahead * inverseLength(p), tangent[p]);
 #else
   return tangent[p];
 #endif
@@ -98,7 +100,7 @@ vec3 forceDirection(int p) {
 float predictEdge(int p, vec3 unit_in) {
   const float dt2 = settings.substep * settings.substep;
   float il = inverseLength(p);
-  vec3 edge = newEdge(p), old = oldEdge(p), advance = edge - old;
+  vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
   tension[p] = min(keptTension(tension[p], advance * il, bend(p), il, dt2), most_tension);
   float blend = timeBlend(advance * il, old * il - unit_in, bend(p) * il * il * dt2 * weight(p));
 #if DAMPED
@@ -114,10 +116,10 @@ float predictEdge(int p, vec3 unit_in) {
 // Inertial points and what follows from them for each edge. Returns the frame before slot 0.
 vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
   uint vertex = root_vertex + uint(min(rank * PER_THREAD, edges));
-  x_new_in = rank > 0 ? inertialPoint(x_in, v_in, KEEP_IN, weight_in, vertex, root) : root.position;
+  shift_in = rank > 0 ? inertialShift(x_in, v_in, KEEP_IN, weight_in, vertex, root) : root.position - x_in;
   for (int p = 0; p < PER_THREAD; ++p) {
     vertex = root_vertex + uint(min(rank * PER_THREAD + p + 1, edges));
-    x_new[p] = inertialPoint(x[p], v[p], KEEP(p), weight(p), vertex, root);
+    shift[p] = inertialShift(x[p], v[p], KEEP(p), weight(p), vertex, root);
   }
   for (int p = 1; p < PER_THREAD; ++p) blend[p] = predictEdge(p, oldEdge(p - 1) * inverseLength(p - 1));
   vec3 direction = forceDirection(kLast);
@@ -233,7 +235,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
 #endif
 }
 
-// What the edge of slot p pushes its outer vertex with (x dt^2, m), while x_new are the inertial points.
+// What the edge of slot p pushes its outer vertex with (x dt^2, m), while vertices are at the inertial points.
 vec3 edgeForce(int p, RootMotion root) {
   const float dt2 = settings.substep * settings.substep;
   float il = inverseLength(p);
@@ -277,7 +279,7 @@ void makeBending(RootMotion root) {
     vec3 way = madd(settings.wind.xyz, settings.substep * (settings.keep - keeps[p]), pulled);
     vec3 goal = heldPoint(root_vertex + uint(min(rank * PER_THREAD + p + 1, edges)), root);
     vec3 total = force[p] - outer;
-    if (weight(p) > 0.0) total += goalPull(way, mass(p), goal_stiffness[p], goal, x_new[p]);
+    if (weight(p) > 0.0) total += goalPull(way, mass(p), goal_stiffness[p], (goal - x[p]) - shift[p]);
 #else
     vec3 total = madd(pulled, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - outer);
 #endif
@@ -315,7 +317,7 @@ void moveByForces(out vec3 moved[PER_THREAD]) {
 #if PINNED
     if (weight(p) == 0.0) continue;
 #endif
-    x_new[p] += moved[p];
+    shift[p] += moved[p];
   }
 }
 
@@ -326,7 +328,7 @@ void moveByForces(out vec3 moved[PER_THREAD]) {
 // The rows of the length system.
 void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD], out float pivot[PER_THREAD],
                 out float excess[PER_THREAD]) {
-  vec3 inner = x_new_in, t_in = tangent_in, n_in = NORMAL_IN;
+  vec3 t_in = tangent_in, n_in = NORMAL_IN;
   float w_in = hasBefore(1) ? weight_in : 0.0, soft_in = softness_in, c_in = dot(t_in, tangent[0]);
   for (int p = 0; p < PER_THREAD; ++p) {
     float c = dot(tangent[p], p < kLast ? tangent[min(p + 1, kLast)] : tangent_out);
@@ -335,8 +337,7 @@ void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD],
     own_diagonal[p] = isEdge(p) ? own : 1.0;
     lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in, soft_in, c_in) : 0.0;
     pivot[p] = lengthPivot(w_in, weight(p));
-    excess[p] = isEdge(p) ? lengthExcess(x_new[p] - inner, tangent[p], restLength(p), w_in, weight(p)) : 0.0;
-    inner = x_new[p];
+    excess[p] = isEdge(p) ? lengthExcess(newEdge(p), tangent[p], restLength(p), w_in, weight(p)) : 0.0;
     t_in = tangent[p];
     n_in = NORMAL(p);
     w_in = weight(p);
@@ -347,33 +348,34 @@ void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD],
 
 // The pulls of one Newton step towards the rest lengths.
 void solveLengths(RootMotion root) {
-  for (int p = 1; p < PER_THREAD; ++p) tangent[p] = directionOr(x_new[p] - x_new[p - 1], tangent[p]);
-  send_a(vec4(x_new[kLast], softness[kLast]));
-  send_b(vec4(tangent[kLast], x_new[0].x));
+  for (int p = 1; p < PER_THREAD; ++p) tangent[p] = directionOr(newEdge(p), tangent[p]);
+  vec3 first = oldEdge(0) + shift[0];  // the first edge, but for the shift of the vertex before it
+  send_a(vec4(shift[kLast], softness[kLast]));
+  send_b(vec4(tangent[kLast], first.x));
 #if BODIES
-  send_c(vec4(normals[kLast], x_new[0].y));
+  send_c(vec4(normals[kLast], first.y));
 #else
-  send_c(vec4(0, 0, 0, x_new[0].y));
+  send_c(vec4(0, 0, 0, first.y));
 #endif
-  send_d(x_new[0].z);
+  send_d(first.z);
   rendezvous();
-  x_new_in = received_a(before(1)).xyz;
+  shift_in = received_a(before(1)).xyz;
   softness_in = received_a(before(1)).w;
   tangent_in = received_b(before(1)).xyz;
 #if BODIES
   normal_in = received_c(before(1)).xyz;
 #endif
-  vec3 x_new_out = vec3(received_b(after(1)).w, received_c(after(1)).w, received_d(after(1)));
+  vec3 first_out = vec3(received_b(after(1)).w, received_c(after(1)).w, received_d(after(1)));
   rendezvous();
   if (!hasBefore(1)) {
-    x_new_in = root.position;
+    shift_in = root.position - x_in;
     softness_in = 0.0;
 #if BODIES
     normal_in = vec3(0);
 #endif
   }
-  tangent[0] = directionOr(x_new[0] - x_new_in, tangent[0]);
-  tangent_out = hasAfter(1) ? directionOr(x_new_out - x_new[kLast], tangent[kLast]) : tangent[kLast];
+  tangent[0] = directionOr(newEdge(0), tangent[0]);
+  tangent_out = hasAfter(1) ? directionOr(first_out - shift[kLast], tangent[kLast]) : tangent[kLast];
 
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
   lengthRows(slack, lower, pivot, pull);
@@ -462,7 +464,7 @@ void pullThroughBending(bool violent) {
     float way = conjugateStep(product, strandSum(curvature));
     for (int p = 0; p < PER_THREAD; ++p) {
       if (violent) {
-        x_new[p] = madd(moved[p], way, x_new[p]);
+        shift[p] = madd(moved[p], way, shift[p]);
         tension[p] = madd(conjugate[p], way, tension[p]);
       }
       excess[p] -= way * shortened[p];
@@ -491,40 +493,36 @@ void pullIfViolent() {
 void moveByPulls() {
   for (int p = 0; p < PER_THREAD; ++p) {
     tension[p] += pull[p];
-    x_new[p] = madd(pushOn(p, softness[p]), weight(p), x_new[p]);
+    shift[p] = madd(pushOn(p, softness[p]), weight(p), shift[p]);
   }
   // The same for the vertex before slot 0, which saves an exchange.
   if (hasBefore(1))
-    x_new_in =
-        madd(pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], NORMAL_IN, softness_in), weight_in, x_new_in);
+    shift_in =
+        madd(pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], NORMAL_IN, softness_in), weight_in, shift_in);
 }
 
 // Exact lengths along the directions found, from the root or the last pinned vertex on: a scan. Then velocities.
 #if BODIES
-// `checked`: where contact left the vertices.
-void finish(RootMotion root, vec3 checked[PER_THREAD]) {
+// `checked`: the shifts that contact left the vertices with.
+void finish(vec3 checked[PER_THREAD]) {
 #else
-void finish(RootMotion root) {
+void finish() {
 #endif
-  vec3 direction[PER_THREAD];
-  vec3 along[PER_THREAD];  // from the root, or from the vertex before slot 0
+  vec3 along[PER_THREAD];  // shifts, less that of the vertex before slot 0 where that is no root
   bool anchored[PER_THREAD];
-  vec3 sum = vec3(0), inner = x_new_in;
+  vec3 sum = hasBefore(1) ? vec3(0) : shift_in;
   bool fixed_here = false;
   for (int p = 0; p < PER_THREAD; ++p) {
-    direction[p] = directionOr(x_new[p] - inner, tangent[p]);
-    sum = madd(direction[p], restLength(p), sum);
+    if (isEdge(p)) sum += edgeShift(p) + missingLength(newEdge(p), tangent[p], restLength(p));
 #if PINNED
     if (weight(p) == 0.0) {
-      sum = x_new[p] - root.position;
+      sum = shift[p];
       fixed_here = true;
     }
 #endif
-    inner = x_new[p];
     along[p] = sum;
     anchored[p] = fixed_here;
   }
-  vec3 offset = vec3(0);
 #if THREADS > 1
   for (int doubling = 0; doubling < kDoublings; ++doubling) {
     int distance = 1 << doubling;
@@ -537,27 +535,27 @@ void finish(RootMotion root) {
       fixed_here = other.w > 0.5;
     }
   }
-#if PINNED
+  // Exactly as the invocation before has it: both add it to the same position.
   send_a(vec4(sum, 0));
   rendezvous();
-  offset = received_a(before(1)).xyz;
+  vec3 last_before = received_a(before(1)).xyz;
   rendezvous();
-  if (!hasBefore(1)) offset = vec3(0);
-#else
-  offset = sum - along[kLast];
+  if (hasBefore(1)) {
+    shift_in = last_before;
+    for (int p = 0; p < kLast; ++p)
+      if (!anchored[p]) along[p] += last_before;
+  }
 #endif
-#endif
-  vec3 start = root.position + offset;
-  vec3 placed[PER_THREAD];
-  for (int p = 0; p < PER_THREAD; ++p) placed[p] = along[p] + (anchored[p] ? root.position : start);
+  shift = along;
+  shift[kLast] = sum;
 #if BODIES
-  lost = isLost(placed, checked);
+  lost = isLost(checked);
 #endif
-  v_in = (start - x_in) * settings.per_substep;
-  x_in = start;
+  v_in = shift_in * settings.per_substep;
+  x_in += shift_in;
   for (int p = 0; p < PER_THREAD; ++p) {
-    v[p] = (placed[p] - x[p]) * settings.per_substep;
-    x[p] = placed[p];
+    v[p] = shift[p] * settings.per_substep;
+    x[p] += shift[p];
   }
 }
 
@@ -599,7 +597,7 @@ void stepStrands(uint list, uint first, uint count) {
     vec3 moved[PER_THREAD];  // by forces
     moveByForces(moved);
 #if BODIES
-    vec3 checked[PER_THREAD];  // where contact leaves the vertices
+    vec3 checked[PER_THREAD];  // the shifts that contact leaves the vertices with
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
     for (int pass = 0; pass < passes; ++pass) {
       collide(substep, moved);
@@ -610,10 +608,10 @@ void stepStrands(uint list, uint first, uint count) {
 #else
       if (pass == 0) most = max(most, mostViolence());
 #endif
-      checked = x_new;
+      checked = shift;
       moveByPulls();
     }
-    finish(root, checked);
+    finish(checked);
 #else
     solveLengths(root);
 #if VIOLENT
@@ -624,7 +622,7 @@ void stepStrands(uint list, uint first, uint count) {
     moveByPulls();
     solveLengths(root);
     moveByPulls();
-    finish(root);
+    finish();
 #endif
   }
 #if VIOLENT

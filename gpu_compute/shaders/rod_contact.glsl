@@ -33,12 +33,13 @@ void storeContacts() {
 // memory.
 void lookOn(int substep) {
   for (int p = 0; p < PER_THREAD; ++p) {
-    vec3 place = x_new[0], start = x[0];
+    vec3 start = x[0], way = shift[0];
     for (int q = 1; q < PER_THREAD; ++q)
       if (q == p) {
-        place = x_new[q];
         start = x[q];
+        way = shift[q];
       }
+    vec3 place = start + way;
     uint vertex = vertexOf(p), sight = sightAt(vertex, kLooked);
     if (!isEdge(p) || !isAstray(contacts[sight], place)) continue;
     look(strand, vertex, place, start, clearance(velocities[vertex]), substep);
@@ -50,7 +51,7 @@ void lookOn(int substep) {
 #else
 void lookOn(int substep) {
   for (int p = 0; p < PER_THREAD; ++p)
-    if (isEdge(p) && isAstray(contacts[sightAt(vertexOf(p), kLooked)], x_new[p])) most = 1.0;
+    if (isEdge(p) && isAstray(contacts[sightAt(vertexOf(p), kLooked)], x[p] + shift[p])) most = 1.0;
 }
 #endif
 
@@ -61,14 +62,15 @@ void collide(int substep, vec3 moved[PER_THREAD]) {
   for (int p = 0; p < PER_THREAD; ++p) {
     bool pressed = dot(pressing[p], pressing[p]) > 0.0;
     if (!(sees[p] || pressed) || !isEdge(p) || weight(p) == 0.0) continue;
-    Touch touch = untouched(x_new[p], contactReach());
-    if (sees[p]) touch = touchOf(vertexOf(p), x_new[p]);
+    vec3 place = x[p] + shift[p];
+    Touch touch = untouched(place, contactReach());
+    if (sees[p]) touch = touchOf(vertexOf(p), place);
     if (!(touch.gap < 0.0 || pressed)) continue;
 #if GROOMED
     touch.friction *= strand_grooming.x;
 #endif
-    x_new[p] = resolveContact(x_new[p], touch.carried, moved[p], touch.normal, touch.gap, touch.friction, weight(p),
-                              pressing[p]);
+    place = resolveContact(place, touch.carried, moved[p], touch.normal, touch.gap, touch.friction, weight(p), pressing[p]);
+    shift[p] = place - x[p];
     if (touch.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0) {
       normals[p] = touch.normal;
       softness[p] = 0.0;
@@ -76,13 +78,14 @@ void collide(int substep, vec3 moved[PER_THREAD]) {
   }
 }
 
-// The vertices are placed, from where contact left them: whether any of them may be in a body, keep_out.comp sees to it.
-bool isLost(vec3 placed[PER_THREAD], vec3 checked[PER_THREAD]) {
+// The vertices are where they stay, and were left by contact with the shifts `checked`: whether any of them may be in a body,
+// keep_out.comp sees to it.
+bool isLost(vec3 checked[PER_THREAD]) {
   bool any = false;
   for (int p = 0; p < PER_THREAD; ++p) {
-    vec3 off = placed[p] - checked[p];
+    vec3 off = shift[p] - checked[p];
     displaced[p] = isEdge(p) && weight(p) > 0.0 && dot(off, off) > contactSlack() * contactSlack();
-    any = any || (displaced[p] && looksBack(vertexOf(p), placed[p]));
+    any = any || (displaced[p] && looksBack(vertexOf(p), x[p] + shift[p]));
   }
   return any;
 }

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <ostream>
+#include <tuple>
 
 #include "core/measure.h"
 #include "core/simulation.h"
@@ -38,21 +40,25 @@ std::vector<Contestant> contestants() {
 }
 
 // One step against the oracle, as a part of a strand's length: a strand may differ by kOneStepTolerance and
-// by kSensitivityFactor times what the oracle's own answer moves by when its input positions move by half a
+// by kSensitivityFactor times what the oracle's own answer moves by when positions and velocities move by half a
 // unit in the last place. The second counts where a strand is folded sharply under a body, where frames turn
 // by much for little. Measured over all cases and backends: at most 3.1e-6.
 constexpr double kOneStepTolerance = 5e-6;
 // The rod's direct solves carry rounding from one end of a strand to the other. Its float form is held to
 // this where vertices are no denser than its rule of spacing allows: dt^2 B / (m l^2) at most 3000 at every
-// joint (measured: at most 3.7e-5 beyond the oracle's own sensitivity). Denser strands are held by what must
-// hold over many steps.
-constexpr double kRodOneStepTolerance = 5e-5;
+// joint (measured: at most 3.0e-5 beyond the oracle's own sensitivity). Denser strands are held by what must
+// hold over many steps. Goals are rounded apart from positions, which is in no nudge (measured: 5.4e-5, one
+// strand of 100 vertices without fused multiply-adds).
+constexpr double kRodOneStepTolerance = 4e-5, kGoalTolerance = 6e-5;
 constexpr double kDensestRod = 3000;
 // A vertex that grazes a body may touch it in one precision and not in the other; the length solve then holds
 // it or does not. With bodies, one strand of the rod in a hundred may differ by this instead.
 constexpr double kGrazingTolerance = 5e-3;
+// Of strands among bodies, how many may differ from the oracle by more than a rounding explains, and by more than
+// kGrazingTolerance. On the CPU 0.3 % and 0.02 % do at most, on llvmpipe 0.5 % and 0.1 %.
+constexpr double kMostOff = 0.0075, kMostFar = 0.0015;
 constexpr double kSensitivityFactor = 10;
-constexpr uint32_t kNudges = 4;  // by which that is found, the largest counts
+constexpr uint32_t kNudges = 8;  // by which that is found, the largest counts
 
 class Conformance : public testing::TestWithParam<Contestant> {
  protected:
@@ -117,8 +123,9 @@ bool tooDense(const StrandModel& model, size_t s, double substep) {
 
 StrandState nudged(StrandState state, uint32_t seed) {
   std::mt19937 random(seed);
-  for (Vec3& position : state.positions)
-    for (int c = 0; c < 3; ++c) position[c] *= (random() & 1) != 0 ? 1 + 6e-8f : 1 - 6e-8f;
+  for (std::vector<Vec3>* values : {&state.positions, &state.velocities})
+    for (Vec3& value : *values)
+      for (int c = 0; c < 3; ++c) value[c] *= (random() & 1) != 0 ? 1 + 6e-8f : 1 - 6e-8f;
   return state;
 }
 
@@ -172,7 +179,8 @@ std::vector<Vec3> someAccelerations(const StrandModel& model) {
 TEST_P(Conformance, OneStepAgreesWithTheOracle) {
   const bool rod = parameters_.solver == SolverKind::kRod;
   const double tolerance = rod ? kRodOneStepTolerance : kOneStepTolerance;
-  size_t grazing = 0, among_bodies = 0;
+  // What the oracle says, which is the same for every backend: by solver, strands, case.
+  static std::map<std::tuple<bool, size_t, std::string>, std::pair<StrandState, std::vector<double>>> known_steps;
   for (const size_t strands : {1, 7, 33, 257}) {
     StrandModel plain = awkwardModel(strands, 11), groomed = awkwardModel(strands, 11, groomedMaterials());
     Material rope;
@@ -186,6 +194,7 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
     const std::vector<Pose> bones_begin(3), bones_end = movedBones(), roots_tied = rootsOn(tied, bones_end);
     const std::vector<Pose> roots_end = movedRoots(plain);
     for (const Case& c : kCases) {
+      if (rod && c.bodies) continue;  // those are scored below
       const StrandState& from = c.bodies ? with_bodies : without_bodies;
       Parameters parameters = parameters_;
       if (c.wind) parameters.wind = Vec3(3, 0, 1);
@@ -197,24 +206,25 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
           &parameters, model.rest_roots, c.tied ? roots_tied : c.moving_roots ? roots_end : model.rest_roots,
           bodies,      bones_begin,      bones_end};
       const double substep = parameters.time_step / parameters.substeps;
-      const StrandState truth = oracleStep(model, from, input), mine = stepped(model, from, input);
+      const StrandState mine = stepped(model, from, input);
+      const auto [known, is_new] = known_steps.try_emplace({rod, strands, c.name});
+      auto& [truth, sensitivity] = known->second;
+      if (is_new) {
+        truth = oracleStep(model, from, input);
+        sensitivity = sensitivities(model, from, truth, input, substep);
+      }
       const std::vector<double> moved_by = errors(model, truth, from, substep);
-      const std::vector<double> sensitivity = sensitivities(model, from, truth, input, substep);
       const std::vector<double> error = errors(model, mine, truth, substep);
       EXPECT_GT(*std::min_element(moved_by.begin(), moved_by.end()), 1e-3) << "the step must do something";
       size_t dense = 0;
-      if (c.bodies) among_bodies += strands;
       double worst = 0;
       for (size_t s = 0; s < strands; ++s) {
         if (rod && tooDense(model, s, substep)) {
           ++dense;
           continue;
         }
-        const double limit = tolerance + kSensitivityFactor * sensitivity[s];
-        if (rod && c.bodies && error[s] >= limit && error[s] < kGrazingTolerance) {
-          ++grazing;
-          continue;
-        }
+        const double limit =
+            (rod && c.goal ? kGoalTolerance : tolerance) + kSensitivityFactor * sensitivity[s];
         worst = std::max(worst, error[s]);
         EXPECT_LT(error[s], limit) << "strand " << s << " of " << strands << ", " << c.name;
       }
@@ -225,7 +235,61 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
       EXPECT_TRUE(std::equal(guides.begin(), guides.end(), mine.positions.begin(), mine.positions.end()));
     }
   }
-  EXPECT_LE(grazing, among_bodies / 100);
+}
+
+// A step among bodies, as the oracle has it: the same for every backend.
+struct StepAmongBodies {
+  StrandModel model;
+  StrandState from, truth;
+  Parameters parameters;
+  std::vector<MovingPrimitive> bodies;
+  std::vector<Pose> roots_end;
+  std::vector<double> sensitivity;
+
+  StepInput input() const { return {&parameters, model.rest_roots, roots_end, bodies}; }
+  double substep() const { return parameters.time_step / parameters.substeps; }
+};
+std::vector<StepAmongBodies> stepsAmongBodies(const Parameters& common) {
+  std::vector<StepAmongBodies> out;
+  for (uint32_t seed = 1; seed <= 8; ++seed)
+    for (const Case& c : kCases) {
+      if (!c.bodies) continue;
+      StepAmongBodies step;
+      step.model = c.groomed ? awkwardModel(257, 11, groomedMaterials()) : awkwardModel(257, 11);
+      step.from = disturbedState(step.model, seed);
+      step.bodies = movingBodies(common.time_step);
+      step.model.rest_distance = leftWhereTheyStart(step.from, step.bodies);
+      step.roots_end = c.moving_roots ? movedRoots(step.model) : step.model.rest_roots;
+      step.parameters = common;
+      if (c.wind) step.parameters.wind = Vec3(3, 0, 1);
+      if (c.goal) step.parameters.goal_rate = 100;
+      if (c.groomed) step.parameters.damping_time = 0.002f;
+      step.truth = oracleStep(step.model, step.from, step.input());
+      step.sensitivity = sensitivities(step.model, step.from, step.truth, step.input(), step.substep());
+      out.push_back(std::move(step));
+    }
+  return out;
+}
+
+// Strands of the rod that are thrown at bodies may touch them or not by a rounding, which no few nudges of the oracle's input
+// foresee. So these are counted, over states that nobody has chosen.
+TEST_P(Conformance, NearlyAllStrandsAmongBodiesAgreeWithTheOracle) {
+  if (parameters_.solver != SolverKind::kRod) return;
+  static const std::vector<StepAmongBodies> steps = stepsAmongBodies(parameters_);
+  size_t compared = 0, off = 0, far = 0;
+  for (const StepAmongBodies& step : steps) {
+    const StrandState mine = stepped(step.model, step.from, step.input());
+    const std::vector<double> error = errors(step.model, mine, step.truth, step.substep());
+    for (size_t s = 0; s < error.size(); ++s) {
+      if (tooDense(step.model, s, step.substep())) continue;
+      ++compared;
+      off += error[s] >= kRodOneStepTolerance + kSensitivityFactor * step.sensitivity[s];
+      far += error[s] >= kGrazingTolerance;
+    }
+  }
+  std::printf("             of %zu strands %zu are off, %zu of them far\n", compared, off, far);
+  EXPECT_LT(static_cast<double>(off), kMostOff * static_cast<double>(compared));
+  EXPECT_LT(static_cast<double>(far), kMostFar * static_cast<double>(compared));
 }
 
 TEST_P(Conformance, AStepUnderAccelerationsAgreesWithTheOracle) {

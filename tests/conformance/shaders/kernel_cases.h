@@ -89,7 +89,7 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     out3(o, 1, normal);
   } else if (kernel == 17) {
     real stiffness = goalStiffness(i.v[9], i.v[10], i.v[11]);
-    out3(o, 0, goalPull(in3(i, 0), i.v[9] + stiffness, stiffness, in3(i, 3), in3(i, 6)));
+    out3(o, 0, goalPull(in3(i, 0), i.v[9] + stiffness, stiffness, in3(i, 3)));
   } else if (kernel == 18) {
     out3(o, 0, drawnToGoal(in3(i, 0), in3(i, 3), i.v[6], i.v[7]));
   } else if (kernel == 19) {
