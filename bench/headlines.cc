@@ -73,6 +73,12 @@ void tellGpu(Collector& out) {
       out.add(fmt::format("{}, {}", goal.what, rows[0]["device"].get<std::string>()),
               fmt::format("{:.3f} ms", ms), fmt::format("<= {:g} ms", goal.ms), ms <= goal.ms);
     });
+  constexpr double kAirGoal = 0.25;  // ms
+  out.of("gpu_100k_all", [&](const std::vector<nlohmann::json>& rows) {
+    const double ms = number(rows[0], "air_gpu_ms");
+    out.add("of it the air, " + rows[0]["device"].get<std::string>(), fmt::format("{:.3f} ms", ms),
+            fmt::format("<= {:g} ms", kAirGoal), ms <= kAirGoal);
+  });
 }
 
 void tellScaling(Collector& out, const std::vector<nlohmann::json>& rows) {
@@ -124,6 +130,19 @@ void tellLatency(Collector& out, const std::vector<nlohmann::json>& rows) {
   }
 }
 
+// On a processor: what all grids of 32^3 cost of a step of the strands.
+void tellGrids(Collector& out, const std::vector<nlohmann::json>& rows) {
+  for (const nlohmann::json& row : rows) {
+    if (row.value("pass", "") != "all" || number(row, "cells") != 32) continue;
+    const bool by_cpu = number(row, "of_strand_step_cpu") > 0;
+    const double share = number(row, by_cpu ? "of_strand_step_cpu" : "of_strand_step");
+    if (share <= 0) continue;
+    out.add(fmt::format("grids of 32^3 over the strands' step, {}, {}", sizeOf(row),
+                        by_cpu ? "in processor time" : "by the wall"),
+            fmt::format("{:.0f} %", 100 * share), "<= 25 %", share <= 0.25);
+  }
+}
+
 // A processor's OpenGL has no goal.
 void tellGrowth(Collector& out, const std::vector<nlohmann::json>& rows) {
   constexpr double kGoal = 0.3;  // ms, of 100,000 hairs
@@ -162,6 +181,7 @@ std::vector<Headline> headlinesOf(const Results& results) {
     out.add("a mesh and five primitives over no body", fmt::format("{:.2f} x", ratio), "<= 1.5 x",
             ratio <= 1.5);
   });
+  out.of("grid", [&](const auto& rows) { tellGrids(out, rows); });
   out.of("render", [&](const auto& rows) { tellGrowth(out, rows); });
   out.of("end_to_end", [&](const auto& rows) { tellLatency(out, rows); });
   out.of("end_to_end_grown", [&](const auto& rows) { tellLatency(out, rows); });

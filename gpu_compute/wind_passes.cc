@@ -129,9 +129,9 @@ void WindPasses::takeBodies(std::span<const MovingPrimitive> bodies, AirSettings
     bodies_room_ = 2 * bodies.size();
     bodies_ = zeros<PlacedBody>(bodies_room_);
   }
-  std::vector<PlacedBody> placed;
-  for (const MovingPrimitive& body : bodies) placed.push_back(placedBody(body, 1, 1, 1, 0));
-  bodies_.write(std::span<const PlacedBody>(placed));
+  placed_.clear();
+  for (const MovingPrimitive& body : bodies) placed_.push_back(placedBody(body, 1, 1, 1, 0));
+  bodies_.write(std::span<const PlacedBody>(placed_));
 }
 
 gl::Buffer WindPasses::packed(std::span<const WindSource> sources) {

@@ -9,6 +9,7 @@
 #include "gpu_compute/air_layout.h"
 #include "gpu_compute/mapped_rings.h"
 #include "gpu_compute/pass_timer.h"
+#include "gpu_compute/placed_bodies.h"
 #include "gpu_compute/pressure_passes.h"
 
 namespace strandcast::gpu {
@@ -103,6 +104,7 @@ class WindPasses {
   gl::Buffer centres_, displacements_, onwards_, solids_, exchange_;
   gl::Buffer turbulence_, sources_, bodies_, body_settings_;
   size_t bodies_room_ = 0;
+  std::vector<PlacedBody> placed_;  // for bodies_; kept for its memory
   PressurePasses pressure_;
   std::unique_ptr<Reports> reports_;
   LazyProgram carry_, centres_of_, displace_, displace_both_, advect_, correct_, solids_of_, exchange_of_,

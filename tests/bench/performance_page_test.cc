@@ -77,7 +77,15 @@ TEST(Headlines, SayWhetherAGoalIsMet) {
                 "# e\nrate_hz,strands,vertices,hairs,ms_median,ms_p99,fps_grown\n"
                 "60,5000,32,0,5,30,60\n120,5000,32,0,4,8.4,120\n");
   results.write("gpu_4k_all.csv", "# f\ndevice,gpu_ms,air_gpu_ms\nG,0.06,0.08\n");
+  results.write("gpu_100k_all.csv", "# g\ndevice,gpu_ms,air_gpu_ms\nG,0.5,0.3\n");
+  results.write("grid.csv",
+                "# h\nstrands,vertices,cells,pass,of_strand_step,of_strand_step_cpu\n"
+                "10000,32,32,splat,,\n10000,32,32,all,0.4,0.2\n10000,32,64,all,2,1\n");
+  results.write("render.csv", "# i\ndevice,hairs,vertices,growth_ms\nG,10000,64,0.1\nG,100000,64,0.4\n");
   const std::vector<Headline> lines = headlinesOf(readResults(results.root / "machine"));
+  EXPECT_EQ(lineOf(lines, "grids of 32^3").holds, true) << "by processor time where it is known";
+  EXPECT_EQ(lineOf(lines, "growth of 100000").holds, false);
+  EXPECT_EQ(lineOf(lines, "of it the air").holds, false);
   EXPECT_EQ(lineOf(lines, "measured peak").holds, false);
   EXPECT_EQ(lineOf(lines, "stretch").holds, true);
   EXPECT_EQ(lineOf(lines, "memory").holds, true);
