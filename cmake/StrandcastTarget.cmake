@@ -1,8 +1,5 @@
 # Programs and tests are not worth the compiler's time: loops that take time are in libraries.
 set(STRANDCAST_PROGRAM_OPTIONS $<$<CONFIG:Release>:-O1>)
-if(STRANDCAST_SANITIZE)
-  set(STRANDCAST_PROGRAM_OPTIONS -O0)
-endif()
 
 # strandcast_precompile(GROUP [HEADERS ...] [LINK ...] [OPTIONS ...]): parses HEADERS and what most files include once, for all
 # targets with the same flags to reuse. The debug preset does without, so that a file that misses an include is found there.
