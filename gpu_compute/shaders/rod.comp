@@ -84,8 +84,8 @@ vec3 oldEdge(int p) { return x[p] - (p > 0 ? x[max(p - 1, 0)] : x_in); }
 vec3 edgeShift(int p) { return shift[p] - (p > 0 ? shift[max(p - 1, 0)] : shift_in); }
 vec3 newEdge(int p) { return oldEdge(p) + edgeShift(p); }
 
-// In which the forces of the edge of slot p act, while vertices are shifted to the inertial points. With internal damping, frames and
-// tangents are ahead of the motion by the damping time.
+// In which the forces of the edge of slot p act, while vertices are shifted to the inertial points. With internal damping, frames
+// and tangents are ahead of the motion by the damping time.
 vec3 forceDirection(int p) {
 #if DAMPED
   float ahead = DAMPING_TIME * settings.per_substep;
