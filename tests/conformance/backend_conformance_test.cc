@@ -165,6 +165,13 @@ constexpr Case kCases[] = {{"gravity only", false, false, false},
                            {"tied to bones", false, true, false, false, false, true},
                            {"tethers, moving roots", false, true, false, false, false, false, true}};
 
+Parameters parametersOf(const Case& c, Parameters parameters) {
+  if (c.wind) parameters.wind = Vec3(3, 0, 1);
+  if (c.goal) parameters.goal_rate = 100;
+  if (c.groomed) parameters.damping_time = 0.002f;
+  return parameters;
+}
+
 // m/s^2, as strong wind gives; it changes over some centimetres.
 std::vector<Vec3> someAccelerations(const StrandModel& model) {
   std::vector<Vec3> out(model.vertices());
@@ -196,10 +203,7 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
     for (const Case& c : kCases) {
       if (rod && c.bodies) continue;  // those are scored below
       const StrandState& from = c.bodies ? with_bodies : without_bodies;
-      Parameters parameters = parameters_;
-      if (c.wind) parameters.wind = Vec3(3, 0, 1);
-      if (c.goal) parameters.goal_rate = 100;
-      if (c.groomed) parameters.damping_time = 0.002f;
+      const Parameters parameters = parametersOf(c, parameters_);
       const StrandModel& model = c.groomed ? groomed : c.tied ? tied : c.tethered ? tethered : plain;
       const auto bodies = c.bodies ? movingBodies(parameters.time_step) : std::vector<MovingPrimitive>();
       const StepInput input{
@@ -260,10 +264,7 @@ std::vector<StepAmongBodies> stepsAmongBodies(const Parameters& common) {
       step.bodies = movingBodies(common.time_step);
       step.model.rest_distance = leftWhereTheyStart(step.from, step.bodies);
       step.roots_end = c.moving_roots ? movedRoots(step.model) : step.model.rest_roots;
-      step.parameters = common;
-      if (c.wind) step.parameters.wind = Vec3(3, 0, 1);
-      if (c.goal) step.parameters.goal_rate = 100;
-      if (c.groomed) step.parameters.damping_time = 0.002f;
+      step.parameters = parametersOf(c, common);
       step.truth = oracleStep(step.model, step.from, step.input());
       step.sensitivity = sensitivities(step.model, step.from, step.truth, step.input(), step.substep());
       out.push_back(std::move(step));
