@@ -200,7 +200,7 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   simulation->add_flag(
       "--sag-free,!--no-sag-free", sag_free_,
       "the groomed shape is the shape at rest under gravity (default), or hair as it is made that sags");
-  simulation->add_option("--threads", given_.threads, "of the simd backend; 0 = all")
+  simulation->add_option("--threads", given_.threads, "of the simd backend, and to encode; 0 = all")
       ->check(CLI::Range(0, 1024));
   simulation->add_option("--set", set_, parameterHelp());
   if (use == SettingsUse::kCompare) return;
@@ -282,6 +282,7 @@ Settings SettingsOptions::over(Settings out) const {
   if (!codec_.empty()) out.codec.codec = codecNamed(codec_, "--codec");
   lay("--codec-error", out.codec.max_error, static_cast<float>(codec_error_mm_ * 1e-3));
   lay("--key-interval", out.codec.key_interval, given_.codec.key_interval);
+  out.codec.threads = out.threads;
   for (const std::string& text : material_) out.scene.materials.push_back(parseMaterial(text));
   for (const std::string& text : set_) {
     out.parameters.push_back(parseAssignment(text));

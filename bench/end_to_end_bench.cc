@@ -65,10 +65,7 @@ class CodecTimer {
   void measure(const GuideFrame& frame) {
     positions_.resize(frame.positions.size());
     const Clock::time_point start = Clock::now();
-    for (uint32_t i = 0; i < chunks_.size(); ++i) {
-      fillGuideHeader(frame, encoder_.runs(), i, chunks_[i]);
-      encoder_.encode(frame, i, chunks_[i]);
-    }
+    encoder_.encodeAll(frame, [&](GuideChunk& chunk) { std::swap(chunks_[chunk.chunk_index], chunk); });
     const Clock::time_point encoded = Clock::now();
     for (const GuideChunk& chunk : chunks_)
       decoder_.decode(chunk, std::span(positions_).subspan(chunk.first_vertex, chunk.vertex_count));

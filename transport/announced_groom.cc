@@ -24,4 +24,13 @@ void AnnouncedGroom::accept(const GroomDescription& groom) {
   accepted_->revision = groom.revision;
 }
 
+void AnnouncedGroom::divide(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send) {
+  if (!accepted_ || frame.revision != accepted_->revision || frame.positions.size() != vertices_) return;
+  encoder_.encodeAll(frame, [&](GuideChunk& chunk) {
+    chunk.groom_id = groom_id_;
+    chunk.session = session_;
+    send(chunk);
+  });
+}
+
 }  // namespace strandcast

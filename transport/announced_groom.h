@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -22,17 +23,9 @@ class AnnouncedGroom {
   /// Its chunks are out: frames are of this groom from now on.
   void accept(const GroomDescription& groom);
 
-  /// Calls send(GuideChunk&) for one chunk of the frame after another; for none where it is of another groom.
-  template <class Send>
-  void divide(const GuideFrame& frame, const Send& send) {
-    if (!accepted_ || frame.revision != accepted_->revision || frame.positions.size() != vertices_) return;
-    for (uint32_t i = 0; i < encoder_.runs().size(); ++i) {
-      encoder_.encode(frame, i, chunk_);
-      chunk_.groom_id = groom_id_;
-      chunk_.session = session_;
-      send(chunk_);
-    }
-  }
+  /// Calls send(chunk) for one chunk of the frame after another, as GuideEncoder::encodeAll; for none where
+  /// it is of another groom.
+  void divide(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send);
   EncodingReport encoding() const { return encoder_.report(); }
 
  private:
@@ -41,7 +34,6 @@ class AnnouncedGroom {
   GuideEncoder encoder_;
   std::optional<GroomDescription> accepted_;  // only its session and revision
   size_t vertices_ = 0;
-  GuideChunk chunk_;
 };
 
 }  // namespace strandcast

@@ -16,7 +16,7 @@ struct Film {
 
 const Film& film() {
   static const Film made = [] {
-    const Scene scene = benchScene("wavy", 1000, 32);
+    const Scene scene = benchScene("wavy", 5000, 32);
     Parameters parameters = scene.parameters;
     parameters.solver = SolverKind::kRod;
     Simulation simulation(sceneModel(scene), {}, parameters, makeSimdBackend(1));

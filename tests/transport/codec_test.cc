@@ -372,6 +372,43 @@ TEST(Codec, EveryInstructionSetWritesTheSameBytesAndReadsTheSamePositions) {
   }
 }
 
+TEST(Codec, ThreadsWriteTheSameChunksInOrder) {
+  const GroomDescription groom = head();
+  for (const CodecInfo& info : codecList()) {
+    CodecOptions options{info.codec};
+    GuideEncoder alone(options);
+    options.threads = 3;
+    GuideEncoder together(options);
+    alone.setGroom(groom.guides);
+    together.setGroom(groom.guides);
+    ASSERT_GT(alone.runs().size(), 6u) << "more chunks than are under way at once";
+    GuideChunk expected;
+    for (uint64_t number = 1; number <= 4; ++number) {
+      const GuideFrame frame = hairFrame(groom, number);
+      if (number == 3) {
+        EXPECT_THROW(together.encodeAll(frame, [](GuideChunk&) { throw Error("no network", "here", ""); }),
+                     Error);
+        together.setGroom(groom.guides);
+        alone.setGroom(groom.guides);
+        continue;
+      }
+      uint32_t next = 0;
+      together.encodeAll(frame, [&](GuideChunk& chunk) {
+        alone.encode(frame, next, expected);
+        EXPECT_EQ(chunk.chunk_index, next++) << info.name;
+        EXPECT_EQ(chunk.encoding, expected.encoding) << info.name;
+        EXPECT_EQ(chunk.key_frame, expected.key_frame) << info.name;
+        EXPECT_EQ(chunk.payload, expected.payload) << info.name;
+        GuideChunk().payload.swap(chunk.payload);
+      });
+      EXPECT_EQ(next, alone.runs().size());
+      EXPECT_EQ(together.report().frame_bytes, alone.report().frame_bytes);
+      EXPECT_EQ(together.report().strands_sent_finer, alone.report().strands_sent_finer);
+      EXPECT_EQ(together.report().worst_error, alone.report().worst_error);
+    }
+  }
+}
+
 TEST(Codec, DamagedPayloadsAreRefusedOrHarmless) {
   std::mt19937 random(6);
   size_t taken = 0, runs = 0;

@@ -24,10 +24,13 @@ struct CodecOptions {
   /// Frames from one that stands alone to the next, 1 to kMaxKeyInterval; kTemporal only. A reader that
   /// joins, or that missed a frame, waits that long.
   uint32_t key_interval = 10;
+  /// That encode a frame's chunks, kMaxEncodingThreads at most; 0 = all of the machine. The bytes are the same.
+  int threads = 0;
 };
 
 inline constexpr float kMinCodecError = 1e-6f, kMaxCodecError = 1e-3f;  // m
 inline constexpr uint32_t kMaxKeyInterval = 1000;
+inline constexpr int kMaxEncodingThreads = 8;
 
 struct CodecInfo {
   Codec codec;

@@ -1,229 +1,94 @@
 #include "transport/codec/guide_encoder.h"
 
-#include <algorithm>
-#include <cstring>
-#include <limits>
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_pipeline.h>
+#include <oneapi/tbb/task_arena.h>
 
-#include "transport/codec/bit_stream.h"
+#include <algorithm>
 
 namespace strandcast {
-namespace {
 
-/// A component is off by half a step at most, a position by sqrt(3) times that. The rest of the bound is for
-/// the rounding of floats on the way to the head's frame and back.
-constexpr float kStepOfError = 0.95f * 2 / 1.7320508f;
-/// The same on a plane; more is left for what a strand is off along itself, which no direction can mend.
-constexpr float kTangentStepOfError = 0.6f * 2 / 1.4142136f;
-/// An encoding that cannot hold one strand in so many is left for kDelta16.
-constexpr size_t kUnfitShare = 8;
-
-Encoding encodingOf(Codec codec) {
-  switch (codec) {
-    case Codec::kFloat32:
-      return Encoding::kFloat32;
-    case Codec::kOctahedral12:
-      return Encoding::kOctahedral12;
-    case Codec::kTangent:
-    case Codec::kTemporal:
-      return Encoding::kTangent;
-    case Codec::kOctahedral16:
-      return Encoding::kOctahedral16;
-    case Codec::kDelta16:
-      break;
+struct GuideEncoder::Pipeline {
+  struct Stage {
+    ChunkEncoder encoder;
+    GuideChunk chunk;
+    ChunkReport report;
+  };
+  Pipeline(int threads, EncodedGroom& groom, const StrandCoder& coder) : arena(threads) {
+    // Chunks leave in order: those that are done early wait for those before them.
+    for (int i = 0; i < 2 * threads; ++i) stages.push_back({ChunkEncoder(groom, coder), {}, {}});
   }
-  return Encoding::kDelta16;
-}
+  oneapi::tbb::task_arena arena;
+  std::vector<Stage> stages;
+};
 
-constexpr float kNotHeld = std::numeric_limits<float>::infinity();
+GuideEncoder::GuideEncoder(const CodecOptions& options, const StrandCoder& coder)
+    : groom_{options, {}, {}, {}}, coder_(coder), own_(groom_, coder) {}
 
-void writeFloat32(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
-  chunk.encoding = Encoding::kFloat32;
-  chunk.key_frame = 0;
-  chunk.payload.resize(run.vertex_count * sizeof(Vec3));
-  std::memcpy(chunk.payload.data(), frame.positions.data() + run.first_vertex, chunk.payload.size());
-}
-
-}  // namespace
+GuideEncoder::~GuideEncoder() = default;
 
 void GuideEncoder::setGroom(const StrandSet& guides) {
-  geometry_ = GuideGeometry(guides);
-  runs_ = divideGuides(guides);
-  histories_.assign(options_.codec == Codec::kTemporal ? runs_.size() : 0, {});
-  report_ = {nameOf(options_.codec), options_.codec == Codec::kFloat32 ? 0.0 : double{options_.max_error}};
+  const CodecOptions& options = groom_.options;
+  groom_.geometry = GuideGeometry(guides);
+  groom_.runs = divideGuides(guides);
+  groom_.histories.assign(options.codec == Codec::kTemporal ? groom_.runs.size() : 0, {});
+  report_ = {nameOf(options.codec), options.codec == Codec::kFloat32 ? 0.0 : double{options.max_error}};
   reported_frame_ = 0;
-  step_ = kStepOfError * options_.max_error;
-  tangent_step_ = kTangentStepOfError * options_.max_error;
-  squared_limit_ = options_.max_error * options_.max_error;
 }
 
-void GuideEncoder::quantizeRoots(const GuideFrame& frame, const StrandRun& run, const HeadFrame& head,
-                                 Encoding encoding) {
-  roots_.resize(run.strand_count);
-  worst_.resize(run.strand_count);
-  const bool is_tangent = encoding == Encoding::kTangent;
-  const float step = is_tangent ? tangent_step_ : step_;
-  for (uint32_t s = 0; s < run.strand_count; ++s) {
-    const Vec3& wanted = frame.positions[geometry_.offsets[run.first_strand + s]];
-    const Vec3& rest = geometry_.roots[run.first_strand + s];
-    const Vec3 local = head.toHead(wanted);
-    Vec3 decoded, index;
-    bool fits = true;
-    for (int c = 0; c < 3; ++c) {
-      // Tangents: steps off the rest; else the grid's points.
-      const int32_t place = gridIndex(is_tangent ? local[c] - rest[c] : local[c], step);
-      const int32_t moved = is_tangent ? place : place - gridIndex(rest[c], step);
-      const int32_t symbol = std::clamp(moved, -32767, 32767);
-      fits &= symbol == moved;
-      symbols_.roots[static_cast<size_t>(c) * run.strand_count + s] = static_cast<uint16_t>(symbol);
-      index[c] = static_cast<float>(place);
-      decoded[c] = is_tangent ? rest[c] + gridPosition(symbol, step) : gridPosition(place, step);
-    }
-    const float error = (head.toWorld(decoded) - wanted).squaredNorm();
-    roots_[s] = encoding == Encoding::kDelta16 ? index : decoded;
-    worst_[s] = fits && error <= squared_limit_ ? error : kNotHeld;  // also where it is not a number
-  }
-}
-
-void GuideEncoder::quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding,
-                            const TangentHistory* history) {
-  shapeSymbols(geometry_, run, encoding, symbols_, strand_ends_);
-  const HeadFrame head(frame.head);
-  quantizeRoots(frame, run, head, encoding);
-  StrandEncoding job{.geometry = geometry_,
-                     .run = run,
-                     .head = head,
-                     .positions = frame.positions.data() + run.first_vertex,
-                     .roots = roots_.data(),
-                     .step = encoding == Encoding::kTangent ? tangent_step_ : step_,
-                     .squared_limit = squared_limit_,
-                     .bits = edgeBits(encoding),
-                     .history = history,
-                     .edges = symbols_.edges.data(),
-                     .worst = worst_.data()};
-  if (encoding == Encoding::kDelta16) {
-    coder_.encode_delta(job, rows_);
-  } else if (encoding != Encoding::kTangent) {
-    coder_.encode_octahedral(job, rows_);
-  } else {
-    directions_.resize(histories_.empty() ? 0 : run.vertex_count - run.strand_count);
-    if (!histories_.empty()) job.directions = directions_.data();
-    coder_.encode_tangents(job, rows_);
-  }
-  exact_.clear();
-  worst_squared_ = 0;
-  for (uint32_t s = 0; s < run.strand_count; ++s) {
-    if (worst_[s] != kNotHeld)
-      worst_squared_ = std::max(worst_squared_, worst_[s]);
-    else
-      exact_.push_back(static_cast<uint16_t>(s));
-  }
-}
-
-/// Symbols of strands that are sent as they are tell nothing: zeros cost least.
-void GuideEncoder::forgetExactStrands(const StrandRun& run) {
-  const size_t plane = run.vertex_count - run.strand_count;
-  for (const uint16_t s : exact_) {
-    const size_t begin = s == 0 ? 0 : strand_ends_[s - 1u], end = strand_ends_[s];
-    for (size_t c = 0; c < 3; ++c) symbols_.roots[c * run.strand_count + s] = 0;
-    for (size_t c = 0; c < static_cast<size_t>(symbols_.edge_planes); ++c)
-      std::fill(symbols_.edges.begin() + static_cast<ptrdiff_t>(c * plane + begin),
-                symbols_.edges.begin() + static_cast<ptrdiff_t>(c * plane + end), uint16_t{0});
-  }
-}
-
-void GuideEncoder::writePreamble(const GuideFrame& frame, const StrandRun& run, uint8_t mode, float step,
-                                 std::vector<uint8_t>& bytes) const {
-  const auto exact_strands = static_cast<uint16_t>(exact_.size());
-  bytes.resize(kPayloadHeadBytes + exact_.size() * sizeof(uint16_t));
-  bytes[0] = mode;
-  bytes[1] = 0;
-  std::memcpy(bytes.data() + 2, &exact_strands, sizeof exact_strands);
-  std::memcpy(bytes.data() + 4, &step, sizeof step);
-  if (!exact_.empty())
-    std::memcpy(bytes.data() + kPayloadHeadBytes, exact_.data(), exact_.size() * sizeof(uint16_t));
-  for (const uint16_t s : exact_) {
-    const uint32_t first = geometry_.offsets[run.first_strand + s];
-    const size_t length = (geometry_.offsets[run.first_strand + s + 1u] - first) * sizeof(Vec3);
-    bytes.resize(bytes.size() + length);
-    std::memcpy(bytes.data() + bytes.size() - length, frame.positions.data() + first, length);
-  }
-}
-
-void GuideEncoder::packTangents(const TangentHistory* history, std::vector<uint8_t>& bytes) {
-  const size_t symbols = symbols_.roots.size() + symbols_.edges.size(), begin = bytes.size();
-  sizes_.resize(symbols_.edges.size() / 2);
-  bytes.resize(begin + symbols * kMostRiceBits / 8 + 9);
-  const uint8_t* const end = coder_.pack_tangents(
-      symbols_, strand_ends_, history ? history->sizes.data() : nullptr, sizes_.data(), bytes.data() + begin);
-  bytes.resize(static_cast<size_t>(end - bytes.data()));
-}
-
-void GuideEncoder::writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
-  SymbolPrediction prediction;
-  prediction.edge_bits = edgeBits(chunk.encoding);
-  prediction.strand_ends = strand_ends_;
-  forgetExactStrands(run);
-  prediction.along_strand = SymbolPacker::prefersAlongStrand(symbols_, prediction);
-  writePreamble(frame, run, prediction.along_strand ? uint8_t{kAlongStrand} : uint8_t{0}, step_,
-                chunk.payload);
-  packer_.pack(symbols_, prediction, chunk.payload);
-}
-
-void GuideEncoder::encodeTangents(const GuideFrame& frame, const StrandRun& run, uint32_t index,
-                                  GuideChunk& chunk) {
-  TangentHistory* const own = histories_.empty() ? nullptr : &histories_[index];
-  const TangentHistory* history = nullptr;
-  // A gap in the numbers: others were casting, or readers may have changed.
-  if (own && own->frame != 0 && own->frame + 1 == frame.frame) {
-    // Each chunk stands alone at a time of its own, so that frames are about equally large.
-    const uint64_t phase = frame.frame + uint64_t{index} * options_.key_interval / runs_.size();
-    if (phase % options_.key_interval != 0) history = own;
-  }
-  quantize(frame, run, Encoding::kTangent, history);
-  if (exact_.size() * kUnfitShare > run.strand_count) {
-    if (own) own->frame = 0;  // nobody is told of it
-    chunk.encoding = Encoding::kDelta16;
-    return;
-  }
-  chunk.key_frame = history ? history->frame : 0;
-  writePreamble(frame, run, 0, tangent_step_, chunk.payload);
-  packTangents(history, chunk.payload);
-  if (own) own->accept(frame.frame, history == nullptr, directions_, sizes_);
-}
-
-void GuideEncoder::encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk) {
-  const StrandRun& run = runs_[index];
-  fillGuideHeader(frame, runs_, index, chunk);
-  chunk.encoding = encodingOf(options_.codec);
-  chunk.key_frame = 0;
+void GuideEncoder::add(const GuideFrame& frame, const GuideChunk& chunk, const ChunkReport& report) {
   if (frame.frame != reported_frame_) {
     reported_frame_ = frame.frame;
     report_.frame_bytes = report_.strands_sent_finer = 0;
     report_.worst_error = 0;
   }
-  if (chunk.encoding == Encoding::kFloat32) {
-    writeFloat32(frame, run, chunk);
-    report_.frame_bytes += chunk.payload.size();
+  report_.frame_bytes += chunk.payload.size();
+  report_.strands_sent_finer += report.strands_sent_finer;
+  report_.worst_error = std::max(report_.worst_error, report.worst_error);
+}
+
+void GuideEncoder::encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk) {
+  const ChunkReport report = own_.encode(frame, index, chunk);
+  add(frame, chunk, report);
+}
+
+void GuideEncoder::encodeAll(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send) {
+  namespace tbb = oneapi::tbb;
+  const auto count = static_cast<uint32_t>(groom_.runs.size());
+  const int asked = groom_.options.threads, there = tbb::info::default_concurrency();
+  const int threads = std::min({asked > 0 ? asked : there, there, kMaxEncodingThreads});
+  if (threads == 1 || count <= 1) {
+    for (uint32_t i = 0; i < count; ++i) {
+      encode(frame, i, own_chunk_);
+      send(own_chunk_);
+    }
     return;
   }
-  if (chunk.encoding == Encoding::kTangent) encodeTangents(frame, run, index, chunk);
-  if (chunk.encoding != Encoding::kTangent) {
-    quantize(frame, run, chunk.encoding, nullptr);
-    if (chunk.encoding != Encoding::kDelta16 && exact_.size() * kUnfitShare > run.strand_count) {
-      chunk.encoding = Encoding::kDelta16;
-      quantize(frame, run, chunk.encoding, nullptr);
-    }
-    writeSymbols(frame, run, chunk);
-  }
-  if (chunk.payload.size() >= run.vertex_count * sizeof(Vec3)) {
-    if (!histories_.empty()) histories_[index].frame = 0;  // nobody is told of it
-    writeFloat32(frame, run, chunk);
-    report_.strands_sent_finer += run.strand_count;
-  } else {
-    report_.strands_sent_finer += exact_.size();
-    report_.worst_error = std::max(report_.worst_error, std::sqrt(double{worst_squared_}));
-  }
-  report_.frame_bytes += chunk.payload.size();
+  if (!pipeline_) pipeline_ = std::make_unique<Pipeline>(threads, groom_, coder_);
+  std::vector<Pipeline::Stage>& stages = pipeline_->stages;
+  // Of chunks under way no two are as many apart as there are stages.
+  const auto stage = [&](uint32_t index) -> Pipeline::Stage& { return stages[index % stages.size()]; };
+  uint32_t next = 0;
+  pipeline_->arena.execute([&] {
+    tbb::parallel_pipeline(
+        stages.size(),
+        tbb::make_filter<void, uint32_t>(tbb::filter_mode::serial_in_order,
+                                         [&](tbb::flow_control& flow) -> uint32_t {
+                                           if (next == count) flow.stop();
+                                           return next == count ? 0 : next++;
+                                         }) &
+            tbb::make_filter<uint32_t, uint32_t>(tbb::filter_mode::parallel,
+                                                 [&](uint32_t index) {
+                                                   Pipeline::Stage& own = stage(index);
+                                                   own.report = own.encoder.encode(frame, index, own.chunk);
+                                                   return index;
+                                                 }) &
+            tbb::make_filter<uint32_t, void>(tbb::filter_mode::serial_in_order, [&](uint32_t index) {
+              Pipeline::Stage& own = stage(index);
+              add(frame, own.chunk, own.report);
+              send(own.chunk);
+            }));
+  });
 }
 
 }  // namespace strandcast

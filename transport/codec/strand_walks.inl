@@ -209,7 +209,7 @@ class Predictor {
   HWY_INLINE void take(const Tile& tile) {
     if (history_) {
       pourDirections(tile, history_->last.data(), rows_);
-      pourDirections(tile, history_->before.data(), rows_ + 3 * plane_);
+      pourDirections(tile, history_->before().data(), rows_ + 3 * plane_);
       return;
     }
     Streams<const float*> streams;  // per vertex, from the root on

@@ -6,7 +6,9 @@
 namespace strandcast {
 namespace {
 
-constexpr int kLevel = 1;  // higher ones take several times as long for a few percent
+/// Higher ones take several times as long for a few percent. Hardly anything repeats itself in residuals, so
+/// that looking for it is little worth: only long matches, in a small table.
+constexpr int kLevel = 1, kShortestMatch = 7, kTableLog = 8;
 
 /// Small for small residuals of either sign; `residual` modulo 2^bits.
 uint16_t zigzag(uint32_t residual, int bits) {
@@ -36,12 +38,14 @@ void putLength(size_t length, uint8_t* to) {
 SymbolPacker::SymbolPacker(const StrandCoder& coder) : fold_(coder.fold), context_(ZSTD_createCCtx()) {
   // The receiver knows what comes out.
   ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kLevel);
+  ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_minMatch, kShortestMatch);
+  ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_hashLog, kTableLog);
   ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_contentSizeFlag, 0);
 }
 
 bool SymbolPacker::prefersAlongStrand(const GuideSymbols& symbols, const SymbolPrediction& prediction) {
   // A few strands of one plane tell as much as all of them.
-  constexpr size_t kSampleEvery = 8;
+  constexpr size_t kSampleEvery = 16;
   const size_t count = symbols.edges.size() / static_cast<size_t>(symbols.edge_planes);
   uint64_t bits[2] = {};
   for (size_t s = 0; s < prediction.strand_ends.size(); s += kSampleEvery) {

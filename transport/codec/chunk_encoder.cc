@@ -1,0 +1,217 @@
+#include "transport/codec/chunk_encoder.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "transport/codec/bit_stream.h"
+
+namespace strandcast {
+namespace {
+
+/// A component is off by half a step at most, a position by sqrt(3) times that. The rest of the bound is for
+/// the rounding of floats on the way to the head's frame and back.
+constexpr float kStepOfError = 0.95f * 2 / 1.7320508f;
+/// The same on a plane; more is left for what a strand is off along itself, which no direction can mend.
+constexpr float kTangentStepOfError = 0.6f * 2 / 1.4142136f;
+/// An encoding that cannot hold one strand in so many is left for kDelta16.
+constexpr size_t kUnfitShare = 8;
+
+Encoding encodingOf(Codec codec) {
+  switch (codec) {
+    case Codec::kFloat32:
+      return Encoding::kFloat32;
+    case Codec::kOctahedral12:
+      return Encoding::kOctahedral12;
+    case Codec::kTangent:
+    case Codec::kTemporal:
+      return Encoding::kTangent;
+    case Codec::kOctahedral16:
+      return Encoding::kOctahedral16;
+    case Codec::kDelta16:
+      break;
+  }
+  return Encoding::kDelta16;
+}
+
+constexpr float kNotHeld = std::numeric_limits<float>::infinity();
+
+void writeFloat32(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
+  chunk.encoding = Encoding::kFloat32;
+  chunk.key_frame = 0;
+  chunk.payload.resize(run.vertex_count * sizeof(Vec3));
+  std::memcpy(chunk.payload.data(), frame.positions.data() + run.first_vertex, chunk.payload.size());
+}
+
+}  // namespace
+
+ChunkEncoder::ChunkEncoder(EncodedGroom& groom, const StrandCoder& coder)
+    : groom_(&groom),
+      squared_limit_(groom.options.max_error * groom.options.max_error),
+      step_(kStepOfError * groom.options.max_error),
+      tangent_step_(kTangentStepOfError * groom.options.max_error),
+      coder_(coder),
+      packer_(coder) {}
+
+void ChunkEncoder::quantizeRoots(const GuideFrame& frame, const StrandRun& run, const HeadFrame& head,
+                                 Encoding encoding) {
+  roots_.resize(run.strand_count);
+  worst_.resize(run.strand_count);
+  const bool is_tangent = encoding == Encoding::kTangent;
+  const float step = is_tangent ? tangent_step_ : step_;
+  for (uint32_t s = 0; s < run.strand_count; ++s) {
+    const Vec3& wanted = frame.positions[groom_->geometry.offsets[run.first_strand + s]];
+    const Vec3& rest = groom_->geometry.roots[run.first_strand + s];
+    const Vec3 local = head.toHead(wanted);
+    Vec3 decoded, index;
+    bool fits = true;
+    for (int c = 0; c < 3; ++c) {
+      // Tangents: steps off the rest; else the grid's points.
+      const int32_t place = gridIndex(is_tangent ? local[c] - rest[c] : local[c], step);
+      const int32_t moved = is_tangent ? place : place - gridIndex(rest[c], step);
+      const int32_t symbol = std::clamp(moved, -32767, 32767);
+      fits &= symbol == moved;
+      symbols_.roots[static_cast<size_t>(c) * run.strand_count + s] = static_cast<uint16_t>(symbol);
+      index[c] = static_cast<float>(place);
+      decoded[c] = is_tangent ? rest[c] + gridPosition(symbol, step) : gridPosition(place, step);
+    }
+    const float error = (head.toWorld(decoded) - wanted).squaredNorm();
+    roots_[s] = encoding == Encoding::kDelta16 ? index : decoded;
+    worst_[s] = fits && error <= squared_limit_ ? error : kNotHeld;  // also where it is not a number
+  }
+}
+
+void ChunkEncoder::quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding,
+                            const TangentHistory* history) {
+  shapeSymbols(groom_->geometry, run, encoding, symbols_, strand_ends_);
+  const HeadFrame head(frame.head);
+  quantizeRoots(frame, run, head, encoding);
+  StrandEncoding job{.geometry = groom_->geometry,
+                     .run = run,
+                     .head = head,
+                     .positions = frame.positions.data() + run.first_vertex,
+                     .roots = roots_.data(),
+                     .step = encoding == Encoding::kTangent ? tangent_step_ : step_,
+                     .squared_limit = squared_limit_,
+                     .bits = edgeBits(encoding),
+                     .history = history,
+                     .edges = symbols_.edges.data(),
+                     .worst = worst_.data()};
+  if (encoding == Encoding::kDelta16) {
+    coder_.encode_delta(job, rows_);
+  } else if (encoding != Encoding::kTangent) {
+    coder_.encode_octahedral(job, rows_);
+  } else {
+    directions_.resize(groom_->histories.empty() ? 0 : run.vertex_count - run.strand_count);
+    if (!groom_->histories.empty()) job.directions = directions_.data();
+    coder_.encode_tangents(job, rows_);
+  }
+  exact_.clear();
+  worst_squared_ = 0;
+  for (uint32_t s = 0; s < run.strand_count; ++s) {
+    if (worst_[s] != kNotHeld)
+      worst_squared_ = std::max(worst_squared_, worst_[s]);
+    else
+      exact_.push_back(static_cast<uint16_t>(s));
+  }
+}
+
+/// Symbols of strands that are sent as they are tell nothing: zeros cost least.
+void ChunkEncoder::forgetExactStrands(const StrandRun& run) {
+  const size_t plane = run.vertex_count - run.strand_count;
+  for (const uint16_t s : exact_) {
+    const size_t begin = s == 0 ? 0 : strand_ends_[s - 1u], end = strand_ends_[s];
+    for (size_t c = 0; c < 3; ++c) symbols_.roots[c * run.strand_count + s] = 0;
+    for (size_t c = 0; c < static_cast<size_t>(symbols_.edge_planes); ++c)
+      std::fill(symbols_.edges.begin() + static_cast<ptrdiff_t>(c * plane + begin),
+                symbols_.edges.begin() + static_cast<ptrdiff_t>(c * plane + end), uint16_t{0});
+  }
+}
+
+void ChunkEncoder::writePreamble(const GuideFrame& frame, const StrandRun& run, uint8_t mode, float step,
+                                 std::vector<uint8_t>& bytes) const {
+  const auto exact_strands = static_cast<uint16_t>(exact_.size());
+  bytes.resize(kPayloadHeadBytes + exact_.size() * sizeof(uint16_t));
+  bytes[0] = mode;
+  bytes[1] = 0;
+  std::memcpy(bytes.data() + 2, &exact_strands, sizeof exact_strands);
+  std::memcpy(bytes.data() + 4, &step, sizeof step);
+  if (!exact_.empty())
+    std::memcpy(bytes.data() + kPayloadHeadBytes, exact_.data(), exact_.size() * sizeof(uint16_t));
+  for (const uint16_t s : exact_) {
+    const uint32_t first = groom_->geometry.offsets[run.first_strand + s];
+    const size_t length = (groom_->geometry.offsets[run.first_strand + s + 1u] - first) * sizeof(Vec3);
+    bytes.resize(bytes.size() + length);
+    std::memcpy(bytes.data() + bytes.size() - length, frame.positions.data() + first, length);
+  }
+}
+
+void ChunkEncoder::packTangents(const TangentHistory* history, std::vector<uint8_t>& bytes) {
+  const size_t symbols = symbols_.roots.size() + symbols_.edges.size(), begin = bytes.size();
+  sizes_.resize(symbols_.edges.size() / 2);
+  bytes.resize(begin + symbols * kMostRiceBits / 8 + 9);
+  const uint8_t* const end = coder_.pack_tangents(
+      symbols_, strand_ends_, history ? history->sizes.data() : nullptr, sizes_.data(), bytes.data() + begin);
+  bytes.resize(static_cast<size_t>(end - bytes.data()));
+}
+
+void ChunkEncoder::writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
+  SymbolPrediction prediction;
+  prediction.edge_bits = edgeBits(chunk.encoding);
+  prediction.strand_ends = strand_ends_;
+  forgetExactStrands(run);
+  prediction.along_strand = SymbolPacker::prefersAlongStrand(symbols_, prediction);
+  writePreamble(frame, run, prediction.along_strand ? uint8_t{kAlongStrand} : uint8_t{0}, step_,
+                chunk.payload);
+  packer_.pack(symbols_, prediction, chunk.payload);
+}
+
+void ChunkEncoder::encodeTangents(const GuideFrame& frame, const StrandRun& run, uint32_t index,
+                                  GuideChunk& chunk) {
+  TangentHistory* const own = groom_->histories.empty() ? nullptr : &groom_->histories[index];
+  const TangentHistory* history = nullptr;
+  // A gap in the numbers: others were casting, or readers may have changed.
+  if (own && own->frame != 0 && own->frame + 1 == frame.frame) {
+    // Each chunk stands alone at a time of its own, so that frames are about equally large.
+    const uint64_t phase = frame.frame + uint64_t{index} * groom_->options.key_interval / groom_->runs.size();
+    if (phase % groom_->options.key_interval != 0) history = own;
+  }
+  quantize(frame, run, Encoding::kTangent, history);
+  if (exact_.size() * kUnfitShare > run.strand_count) {
+    if (own) own->frame = 0;  // nobody is told of it
+    chunk.encoding = Encoding::kDelta16;
+    return;
+  }
+  chunk.key_frame = history ? history->frame : 0;
+  writePreamble(frame, run, 0, tangent_step_, chunk.payload);
+  packTangents(history, chunk.payload);
+  if (own) own->accept(frame.frame, history == nullptr, directions_, sizes_);
+}
+
+ChunkReport ChunkEncoder::encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk) {
+  const StrandRun& run = groom_->runs[index];
+  fillGuideHeader(frame, groom_->runs, index, chunk);
+  chunk.encoding = encodingOf(groom_->options.codec);
+  chunk.key_frame = 0;
+  if (chunk.encoding == Encoding::kFloat32) {
+    writeFloat32(frame, run, chunk);
+    return {};
+  }
+  if (chunk.encoding == Encoding::kTangent) encodeTangents(frame, run, index, chunk);
+  if (chunk.encoding != Encoding::kTangent) {
+    quantize(frame, run, chunk.encoding, nullptr);
+    if (chunk.encoding != Encoding::kDelta16 && exact_.size() * kUnfitShare > run.strand_count) {
+      chunk.encoding = Encoding::kDelta16;
+      quantize(frame, run, chunk.encoding, nullptr);
+    }
+    writeSymbols(frame, run, chunk);
+  }
+  if (chunk.payload.size() >= run.vertex_count * sizeof(Vec3)) {
+    if (!groom_->histories.empty()) groom_->histories[index].frame = 0;  // nobody is told of it
+    writeFloat32(frame, run, chunk);
+    return {run.strand_count, 0};
+  }
+  return {exact_.size(), std::sqrt(double{worst_squared_})};
+}
+
+}  // namespace strandcast

@@ -1,0 +1,63 @@
+#pragma once
+#include <vector>
+
+#include "transport/chunks.h"
+#include "transport/codec/codec.h"
+#include "transport/codec/guide_payload.h"
+#include "transport/codec/strand_coder.h"
+#include "transport/codec/symbol_packer.h"
+
+namespace strandcast {
+
+/// What the chunks of a groom's frames have in common.
+struct EncodedGroom {
+  CodecOptions options;
+  GuideGeometry geometry;
+  std::vector<StrandRun> runs;            ///< one chunk each
+  std::vector<TangentHistory> histories;  ///< per run; kTemporal only
+};
+
+struct ChunkReport {
+  uint64_t strands_sent_finer = 0;
+  double worst_error = 0;  ///< m, of the other strands
+};
+
+/// Writes the guides of a run into a chunk. Several of these write chunks of one groom at the same time, no
+/// two of them the same one. Memory is that of the largest chunk.
+class ChunkEncoder {
+ public:
+  /// Of a groom that outlives it and whose options stay. Any `coder` writes the same bytes.
+  ChunkEncoder(EncodedGroom& groom, const StrandCoder& coder);
+  /// As GuideEncoder::encode.
+  ChunkReport encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk);
+
+ private:
+  void encodeTangents(const GuideFrame& frame, const StrandRun& run, uint32_t index, GuideChunk& chunk);
+  void quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding,
+                const TangentHistory* history);
+  void quantizeRoots(const GuideFrame& frame, const StrandRun& run, const HeadFrame& head, Encoding encoding);
+  void forgetExactStrands(const StrandRun& run);
+  void packTangents(const TangentHistory* history, std::vector<uint8_t>& bytes);
+  void writePreamble(const GuideFrame& frame, const StrandRun& run, uint8_t mode, float step,
+                     std::vector<uint8_t>& bytes) const;
+  void writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk);
+
+  EncodedGroom* groom_;
+  float squared_limit_;  // m^2
+  float step_;           // m, of the grid
+  float tangent_step_;   // m
+  StrandCoder coder_;
+  // Of the chunk under way.
+  GuideSymbols symbols_;
+  std::vector<uint32_t> strand_ends_;
+  std::vector<uint16_t> exact_;  // strands of the run that are sent as they are
+  float worst_squared_ = 0;      // m^2, of the others
+  SymbolPacker packer_;
+  LaneRows rows_;
+  std::vector<Vec3> roots_;       // per strand: StrandEncoding::roots
+  std::vector<float> worst_;      // per strand: StrandEncoding::worst
+  std::vector<Vec3> directions_;  // per edge; kTemporal only
+  TangentSizes sizes_;
+};
+
+}  // namespace strandcast
