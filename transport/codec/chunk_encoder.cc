@@ -81,8 +81,9 @@ void ChunkEncoder::quantizeRoots(const GuideFrame& frame, const StrandRun& run, 
   }
 }
 
-void ChunkEncoder::quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding,
+void ChunkEncoder::quantize(const GuideFrame& frame, uint32_t index, Encoding encoding,
                             const TangentHistory* history) {
+  const StrandRun& run = groom_->runs[index];
   shapeSymbols(groom_->geometry, run, encoding, symbols_, strand_ends_);
   const HeadFrame head(frame.head);
   quantizeRoots(frame, run, head, encoding);
@@ -94,6 +95,7 @@ void ChunkEncoder::quantize(const GuideFrame& frame, const StrandRun& run, Encod
                      .step = encoding == Encoding::kTangent ? tangent_step_ : step_,
                      .squared_limit = squared_limit_,
                      .bits = edgeBits(encoding),
+                     .rest = &groom_->rests[index],
                      .history = history,
                      .edges = symbols_.edges.data(),
                      .worst = worst_.data()};
@@ -102,8 +104,8 @@ void ChunkEncoder::quantize(const GuideFrame& frame, const StrandRun& run, Encod
   } else if (encoding != Encoding::kTangent) {
     coder_.encode_octahedral(job, rows_);
   } else {
-    directions_.resize(groom_->histories.empty() ? 0 : run.vertex_count - run.strand_count);
-    if (!groom_->histories.empty()) job.directions = directions_.data();
+    if (groom_->rests[index].empty()) coder_.rest_directions(groom_->geometry, run, groom_->rests[index]);
+    if (!groom_->histories.empty()) job.directions = &directions_;
     coder_.encode_tangents(job, rows_);
   }
   exact_.clear();
@@ -166,8 +168,8 @@ void ChunkEncoder::writeSymbols(const GuideFrame& frame, const StrandRun& run, G
   packer_.pack(symbols_, prediction, chunk.payload);
 }
 
-void ChunkEncoder::encodeTangents(const GuideFrame& frame, const StrandRun& run, uint32_t index,
-                                  GuideChunk& chunk) {
+void ChunkEncoder::encodeTangents(const GuideFrame& frame, uint32_t index, GuideChunk& chunk) {
+  const StrandRun& run = groom_->runs[index];
   TangentHistory* const own = groom_->histories.empty() ? nullptr : &groom_->histories[index];
   const TangentHistory* history = nullptr;
   // A gap in the numbers: others were casting, or readers may have changed.
@@ -176,7 +178,7 @@ void ChunkEncoder::encodeTangents(const GuideFrame& frame, const StrandRun& run,
     const uint64_t phase = frame.frame + uint64_t{index} * groom_->options.key_interval / groom_->runs.size();
     if (phase % groom_->options.key_interval != 0) history = own;
   }
-  quantize(frame, run, Encoding::kTangent, history);
+  quantize(frame, index, Encoding::kTangent, history);
   if (exact_.size() * kUnfitShare > run.strand_count) {
     if (own) own->frame = 0;  // nobody is told of it
     chunk.encoding = Encoding::kDelta16;
@@ -197,12 +199,12 @@ ChunkReport ChunkEncoder::encode(const GuideFrame& frame, uint32_t index, GuideC
     writeFloat32(frame, run, chunk);
     return {};
   }
-  if (chunk.encoding == Encoding::kTangent) encodeTangents(frame, run, index, chunk);
+  if (chunk.encoding == Encoding::kTangent) encodeTangents(frame, index, chunk);
   if (chunk.encoding != Encoding::kTangent) {
-    quantize(frame, run, chunk.encoding, nullptr);
+    quantize(frame, index, chunk.encoding, nullptr);
     if (chunk.encoding != Encoding::kDelta16 && exact_.size() * kUnfitShare > run.strand_count) {
       chunk.encoding = Encoding::kDelta16;
-      quantize(frame, run, chunk.encoding, nullptr);
+      quantize(frame, index, chunk.encoding, nullptr);
     }
     writeSymbols(frame, run, chunk);
   }

@@ -14,6 +14,7 @@ struct EncodedGroom {
   CodecOptions options;
   GuideGeometry geometry;
   std::vector<StrandRun> runs;            ///< one chunk each
+  std::vector<DirectionRows> rests;       ///< per run; empty until they are needed
   std::vector<TangentHistory> histories;  ///< per run; kTemporal only
 };
 
@@ -32,9 +33,8 @@ class ChunkEncoder {
   ChunkReport encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk);
 
  private:
-  void encodeTangents(const GuideFrame& frame, const StrandRun& run, uint32_t index, GuideChunk& chunk);
-  void quantize(const GuideFrame& frame, const StrandRun& run, Encoding encoding,
-                const TangentHistory* history);
+  void encodeTangents(const GuideFrame& frame, uint32_t index, GuideChunk& chunk);
+  void quantize(const GuideFrame& frame, uint32_t index, Encoding encoding, const TangentHistory* history);
   void quantizeRoots(const GuideFrame& frame, const StrandRun& run, const HeadFrame& head, Encoding encoding);
   void forgetExactStrands(const StrandRun& run);
   void packTangents(const TangentHistory* history, std::vector<uint8_t>& bytes);
@@ -54,9 +54,9 @@ class ChunkEncoder {
   float worst_squared_ = 0;      // m^2, of the others
   SymbolPacker packer_;
   LaneRows rows_;
-  std::vector<Vec3> roots_;       // per strand: StrandEncoding::roots
-  std::vector<float> worst_;      // per strand: StrandEncoding::worst
-  std::vector<Vec3> directions_;  // per edge; kTemporal only
+  std::vector<Vec3> roots_;   // per strand: StrandEncoding::roots
+  std::vector<float> worst_;  // per strand: StrandEncoding::worst
+  DirectionRows directions_;  // kTemporal only
   TangentSizes sizes_;
 };
 

@@ -91,33 +91,35 @@ DecodeResult GuideDecoder::decodeSymbols(const GuideChunk& chunk, const StrandRu
                                          std::span<Vec3> positions) {
   if (preamble_.mode > kAlongStrand || chunk.key_frame != 0) return DecodeResult::kDamaged;
   if (!unpacker_.unpack(preamble_.symbols, symbols_)) return DecodeResult::kDamaged;
-  placeStrands(chunk, run, nullptr, positions);
+  placeStrands(chunk, run, nullptr, nullptr, positions);
   return DecodeResult::kDone;
 }
 
 DecodeResult GuideDecoder::decodeTangents(const GuideChunk& chunk, const StrandRun& run,
                                           std::span<Vec3> positions) {
   if (preamble_.mode != 0 || chunk.key_frame >= chunk.frame) return DecodeResult::kDamaged;
+  const auto found = memories_.find(run.first_strand);
+  const Memory* const memory =
+      found != memories_.end() && found->second.strand_count == run.strand_count ? &found->second : nullptr;
   const TangentHistory* history = nullptr;
   if (chunk.key_frame != 0) {
-    const auto memory = memories_.find(run.first_strand);
-    if (memory == memories_.end() || memory->second.history.frame != chunk.key_frame ||
-        memory->second.strand_count != run.strand_count)
-      return DecodeResult::kNoKey;
-    history = &memory->second.history;
+    if (!memory || memory->history.frame != chunk.key_frame) return DecodeResult::kNoKey;
+    history = &memory->history;
   }
   sizes_.resize(run.vertex_count - run.strand_count);
   if (!coder_.unpack_tangents(preamble_.symbols, strand_ends_, history ? history->sizes.data() : nullptr,
                               sizes_.data(), symbols_))
     return DecodeResult::kDamaged;
-  directions_.resize(run.vertex_count - run.strand_count);
-  placeStrands(chunk, run, history, positions);
-  remember(run).history.accept(chunk.frame, chunk.key_frame == 0, directions_, sizes_);
+  if (!memory) coder_.rest_directions(geometry_, run, rest_);
+  placeStrands(chunk, run, memory ? &memory->rest : &rest_, history, positions);
+  Memory& own = remember(run);
+  if (!memory) own.rest.swap(rest_);
+  own.history.accept(chunk.frame, chunk.key_frame == 0, directions_, sizes_);
   return DecodeResult::kDone;
 }
 
-void GuideDecoder::placeStrands(const GuideChunk& chunk, const StrandRun& run, const TangentHistory* history,
-                                std::span<Vec3> positions) {
+void GuideDecoder::placeStrands(const GuideChunk& chunk, const StrandRun& run, const DirectionRows* rest,
+                                const TangentHistory* history, std::span<Vec3> positions) {
   placeRoots(run, chunk.encoding);
   const HeadFrame head = headOf(chunk);
   const StrandDecoding job{.geometry = geometry_,
@@ -127,9 +129,10 @@ void GuideDecoder::placeStrands(const GuideChunk& chunk, const StrandRun& run, c
                            .step = preamble_.step,
                            .bits = edgeBits(chunk.encoding),
                            .along_strand = (preamble_.mode & kAlongStrand) != 0,
+                           .rest = rest,
                            .history = history,
                            .edges = symbols_.edges.data(),
-                           .directions = directions_.data(),
+                           .directions = &directions_,
                            .positions = positions.data()};
   if (chunk.encoding == Encoding::kDelta16)
     coder_.decode_delta(job, rows_);

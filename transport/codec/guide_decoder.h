@@ -17,7 +17,7 @@ enum class DecodeResult {
 };
 
 /// Reads the payloads of chunks. Nothing in a payload is believed: memory and work are bounded by the groom
-/// and by what was received. Chunks that build on others come in the order in which they were encoded.
+/// (whose strands are as long as the longest of those beside them) and by what was received. Chunks that build on others come in the order in which they were encoded.
 class GuideDecoder {
  public:
   /// Any `coder` reads the same positions.
@@ -32,6 +32,7 @@ class GuideDecoder {
  private:
   struct Memory {
     uint32_t strand_count = 0;
+    DirectionRows rest;
     TangentHistory history;
   };
   /// What stands before the symbols of every encoding but kFloat32.
@@ -46,8 +47,8 @@ class GuideDecoder {
   DecodeResult decodeSymbols(const GuideChunk& chunk, const StrandRun& run, std::span<Vec3> positions);
   DecodeResult decodeTangents(const GuideChunk& chunk, const StrandRun& run, std::span<Vec3> positions);
   /// From symbols to positions.
-  void placeStrands(const GuideChunk& chunk, const StrandRun& run, const TangentHistory* history,
-                    std::span<Vec3> positions);
+  void placeStrands(const GuideChunk& chunk, const StrandRun& run, const DirectionRows* rest,
+                    const TangentHistory* history, std::span<Vec3> positions);
   void placeRoots(const StrandRun& run, Encoding encoding);
   Memory& remember(const StrandRun& run);
 
@@ -60,8 +61,10 @@ class GuideDecoder {
   std::vector<uint32_t> strand_ends_;
   SymbolUnpacker unpacker_;
   LaneRows rows_;
-  std::vector<Vec3> roots_;       // of the chunk under way, per strand: StrandDecoding::roots
-  std::vector<Vec3> directions_;  // of the chunk under way, per edge
+  // Of the chunk under way:
+  std::vector<Vec3> roots_;  // per strand: StrandDecoding::roots
+  DirectionRows directions_;
+  DirectionRows rest_;  // of a run that is not remembered
   TangentSizes sizes_;
 };
 

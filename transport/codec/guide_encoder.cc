@@ -23,7 +23,7 @@ struct GuideEncoder::Pipeline {
 };
 
 GuideEncoder::GuideEncoder(const CodecOptions& options, const StrandCoder& coder)
-    : groom_{options, {}, {}, {}}, coder_(coder), own_(groom_, coder) {}
+    : groom_{options, {}, {}, {}, {}}, coder_(coder), own_(groom_, coder) {}
 
 GuideEncoder::~GuideEncoder() = default;
 
@@ -31,6 +31,7 @@ void GuideEncoder::setGroom(const StrandSet& guides) {
   const CodecOptions& options = groom_.options;
   groom_.geometry = GuideGeometry(guides);
   groom_.runs = divideGuides(guides);
+  groom_.rests.assign(groom_.runs.size(), {});
   groom_.histories.assign(options.codec == Codec::kTemporal ? groom_.runs.size() : 0, {});
   report_ = {nameOf(options.codec), options.codec == Codec::kFloat32 ? 0.0 : double{options.max_error}};
   reported_frame_ = 0;

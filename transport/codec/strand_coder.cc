@@ -62,6 +62,7 @@ StrandCoder coder() {
   made.decode_delta = &decodeDelta;
   made.decode_octahedral = &decodeOctahedral;
   made.decode_tangents = &decodeTangents;
+  made.rest_directions = &restDirections;
   made.fold = &fold;
   made.unfold = &unfold;
   made.pack_tangents = &packTangents;

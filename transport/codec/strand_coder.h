@@ -31,9 +31,10 @@ struct StrandEncoding {
   float step;  ///< m; not of octahedral
   float squared_limit;                      ///< m^2
   int bits = 16;                            ///< octahedral: 12 or 16
-  const TangentHistory* history = nullptr;  ///< tangents: what this frame builds on, or null
+  const DirectionRows* rest = nullptr;      ///< tangents: as rest_directions() has them
+  const TangentHistory* history = nullptr;  ///< tangents: what this frame builds on in place of it, or null
   uint16_t* edges;                          ///< out: the planes of GuideSymbols::edges
-  Vec3* directions = nullptr;  ///< tangents, out: per edge of the run, head's frame, unit; may be null
+  DirectionRows* directions = nullptr;      ///< tangents, out; may be null
   /// Per strand of the run, in and out: m^2, how far off it is; infinite where its symbols do not hold it.
   float* worst;
 };
@@ -46,10 +47,11 @@ struct StrandDecoding {
   float step;         ///< m; not of octahedral
   int bits = 16;
   bool along_strand = false;  ///< not of tangents: symbols are differences to the edge before
+  const DirectionRows* rest = nullptr;
   const TangentHistory* history = nullptr;
-  const uint16_t* edges;       ///< the planes of GuideSymbols::edges
-  Vec3* directions = nullptr;  ///< tangents, out: per edge of the run
-  Vec3* positions;             ///< out: per vertex of the run, world, m
+  const uint16_t* edges;                ///< the planes of GuideSymbols::edges
+  DirectionRows* directions = nullptr;  ///< tangents, out
+  Vec3* positions;                      ///< out: per vertex of the run, world, m
 };
 
 struct StrandCoder {
@@ -60,6 +62,8 @@ struct StrandCoder {
   void (*decode_delta)(const StrandDecoding& job, LaneRows& rows) = nullptr;
   void (*decode_octahedral)(const StrandDecoding& job, LaneRows& rows) = nullptr;
   void (*decode_tangents)(const StrandDecoding& job, LaneRows& rows) = nullptr;
+  /// The directions of GuideGeometry.
+  void (*rest_directions)(const GuideGeometry& geometry, const StrandRun& run, DirectionRows& rows) = nullptr;
   /// Each symbol, `along` less the one before it (0 before the first), modulo 2^bits and folded to small
   /// numbers: low and high bytes.
   void (*fold)(const uint16_t* symbols, size_t count, bool along, int bits, uint8_t* low,

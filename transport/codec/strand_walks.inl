@@ -23,6 +23,20 @@ template <class Work>
 HWY_INLINE void forTiles(const GuideGeometry& geometry, const StrandRun& run, const Work& work) {
   for (uint32_t s = 0; s < run.strand_count; s += kRow) work(Tile(geometry, run, s));
 }
+/// Calls work(tile, directions), where the tile's rows of a DirectionRows begin; vertex i has row i - 1.
+template <class Work>
+HWY_INLINE void forDirections(const GuideGeometry& geometry, const StrandRun& run, const Work& work) {
+  size_t begin = 0;
+  forTiles(geometry, run, [&](const Tile& tile) {
+    work(tile, begin);
+    begin += 3 * kRow * (tile.rows - 1);
+  });
+}
+void shapeDirections(const GuideGeometry& geometry, const StrandRun& run, DirectionRows& rows) {
+  size_t size = 0;
+  forTiles(geometry, run, [&](const Tile& tile) { size += 3 * kRow * (tile.rows - 1); });
+  rows.resize(size);
+}
 
 size_t edgesOf(const StrandRun& run) { return run.vertex_count - run.strand_count; }
 
@@ -44,19 +58,6 @@ HWY_INLINE void pourLengths(const Tile& tile, const GuideGeometry& geometry, con
   for (size_t l = 0; l < tile.lanes; ++l)
     streams.add(&geometry.lengths[run.first_vertex + tile.vertices[l]], tile.counts[l]);
   pour(streams, rows);
-}
-/// Vectors per edge of the run.
-HWY_INLINE void pourDirections(const Tile& tile, const Vec3* edges, float* rows) {
-  Streams<const float*> streams;
-  for (size_t l = 0; l < tile.lanes; ++l)
-    streams.add(reinterpret_cast<const float*>(edges + tile.edge(l)), 3 * (tile.counts[l] - 1));
-  pour(streams, rows + 3 * kRow);
-}
-HWY_INLINE void drawDirections(const Tile& tile, const float* rows, Vec3* edges) {
-  Streams<float*> streams;
-  for (size_t l = 0; l < tile.lanes; ++l)
-    streams.add(reinterpret_cast<float*>(edges + tile.edge(l)), 3 * (tile.counts[l] - 1));
-  draw(rows + 3 * kRow, streams);
 }
 HWY_INLINE void pourEdges(const Tile& tile, const uint16_t* edges, uint16_t* rows) {
   for (size_t l = 0; l < kRow; ++l)
@@ -199,27 +200,27 @@ void decodeOctahedral(const StrandDecoding& job, LaneRows& lane_rows) {
 
 // ---- tangents
 
+void restDirections(const GuideGeometry& geometry, const StrandRun& run, DirectionRows& rows) {
+  shapeDirections(geometry, run, rows);
+  forDirections(geometry, run, [&](const Tile& tile, size_t begin) {
+    Streams<const float*> streams;
+    for (size_t l = 0; l < tile.lanes; ++l) {
+      const Vec3* const first = geometry.directions.data() + run.first_vertex + tile.vertices[l] + 1;
+      streams.add(reinterpret_cast<const float*>(first), 3 * (tile.counts[l] - 1));
+    }
+    pour(streams, rows.data() + begin);
+  });
+}
+
 /// Predicts the edges of a tile from their references.
 class Predictor {
  public:
-  /// `planes`: 6 with a history, else 3.
-  Predictor(const GuideGeometry& geometry, const StrandRun& run, const TangentHistory* history, float* rows,
-            size_t plane)
-      : geometry_(geometry), run_(run), history_(history), rows_(rows), plane_(plane) {}
-  HWY_INLINE void take(const Tile& tile) {
-    if (history_) {
-      pourDirections(tile, history_->last.data(), rows_);
-      pourDirections(tile, history_->before().data(), rows_ + 3 * plane_);
-      return;
-    }
-    Streams<const float*> streams;  // per vertex, from the root on
-    for (size_t l = 0; l < tile.lanes; ++l)
-      streams.add(geometry_.directions[run_.first_vertex + tile.vertices[l]].data(), 3 * tile.counts[l]);
-    pour(streams, rows_);
-  }
+  HWY_INLINE Predictor(const DirectionRows& rest, const TangentHistory* history, size_t begin)
+      : last_((history ? history->last : rest).data() + begin),
+        before_(history ? history->before().data() + begin : nullptr) {}
   HWY_INLINE real3 next(size_t i) {
-    real3 reference = row3(rows_, i);
-    if (history_) reference = unit((reference + reference) - row3(rows_ + 3 * plane_, i));
+    real3 reference = row3(last_, i - 1);
+    if (before_) reference = unit((reference + reference) - row3(before_, i - 1));
     const real3 predicted = i == 1 ? reference : turned(reference, reference_, direction_);
     reference_ = reference;
     return predicted;
@@ -228,27 +229,24 @@ class Predictor {
   HWY_INLINE void learn(const real3& direction) { direction_ = direction; }
 
  private:
-  const GuideGeometry& geometry_;
-  const StrandRun& run_;
-  const TangentHistory* const history_;
-  float* const rows_;
-  const size_t plane_;
+  const float *last_, *before_;
   real3 reference_{}, direction_{};  // of the edge before
 };
 
 HWY_INLINE real atLeast(real a, double least) { return select(a > lit(least), a, lit(least)); }
 
 void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
-  const Rows rows(lane_rows, job.geometry, job.run, 10, 2);
+  const Rows rows(lane_rows, job.geometry, job.run, 4, 2);
   const LaneFrame frame(job.head);
   const real step = lit(job.step);
   const size_t edges = edgesOf(job.run);
   float* const length_rows = rows.numbers + 3 * rows.plane;
-  Predictor predictor(job.geometry, job.run, job.history, rows.numbers + 4 * rows.plane, rows.plane);
-  forTiles(job.geometry, job.run, [&](const Tile& tile) {
+  if (job.directions) shapeDirections(job.geometry, job.run, *job.directions);
+  forDirections(job.geometry, job.run, [&](const Tile& tile, size_t begin) {
     pourPositions(tile, job.positions, rows.numbers);
     pourLengths(tile, job.geometry, job.run, length_rows);
-    predictor.take(tile);
+    Predictor predictor(*job.rest, job.history, begin);
+    float* const directions = job.directions ? job.directions->data() + begin : nullptr;
     const Lengths lengths(tile);
     Judgement judgement(frame, job.squared_limit, tile, job.worst);
     real3 at = perStrand(tile, job.roots);
@@ -271,27 +269,26 @@ void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
       at = at + direction * length;
       judgement.look(lengths.has(i), at, wanted);
       predictor.learn(direction);
-      setRow3(rows.numbers, i, direction);
+      if (directions) setRow3(directions, i - 1, direction);
     }
     for (size_t c = 0; c < 2; ++c) drawEdges(tile, rows.symbols + c * rows.symbol_plane, job.edges + c * edges);
-    if (job.directions) drawDirections(tile, rows.numbers, job.directions);
     judgement.write(tile, job.worst);
   });
 }
 
 void decodeTangents(const StrandDecoding& job, LaneRows& lane_rows) {
-  const Rows rows(lane_rows, job.geometry, job.run, 10, 2);
+  const Rows rows(lane_rows, job.geometry, job.run, 4, 2);
   const LaneFrame frame(job.head);
   const real step = lit(job.step);
   const size_t edges = edgesOf(job.run);
   float* const length_rows = rows.numbers + 3 * rows.plane;
-  float* const reference_rows = rows.numbers + 4 * rows.plane;
-  Predictor predictor(job.geometry, job.run, job.history, reference_rows, rows.plane);
-  forTiles(job.geometry, job.run, [&](const Tile& tile) {
+  shapeDirections(job.geometry, job.run, *job.directions);
+  forDirections(job.geometry, job.run, [&](const Tile& tile, size_t begin) {
     for (size_t c = 0; c < 2; ++c)
       pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
     pourLengths(tile, job.geometry, job.run, length_rows);
-    predictor.take(tile);
+    Predictor predictor(*job.rest, job.history, begin);
+    float* const directions = job.directions->data() + begin;
     real3 at = perStrand(tile, job.roots);
     setRow3(rows.numbers, 0, frame.toWorld(at));
     for (size_t i = 1; i < tile.rows; ++i) {
@@ -305,9 +302,8 @@ void decodeTangents(const StrandDecoding& job, LaneRows& lane_rows) {
       at = at + direction * length;
       predictor.learn(direction);
       setRow3(rows.numbers, i, frame.toWorld(at));
-      setRow3(reference_rows, i, direction);  // the reference is not needed any more
+      setRow3(directions, i - 1, direction);
     }
     drawPositions(tile, rows.numbers, job.positions);
-    drawDirections(tile, reference_rows, job.directions);
   });
 }
