@@ -1,25 +1,108 @@
 #include "transport/codec/guide_encoder.h"
 
-#include <oneapi/tbb/info.h>
-#include <oneapi/tbb/parallel_pipeline.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
 
 namespace strandcast {
+namespace {
 
-struct GuideEncoder::Pipeline {
-  struct Stage {
-    ChunkEncoder encoder;
-    GuideChunk chunk;
-    ChunkReport report;
-  };
-  Pipeline(int threads, EncodedGroom& groom, const StrandCoder& coder) : arena(threads) {
-    // Chunks leave in order: those that are done early wait for those before them.
-    for (int i = 0; i < 2 * threads; ++i) stages.push_back({ChunkEncoder(groom, coder), {}, {}});
+int encodingThreads(int asked) {
+  const int there = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return std::min({asked > 0 ? asked : there, there, kMaxEncodingThreads});
+}
+
+}  // namespace
+
+/// Threads that encode the chunks of a frame ahead of the one that sends them.
+class GuideEncoder::Crew {
+ public:
+  Crew(int threads, EncodedGroom& groom, const StrandCoder& coder) {
+    for (int i = 0; i < 2 * threads; ++i) desks_.push_back({ChunkEncoder(groom, coder)});
+    for (int i = 1; i < threads; ++i) helpers_.emplace_back([this](std::stop_token stop) { help(stop); });
   }
-  oneapi::tbb::task_arena arena;
-  std::vector<Stage> stages;
+
+  /// Calls send(chunk, report) on this thread, in order.
+  template <class Send>
+  void encodeAll(const GuideFrame& frame, uint32_t count, const Send& send) {
+    std::unique_lock lock(mutex_);
+    frame_ = &frame;
+    next_ = sent_ = 0;
+    count_ = count;
+    work_.notify_all();
+    try {
+      while (sent_ < count_) {
+        Desk& desk = deskOf(sent_);
+        if (failure_) std::rethrow_exception(failure_);
+        if (desk.is_ready) {
+          lock.unlock();
+          send(desk.chunk, desk.report);
+          lock.lock();
+          desk.is_ready = false;
+          ++sent_;
+          work_.notify_one();
+        } else if (mayBegin()) {
+          encodeNext(lock);
+        } else {
+          ready_.wait(lock);
+        }
+      }
+    } catch (...) {
+      if (!lock.owns_lock()) lock.lock();
+      count_ = 0;
+      ready_.wait(lock, [&] { return under_way_ == 0; });
+      for (Desk& desk : desks_) desk.is_ready = false;
+      failure_ = nullptr;
+      throw;
+    }
+  }
+
+ private:
+  struct Desk {
+    ChunkEncoder encoder;
+    GuideChunk chunk{};
+    ChunkReport report{};
+    bool is_ready = false;
+  };
+
+  /// Chunks under way are never as many apart as there are desks.
+  Desk& deskOf(uint32_t index) { return desks_[index % desks_.size()]; }
+  bool mayBegin() const { return next_ < count_ && next_ < sent_ + desks_.size(); }
+
+  void encodeNext(std::unique_lock<std::mutex>& lock) {
+    const uint32_t index = next_++;
+    const GuideFrame& frame = *frame_;
+    Desk& desk = deskOf(index);
+    ++under_way_;
+    lock.unlock();
+    std::exception_ptr failure;
+    try {
+      desk.report = desk.encoder.encode(frame, index, desk.chunk);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    --under_way_;
+    desk.is_ready = true;
+    if (failure) failure_ = failure;
+    ready_.notify_one();
+  }
+
+  void help(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    while (work_.wait(lock, stop, [this] { return mayBegin(); })) encodeNext(lock);
+  }
+
+  std::mutex mutex_;
+  std::condition_variable_any work_;  // may begin
+  std::condition_variable ready_;     // a chunk is ready
+  const GuideFrame* frame_ = nullptr;
+  uint32_t next_ = 0, sent_ = 0, count_ = 0, under_way_ = 0;
+  std::exception_ptr failure_;
+  std::vector<Desk> desks_;
+  std::vector<std::jthread> helpers_;  // last: they go before what they use
 };
 
 GuideEncoder::GuideEncoder(const CodecOptions& options, const StrandCoder& coder)
@@ -54,10 +137,8 @@ void GuideEncoder::encode(const GuideFrame& frame, uint32_t index, GuideChunk& c
 }
 
 void GuideEncoder::encodeAll(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send) {
-  namespace tbb = oneapi::tbb;
   const auto count = static_cast<uint32_t>(groom_.runs.size());
-  const int asked = groom_.options.threads, there = tbb::info::default_concurrency();
-  const int threads = std::min({asked > 0 ? asked : there, there, kMaxEncodingThreads});
+  const int threads = encodingThreads(groom_.options.threads);
   if (threads == 1 || count <= 1) {
     for (uint32_t i = 0; i < count; ++i) {
       encode(frame, i, own_chunk_);
@@ -65,30 +146,10 @@ void GuideEncoder::encodeAll(const GuideFrame& frame, const std::function<void(G
     }
     return;
   }
-  if (!pipeline_) pipeline_ = std::make_unique<Pipeline>(threads, groom_, coder_);
-  std::vector<Pipeline::Stage>& stages = pipeline_->stages;
-  // Of chunks under way no two are as many apart as there are stages.
-  const auto stage = [&](uint32_t index) -> Pipeline::Stage& { return stages[index % stages.size()]; };
-  uint32_t next = 0;
-  pipeline_->arena.execute([&] {
-    tbb::parallel_pipeline(
-        stages.size(),
-        tbb::make_filter<void, uint32_t>(tbb::filter_mode::serial_in_order,
-                                         [&](tbb::flow_control& flow) -> uint32_t {
-                                           if (next == count) flow.stop();
-                                           return next == count ? 0 : next++;
-                                         }) &
-            tbb::make_filter<uint32_t, uint32_t>(tbb::filter_mode::parallel,
-                                                 [&](uint32_t index) {
-                                                   Pipeline::Stage& own = stage(index);
-                                                   own.report = own.encoder.encode(frame, index, own.chunk);
-                                                   return index;
-                                                 }) &
-            tbb::make_filter<uint32_t, void>(tbb::filter_mode::serial_in_order, [&](uint32_t index) {
-              Pipeline::Stage& own = stage(index);
-              add(frame, own.chunk, own.report);
-              send(own.chunk);
-            }));
+  if (!crew_) crew_ = std::make_unique<Crew>(threads, groom_, coder_);
+  crew_->encodeAll(frame, count, [&](GuideChunk& chunk, const ChunkReport& report) {
+    add(frame, chunk, report);
+    send(chunk);
   });
 }
 

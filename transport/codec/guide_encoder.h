@@ -26,21 +26,21 @@ class GuideEncoder {
   /// frame or two.
   void encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk);
   /// All chunks of `frame`, encoded on as many threads as the options say: send(chunk) for one after another
-  /// in order, not always on this thread, while others are still encoded. It may exchange the chunk's memory;
-  /// what it throws comes out of here.
+  /// in order, on this thread, while others are still encoded. It may exchange the chunk's memory; what it
+  /// throws comes out of here.
   void encodeAll(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send);
   /// Of the chunks of the newest frame number that was encoded.
   const EncodingReport& report() const { return report_; }
 
  private:
-  struct Pipeline;
+  class Crew;
   void add(const GuideFrame& frame, const GuideChunk& chunk, const ChunkReport& report);
 
   EncodedGroom groom_;
   const StrandCoder coder_;
   ChunkEncoder own_;  // for what one thread encodes
   GuideChunk own_chunk_;
-  std::unique_ptr<Pipeline> pipeline_;
+  std::unique_ptr<Crew> crew_;
   EncodingReport report_;
   uint64_t reported_frame_ = 0;
 };
