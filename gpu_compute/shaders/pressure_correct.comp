@@ -3,7 +3,7 @@
 // Back from modes along x: the preconditioned residual, and its image under the pressure's system, which knows of bodies. A
 // workgroup has a bundle of lines along x, and those around it.
 #define INVOCATIONS 512
-#define PARITIES 2
+#define MATRICES 2
 layout(local_size_x = INVOCATIONS) in;
 #include "kernels/lanes_glsl.h"
 #include "gpu_compute/shaders/pressure_solve.glsl"
@@ -19,7 +19,6 @@ layout(std430, binding = 12) readonly buffer Planes { float planes[]; };  // see
 #define SIDE (OWN_Y + 2)
 #define LINES (SIDE * (OWN_Z + 2))
 #define PITCH (LINES | 1)
-#define PLACES 64  // for lines among invocations
 shared float values[CELLS * PITCH];  // modes, then places
 
 void main() {
@@ -27,10 +26,10 @@ void main() {
   int me = int(gl_LocalInvocationIndex);
   if (me == 0 && gl_WorkGroupID.x + gl_WorkGroupID.y == 0u) solve.residual_now = 0u;
   ivec2 first = ivec2(gl_WorkGroupID.xy) * ivec2(OWN_Y, OWN_Z) - 1;
-  for (int n = me; n < CELLS * PLACES; n += INVOCATIONS) {
-    int line = n % PLACES, mode = n / PLACES;
+  for (int parity = 0; parity < 2; ++parity) readRows(FROM_MODES + parity, 0, parity);
+  for (int n = me; n < CELLS * LINES; n += INVOCATIONS) {
+    int line = n % LINES, mode = n / LINES;
     ivec2 at = first + ivec2(line % SIDE, line / SIDE);
-    if (line >= LINES) continue;
     float value = 0.0;
     if (all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(CELLS)))) {
       ivec2 place = min(at, CELLS - 1 - at);
@@ -41,14 +40,19 @@ void main() {
     }
     values[mode * PITCH + line] = value;
   }
-  const int items = GROUPS * PLACES, per_invocation = (items + INVOCATIONS - 1) / INVOCATIONS;
+  const int items = GROUPS * LINES, per_invocation = (items + INVOCATIONS - 1) / INVOCATIONS;
   vec4 even[per_invocation], odd[per_invocation];
   for (int i = 0; i < per_invocation; ++i) even[i] = odd[i] = vec4(0);
+  barrier();
   for (int from = 0; from < HALF; from += ROWS_AT_ONCE) {
-    readRows(FROM_MODES, from);
+    if (from > 0) {
+      barrier();
+      for (int parity = 0; parity < 2; ++parity) readRows(FROM_MODES + parity, from, parity);
+      barrier();
+    }
     for (int i = 0; i < per_invocation; ++i) {
-      int item = me + i * INVOCATIONS, line = item % PLACES, group = item / PLACES;
-      if (item >= items || line >= LINES) break;
+      int item = me + i * INVOCATIONS, line = item % LINES, group = item / LINES;
+      if (item >= items) break;
       vec4 sum = even[i], difference = odd[i];
       for (int row = 0; row < ROWS_AT_ONCE; ++row) {
         sum = fma(matrix_rows[row * GROUPS + group], vec4(values[(from + row) * PITCH + line]), sum);
@@ -61,8 +65,8 @@ void main() {
   }
   barrier();
   for (int i = 0; i < per_invocation; ++i) {
-    int item = me + i * INVOCATIONS, line = item % PLACES, group = item / PLACES;
-    if (item >= items || line >= LINES) break;
+    int item = me + i * INVOCATIONS, line = item % LINES, group = item / LINES;
+    if (item >= items) break;
     for (int n = 0; n < 4; ++n) {
       int place = 4 * group + n;
       values[place * PITCH + line] = even[i][n] + odd[i][n];

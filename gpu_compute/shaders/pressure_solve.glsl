@@ -18,15 +18,13 @@ layout(std430, binding = 0) readonly buffer Masks { uint masks[]; };  // bits 0 
 layout(std430, binding = 1) readonly buffer Matrices { vec4 matrices[]; };
 #define TO_MODES 0
 #define FROM_MODES 2
-// As many rows of them at once as shared memory has room for.
-#define ROWS_AT_ONCE (HALF <= 32 ? HALF : 8)
-shared vec4 matrix_rows[PARITIES * ROWS_AT_ONCE * GROUPS];
-void readRows(int matrix, int first) {
-  const int count = ROWS_AT_ONCE * GROUPS;
-  barrier();
-  for (int n = int(gl_LocalInvocationIndex); n < PARITIES * count; n += INVOCATIONS)
-    matrix_rows[n] = matrices[(matrix + n / count) * HALF * GROUPS + first * GROUPS + n % count];
-  barrier();
+// As many rows of them at once as shared memory has room for: all of them, of all MATRICES that a pass needs, or a few.
+#define HAS_ALL (HALF <= 32)
+#define ROWS_AT_ONCE (HAS_ALL ? HALF : 8)
+shared vec4 matrix_rows[MATRICES * ROWS_AT_ONCE * GROUPS];
+void readRows(int matrix, int first, int to) {
+  for (int n = int(gl_LocalInvocationIndex); n < ROWS_AT_ONCE * GROUPS; n += INVOCATIONS)
+    matrix_rows[to * ROWS_AT_ONCE * GROUPS + n] = matrices[matrix * HALF * GROUPS + first * GROUPS + n];
 }
 
 // Bits 0 to 5 of a cell as numbers, and how many there are.

@@ -4,7 +4,7 @@
 // with both products of an iteration known at once (Chronopoulos and Gear 1989, "s-step iterative methods for symmetric linear
 // systems", section 3).
 #define INVOCATIONS 512
-#define PARITIES 2
+#define MATRICES 2
 layout(local_size_x = INVOCATIONS) in;
 #include "kernels/lanes_glsl.h"
 #include "gpu_compute/shaders/pressure_solve.glsl"
@@ -59,6 +59,7 @@ void main() {
   if (solve.done != 0) return;
   int me = int(gl_LocalInvocationIndex), first_line = int(gl_WorkGroupID.x) * LINES;
   if (me == 0) largest = 0u;
+  for (int parity = 0; parity < 2; ++parity) readRows(TO_MODES + parity, 0, parity);
   float turn = 0.0, length_ = 0.0;
 #if !FIRST
   vec2 product = vec2(0);
@@ -91,7 +92,11 @@ void main() {
   vec4 found[per_invocation];
   for (int i = 0; i < per_invocation; ++i) found[i] = vec4(0);
   for (int from = 0; from < HALF; from += ROWS_AT_ONCE) {
-    readRows(TO_MODES, from);
+    if (from > 0) {
+      barrier();
+      for (int parity = 0; parity < 2; ++parity) readRows(TO_MODES + parity, from, parity);
+      barrier();
+    }
     for (int i = 0; i < per_invocation; ++i) {
       int item = me + i * INVOCATIONS, line = item % LINES, group = item / LINES % GROUPS, parity = item / (LINES * GROUPS);
       if (item >= items) break;
