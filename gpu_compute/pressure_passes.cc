@@ -12,9 +12,9 @@
 namespace strandcast::gpu {
 namespace {
 
-constexpr int kLines = 32;       // of a workgroup of shaders/pressure_step.comp
-constexpr int kBundleZ = 4;      // lines of a workgroup of shaders/pressure_correct.comp, along z
-constexpr int kBundleOf96 = 8;   // and along y, of up to 96 cells
+constexpr int kLines = 32;        // of a workgroup of shaders/pressure_step.comp
+constexpr int kBundleZ = 4;       // lines of a workgroup of shaders/pressure_correct.comp, along z
+constexpr int kBundleOf96 = 8;    // and along y, of up to 96 cells
 constexpr int kBundleBeyond = 4;  // and of more
 
 size_t cubed(int n) { return static_cast<size_t>(n) * static_cast<size_t>(n) * static_cast<size_t>(n); }
@@ -43,7 +43,8 @@ struct Modes {
       for (int parity = 0; parity < 2; ++parity)
         for (int in = 0; in < half; ++in)
           for (int out = 0; out < half; ++out)
-            matrices.push_back(static_cast<float>(back ? mode(2 * in + parity, out) : mode(2 * out + parity, in)));
+            matrices.push_back(
+                static_cast<float>(back ? mode(2 * in + parity, out) : mode(2 * out + parity, in)));
     for (int parity = 0; parity < 2; ++parity)
       for (int n = 0; n < half; ++n)
         eigenvalues.push_back(static_cast<float>(2 - 2 * std::cos(angle(2 * n + parity))));
@@ -57,8 +58,8 @@ PressurePasses::PressurePasses(int cells, Wind::Border border, ProgramCache& pro
       state_(zeros<State>(1)),
       masks_(zeros<uint32_t>(cubed(cells))),
       products_(zeros<std::array<float, 2>>(bundles(cells, bundleY(cells)) * bundles(cells, kBundleZ))) {
-  for (gl::Buffer* buffer : {&rights_, &residuals_, &steps_, &images_, &corrections_, &correction_images_,
-                             &modes_, &planes_})
+  for (gl::Buffer* buffer :
+       {&rights_, &residuals_, &steps_, &images_, &corrections_, &correction_images_, &modes_, &planes_})
     *buffer = zeros<float>(cubed(cells));
   const Modes modes(cells, border);
   matrices_ = gl::Buffer(std::span<const float>(modes.matrices));
