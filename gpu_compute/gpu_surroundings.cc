@@ -163,9 +163,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   if (on_grid) our.wind->diffuse(dt, static_cast<double>(p.air_viscosity), exchanges);
   finishPass();
   our.timer.passed("diffuse, drag");
-  if (on_grid) {
-    our.wind->projectAhead(our.timer);
-  }
+  if (on_grid) our.wind->projectAhead(our.timer);
   const bool uniform = !on_grid && sources_.empty() && p.gust == 0 && p.turbulence == 0;
   hair.gather(where,
               {forces,

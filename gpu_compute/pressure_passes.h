@@ -8,9 +8,9 @@ namespace strandcast::gpu {
 /// The pressure that takes the divergence from a wind grid: conjugate gradients, as in air/pressure.h, but
 /// preconditioned by the exact solution of the same box without bodies, in its sine modes (between walls:
 /// cosine modes; Buzbee, Golub, Nielson 1970, "On Direct Methods for Solving Poisson's Equations"). Bodies
-/// change the system where they are, and a solution goes on into them with as much energy as it has around
-/// them at most, so that an iteration is worth a factor of about four at every size, in three dispatches. A
-/// transform is a product with a matrix: its work is small beside what a dispatch waits.
+/// change the system only where they are: around a ball the two differ by less than a factor of two, whatever
+/// the size of a cell, for less of a harmonic's energy is inside than outside. An iteration is three
+/// dispatches. A transform is a product with a matrix: its work is small beside what a dispatch waits.
 class PressurePasses {
  public:
   PressurePasses(int cells, Wind::Border border, ProgramCache& programs);

@@ -16,7 +16,8 @@ shared float plane[HALF * PITCH];
 
 // Along y or z of the plane. `held`: where all of the matrix is, if it is.
 void transform(int matrix, int held, bool along_y) {
-  int next = along_y ? 1 : PITCH, across = along_y ? PITCH : 1, me = int(gl_LocalInvocationIndex), start = HAS_ALL ? held * HALF : 0;
+  int next = along_y ? 1 : PITCH, across = along_y ? PITCH : 1;
+  int me = int(gl_LocalInvocationIndex), start = HAS_ALL ? held * HALF : 0;
   const int items = GROUPS * HALF, per_invocation = (items + INVOCATIONS - 1) / INVOCATIONS;
   vec4 found[per_invocation];
   for (int i = 0; i < per_invocation; ++i) found[i] = vec4(0);
