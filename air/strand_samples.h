@@ -12,7 +12,6 @@ struct StrandPieces {
   uint16_t pieces;  ///< of whole edges: piece p is of edges p edges / pieces up to the next one's first
   uint16_t parts;   ///< of every edge; where it is 1 `pieces` holds, else pieces is edges x parts
 };
-static_assert(sizeof(StrandPieces) == 16);  // read by shaders as 4 words
 
 /// The pieces of strands that stand for them on a grid: whole edges up to 1.5 cells long in all, or parts of
 /// an edge that is longer. Pieces of a strand are neighbours, root to tip.

@@ -21,7 +21,7 @@ struct AirSettings {
   int32_t open_border;
   int32_t bodies;
   int32_t sources;
-  uint32_t samples;
+  uint32_t tiles;
   float seconds;
   float courant;
   float mass_scale;

@@ -141,29 +141,29 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   const bool mac_cormack = p.mac_cormack > 0;
   hair.splat(where);
   our.timer.passed("splat");
-  if (on_grid) our.wind->findDisplacements(mac_cormack);
+  if (on_grid) {
+    our.wind->findDisplacements(mac_cormack);
+    our.wind->findSolids(*shapes);
+  }
   finishPass();
-  our.timer.passed("displace");
+  our.timer.passed("displace, solids");
   if (splatted_) hair.findDensity();
   our.timer.passed("blur");
   if (on_grid) our.wind->advect(mac_cormack);
+  finishPass();
   our.timer.passed("advect");
-  if (crowds) hair.crowd();
+  if (crowds) hair.crowd(where);
   our.timer.passed("crowd");
   const bool exchanges = drags || (on_grid && !sources_.empty());
-  if (on_grid) {
-    our.wind->findSolids(*shapes);
-    if (exchanges) our.wind->findExchange(drags ? &hair.nodes() : nullptr);
-  }
+  if (on_grid && exchanges) our.wind->findExchange(drags ? &hair.nodes() : nullptr);
   finishPass();
-  our.timer.passed("solids, exchange");
+  our.timer.passed("exchange");
   if (forces) hair.findForces(crowds, rubs);
   our.timer.passed("gradient, friction");
-  if (on_grid) {
-    our.wind->diffuse(dt, static_cast<double>(p.air_viscosity), exchanges);
-    our.timer.passed("diffuse, drag");
-    our.wind->projectAhead(our.timer);
-  }
+  if (on_grid) our.wind->diffuse(dt, static_cast<double>(p.air_viscosity), exchanges);
+  finishPass();
+  our.timer.passed("diffuse, drag");
+  if (on_grid) our.wind->projectAhead(our.timer);
   const bool uniform = !on_grid && sources_.empty() && p.gust == 0 && p.turbulence == 0;
   hair.gather(where,
               {forces,

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "gpu_compute/sample_tiles.h"
 #include "gpu_compute/shaders.h"
 #include "kernels/scalar_double.h"
 
@@ -14,9 +15,8 @@ namespace {
 
 using Vec4 = std::array<float, 4>;
 
-constexpr size_t kWorkgroup = 128;
 constexpr GLuint kWide = 32768;  // workgroups of a row of a dispatch
-constexpr int kTile = 8;
+constexpr int kTile = 8;         // nodes per axis of a block
 
 }  // namespace
 
@@ -26,25 +26,24 @@ HairPasses::HairPasses(const StrandModel& model, const Box& box, int cells, AirB
       layout_(hairLayout(box, cells)),
       nodes_count_(static_cast<size_t>(cells) * static_cast<size_t>(cells) * static_cast<size_t>(cells)) {
   const StrandSamples samples = strandSamples(model, layout_.cell);
-  samples_ = samples.samples.size();
-  if (samples_ > size_t{kWide} * 65535 * (kWorkgroup / 2))
+  const SampleTiles tiles = sampleTiles(model, samples, layout_);
+  tiles_ = tiles.tiles.size();
+  if (tiles_ > size_t{kWide} * 65535 / kTileSamples)
     throw Error(fmt::format("{} strands have too many pieces for a GPU's grid", model.strands()),
                 "grid_cells", "use fewer cells or --backend simd");
-  std::vector<uint32_t> sample_strands;
-  for (uint32_t s = 0; s < samples.strands.size(); ++s) {
-    sample_strands.insert(sample_strands.end(), samples.offsets[s + 1] - samples.offsets[s], s);
-    margin_ = std::max(margin_, int{samples.strands[s].parts});
+  resting_host_.resize(tiles_ * kTileSamples);
+  for (size_t n = 0; n < samples.samples.size(); ++n) {
+    mass_ += static_cast<double>(samples.samples[n].mass);
+    resting_host_[tiles.places[n]] = {samples.samples[n].mass, 0};
   }
-  for (const StrandSample& sample : samples.samples) {
-    mass_ += static_cast<double>(sample.mass);
-    resting_host_.push_back({sample.mass, 0});
-  }
-  pieces_ = gl::Buffer(std::span<const StrandPieces>(samples.strands));
-  sample_strands_ = gl::Buffer(std::span<const uint32_t>(sample_strands));
+  sample_tiles_ = gl::Buffer(std::span<const SampleTile>(tiles.tiles));
+  roots_ = gl::Buffer(std::span<const uint32_t>(tiles.roots));
+  order_ = gl::Buffer(std::span<const uint32_t>(tiles.order));
   edge_masses_ = gl::Buffer(std::span<const float>(samples.edge_masses));
   resting_ = gl::Buffer(std::span<const std::array<float, 2>>(resting_host_));
-  places_ = zeros<float>(3 * samples_);
-  held_ = zeros<float>(samples_);
+  held_ = zeros<float>(resting_host_.size());
+  places_ = zeros<float>(3 * resting_host_.size());
+  motions_ = zeros<float>(3 * resting_host_.size());
   fastest_ = zeros<uint32_t>(2);
   sums_ = zeros<int32_t>(4 * nodes_count_);
   crowd_sums_ = zeros<int32_t>(nodes_count_);
@@ -68,15 +67,17 @@ void HairPasses::measureRest(const StrandModel& model, AirBlock& block) {
   splat({positions, velocities});
   finishPass();
   findDensity();
-  places_.bindStorage(5);
+  finishPass();
+  bindTiles({positions, velocities});
   resting_.bindStorage(0);
   held_.bindStorage(1);
   crowd_sums_.bindStorage(8);
-  densities_.bindStorage(10);
+  densities_.bindStorage(11);
   rest_of_.get(programs_, "hair_crowd.comp", shaders::kHairCrowdComp, "#define MEASURE 1\n").use();
-  dispatchSamples(kWorkgroup);
+  dispatchTiles();
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
-  glGetNamedBufferSubData(resting_.id(), 0, static_cast<GLsizeiptr>(samples_ * sizeof(resting_host_[0])),
+  glGetNamedBufferSubData(resting_.id(), 0,
+                          static_cast<GLsizeiptr>(resting_host_.size() * sizeof(resting_host_[0])),
                           resting_host_.data());
   bound_target_ = 0;  // it was found without
   reset();
@@ -87,6 +88,7 @@ void HairPasses::boundCrowding(float volume_target) {
   bound_target_ = volume_target;
   crowding_bound_ = 0;
   for (const auto& [mass, rest] : resting_host_) {
+    if (!(mass > 0)) continue;  // there is no sample
     const double m = static_cast<double>(mass),
                  r = static_cast<double>(rest) / static_cast<double>(volume_target);
     crowding_bound_ += m * kernels::f64::largestCrowding(r, alone * m) * (1 + kMostHeld);
@@ -107,7 +109,7 @@ void HairPasses::describe(AirSettings& s, const Pose& head, const Parameters& p,
   const double stiffness =
       std::min(static_cast<double>(p.volume_stiffness), layout_.largestStiffness(seconds));
   s.cells = layout_.cells;
-  s.samples = static_cast<uint32_t>(samples_);
+  s.tiles = static_cast<uint32_t>(tiles_);
   s.seconds = static_cast<float>(seconds);
   s.mass = static_cast<float>(mass_);
   s.mass_scale = static_cast<float>(kWhole / mass_);
@@ -131,8 +133,8 @@ void HairPasses::takeRates(std::span<const float> rates) {
   if (rated_) rates_ = gl::Buffer(rates);
 }
 
-void HairPasses::dispatchSamples(size_t per_group) const {
-  const GLuint groups = groupsOf(samples_, per_group), wide = std::min(groups, kWide);
+void HairPasses::dispatchTiles() const {
+  const auto groups = static_cast<GLuint>(tiles_), wide = std::min(groups, kWide);
   glDispatchCompute(wide, (groups + wide - 1) / wide, 1);
 }
 void HairPasses::dispatchNodes() const {
@@ -140,18 +142,20 @@ void HairPasses::dispatchNodes() const {
   glDispatchCompute(tiles, tiles, tiles);
 }
 
-void HairPasses::bindPieces(const Strands& strands) const {
+void HairPasses::bindTiles(const Strands& strands) const {
   strands.positions.bindStorage(0);
   strands.velocities.bindStorage(1);
-  pieces_.bindStorage(2);
-  sample_strands_.bindStorage(3);
+  sample_tiles_.bindStorage(2);
+  roots_.bindStorage(3);
   edge_masses_.bindStorage(4);
   places_.bindStorage(5);
   fastest_.bindStorage(6);
+  motions_.bindStorage(9);
+  order_.bindStorage(10);
 }
 
 void HairPasses::splat(const Strands& strands) {
-  bindPieces(strands);
+  bindTiles(strands);
   sums_.bindStorage(7);
   if (!clean_) {
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -160,12 +164,12 @@ void HairPasses::splat(const Strands& strands) {
   if (!measured_) {
     glClearNamedBufferData(fastest_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
     fastest_of_.get(programs_, "hair_splat.comp", shaders::kHairSplatComp, "#define MEASURE 1\n").use();
-    dispatchSamples(kWorkgroup);
+    dispatchTiles();
     finishPass();
     measured_ = true;
   }
   splat_.get(programs_, "hair_splat.comp", shaders::kHairSplatComp, "#define MEASURE 0\n").use();
-  dispatchSamples(kWorkgroup);
+  dispatchTiles();
   clean_ = false;
 }
 
@@ -177,17 +181,16 @@ void HairPasses::findDensity() {
   densities_.bindStorage(10);
   density_of_.get(programs_, "hair_density.comp", shaders::kHairDensityComp).use();
   dispatchNodes();
-  finishPass();
 }
 
-void HairPasses::crowd() {
+void HairPasses::crowd(const Strands& strands) {
+  bindTiles(strands);
   resting_.bindStorage(0);
   held_.bindStorage(1);
-  places_.bindStorage(5);
   crowd_sums_.bindStorage(8);
-  densities_.bindStorage(10);
+  densities_.bindStorage(11);
   crowd_.get(programs_, "hair_crowd.comp", shaders::kHairCrowdComp, "#define MEASURE 0\n").use();
-  dispatchSamples(kWorkgroup);
+  dispatchTiles();
 }
 
 void HairPasses::findForces(bool crowds, bool rubs) {
@@ -202,14 +205,13 @@ void HairPasses::findForces(bool crowds, bool rubs) {
   const size_t which = (crowds ? 1u : 0u) + (rubs ? 2u : 0u);
   forces_of_[which].get(programs_, "hair_forces.comp", shaders::kHairForcesComp, kDefines[which]).use();
   dispatchNodes();
-  finishPass();
   clean_ = true;
 }
 
 void HairPasses::gather(const Strands& strands, const Needs& needs, const gl::Buffer& centres,
                         const gl::Buffer& turbulence, const gl::Buffer& sources,
                         const gl::Buffer& accelerations) {
-  bindPieces(strands);
+  bindTiles(strands);
   rates_.bindStorage(7);
   accelerations.bindStorage(8);
   changes_.bindStorage(11);
@@ -225,10 +227,8 @@ void HairPasses::gather(const Strands& strands, const Needs& needs, const gl::Bu
                        "#define FORCES {:d}\n#define AIR {}\n#define RATES {:d}\n#define ALONG {:d}\n",
                        needs.forces, air, rated_, needs.along);
   *end.out = '\0';
-  const gl::Program& program = lazy.get(programs_, "hair_gather.comp", shaders::kHairGatherComp, defines);
-  glProgramUniform1i(program.id(), 0, margin_);
-  program.use();
-  dispatchSamples(kWorkgroup - 2 * static_cast<size_t>(margin_));
+  lazy.get(programs_, "hair_gather.comp", shaders::kHairGatherComp, defines).use();
+  dispatchTiles();
   finishPass();
 }
 

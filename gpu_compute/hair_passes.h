@@ -31,10 +31,10 @@ class HairPasses {
   struct Strands {
     const gl::Buffer &positions, &velocities;
   };
-  // Passes. splat() and crowd() do not end with finishPass().
+  // Passes. Only gather() ends with finishPass().
   void splat(const Strands& strands);
   void findDensity();
-  void crowd();
+  void crowd(const Strands& strands);
   void findForces(bool crowds, bool rubs);
   enum class Air { kUniform, kFree, kGrid };
   struct Needs {
@@ -54,8 +54,8 @@ class HairPasses {
   std::vector<std::array<float, 4>> downloadNodes() const;
 
  private:
-  void bindPieces(const Strands& strands) const;
-  void dispatchSamples(size_t per_group) const;
+  void bindTiles(const Strands& strands) const;
+  void dispatchTiles() const;
   void dispatchNodes() const;
   void measureRest(const StrandModel& model, AirBlock& block);
   void boundCrowding(float volume_target);
@@ -65,17 +65,16 @@ class HairPasses {
   std::array<LazyProgram, 4> forces_of_;   ///< by crowding and friction
   std::array<LazyProgram, 24> gather_of_;  ///< by what there is to gather
   HairLayout layout_;
-  size_t samples_ = 0, nodes_count_;
-  int margin_ = 1;  ///< see shaders/hair_gather.comp
+  size_t tiles_ = 0, nodes_count_;
   double mass_ = 0;
-  std::vector<std::array<float, 2>> resting_host_;  ///< kg and rest density per sample
+  std::vector<std::array<float, 2>> resting_host_;  ///< kg and rest density per sample, in SampleTiles
   double crowding_bound_ = 0;
   float bound_target_ = 0;
   bool measured_ = false;  ///< the fastest velocity before the next splat is known
   bool rated_ = false;
   bool clean_ = true;  ///< sums are 0
-  gl::Buffer pieces_, sample_strands_, edge_masses_, places_, fastest_, sums_, crowd_sums_, nodes_,
-      densities_, resting_, held_, changes_, rates_;
+  gl::Buffer sample_tiles_, roots_, order_, edge_masses_, places_, motions_, fastest_, sums_, crowd_sums_,
+      nodes_, densities_, resting_, held_, changes_, rates_;
 };
 
 }  // namespace strandcast::gpu

@@ -1,62 +1,74 @@
 #include "gpu_compute/pressure_passes.h"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <bit>
+#include <cmath>
+#include <numbers>
+#include <vector>
 
 #include "gpu_compute/shaders.h"
 
 namespace strandcast::gpu {
 namespace {
 
-constexpr int kTile = 8;     // cells per axis of a block
-constexpr int kBottom = 16;  // cells per axis of the finest level that one workgroup does
-constexpr int kInvocations = 256;
+constexpr int kLines = 32;        // of a workgroup of shaders/pressure_step.comp
+constexpr int kBundleZ = 4;       // lines of a workgroup of shaders/pressure_correct.comp, along z
+constexpr int kBundleOf96 = 8;    // and along y, of up to 96 cells
+constexpr int kBundleBeyond = 4;  // and of more
 
 size_t cubed(int n) { return static_cast<size_t>(n) * static_cast<size_t>(n) * static_cast<size_t>(n); }
-int tilesOf(int cells) { return (cells + kTile - 1) / kTile; }
+int bundleY(int cells) { return cells <= 96 ? kBundleOf96 : kBundleBeyond; }
+GLuint bundles(int cells, int own) { return static_cast<GLuint>(cells / own); }
 
-void dispatchTiles(int cells) {
-  const auto tiles = static_cast<GLuint>(tilesOf(cells));
-  glDispatchCompute(tiles, tiles, tiles);
-  finishPass();
-}
 void setInt(const gl::Program& program, GLint location, int value) {
   glProgramUniform1i(program.id(), location, value);
 }
 
+/// The modes of a row of cells, as shaders/pressure_solve.glsl numbers and folds them.
+struct Modes {
+  std::vector<float> matrices, eigenvalues;
+
+  Modes(int cells, Wind::Border border) {
+    const bool open = border == Wind::Border::kOpen;
+    const int half = cells / 2;
+    // Of mode `number`, at the middle of cell `place`; the modes are orthonormal. Beyond an open border the
+    // value is 0, beyond a wall the one before it.
+    auto angle = [&](int number) { return std::numbers::pi * (number + (open ? 1 : 0)) / (cells + open); };
+    auto mode = [&](int number, int place) {
+      if (open) return std::sqrt(2.0 / (cells + 1)) * std::sin(angle(number) * (place + 1));
+      return std::sqrt((number == 0 ? 1.0 : 2.0) / cells) * std::cos(angle(number) * (place + 0.5));
+    };
+    for (const bool back : {false, true})
+      for (int parity = 0; parity < 2; ++parity)
+        for (int in = 0; in < half; ++in)
+          for (int out = 0; out < half; ++out)
+            matrices.push_back(
+                static_cast<float>(back ? mode(2 * in + parity, out) : mode(2 * out + parity, in)));
+    for (int parity = 0; parity < 2; ++parity)
+      for (int n = 0; n < half; ++n)
+        eigenvalues.push_back(static_cast<float>(2 - 2 * std::cos(angle(2 * n + parity))));
+  }
+};
+
 }  // namespace
 
-PressurePasses::PressurePasses(int cells, ProgramCache& programs)
+PressurePasses::PressurePasses(int cells, Wind::Border border, ProgramCache& programs)
     : cells_(cells),
       state_(zeros<State>(1)),
       masks_(zeros<uint32_t>(cubed(cells))),
-      rights_(zeros<float>(cubed(cells))) {
-  int weights = 0;
-  for (int n = cells;; n /= 2) {
-    const bool finest = levels_.empty();
-    levels_.push_back({n, finest ? 0 : weights, zeros<float>(finest ? 0 : cubed(n)), zeros<float>(cubed(n)),
-                       zeros<float>(cubed(n))});
-    if (!finest) weights += static_cast<int>(cubed(n + 1));
-    if (n <= kCoarsest || n % 2 != 0) break;
-  }
-  tiled_ = 1;
-  while (levels_[tiled_].cells > kBottom) ++tiled_;
-  weights_ = zeros<std::array<float, 4>>(static_cast<size_t>(weights));
-  for (gl::Buffer* buffer : {&images_, &residuals_[0], &residuals_[1], &steps_[0], &steps_[1]})
+      products_(zeros<std::array<float, 2>>(bundles(cells, bundleY(cells)) * bundles(cells, kBundleZ))) {
+  for (gl::Buffer* buffer :
+       {&rights_, &residuals_, &steps_, &images_, &corrections_, &correction_images_, &modes_, &planes_})
     *buffer = zeros<float>(cubed(cells));
-  for (gl::Buffer* buffer : {&products_, &image_products_}) *buffer = zeros<float>(cubed(tilesOf(cells)));
-  first_down_ =
-      &programs.get("pressure_down.comp", shaders::kPressureDownComp, "#define FINE 1\n#define FIRST 1\n");
-  next_down_ =
-      &programs.get("pressure_down.comp", shaders::kPressureDownComp, "#define FINE 1\n#define FIRST 0\n");
-  coarse_down_ =
-      &programs.get("pressure_down.comp", shaders::kPressureDownComp, "#define FINE 0\n#define FIRST 0\n");
-  fine_up_ = &programs.get("pressure_up.comp", shaders::kPressureUpComp, "#define FINE 1\n");
-  coarse_up_ = &programs.get("pressure_up.comp", shaders::kPressureUpComp, "#define FINE 0\n");
-  apply_ = &programs.get("pressure_apply.comp", shaders::kPressureApplyComp, "");
-  bottom_ = &programs.get("pressure_bottom.comp", shaders::kPressureBottomComp, "");
-  fine_coarsen_ = &programs.get("pressure_coarsen.comp", shaders::kPressureCoarsenComp, "#define FINE 1\n");
-  coarse_coarsen_ = &programs.get("pressure_coarsen.comp", shaders::kPressureCoarsenComp, "#define FINE 0\n");
+  const Modes modes(cells, border);
+  matrices_ = gl::Buffer(std::span<const float>(modes.matrices));
+  eigenvalues_ = gl::Buffer(std::span<const float>(modes.eigenvalues));
+  const std::string size = fmt::format("#define CELLS {}\n", cells);
+  first_step_ = &programs.get("pressure_step.comp", shaders::kPressureStepComp, size + "#define FIRST 1\n");
+  next_step_ = &programs.get("pressure_step.comp", shaders::kPressureStepComp, size + "#define FIRST 0\n");
+  of_modes_ = &programs.get("pressure_modes.comp", shaders::kPressureModesComp, size);
+  correct_ = &programs.get("pressure_correct.comp", shaders::kPressureCorrectComp, size);
 }
 
 void PressurePasses::begin() {
@@ -64,103 +76,40 @@ void PressurePasses::begin() {
   done_iterations_ = 0;
 }
 
-void PressurePasses::coarsen() {
-  masks_.bindStorage(0);
-  weights_.bindStorage(1);
-  weights_.bindStorage(2);
-  for (size_t l = 0; l + 1 < levels_.size(); ++l) {
-    const gl::Program& program = l == 0 ? *fine_coarsen_ : *coarse_coarsen_;
-    setInt(program, 0, levels_[l].cells);
-    setInt(program, 1, levels_[l].first_weight);
-    setInt(program, 2, levels_[l + 1].first_weight);
-    program.use();
-    glDispatchCompute(groupsOf(cubed(levels_[l + 1].cells + 1), kInvocations), 1, 1);
-    finishPass();
-  }
-}
-
-void PressurePasses::down(size_t level) const {
-  const Level& own = levels_[level];
-  own.rights.bindStorage(2);
-  own.smoothed.bindStorage(9);
-  levels_[level + 1].rights.bindStorage(10);
-  setInt(*coarse_down_, 0, own.cells);
-  setInt(*coarse_down_, 1, own.first_weight);
-  coarse_down_->use();
-  dispatchTiles(own.cells);
-}
-
-void PressurePasses::bottom() const {
-  const Level& own = levels_[tiled_];
-  own.rights.bindStorage(2);
-  own.results.bindStorage(11);
-  setInt(*bottom_, 0, own.cells);
-  setInt(*bottom_, 1, own.first_weight);
-  setInt(*bottom_, 2, static_cast<int>(levels_.size() - tiled_));
-  setInt(*bottom_, 3, kCoarsestSweeps);
-  bottom_->use();
-  glDispatchCompute(1, 1, 1);
+void PressurePasses::step(const gl::Program& program) const {
+  program.use();
+  glDispatchCompute(groupsOf(cubed(cells_) / static_cast<size_t>(cells_), kLines), 1, 1);
   finishPass();
 }
 
-void PressurePasses::up(size_t level) const {
-  const Level& own = levels_[level];
-  const gl::Program& program = level == 0 ? *fine_up_ : *coarse_up_;
-  own.smoothed.bindStorage(9);
-  levels_[level + 1].results.bindStorage(10);
-  own.results.bindStorage(11);
-  setInt(program, 0, own.cells);
-  if (level > 0) {
-    own.rights.bindStorage(2);
-    setInt(program, 1, own.first_weight);
-  }
-  program.use();
-  dispatchTiles(own.cells);
-}
-
 void PressurePasses::solve(int iterations, const gl::Buffer& pressure) {
-  const Level& finest = levels_[0];
   masks_.bindStorage(0);
-  weights_.bindStorage(1);
+  matrices_.bindStorage(1);
+  rights_.bindStorage(2);
+  pressure.bindStorage(3);
+  residuals_.bindStorage(4);
+  steps_.bindStorage(5);
+  images_.bindStorage(6);
+  corrections_.bindStorage(7);
+  correction_images_.bindStorage(8);
+  products_.bindStorage(9);
+  modes_.bindStorage(10);
+  eigenvalues_.bindStorage(11);
+  planes_.bindStorage(12);
   state_.bindStorage(15);
-  auto fineDown = [&](int iteration) {
-    const auto now = static_cast<size_t>(iteration % 2), before = 1 - now;
-    const gl::Program& program = iteration == 0 ? *first_down_ : *next_down_;
-    rights_.bindStorage(2);
-    pressure.bindStorage(3);
-    residuals_[before].bindStorage(4);
-    residuals_[now].bindStorage(5);
-    steps_[before].bindStorage(6);
-    images_.bindStorage(7);
-    image_products_.bindStorage(8);
-    finest.smoothed.bindStorage(9);
-    levels_[1].rights.bindStorage(10);
-    setInt(program, 0, cells_);
-    if (iteration > 0) setInt(program, 2, static_cast<int>(before));
-    program.use();
-    dispatchTiles(cells_);
-  };
-  if (done_iterations_ == 0) fineDown(0);
+  const GLuint along_y = bundles(cells_, bundleY(cells_)), along_z = bundles(cells_, kBundleZ);
+  if (done_iterations_ == 0) step(*first_step_);
   for (int n = 0; n < iterations; ++n, ++done_iterations_) {
-    const auto now = static_cast<size_t>(done_iterations_ % 2), before = 1 - now;
-    for (size_t l = 1; l < tiled_; ++l) down(l);
-    bottom();
-    for (size_t l = tiled_ - 1; l > 0; --l) up(l);
-    residuals_[now].bindStorage(2);
-    products_.bindStorage(8);
-    up(0);
-    finest.results.bindStorage(2);
-    products_.bindStorage(3);
-    steps_[before].bindStorage(6);
-    steps_[now].bindStorage(7);
-    images_.bindStorage(9);
-    image_products_.bindStorage(10);
-    setInt(*apply_, 0, cells_);
-    setInt(*apply_, 2, static_cast<int>(now));
-    setInt(*apply_, 3, done_iterations_ == 0 ? 1 : 0);
-    apply_->use();
-    dispatchTiles(cells_);
-    fineDown(done_iterations_ + 1);
+    of_modes_->use();
+    glDispatchCompute(static_cast<GLuint>(cells_), 4, 1);
+    finishPass();
+    correct_->use();
+    glDispatchCompute(along_y, along_z, 1);
+    finishPass();
+    setInt(*next_step_, 0, static_cast<int>(along_y * along_z));
+    setInt(*next_step_, 1, done_iterations_ % 2);
+    setInt(*next_step_, 2, done_iterations_ == 0 ? 1 : 0);
+    step(*next_step_);
   }
 }
 

@@ -42,7 +42,7 @@ WindPasses::WindPasses(int cells, float cell, Wind::Border border, ProgramCache&
       bodies_(zeros<PlacedBody>(1)),
       body_settings_(zeros<Settings>(2)),
       bodies_room_(1),
-      pressure_(cells, programs) {
+      pressure_(cells, border, programs) {
   for (gl::Buffer& faces : faces_) faces = zeros<float>(3 * cubed(cells + 1));
   for (gl::Buffer& pressures : pressures_) pressures = zeros<float>(cubed(cells));
   for (gl::Buffer* of_cells : {&centres_, &displacements_, &onwards_, &solids_, &exchange_})
@@ -233,7 +233,6 @@ void WindPasses::closeFaces() {
   dispatchCells();
   finishPass();
   advance();
-  pressure_.coarsen();
 }
 
 void WindPasses::subtractGradient() {
@@ -284,7 +283,7 @@ void WindPasses::projectAhead(PassTimer& timer) {
     iterations = std::min(r.memory[last]->iterations + kAhead, kMostIterations);
   }
   closeFaces();
-  timer.passed("close faces, coarsen");
+  timer.passed("close faces");
   pressure_.solve(iterations, pressures_[0]);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   glCopyNamedBufferSubData(pressure_.state().id(), r.buffers[slot].id(), 0, 0, sizeof(PressurePasses::State));

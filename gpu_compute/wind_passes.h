@@ -64,7 +64,7 @@ class WindPasses {
   struct Image {
     std::vector<float> faces, pressures;
     std::vector<std::array<float, 4>> centres;
-    std::vector<uint32_t> masks;  ///< shaders/pressure_level.glsl
+    std::vector<uint32_t> masks;  ///< shaders/pressure_solve.glsl
   };
   Image download() const;
   int faceAt(int axis, int i, int j, int k) const {

@@ -13,7 +13,7 @@ layout(std140, binding = 1) uniform Air {  // gpu_compute/air_layout.h
   int open_border;       // 1, or 0 for walls
   int bodies;
   int sources;
-  uint samples;
+  uint tiles;            // of samples
   float seconds;         // of the step
   float courant;         // seconds / the wind's cell
   float mass_scale;      // kg to whole numbers

@@ -1,35 +1,39 @@
 #version 450
 // variants: FORCES=1 AIR=2 RATES=0 ALONG=0 | FORCES=0 AIR=1 RATES=1 ALONG=1 | FORCES=1 AIR=0 RATES=0 ALONG=0 | FORCES=1 AIR=2 RATES=1 ALONG=1
-// From the grids to an acceleration per vertex: an invocation a sample, which also gives it to the vertices that begin there;
-// a vertex between two samples has a part of both, so workgroups overlap. FORCES: between hairs. AIR: 0 uniform, 1 as it
-// blows with nothing in the way, 2 on the grid. RATES: vertices have drags of their own. ALONG: drag along strands is less.
-#define WORKGROUP 128
-#define MOST_PARTS 16
-layout(local_size_x = WORKGROUP) in;
+// From the grids to an acceleration per vertex: what samples feel, then parts of that of the edges before and behind a vertex.
+// FORCES: between hairs. AIR: 0 uniform, 1 as it blows with nothing in the way, 2 on the grid. RATES: vertices have drags of
+// their own. ALONG: drag along strands is less.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
-#include "gpu_compute/shaders/hair_pieces.glsl"
+#include "gpu_compute/shaders/sample_tile.glsl"
 #include "gpu_compute/shaders/hair_samples.glsl"
 #include "gpu_compute/shaders/ambient.glsl"
 layout(std430, binding = 7) readonly buffer Rates { float rates[]; };       // 1/s per vertex
 layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };    // 3 per vertex, m/s^2
 layout(std430, binding = 11) readonly buffer Changes { vec4 changes[]; };   // m/s
 layout(std430, binding = 12) readonly buffer Centres { vec4 centres[]; };   // m/s, of the wind's cells
-layout(location = 0) uniform int margin;  // samples before and behind a workgroup's own that it also looks at
+
+// What samples feel. RATES: its parts, else only the acceleration that they come to.
+#if RATES
+#define VECTORS 3u
+#else
+#define VECTORS 1u
+#endif
+shared float of_samples[3u * VECTORS * uint(TILE_SAMPLES)];  // along strands
+void put(uint vector, uint sample_, vec3 value) {
+  for (uint c = 0u; c < 3u; ++c) of_samples[(3u * vector + c) * uint(TILE_SAMPLES) + sample_] = value[c];
+}
+vec3 got(uint vector, uint sample_) {
+  uint at = 3u * vector * uint(TILE_SAMPLES) + sample_;
+  return vec3(of_samples[at], of_samples[at + uint(TILE_SAMPLES)], of_samples[at + 2u * uint(TILE_SAMPLES)]);
+}
 
 struct Felt {
   vec3 pushed;    // m/s^2
   vec3 local;     // m/s, of the air beyond the uniform wind
   vec3 not_felt;  // m/s: x rate, see dragNotFelt
 };
-shared vec3 pushes[WORKGROUP];
-#if AIR != 0
-shared vec3 locals[WORKGROUP];
-#endif
-#if ALONG
-shared vec3 not_felts[WORKGROUP];
-#endif
 
 #define CORNERS(of)                                                                                          \
   vec4[8](of[first], of[first + 1], of[first + y], of[first + y + 1], of[first + z], of[first + z + 1], \
@@ -37,26 +41,17 @@ shared vec3 not_felts[WORKGROUP];
 
 bool isFinite(vec3 v) { return !any(isnan(v)) && !any(isinf(v)); }
 
-Felt feltBy(uint n) {
+// `root`: of its strand.
+Felt feltBy(SampleTile tile, uint root, uint piece, uint sample_) {
   Felt felt = Felt(vec3(0), vec3(0), vec3(0));
-  vec3 at = placeOf(n), wind = air.uniform_wind.xyz;
-  vec3 place, motion;
-  float mass;
+  vec3 at = placeOf(sample_), motion = motionOf(sample_), wind = air.uniform_wind.xyz;
   int y = air.cells, z = y * y;
-#if ALONG || AIR == 1
-  middleOf(pieceOf(n), place, motion, mass);
-#endif
 #if FORCES
   {
     GridPlace corner = placeAmong(at);
     int first = nodeAt(ivec3(corner.low));
     vec4 change = interpolated4(CORNERS(changes), corner.part);
-    if (change.w != 0.0) {
-#if !(ALONG || AIR == 1)
-      middleOf(pieceOf(n), place, motion, mass);
-#endif
-      change.xyz -= change.w * motion;
-    }
+    if (change.w != 0.0) change.xyz -= change.w * motion;
     felt.pushed = change.xyz * inverse(air.seconds);
   }
 #endif
@@ -67,6 +62,7 @@ Felt feltBy(uint n) {
     wind = interpolated4(CORNERS(centres), corner.part).xyz;
   }
 #elif AIR == 1
+  vec3 place = sampleOf(tile, root, piece).place;
   wind = ambientAt(place);
   for (int i = 0; i < air.sources; ++i) {
     vec3 blown;
@@ -75,8 +71,8 @@ Felt feltBy(uint n) {
 #endif
   felt.local = wind - air.uniform_wind.xyz;
 #if ALONG
-  Piece piece = pieceOf(n);
-  vec3 chord = positions[piece.last].xyz - positions[piece.first].xyz;
+  uint first = root + edgeOf(tile, piece), last = tile.parts > 1u ? first + 1u : root + edgeOf(tile, piece + 1u);
+  vec3 chord = positions[last].xyz - positions[first].xyz;
   float far = length(chord);
   vec3 tangent = far > 0.0 ? chord / far : vec3(0);
   felt.not_felt = dragNotFelt(wind - motion, tangent, 1.0, air.uniform_wind.w);
@@ -86,61 +82,79 @@ Felt feltBy(uint n) {
   return felt;
 }
 
-vec3 accelerationBy(uint slot, uint vertex) {
-#if RATES
-  float rate = rates[vertex];
-#else
-  float rate = air.drag;
-#endif
-  vec3 sum = pushes[slot];
-#if AIR != 0
-  sum = madd(locals[slot], rate, sum);
-#endif
-#if ALONG
-  sum -= not_felts[slot] * min(rate, inverse(air.seconds));
-#endif
-  return sum;
+vec3 accelerationBy(Felt felt, float rate) {
+  return madd(felt.local, rate, felt.pushed) - felt.not_felt * min(rate, inverse(air.seconds));
 }
-void give(uint vertex, vec3 acceleration) {
-  guides[3u * vertex] = acceleration.x;
-  guides[3u * vertex + 1u] = acceleration.y;
-  guides[3u * vertex + 2u] = acceleration.z;
+void keep(uint sample_, Felt felt) {
+#if RATES
+  put(0u, sample_, felt.pushed);
+  put(1u, sample_, felt.local);
+  put(2u, sample_, felt.not_felt);
+#else
+  put(0u, sample_, accelerationBy(felt, air.drag));
+#endif
+}
+// By a vertex that has the drag `rate`.
+vec3 accelerationOf(uint sample_, float rate) {
+#if RATES
+  return accelerationBy(Felt(got(0u, sample_), got(1u, sample_), got(2u, sample_)), rate);
+#else
+  return got(0u, sample_);
+#endif
+}
+// What the samples of an edge come to, each as much as it has to do with the edge's end, or its start.
+vec3 ofEdge(SampleTile tile, uint strand, uint edge, bool end, float rate) {
+  uint first = strand * (tile.pieces + tile.margin) + pieceOfEdge(tile, edge) + tile.margin - tile.first_piece;
+  if (tile.parts == 1u) return accelerationOf(first, rate);
+  vec3 sum = vec3(0);
+  for (uint part = 0u; part < tile.parts; ++part) {
+    float along_edge = (float(part) + 0.5) / float(tile.parts), share = 2.0 / float(tile.parts);
+    sum += accelerationOf(first + part, rate) * (share * (end ? along_edge : 1.0 - along_edge));
+  }
+  return sum;
 }
 
 void main() {
-  uint me = gl_LocalInvocationID.x;
-  int own = WORKGROUP - 2 * margin, n = int(workgroupNumber()) * own + int(me) - margin;
-  bool exists = n >= 0 && n < int(air.samples);
-  Felt felt = Felt(vec3(0), vec3(0), vec3(0));
-  if (exists) felt = feltBy(uint(n));
-  pushes[me] = felt.pushed;
-#if AIR != 0
-  locals[me] = felt.local;
-#endif
-#if ALONG
-  not_felts[me] = felt.not_felt;
-#endif
-  if (gl_WorkGroupID.x + gl_WorkGroupID.y + me == 0u) {  // for the next step
+  if (workgroupNumber() >= air.tiles) return;
+  SampleTile tile = tiles[workgroupNumber()];
+  uint me = gl_LocalInvocationIndex, pieces = tile.pieces + tile.margin, first = workgroupNumber() * uint(TILE_SAMPLES);
+  if (first + me == 0u) {  // for the next step
     fastest_before = fastest_now;
     fastest_now = 0u;
   }
+  if (me < tile.pieces * tile.strands) {
+    uint strand = order[first + me] & 0xFFFFu, piece = order[first + me] >> 16u;
+    keep(strand * pieces + tile.margin + piece,
+         feltBy(tile, roots[tile.first_strand + strand], tile.first_piece + piece, first + me));
+  }
+  if (tile.margin > 0u) {  // the last pieces of the tile before
+    uint pieces_before = tiles[workgroupNumber() - 1u].pieces;
+    for (uint n = me; n < pieces_before * tile.strands; n += uint(TILE_SAMPLES)) {
+      uint from = first - uint(TILE_SAMPLES) + n, strand = order[from] & 0xFFFFu, piece = order[from] >> 16u;
+      if (piece + tile.margin >= pieces_before)
+        keep(strand * pieces + piece + tile.margin - pieces_before,
+             feltBy(tile, roots[tile.first_strand + strand], tile.first_piece - pieces_before + piece, from));
+    }
+  }
   barrier();
-  if (!exists || int(me) < margin || int(me) >= WORKGROUP - margin) return;
-  Piece piece = pieceOf(uint(n));
-  if (piece.part != 0u) return;
-  // Vertices from the first on, of the last piece to the tip: parts of the edges before and behind.
-  bool is_last = piece.last == piece.tip;
-  for (uint v = piece.first; v < piece.last || (v == piece.tip && is_last); ++v) {
-    float before = v > piece.root ? edge_masses[v - 1u] : 0.0, behind = v < piece.tip ? edge_masses[v] : 0.0;
+  bool has_tips = tile.first_piece + tile.pieces == tile.pieces_of_strand;
+  uint first_vertex = edgeOf(tile, tile.first_piece);
+  uint vertices = edgeOf(tile, tile.first_piece + tile.pieces) + (has_tips ? 1u : 0u) - first_vertex;
+  for (uint n = me; n < vertices * tile.strands; n += uint(TILE_SAMPLES)) {
+    uvec2 at = divided(n, vertices);  // strand and vertex
+    uint strand = at.x, edge = first_vertex + at.y, vertex = roots[tile.first_strand + strand] + edge;
+    float before = edge > 0u ? edge_masses[vertex - 1u] : 0.0, behind = edge < tile.edges ? edge_masses[vertex] : 0.0;
+#if RATES
+    float rate = rates[vertex];
+#else
+    float rate = air.drag;
+#endif
     float per_mass = inverse(max(before + behind, 1e-30));
     vec3 sum = vec3(0);
-    for (uint part = 0u; part < piece.parts; ++part) {
-      float along_edge = (float(part) + 0.5) / float(piece.parts), share = 2.0 * per_mass / float(piece.parts);
-      // The piece of the edge before: this one, or the one before this one. At the tip this one's edge is the one before.
-      uint slot_before = v > piece.first ? me + part : me - piece.parts + part, slot_behind = me + part;
-      if (before > 0.0) sum += accelerationBy(slot_before, v) * (before * share * along_edge);
-      if (behind > 0.0) sum += accelerationBy(slot_behind, v) * (behind * share * (1.0 - along_edge));
-    }
-    give(v, sum);
+    if (before > 0.0) sum += ofEdge(tile, strand, edge - 1u, true, rate) * (before * per_mass);
+    if (behind > 0.0) sum += ofEdge(tile, strand, edge, false, rate) * (behind * per_mass);
+    guides[3u * vertex] = sum.x;
+    guides[3u * vertex + 1u] = sum.y;
+    guides[3u * vertex + 2u] = sum.z;
   }
 }

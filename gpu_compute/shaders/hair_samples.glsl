@@ -1,5 +1,4 @@
-// What is known of samples from one pass to the next.
-layout(std430, binding = 5) buffer Places { float places[]; };  // 3 per sample, in nodes; below 0: left out
+// Which samples count, and how their velocities are splatted.
 // Bits of the largest component of the velocity of a sample: of the last step, then of this one as it is found.
 layout(std430, binding = 6) buffer Fastest { uint fastest_before, fastest_now; };
 // Velocities beyond this are cut in what is splatted: their sums must fit whole numbers.
@@ -10,5 +9,3 @@ float momentumScale() { return kWhole / (air.mass * fastestSplatted()); }
 bool isInGrid(vec3 at) {
   return all(greaterThanEqual(at, vec3(2))) && all(lessThanEqual(at, vec3(air.cells - 3)));
 }
-vec3 placeOf(uint n) { return vec3(places[3u * n], places[3u * n + 1u], places[3u * n + 2u]); }
-uint workgroupNumber() { return gl_WorkGroupID.x + gl_NumWorkGroups.x * gl_WorkGroupID.y; }

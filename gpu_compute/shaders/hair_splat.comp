@@ -1,68 +1,65 @@
 #version 450
 // variants: MEASURE=0 | MEASURE=1
-// Mass and momentum of samples to the nodes around them, in whole numbers, so that sums do not depend on their order. First
-// an invocation a sample; then eight an invocation each of the 2 x 4 numbers of two nodes beside each other, so that what is
-// added at once is 32 bytes in a row. MEASURE: only finds the largest velocity.
-#define WORKGROUP 128
-layout(local_size_x = WORKGROUP) in;
+// Mass and momentum of samples to the nodes around them. MEASURE: only finds the largest velocity.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
-#include "gpu_compute/shaders/hair_pieces.glsl"
+#include "gpu_compute/shaders/sample_tile.glsl"
 #include "gpu_compute/shaders/hair_samples.glsl"
 layout(std430, binding = 7) buffer Sums { int sums[]; };  // 4 per node: momentum, mass
+#if !MEASURE
+#define NUMBERS 4u
+#define SUMS sums
+#include "gpu_compute/shaders/hair_spread.glsl"
+#endif
 
-shared vec4 found[WORKGROUP];  // momentum and mass in whole numbers' units
-shared vec3 parts[WORKGROUP];
-shared int nodes[WORKGROUP];   // the first of the eight, -1: left out
 shared uint fastest;
 
 void main() {
   const float kSane = 1e4;  // m/s
-  uint me = gl_LocalInvocationID.x, first = workgroupNumber() * WORKGROUP, n = first + me;
-  if (me == 0u) fastest = 0u;
+  if (workgroupNumber() >= air.tiles) return;
+  SampleTile tile = tiles[workgroupNumber()];
+  if (gl_LocalInvocationIndex == 0u) fastest = 0u;
+#if !MEASURE
+  float most = fastestSplatted(), scale = momentumScale();
+#endif
   barrier();
-  nodes[me] = -1;
-  if (n < air.samples) {
-    vec3 place, motion;
-    float mass;
-    middleOf(pieceOf(n), place, motion, mass);
-    vec3 size = abs(motion);
+  uint me = gl_LocalInvocationIndex, count = tile.pieces * tile.strands;
+  if (me < count) {
+    uvec2 at = divided(me, tile.pieces);  // strand and piece
+    Sample own = sampleOf(tile, roots[tile.first_strand + at.x], tile.first_piece + at.y);
+    vec3 size = abs(own.motion);
     bool sane = size.x < kSane && size.y < kSane && size.z < kSane;
     if (sane) atomicMax(fastest, floatBitsToUint(max(size.x, max(size.y, size.z))));
 #if !MEASURE
-    vec3 at = transformed(air.hair_frame, place);
-    if (!sane) at = vec3(-1);
-    places[3u * n] = at.x;
-    places[3u * n + 1u] = at.y;
-    places[3u * n + 2u] = at.z;
-    if (isInGrid(at)) {
-      GridPlace corner = placeAmong(at);
-      float most = fastestSplatted();
-      nodes[me] = nodeAt(ivec3(corner.low));
-      parts[me] = corner.part;
-      found[me] = mass * vec4(clamp(motion, vec3(-most), vec3(most)) * momentumScale(), air.mass_scale);
-    }
+    spots[me] = vec4(sane ? transformed(air.hair_frame, own.place) : vec3(-1), own.mass);
+    for (int c = 0; c < 3; ++c) values[c * TILE_SAMPLES + int(me)] = own.motion[c];
 #endif
   }
   barrier();
 #if MEASURE
   if (me == 0u) atomicMax(fastest_before, fastest);
 #else
-  if (me == 0u) atomicMax(fastest_now, fastest);
-  // Rounds of WORKGROUP / 8 samples: each of the four pairs of nodes.
-  uint number = me & 3u;
-  float right = float((me >> 2u) & 1u);
-  for (uint round = 0u; round < 8u; ++round) {
-    uint s = round * (WORKGROUP / 8u) + me / 8u;
-    if (nodes[s] < 0) continue;
-    float value = found[s][number];
-    int node = nodes[s] + int(right);
-    for (int pair = 0; pair < 4; ++pair) {
-      float up = float(pair & 1), back = float(pair >> 1);
-      int share = int(fixedPoint(value * splatWeight(parts[s], right, up, back)));
-      if (share != 0) atomicAdd(sums[4 * (node + air.cells * ((pair & 1) + air.cells * (pair >> 1))) + int(number)], share);
+  // From the order along strands to that in which they are neighbours.
+  uint sample_ = workgroupNumber() * uint(TILE_SAMPLES) + me;
+  vec4 found = vec4(-1);
+  vec3 motion = vec3(0);
+  if (me < count) {
+    uint from = (order[sample_] & 0xFFFFu) * tile.pieces + (order[sample_] >> 16u);
+    found = spots[from];
+    for (int c = 0; c < 3; ++c) motion[c] = values[c * TILE_SAMPLES + int(from)];
+    for (uint c = 0u; c < 3u; ++c) {
+      places[c * plane() + sample_] = found[c];
+      motions[c * plane() + sample_] = motion[c];
     }
   }
+  barrier();
+  if (isInGrid(found.xyz))
+    put(me, placeAmong(found.xyz), found.w * vec4(clamp(motion, vec3(-most), vec3(most)) * scale, air.mass_scale));
+  else
+    leaveOut(me);
+  barrier();
+  spread(count);
+  if (me == 0u) atomicMax(fastest_now, fastest);
 #endif
 }

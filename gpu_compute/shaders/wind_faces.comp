@@ -7,7 +7,7 @@
 layout(std430, binding = 0) readonly buffer Faces { float faces[]; };
 layout(std430, binding = 1) writeonly buffer Next { float next[]; };
 layout(std430, binding = 2) readonly buffer Solids { vec4 solids[]; };
-layout(std430, binding = 3) writeonly buffer Masks { uint masks[]; };  // see pressure_level.glsl
+layout(std430, binding = 3) writeonly buffer Masks { uint masks[]; };  // see pressure_solve.glsl
 layout(std430, binding = 4) writeonly buffer Rights { float rights[]; };
 layout(std430, binding = 15) buffer Solve { uint fastest; } solve;
 

@@ -182,6 +182,14 @@ TEST_F(GpuAir, StrandsFeelWhatTheyFeelOnTheReference) {
     expectSame(felt(gpuAir(), *gpu_, own, parameters, {fan}),
                felt(cpuAir("reference"), *reference, own, parameters, {fan}));
   }
+  {
+    SCOPED_TRACE("more pieces of a strand than one workgroup takes");
+    Parameters parameters = everything();
+    parameters.wind_grid = 0;
+    parameters.grid_cells = 128;
+    expectSame(felt(gpuAir(), *gpu_, tuft, parameters),
+               felt(cpuAir("reference"), *reference, tuft, parameters));
+  }
 }
 
 TEST_F(GpuAir, EveryRunGivesTheSameBitsAndHairAtRestFeelsNothing) {

@@ -1,0 +1,74 @@
+// The samples of a workgroup (gpu_compute/sample_tiles.h), which stand for the pieces of strands on the grid
+// (air/strand_samples.h), and where they are. In memory vertices follow each other along a strand, in the grid the neighbour
+// of a sample is the same piece of the next strand. Needs air_settings.glsl.
+#define TILE_SAMPLES 896  // kTileSamples
+layout(local_size_x = TILE_SAMPLES) in;
+layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    // m, world
+layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // m/s
+struct SampleTile {
+  uint first_strand, strands, first_piece, pieces;
+  uint edges, pieces_of_strand, parts, margin;
+};
+layout(std430, binding = 2) readonly buffer Tiles { SampleTile tiles[]; };
+layout(std430, binding = 3) readonly buffer Roots { uint roots[]; };  // the first vertices of strands
+layout(std430, binding = 10) readonly buffer Order { uint order[]; };  // by place: strand + 65536 piece
+layout(std430, binding = 4) readonly buffer EdgeMasses { float edge_masses[]; };  // kg; 0 at tips
+
+// What splatting finds, in planes of all samples: places in nodes, below 0 where hair went wrong, and velocities in
+// m/s.
+layout(std430, binding = 5) buffer Places { float places[]; };
+layout(std430, binding = 9) buffer Motions { float motions[]; };
+
+uint workgroupNumber() { return gl_WorkGroupID.x + gl_NumWorkGroups.x * gl_WorkGroupID.y; }
+
+// The first edge of a piece, from its strand's first on.
+uint edgeOf(SampleTile tile, uint piece) {
+  if (tile.parts > 1u) return piece / tile.parts;
+  return tile.pieces_of_strand == tile.edges ? piece : piece * tile.edges / tile.pieces_of_strand;
+}
+// The piece of an edge, its first part's.
+uint pieceOfEdge(SampleTile tile, uint edge) {
+  if (tile.parts > 1u) return edge * tile.parts;
+  return tile.pieces_of_strand == tile.edges ? edge : ((edge + 1u) * tile.pieces_of_strand - 1u) / tile.edges;
+}
+
+// The middle of a piece's masses, their mean velocity, and what they come to.
+struct Sample {
+  vec3 place, motion;
+  float mass;
+};
+// `root`: of its strand.
+Sample sampleOf(SampleTile tile, uint root, uint piece) {
+  uint first = root + edgeOf(tile, piece), last = tile.parts > 1u ? first + 1u : root + edgeOf(tile, piece + 1u);
+  // Where along each edge its mass is: of whole edges half is at either end.
+  float per_part = 1.0, at = 0.5;
+  if (tile.parts > 1u) {
+    per_part = 1.0 / float(tile.parts);
+    at = (float(piece % tile.parts) + 0.5) * per_part;
+  }
+  vec3 x = positions[first].xyz, u = velocities[first].xyz;
+  Sample sum = Sample(vec3(0), vec3(0), 0.0);
+  for (uint v = first; v < last; ++v) {
+    vec3 x_next = positions[v + 1u].xyz, u_next = velocities[v + 1u].xyz;
+    float m = edge_masses[v] * per_part;
+    sum.mass += m;
+    vec3 middle = madd(x_next - x, at, x), mean = madd(u_next - u, at, u);
+    if (last == first + 1u) return Sample(middle, mean, m);
+    sum.place = madd(middle, m, sum.place);
+    sum.motion = madd(mean, m, sum.motion);
+    x = x_next;
+    u = u_next;
+  }
+  float per_mass = inverse(max(sum.mass, 1e-30));
+  return Sample(sum.place * per_mass, sum.motion * per_mass, sum.mass);
+}
+
+uint plane() { return air.tiles * uint(TILE_SAMPLES); }
+vec3 placeOf(uint at) { return vec3(places[at], places[plane() + at], places[2u * plane() + at]); }
+vec3 motionOf(uint at) { return vec3(motions[at], motions[plane() + at], motions[2u * plane() + at]); }
+
+// n / by and n % by, of numbers within a workgroup.
+uvec2 divided(uint n, uint by) {
+  uint whole = uint((float(n) + 0.5) / float(by));
+  return uvec2(whole, n - whole * by);
+}
