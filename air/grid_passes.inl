@@ -60,7 +60,7 @@ inline quads::real sampled(const GridShape& s, const Scalar* nodes, const Corner
 // Of the body where it is at the end of the step, placed once for all points.
 inline void distancesPass(const MovingPrimitive& primitive, const uint32_t* words, const float* points, size_t count,
                           float* out) {
-  const SubstepBody body = bodyAt(primitive, words, 1, 1, 1, 0, lit(1));
+  const SubstepBody body = bodyAt(primitive, words, 1, 1, 1, 0);
   for (size_t first = 0; first < count; first += kLanes) {
     const size_t lanes = count - first < kLanes ? count - first : kLanes;
     alignas(64) Scalar x[3][kLanes], distance[kLanes];

@@ -2,7 +2,6 @@
 // simd/lanes_highway.inl.
 HWY_INLINE real loadAt(const Scalar* p) { return {hn::LoadU(Tag(), p)}; }
 HWY_INLINE void storeAt(real value, Scalar* p) { hn::StoreU(value.v, Tag(), p); }
-HWY_INLINE real laneNumbers() { return {hn::Iota(Tag(), 0.0f)}; }
 // Four numbers of every lane, lane after lane.
 HWY_INLINE void loadFours(const Scalar* p, real* out) {
   hn::LoadInterleaved4(Tag(), p, out[0].v, out[1].v, out[2].v, out[3].v);

@@ -1,7 +1,6 @@
 // What grids need beyond the lane vocabulary, over one number a lane. Included inside a namespace of kernels/scalar_*.h.
 inline real loadAt(const Scalar* p) { return *p; }  // from anywhere, as storeAt
 inline void storeAt(real value, Scalar* p) { *p = value; }
-inline real laneNumbers() { return 0; }
 // Four numbers of every lane, lane after lane.
 inline void loadFours(const Scalar* p, real* out) {
   for (int c = 0; c < 4; ++c) out[c] = p[c];

@@ -36,7 +36,25 @@ inline bool anyTrue(mask m) { return m; }
 inline uint32_t laneBits(mask m) { return m ? 1 : 0; }
 inline Scalar leastOf(real value) { return value.v; }
 inline void storeWhole(real value, uint32_t* p) { *p = static_cast<uint32_t>(value.v); }
-inline real lowHalves(const uint32_t* p) { return {static_cast<float>(static_cast<int16_t>(*p))}; }
-inline real highHalves(const uint32_t* p) { return {static_cast<float>(static_cast<int16_t>(*p >> 16))}; }
+inline void pack(real value, mask m, Scalar* p) {
+  if (m) *p = value.v;
+}
+inline mask firstLanes(int count) { return count > 0; }
+inline real laneNumbers() { return {0}; }
+using word = int32_t;
+inline word everywhere(int32_t value) { return value; }
+inline word wordOf(real value) { return static_cast<word>(value.v); }
+inline real realOf(word value) { return {static_cast<float>(value)}; }
+inline real floatOf(word bits) { return {std::bit_cast<float>(bits)}; }
+inline word select(mask m, word a, word b) { return m ? a : b; }
+inline word shiftedDown(word a, word bits) { return a >> bits; }
+inline word wordAt(const uint32_t* words, word number) { return static_cast<word>(words[number]); }
+inline word wordAtByte(const uint32_t* words, word byte) {
+  word found;
+  std::memcpy(&found, reinterpret_cast<const char*>(words) + byte, sizeof found);
+  return found;
+}
+inline real lowHalves(word words) { return {static_cast<float>(static_cast<int16_t>(words))}; }
+inline real highHalves(word words) { return {static_cast<float>(words >> 16)}; }
 
 #include "kernels/lanes_vector.inl"

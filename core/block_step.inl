@@ -4,6 +4,7 @@
 // clang-format off
 #include "core/body_surface.inl"
 #include "core/strand_sweep.inl"
+#include "core/waiting_looks.inl"
 #include "core/near_bodies.inl"
 #include "core/grooming.inl"
 #include "core/gauss_seidel_sweep.inl"

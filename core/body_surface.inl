@@ -30,11 +30,11 @@ struct SubstepBody {
   Scalar ball;            // m: that ball's radius
   const uint32_t* words;  // of all shapes
   uint32_t data, planes;  // its own in them
-  real friction;
+  Scalar friction;
 };
 // `part`: of the step that a substep is; `substep`: s.
 inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, double time, double part, double substep,
-                          double hair_radius, const real& friction_scale) {
+                          double hair_radius) {
   SubstepBody body;
   body.kind = static_cast<PrimitiveKind>(p.kind);
   const real3 a_step = fill3(p.a_end) - fill3(p.a_begin), b_step = fill3(p.b_end) - fill3(p.b_begin);
@@ -60,7 +60,7 @@ inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, doubl
   body.words = words;
   body.data = p.data;
   body.planes = p.planes;
-  body.friction = lit(p.friction) * friction_scale;
+  body.friction = p.friction;
   return body;
 }
 
@@ -93,8 +93,8 @@ inline void forLanes(const mask& lanes, const Work& work) {
 struct FieldLook {
   FieldGrid grid;
   FieldPlace place;
-  alignas(64) uint32_t entries[kLanes];  // of the index
-  real side;                             // as of FieldCorners
+  word entries;  // of the index
+  real side;      // as of FieldCorners
 };
 // Of `lanes`; the others lie in no brick, outside.
 inline FieldLook lookIntoField(const SubstepBody& body, const real3& x, const mask& lanes) {
@@ -103,19 +103,14 @@ inline FieldLook lookIntoField(const SubstepBody& body, const real3& x, const ma
   const FieldGrid& grid = look.grid;
   look.place = fieldPlace(x, fill3(grid.origin), lit(grid.cell),
                           makeReal3(lit(grid.bricks[0]), lit(grid.bricks[1]), lit(grid.bricks[2])));
-  alignas(64) uint32_t bricks[kLanes];
-  alignas(64) Scalar side[kLanes];
-  storeWhole(look.place.brick, bricks);
-  store(lit(1), side);
-  std::fill(look.entries, look.entries + kLanes, kOutsideBrick);
-  forLanes(lanes, [&](int lane) {
-    const uint32_t entry = body.words[grid.index + bricks[lane]];
-    look.entries[lane] = entry;
-    if (entry != kOutsideBrick) side[lane] = static_cast<Scalar>(entry < kInsideBrick ? 0 : -1);
-  });
-  look.side = load(side);
+  const word bricks = select(lanes, wordOf(look.place.brick), everywhere(0));
+  look.entries = select(lanes, wordAt(body.words + grid.index, bricks), everywhere(static_cast<int32_t>(kOutsideBrick)));
+  const real entry = realOf(look.entries);
+  look.side = select(entry >= lit(0), lit(0), select(entry > lit(-1.5), lit(1), lit(-1)));
   return look;
 }
+// Where the samples of a stored brick start, in bytes behind the first one's.
+inline word firstByte(const word& entries) { return entries * everywhere(kBrickWords * sizeof(uint32_t)); }
 
 // At most the distance, by what is stored at the nearest corner of the cell or, beyond the band, of the brick.
 inline real leastByCorner(const SubstepBody& body, const FieldLook& look, const mask& lanes) {
@@ -127,22 +122,25 @@ inline real leastByCorner(const SubstepBody& body, const FieldLook& look, const 
   };
   const real3 in_cell = nearest(place.in_cell), in_brick = nearest(place.in_brick);
   const real side = lit(kBrickSide), row = lit(grid.bricks[0] + 1), slice = row * lit(grid.bricks[1] + 1);
-  alignas(64) uint32_t samples[kLanes], corners[kLanes];
-  alignas(64) Scalar values[kLanes] = {};
-  storeWhole(madd(madd(in_cell.z, side, in_cell.y), side, place.first_sample + in_cell.x), samples);
-  storeWhole(madd(in_brick.z, slice, madd(in_brick.y, row, place.corner + in_brick.x)), corners);
-  forLanes(lanes, [&](int lane) {
-    const uint32_t entry = look.entries[lane];
-    const float value = entry < kInsideBrick
-                            ? grid.quantum * fieldSample(body.words + grid.samples + size_t{entry} * kBrickWords, samples[lane])
-                            : std::bit_cast<float>(body.words[grid.corners + corners[lane]]);
-    values[lane] = static_cast<Scalar>(value);
-  });
   const mask stored = abs(look.side) < lit(0.5);
+  const real sample = madd(madd(in_cell.z, side, in_cell.y), side, place.first_sample + in_cell.x);
+  const real corner = madd(in_brick.z, slice, madd(in_brick.y, row, place.corner + in_brick.x));
+  const word samples = select(lanes && stored, firstByte(look.entries) + wordOf(sample + sample), everywhere(0));
+  const word corners = select(lanes && !stored, wordOf(corner), everywhere(0));
+  const real value = select(stored, lit(grid.quantum) * lowHalves(wordAtByte(body.words + grid.samples, samples)),
+                            floatOf(wordAt(body.words + grid.corners, corners)));
   const real3 away = place.in_cell - in_cell, far = (place.in_brick - in_brick) * lit(grid.cell * kBrickCells);
   // The interpolant is off by the mean way to the corners, which is at most the root mean square.
   const real in_band = lit(grid.cell) * sqrt(abs(away.x) + abs(away.y) + abs(away.z));
-  return load(values) - select(stored, in_band, length(far + place.outside));
+  return value - select(stored, in_band, length(far + place.outside));
+}
+
+// Of stored bricks, see firstEvenness().
+inline real evennessOf(const SubstepBody& body, const FieldGrid& grid, const word& bricks) {
+  static_assert(kEvennessesPerWord == 16);
+  const word words = wordAt(body.words + firstEvenness(grid), shiftedDown(bricks, everywhere(4)));
+  const word place = bricks & everywhere(kEvennessesPerWord - 1);
+  return realOf(shiftedDown(words, place + place) & everywhere(3));
 }
 
 // `clear`: see fieldDistance. In a brick beyond the band the normal is zero.
@@ -162,32 +160,26 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
     out.distance = beyond;
     return out;
   }
-  alignas(64) uint32_t cells[kLanes], corners[kLanes], pairs[4][kLanes] = {};  // pairs: neighbours along x
-  alignas(64) Scalar deep[8][kLanes], even[kLanes] = {};
-  const uint32_t* evenness = body.words + firstEvenness(grid);
-  storeWhole(look.place.first_sample, cells);
-  const mask stored = look.side > lit(-0.5), inside = near && !stored;
-  forLanes(near && stored, [&](int lane) {
-    const uint32_t entry = look.entries[lane];
-    even[lane] = static_cast<Scalar>(evenness[entry / kEvennessesPerWord] >> (2 * (entry % kEvennessesPerWord)) & 3);
-    const char* brick = reinterpret_cast<const char*>(body.words + grid.samples + size_t{entry} * kBrickWords);
-    for (uint32_t c = 0; c < 4; ++c)
-      std::memcpy(&pairs[c][lane],
-                  brick + 2 * (cells[lane] + (c & 1) * kBrickSide + (c >> 1) * kBrickSide * kBrickSide), 4);
-  });
+  const mask stored = near && look.side > lit(-0.5), inside = near && look.side < lit(-0.5);
+  const word brick = select(stored, look.entries, everywhere(0));
+  const bool any_stored = anyTrue(stored);  // else there may be no brick to read for other lanes
+  word pairs[4] = {everywhere(0), everywhere(0), everywhere(0), everywhere(0)};
+  if (any_stored) {  // samples that are neighbours along x share a word, which need not start where memory's do
+    const word cell = select(stored, wordOf(look.place.first_sample + look.place.first_sample), everywhere(0));
+    for (uint32_t c = 0; c < 4; ++c) {
+      const uint32_t n = (c & 1) * kBrickSide + (c >> 1) * kBrickSide * kBrickSide;
+      pairs[c] = wordAtByte(body.words + grid.samples, firstByte(brick) + cell + everywhere(static_cast<int32_t>(2 * n)));
+    }
+  }
   FieldCorners at{lowHalves(pairs[0]), highHalves(pairs[0]), lowHalves(pairs[1]), highHalves(pairs[1]),
                   lowHalves(pairs[2]), highHalves(pairs[2]), lowHalves(pairs[3]), highHalves(pairs[3]), look.side};
   if (anyTrue(inside)) {
     const uint32_t row = grid.bricks[0] + 1, slice = row * (grid.bricks[1] + 1);
+    const word corner = select(inside, wordOf(look.place.corner), everywhere(0));
     real* const values[8] = {&at.v000, &at.v100, &at.v010, &at.v110, &at.v001, &at.v101, &at.v011, &at.v111};
-    storeWhole(look.place.corner, corners);
     for (uint32_t c = 0; c < 8; ++c) {
-      store(*values[c], deep[c]);
-      forLanes(inside, [&](int lane) {
-        const uint32_t n = corners[lane] + (c & 1) + (c >> 1 & 1) * row + (c >> 2) * slice;
-        deep[c][lane] = static_cast<Scalar>(std::bit_cast<float>(body.words[grid.corners + n]));
-      });
-      *values[c] = load(deep[c]);
+      const uint32_t n = (c & 1) + (c >> 1 & 1) * row + (c >> 2) * slice;
+      *values[c] = select(inside, floatOf(wordAt(body.words + grid.corners + n, corner)), *values[c]);
     }
   }
   const real distance =
@@ -197,8 +189,9 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
   out.distance = select(outside, beyond, distance);
   const real3 t = look.place.in_brick;
   const real to_border = min(min(min(t.x, t.y), t.z), lit(1) - max(max(t.x, t.y), t.z));
-  const real around = madd(to_border, lit(kBrickCells), load(even) - lit(1));  // cells
-  out.even = select(load(even) > lit(0.5), around * lit(grid.cell), lit(0));
+  const real even = any_stored ? evennessOf(body, grid, brick) : lit(0);
+  const real around = madd(to_border, lit(kBrickCells), even - lit(1));  // cells
+  out.even = select(stored && even > lit(0.5), around * lit(grid.cell), lit(0));
   return out;
 }
 

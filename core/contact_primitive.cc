@@ -111,6 +111,10 @@ uint32_t ShapeData::add(const ContactPrimitive& primitive) {
     const size_t index = first + kHeader, samples = index + field.index.size(),
                  corners = samples + field.samples.size(), even = corners + field.corners.size(),
                  end = even + evenness.size();
+    // The CPU backends count a field's samples in bytes, with a sign (wordAtByte).
+    if (sizeof(uint32_t) * field.samples.size() > std::numeric_limits<int32_t>::max())
+      throw Error("a distance field is too large", std::to_string(field.samples.size()) + " words of samples",
+                  "bake it with larger cells");
     if (end > std::numeric_limits<uint32_t>::max())
       throw Error("the distance fields of the bodies are too large together", std::to_string(end) + " words",
                   "bake them with larger cells");
@@ -166,7 +170,7 @@ MovingPrimitive moved(const ContactPrimitive& primitive, const Pose& begin, cons
 }
 
 float signedDistance(const MovingPrimitive& primitive, const Vec3& point, std::span<const uint32_t> words) {
-  const auto body = kernels::f32::bodyAt(primitive, words.data(), 1, 1, 1, 0, 1);
+  const auto body = kernels::f32::bodyAt(primitive, words.data(), 1, 1, 1, 0);
   return kernels::f32::surfaceAt(body, {point.x(), point.y(), point.z()}, 0, true).distance;
 }
 

@@ -71,7 +71,7 @@ struct ShapeData {
   uint64_t revision = 0;  ///< another one after every change, of all there are in the process
 
   /// Appends what the primitive needs, unless it is there; returns its first word. Throws Error when words
-  /// cannot be numbered in 32 bits any more.
+  /// cannot be numbered in 32 bits any more, or a field's samples take more than 2 GiB.
   uint32_t add(const ContactPrimitive& primitive);
   void clear();
 

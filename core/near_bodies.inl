@@ -41,14 +41,16 @@ class NearBodies {
       else meet(place(i, *input_, time_), x, x_start, clear, reach, all, own);
       nearest = chosen(own.gap < nearest.gap, own, nearest);
     }
+    nearest.friction = nearest.friction * friction_scale_;
     return nearest;
   }
 
   // The rod's vertices look at the bodies once a substep, from where they would go by themselves, and keep the planes along the
   // two nearest: all that it asks of them, but for those that come far from where they looked, who look again.
   // Rooms: a vertex that was some way off a body and has not gone as far since, seen from whatever body, need not look at it.
-  // Of every vertex is kept how far it has gone since the start of the step, and for each body a limit: a distance that is at
-  // most the gap at some time plus how far the vertex had gone then. Nothing comes out otherwise for that.
+  // Of every vertex is kept how far it has gone since the start of the step, and a limit: a distance that is at most the least
+  // gap at some time plus how far the vertex had gone then; of every row and body the limit of the step's start. Nothing comes
+  // out otherwise for that. Those that have to look wait until they are a whole vector (core/waiting_looks.inl).
 
   /// To be called at the start of a step, for what follows. `rows`: contactScratch() numbers.
   void measureRooms(const StepInput& input, Scalar* rows) {
@@ -56,27 +58,43 @@ class NearBodies {
     limits_ = rows + static_cast<size_t>(kContactPlanes) * block_.vertices * kLanes;
     for (size_t k = 0; k < kept(); ++k) placed_[k] = place(k, input, 0);
     const real pressed = lit(input.parameters->hair_radius);
+    real own[kPlacedBodies];
     for (int i = 1; i < block_.vertices; ++i) {
+      const real3 x = load3(block_.position, i);
+      const real edge = length(x - load3(block_.position, i - 1));
       real nearest = lit(1e9);
       for (size_t k = 0; k < kept(); ++k) {
-        const real own = leastDistance(placed_[k], load3(block_.position, i)) - pressed;
-        limit(i, k) = leastLimit(own);
-        nearest = min(nearest, own);
+        // What is far off need not be known better than the vertex before tells.
+        if (i > 1) own[k] = own[k] - edge;
+        if (i > 1 && !anyTrue(!(own[k] > lit(kFarOff)))) {
+          limit(i, k) = static_cast<Scalar>(kFarOff);
+        } else {
+          own[k] = leastDistance(placed_[k], x) - pressed;
+          // A lane that is not a number must not hide the others' bodies.
+          limit(i, k) = leastOf(select(own[k] > lit(-1e9), own[k], lit(-1e9)));
+        }
+        nearest = min(nearest, own[k]);
       }
-      storeNearest(i, nearest);
+      for (size_t k = kept(); k < kPlacedBodies; ++k) limit(i, k) = static_cast<Scalar>(1e9);
+      store(size() > kPlacedBodies ? lit(-1e9) : nearest, row(kNearest, i));
       store(lit(0), row(kGone, i));
     }
   }
-  /// At the start of a substep, for vertex i, which is at x_start and would go to x.
+  /// At the start of a substep, for vertex i, which is at x_start and would go to x. To be followed by lookAround().
   void lookAhead(int i, const real3& x, const real3& x_start) {
     planes_[i] = 0;
-    look(i, x, x_start, wayAlong(x, x_start), lit(0) < lit(1));
+    want(i, x, x_start, lit(0) < lit(1));
+    if (waiting_.count() >= kLanes) look();
+  }
+  /// After the last of these: all have looked.
+  void lookAround() {
+    while (waiting_.count() > 0) look();
   }
   /// In it, for vertex i, which has come to x.
   void lookOn(int i, const real3& x, const real3& x_start) { lookAgain(i, x, x_start, lit(0) < lit(0)); }
   /// At its end, the same; of `lanes` those too that may be in a body. Gives which of them are to be held out of it.
   mask lookBack(int i, const real3& x, const real3& x_start, const mask& lanes) {
-    const mask near = planes_[i] > 0 ? lanes && touch(i, x).gap < lookMargin() : lit(0) < lit(0);
+    const mask near = planes_[i] > 0 ? lanes && gap(i, x) < lookMargin() : lit(0) < lit(0);
     return lanes && lookAgain(i, x, x_start, near);
   }
   /// How far it is from x_start to x, at most, seen from whatever body.
@@ -96,6 +114,12 @@ class NearBodies {
   /// In this substep it has gone so far.
   void goOn(int i, const real& way) { store(load(row(kGone, i)) + way, row(kGone, i)); }
   bool sees(int i) const { return planes_[i] > 0; }
+  /// How far x is from what vertex i sees, m, at most contactReach().
+  real gap(int i, const real3& x) const {
+    real nearest = contactReach();
+    for (int n = 0; n < planes_[i]; ++n) nearest = min(dot(get3(kNormal + n * kPlaneRows, i), x) - get(offsetOf(n), i), nearest);
+    return nearest;
+  }
   /// What the bodies that vertex i sees are to it at x.
   Touch touch(int i, const real3& x) const {
     Touch nearest = untouched(x, contactReach());
@@ -105,11 +129,14 @@ class NearBodies {
       const Touch own = {dot(normal, x) - get(kOffset + at, i), normal, get3(kCarried + at, i), get(kFriction + at, i)};
       nearest = chosen(own.gap < nearest.gap, own, nearest);
     }
+    nearest.friction = nearest.friction * friction_scale_;
     return nearest;
   }
 
  private:
   static constexpr size_t kMost = 64, kMostLanes = 64;
+  static constexpr double kFarOff = 0.01;       // m, more than most vertices go in a step
+  static_assert(kPlacedBodies % kLanes == 0);  // limits are read by vectors
 
   const MovingPrimitive& body(size_t i) const { return bodies_[all_ ? candidate(i) : near_[i]]; }
   size_t kept() const { return std::min<size_t>(size(), kPlacedBodies); }
@@ -125,8 +152,7 @@ class NearBodies {
   SubstepBody place(size_t i, const StepInput& input, double time) const {
     const Parameters& p = *input.parameters;
     const uint32_t* words = input.shapes != nullptr ? input.shapes->words.data() : nullptr;
-    return bodyAt(body(i), words, time, 1.0 / p.substeps, static_cast<double>(p.time_step) / p.substeps, p.hair_radius,
-                  friction_scale_);
+    return bodyAt(body(i), words, time, 1.0 / p.substeps, static_cast<double>(p.time_step) / p.substeps, p.hair_radius);
   }
 
   // kNearest: the least limit; kLookedFrom: where it looked last. Of a plane its normal, what that makes of its points,
@@ -140,71 +166,94 @@ class NearBodies {
   Scalar* row(int plane, int i) const { return rows_ + (static_cast<size_t>(i) * kContactPlanes + plane) * kLanes; }
   real get(int plane, int i) const { return load(row(plane, i)); }
   real3 get3(int plane, int i) const { return {get(plane, i), get(plane + 1, i), get(plane + 2, i)}; }
-  // Of body k, the least of all lanes.
+  static constexpr int offsetOf(int n) { return kOffset + n * kPlaneRows; }  // of plane number n
+  static constexpr double kNoPlane = -1e9;                                   // m, the offset of a plane that is none
+  // Of body k at the start of the step, the least of all lanes.
   Scalar& limit(int i, size_t k) const { return limits_[static_cast<size_t>(i) * kPlacedBodies + k]; }
-  // A lane that is not a number must not hide the others' bodies.
-  static Scalar leastLimit(const real& limits) { return leastOf(select(limits > lit(-1e9), limits, lit(-1e9))); }
-  void storeNearest(int i, const real& nearest) {  // of more bodies than are placed nothing is known
-    store(size() > kPlacedBodies ? lit(-1e9) : nearest, row(kNearest, i));
-  }
   // Who is far from where it has looked from, and `others`.
   mask lookAgain(int i, const real3& x, const real3& x_start, const mask& others) {
     const real3 off = x - get3(kLookedFrom, i);
     const mask lanes = dot(off, off) > lookReach() * lookReach() || others;
-    if (anyTrue(lanes)) look(i, x, x_start, wayAlong(x, x_start), lanes);
+    if (anyTrue(lanes)) {
+      for (int n = 0; n < planes_[i]; ++n) store(select(lanes, lit(kNoPlane), get(offsetOf(n), i)), row(offsetOf(n), i));
+      want(i, x, x_start, lanes);
+      lookAround();
+    }
     return lanes;
   }
-  // Vertex i, of `lanes`, from x, with a way that is so long.
-  void look(int i, const real3& x, const real3& x_start, const real& way, const mask& lanes) {
-    const real reach = madd(way, lit(0.5), lookReach()), ahead = load(row(kGone, i)) + way + reach;
+  // Vertex i, of `lanes`, is to look from x. Those wait that may see something.
+  void want(int i, const real3& x, const real3& x_start, const mask& lanes) {
+    const real way = wayAlong(x, x_start), gone = get(kGone, i), nearest = get(kNearest, i);
     const real3 from = select(lanes, x, get3(kLookedFrom, i));
     store(from.x, row(kLookedFrom, i));
     store(from.y, row(kLookedFrom + 1, i));
     store(from.z, row(kLookedFrom + 2, i));
-    const mask may_see = lanes && ahead >= load(row(kNearest, i));
-    if (planes_[i] > 0 || anyTrue(may_see)) lookFrom(i, x, x_start, way, reach, lanes, may_see);
+    const real ahead = gone + way + reachAlong(way);
+    const mask may_see = lanes && ahead >= nearest;
+    if (!anyTrue(may_see)) return;
+    const Scalar farthest = -leastOf(select(may_see, lit(0) - ahead, lit(0)));
+    real others = lit(1e9);  // the limits of bodies that nobody in the row need look at
+    uint32_t near = 0;
+    for (int k = 0; k < kPlacedBodies; k += kLanes) {
+      const real limits = load(&limit(i, k));
+      const mask may_be_seen = limits <= lit(farthest);
+      near |= laneBits(may_be_seen) << k;
+      others = min(others, select(may_be_seen, others, limits));
+    }
+    wanted_ |= near;
+    waiting_.add(i, {x, x_start, way, gone, max(nearest, lit(leastOf(others))), clearance(i)}, may_see);
   }
-  // By itself, so that sweeps of hair that is near no body stay small.
-  [[gnu::noinline]] void lookFrom(int i, const real3& x, const real3& x_start, const real& way, const real& reach,
-                                  const mask& lanes, const mask& may_see) {
-    const real clear = clearance(i), before = load(row(kNearest, i)), gone = load(row(kGone, i)), ahead = gone + way + reach;
-    Touch first = untouched(x, reach), second = first;
-    real nearest = lit(1e9);
-    for (size_t k = 0; k < size(); ++k) {
-      Touch own = untouched(x, reach);
-      if (k >= kept()) {
-        meet(place(k, *input_, time_), x, x_start, clear, reach, may_see, own);
-      } else {
-        real own_limit = max(lit(limit(i, k)), before);
-        const mask looked = may_see && ahead >= own_limit;
-        if (anyTrue(looked)) {  // the gap is at x, which it has not gone to yet
-          own_limit = select(looked, meet(placed_[k], x, x_start, clear, reach, looked, own) + gone - way, own_limit);
-          limit(i, k) = leastLimit(own_limit);
-        }
-        nearest = min(nearest, own_limit);
+  static real reachAlong(const real& way) { return madd(way, lit(0.5), lookReach()); }
+
+  // A vector of those that wait looks. By itself, so that sweeps of hair that is near no body stay small.
+  [[gnu::noinline]] void look() {
+    WaitingLooks::Look at;
+    alignas(64) uint32_t numbers[kLanes];
+    const int count = waiting_.take(at, numbers);
+    const mask lanes = firstLanes(count);
+    const real reach = reachAlong(at.way);
+    Touch first = untouched(at.x, reach), second = first;
+    real nearest = at.others;
+    auto lookAt = [&](const SubstepBody& body) {
+      Touch own = untouched(at.x, reach);
+      const real gap = meet(body, at.x, at.x_start, at.clear, reach, lanes, own);
+      if (anyTrue(own.gap < second.gap)) {
+        const mask nearer = own.gap < first.gap;
+        second = chosen(nearer, first, chosen(own.gap < second.gap, own, second));
+        first = chosen(nearer, own, first);
       }
-      if (!anyTrue(own.gap < second.gap)) continue;
-      const mask nearer = own.gap < first.gap;
-      second = chosen(nearer, first, chosen(own.gap < second.gap, own, second));
-      first = chosen(nearer, own, first);
-    }
-    storeNearest(i, nearest);
-    keepPlane(i, 0, first, x, reach, lanes);
-    keepPlane(i, 1, second, x, reach, lanes);
+      nearest = min(nearest, gap + at.gone - at.way);  // the gap is at x, which it has not gone to yet
+    };
+    for (uint32_t left = wanted_; left != 0; left &= left - 1) lookAt(placed_[std::countr_zero(left)]);
+    for (size_t k = kept(); k < size(); ++k) lookAt(place(k, *input_, time_));
+    if (waiting_.count() == 0) wanted_ = 0;
+    const real rows[1] = {size() > kPlacedBodies ? lit(-1e9) : nearest};  // of bodies that are not placed nothing is known
+    scatter(rows, kNearest, numbers, lanes);
+    keepPlane(0, first, at.x, numbers, lanes && first.gap < reach);
+    keepPlane(1, second, at.x, numbers, lanes && second.gap < reach);
   }
-  // Plane number n of vertex i, of `lanes`; where there is none, what stays beyond reach.
-  void keepPlane(int i, int n, const Touch& touch, const real3& x, const real& reach, const mask& lanes) {
-    const bool had = planes_[i] > n;
-    if (!had && !anyTrue(touch.gap < reach)) return;
-    planes_[i] = static_cast<uint8_t>(std::max<int>(planes_[i], n + 1));
-    const real offset = dot(touch.normal, x) - touch.gap;
-    const real rows[kPlaneRows] = {touch.normal.x,  touch.normal.y,  touch.normal.z,  offset,
+  // Plane number n of these vertices, of `lanes`.
+  void keepPlane(int n, const Touch& touch, const real3& x, const uint32_t* numbers, const mask& lanes) {
+    if (!anyTrue(lanes)) return;
+    forLanes(lanes, [&](int lane) {
+      const uint32_t i = numbers[lane] / kLanes;
+      if (planes_[i] > n) return;
+      planes_[i] = static_cast<uint8_t>(n + 1);
+      store(lit(kNoPlane), row(offsetOf(n), static_cast<int>(i)));
+    });
+    const real rows[kPlaneRows] = {touch.normal.x,  touch.normal.y,  touch.normal.z,  dot(touch.normal, x) - touch.gap,
                                    touch.carried.x, touch.carried.y, touch.carried.z, touch.friction};
-    const real none[kPlaneRows] = {lit(0), lit(0), lit(0), lit(-1e9), x.x, x.y, x.z, lit(0)};
-    for (int c = 0; c < kPlaneRows; ++c) {
-      Scalar* const at = row(kPlanes + n * kPlaneRows + c, i);
-      store(select(lanes, rows[c], had ? load(at) : none[c]), at);
-    }
+    scatter(rows, kPlanes + n * kPlaneRows, numbers, lanes);
+  }
+  // To rows of these vertices from `plane` on, of `lanes`.
+  template <size_t kRows>
+  void scatter(const real (&values)[kRows], int plane, const uint32_t* numbers, const mask& lanes) {
+    alignas(64) Scalar columns[kRows][kLanes];
+    for (size_t c = 0; c < kRows; ++c) store(values[c], columns[c]);
+    forLanes(lanes, [&](int lane) {
+      Scalar* to = row(plane, static_cast<int>(numbers[lane] / kLanes)) + numbers[lane] % kLanes;
+      for (size_t c = 0; c < kRows; ++c) to[c * kLanes] = columns[c][lane];
+    });
   }
 
   // How the points of a body move in a substep: by turn x point + shift, to `slack` where the strands are.
@@ -346,6 +395,8 @@ class NearBodies {
   Vec3 middle_ = Vec3::Zero();  // m, of a box that holds the strands throughout the step
   float radius_ = 0;            // m, of a ball about it
   Scalar *rows_ = nullptr, *limits_ = nullptr;
+  WaitingLooks waiting_;
+  uint32_t wanted_ = 0;  // the placed bodies that some of them have to look at, as bits
   uint8_t planes_[kMaxVerticesPerStrand];  // that any lane of the vertex has in this substep
   const StepInput* input_ = nullptr;
   double time_ = 0;

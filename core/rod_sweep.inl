@@ -58,7 +58,10 @@ class RodStep {
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
-    if (near_.size() > 0) near_.measureRooms(in, scratch_ + solverScratch(n, kLanes) + groomingScratch(n, kLanes));
+    if (near_.size() > 0) {
+      noteForces();
+      near_.measureRooms(in, scratch_ + solverScratch(n, kLanes) + groomingScratch(n, kLanes));
+    }
     for (int substep = 0; substep < p.substeps; ++substep) {
       const double time = (substep + 1.0) / p.substeps;
       near_.place(in, time);
@@ -128,7 +131,10 @@ class RodStep {
   real3 pressed(int i, const real3& shift, const real3& x, const real3& moved);
   real3 keptOut(int i, const real3& shift, const real3& inner);
   real3 turnedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes);
-  real3 normalAt(int i) const { return near_.size() > 0 ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
+  real3 normalAt(int i) const {
+    return near_.size() > 0 && faces_[i] ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0));
+  }
+  void noteForces();
 
   const Block& b;
   const StepInput& in;
@@ -148,8 +154,18 @@ class RodStep {
   quat inner_frame_;    // of the root, without the swing of this substep
   real3 tangent_old_, swing_;  // root tangent before the substep, and how it changes
   real3 jump_;          // m, unexpected motion of the root
+  // Of a vertex among bodies: some lane may have a contact force, and in this substep a normal. Most have none.
+  bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
   real most_tension_;   // that is taken over from one substep to the next
 };
+
+// Which vertices bodies pressed when the step began.
+inline void RodStep::noteForces() {
+  for (int i = 0; i < n; ++i) {
+    const real3 force = state3(b.contact, i);
+    forced_[i] = anyTrue(!(abs(force.x) + abs(force.y) + abs(force.z) <= lit(0)));  // also where it is not a number
+  }
+}
 
 // Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
 inline void RodStep::predict(const RootFrame& root, double time) {
@@ -174,8 +190,8 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     set3(kShift, e + 1, shift);
     if (near_.size() > 0) {
       near_.lookAhead(e + 1, x + ahead, x);
-      set3(kNormal, e + 1, makeReal3(lit(0), lit(0), lit(0)));
-      store3(state3(b.contact, e + 1) * lit(h * h), b.contact, e + 1);
+      faces_[e + 1] = false;
+      if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(h * h), b.contact, e + 1);
     }
     const real3 old = x - before, advance = shift - shift_in;
     const real3 edge = old + advance;
@@ -195,6 +211,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     shift_in = shift;
     unit_before = unit;
   }
+  near_.lookAround();
 }
 
 // Joint strains, and the elimination of the twist system from root to tip.
@@ -267,7 +284,7 @@ inline void RodStep::eliminateBending() {
     const real3 way = b.acceleration != nullptr ? madd(accelerationOf(b, e + 1), lit(h * h), pull) : pull;
     real3 total = grooming_.on() ? grooming_.pull(e + 1, way, root_, get3(kShift, e + 1)) + (force - force_out)
                                  : madd(way, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
-    if (near_.size() > 0) total = total + state3(b.contact, e + 1);
+    if (near_.size() > 0 && forced_[e + 1]) total = total + state3(b.contact, e + 1);
 
     const real il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
@@ -308,24 +325,23 @@ inline void RodStep::eliminateBending() {
 inline real3 RodStep::collide(int i, const real3& shift, const real3& moved) {
   const real3 x = state3(b.position, i) + shift;
   near_.lookOn(i, x, state3(b.position, i));
-  if (near_.sees(i)) return pressed(i, shift, x, moved);
-  const real3 before = state3(b.contact, i);
-  return anyTrue(dot(before, before) > lit(0)) ? pressed(i, shift, x, moved) : shift;
+  return near_.sees(i) || forced_[i] ? pressed(i, shift, x, moved) : shift;
 }
 
 // The same of a vertex that may touch something; the normal is kept for the length solve, which must not push it back in. By
 // itself, as keptOut(), so that sweeps of hair that is near no body stay small.
 [[gnu::noinline]] inline real3 RodStep::pressed(int i, const real3& shift, const real3& x, const real3& moved) {
-  const real3 before = state3(b.contact, i);
-  const Touch touch = near_.touch(i, x);
-  const mask touches = (touch.gap < lit(0) || dot(before, before) > lit(0)) && weight(i) > lit(0);
+  const real3 before = forced_[i] ? state3(b.contact, i) : makeReal3(lit(0), lit(0), lit(0));
+  const mask touches = (near_.gap(i, x) < lit(0) || dot(before, before) > lit(0)) && weight(i) > lit(0);
   if (!anyTrue(touches)) return shift;
+  const Touch touch = near_.touch(i, x);
   real3 force = before;
   const real3 out = resolveContact(x, touch.carried, moved, touch.normal, touch.gap, touch.friction,
                                    select(touches, weight(i), lit(1)), force);
   const mask presses = touches && (touch.gap < lit(0) || dot(force, force) > lit(0));
   store3(select(touches, force, before), b.contact, i);
-  set3(kNormal, i, select(presses, touch.normal, get3(kNormal, i)));
+  set3(kNormal, i, select(presses, touch.normal, normalAt(i)));
+  forced_[i] = faces_[i] = true;
   set(kSoftness, i, select(presses, lit(0), get(kSoftness, i)));
   return select(touches, out - state3(b.position, i), shift);
 }
@@ -570,7 +586,7 @@ inline void RodStep::finish() {
     shift = select(weight(e + 1) > lit(0), shift + exact, pulled);
     if (near_.size() > 0) {
       shift = keptOut(e + 1, shift, inner);
-      store3(state3(b.contact, e + 1) * lit(1 / (h * h)), b.contact, e + 1);
+      if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(1 / (h * h)), b.contact, e + 1);
     }
     inner = old + shift;
     store3(shift * inverse_h, b.velocity, e + 1);

@@ -69,7 +69,7 @@ struct Touch {
   real gap;        // m, to its surface, or to the plane through where the way met it
   real3 normal;    // of the same
   real3 carried;   // m, where the surface has taken the point at which the vertex was
-  real friction;
+  real friction;   // of its body
 };
 // Of a vertex at x with no body nearer than `reach`.
 inline Touch untouched(const real3& x, const real& reach) { return {reach, makeReal3(lit(0), lit(0), lit(0)), x, lit(0)}; }
@@ -116,7 +116,9 @@ inline real meet(const SubstepBody& body, const real3& x, const real3& x_start, 
       const real per_way = inverseSqrt(max(way2, lit(1e-30)));
       real part = lit(0);
       for (int i = 0; i < kAdvances; ++i) {
+        const real before = part;
         part = min(madd(max(at.distance - clear, lit(0)), per_way, part), lit(1));
+        if (i > 0 && !anyTrue(across && part > before)) break;  // nobody sees anything new
         at = surfaceAt(body, madd(way, part, carried), clear, across);
       }
       const real free = at.distance - clear;
@@ -125,6 +127,6 @@ inline real meet(const SubstepBody& body, const real3& x, const real3& x_start, 
       normal = select(met, at.normal, normal);
     }
   }
-  touch = chosen(near, {gap, normal, carried, body.friction}, touch);
+  touch = chosen(near, {gap, normal, carried, lit(body.friction)}, touch);
   return room;
 }

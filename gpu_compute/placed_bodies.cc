@@ -46,7 +46,7 @@ uint32_t leaderOf(std::span<const MovingPrimitive> bodies, uint32_t body) {
 PlacedBody placedBody(const MovingPrimitive& primitive, double time, double part, double seconds,
                       float hair_radius) {
   const kernels::f32::SubstepBody at =
-      kernels::f32::bodyAt(primitive, nullptr, time, part, seconds, hair_radius, 1.0f);
+      kernels::f32::bodyAt(primitive, nullptr, time, part, seconds, hair_radius);
   PlacedBody body{};
   put(body.middle, at.middle);
   body.ball = at.kind == PrimitiveKind::kPlane ? kEverywhere : at.ball;

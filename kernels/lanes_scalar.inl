@@ -24,8 +24,28 @@ inline bool anyTrue(mask m) { return m; }
 inline uint32_t laneBits(mask m) { return m ? 1 : 0; }  // bit 0: the first lane
 inline Scalar leastOf(real value) { return value; }       // of all lanes
 inline void storeWhole(real value, uint32_t* p) { *p = static_cast<uint32_t>(value); }  // of whole numbers from 0 on
+inline void pack(real value, mask m, Scalar* p) {  // its lanes one after another, what is behind them up to kLanes is lost
+  if (m) *p = value;
+}
+inline mask firstLanes(int count) { return count > 0; }
+inline real laneNumbers() { return 0; }
+
+// Whole numbers with a sign, and the words of memory.
+using word = int32_t;
+inline word everywhere(int32_t value) { return value; }
+inline word wordOf(real value) { return static_cast<word>(value); }  // of a whole number
+inline real realOf(word value) { return static_cast<real>(value); }
+inline real floatOf(word bits) { return std::bit_cast<float>(bits); }
+inline word select(mask m, word a, word b) { return m ? a : b; }
+inline word shiftedDown(word a, word bits) { return a >> bits; }
+inline word wordAt(const uint32_t* words, word number) { return static_cast<word>(words[number]); }
+inline word wordAtByte(const uint32_t* words, word byte) {  // anywhere
+  word found;
+  std::memcpy(&found, reinterpret_cast<const char*>(words) + byte, sizeof found);
+  return found;
+}
 // The signed 16-bit numbers in the low and in the high halves of words.
-inline real lowHalves(const uint32_t* p) { return static_cast<real>(static_cast<int16_t>(*p)); }
-inline real highHalves(const uint32_t* p) { return static_cast<real>(static_cast<int16_t>(*p >> 16)); }
+inline real lowHalves(word words) { return static_cast<real>(static_cast<int16_t>(words)); }
+inline real highHalves(word words) { return static_cast<real>(words >> 16); }
 
 #include "kernels/lanes_vector.inl"

@@ -1,5 +1,8 @@
 #pragma once
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 // Kernel text compiled for one double per lane.
 namespace strandcast::kernels::f64 {

@@ -63,14 +63,33 @@ using WordTag = hn::RebindToSigned<Tag>;
 HWY_INLINE void storeWhole(real value, uint32_t* p) {
   hn::Store(hn::ConvertTo(WordTag(), value.v), WordTag(), reinterpret_cast<int32_t*>(p));
 }
-HWY_INLINE real lowHalves(const uint32_t* p) {
-  const auto words = hn::Load(WordTag(), reinterpret_cast<const int32_t*>(p));
-  return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(hn::ShiftLeft<16>(words)))};
+HWY_INLINE void pack(real value, mask m, Scalar* p) { hn::StoreU(hn::Compress(value.v, m.m), Tag(), p); }
+HWY_INLINE mask firstLanes(int count) { return {hn::FirstN(Tag(), static_cast<size_t>(count))}; }
+HWY_INLINE real laneNumbers() { return {hn::Iota(Tag(), 0.0f)}; }
+struct word {
+  hn::Vec<WordTag> v;
+};
+HWY_INLINE word operator+(word a, word b) { return {hn::Add(a.v, b.v)}; }
+HWY_INLINE word operator*(word a, word b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE word operator&(word a, word b) { return {hn::And(a.v, b.v)}; }
+HWY_INLINE word everywhere(int32_t value) { return {hn::Set(WordTag(), value)}; }
+HWY_INLINE word wordOf(real value) { return {hn::ConvertTo(WordTag(), value.v)}; }
+HWY_INLINE real realOf(word value) { return {hn::ConvertTo(Tag(), value.v)}; }
+HWY_INLINE real floatOf(word bits) { return {hn::BitCast(Tag(), bits.v)}; }
+HWY_INLINE word select(mask m, word a, word b) {
+  return {hn::IfThenElse(hn::RebindMask(WordTag(), m.m), a.v, b.v)};
 }
-HWY_INLINE real highHalves(const uint32_t* p) {
-  const auto words = hn::Load(WordTag(), reinterpret_cast<const int32_t*>(p));
-  return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(words))};
+HWY_INLINE word shiftedDown(word a, word bits) { return {hn::Shr(a.v, bits.v)}; }
+HWY_INLINE word wordAt(const uint32_t* words, word number) {
+  return {hn::GatherIndex(WordTag(), reinterpret_cast<const int32_t*>(words), number.v)};
 }
+HWY_INLINE word wordAtByte(const uint32_t* words, word byte) {
+  return {hn::GatherOffset(WordTag(), reinterpret_cast<const int32_t*>(words), byte.v)};
+}
+HWY_INLINE real lowHalves(word words) {
+  return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(hn::ShiftLeft<16>(words.v)))};
+}
+HWY_INLINE real highHalves(word words) { return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(words.v))}; }
 
 // The order matters.
 // clang-format off
