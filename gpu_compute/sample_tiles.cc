@@ -8,11 +8,10 @@
 namespace strandcast::gpu {
 namespace {
 
-constexpr uint32_t kMostPieces =
-    64;  // of a strand in one tile; with more, so that tiles do not get too thin,
-constexpr uint32_t kSomePieces = 48;  // about so many at a time
-constexpr float kPlacesPerCell = 4;   // what is in the same one is as good as at one place
-constexpr uint32_t kPlaceBits = 10;   // per axis
+// Of a strand in one tile; of one with more, so that tiles do not get too thin, about so many at a time.
+constexpr uint32_t kMostPieces = 64, kSomePieces = 48;
+constexpr float kPlacesPerCell = 4;  // what is in the same one is as good as at one place
+constexpr uint32_t kPlaceBits = 10;  // per axis
 
 // Places with near numbers are near each other: bits of the axes in turn (Morton 1966). `x` in the groom's
 // frame, m.

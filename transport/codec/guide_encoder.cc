@@ -106,7 +106,10 @@ class GuideEncoder::Crew {
 };
 
 GuideEncoder::GuideEncoder(const CodecOptions& options, const StrandCoder& coder)
-    : groom_{options, {}, {}, {}, {}}, coder_(coder), own_(groom_, coder) {}
+    : groom_{options, {}, {}, {}, {}},
+      coder_(coder),
+      threads_(encodingThreads(options.threads)),
+      own_(groom_, coder) {}
 
 GuideEncoder::~GuideEncoder() = default;
 
@@ -138,15 +141,14 @@ void GuideEncoder::encode(const GuideFrame& frame, uint32_t index, GuideChunk& c
 
 void GuideEncoder::encodeAll(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send) {
   const auto count = static_cast<uint32_t>(groom_.runs.size());
-  const int threads = encodingThreads(groom_.options.threads);
-  if (threads == 1 || count <= 1) {
+  if (threads_ == 1 || count <= 1) {
     for (uint32_t i = 0; i < count; ++i) {
       encode(frame, i, own_chunk_);
       send(own_chunk_);
     }
     return;
   }
-  if (!crew_) crew_ = std::make_unique<Crew>(threads, groom_, coder_);
+  if (!crew_) crew_ = std::make_unique<Crew>(threads_, groom_, coder_);
   crew_->encodeAll(frame, count, [&](GuideChunk& chunk, const ChunkReport& report) {
     add(frame, chunk, report);
     send(chunk);

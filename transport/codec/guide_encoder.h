@@ -38,6 +38,7 @@ class GuideEncoder {
 
   EncodedGroom groom_;
   const StrandCoder coder_;
+  const int threads_;
   ChunkEncoder own_;  // for what one thread encodes
   GuideChunk own_chunk_;
   std::unique_ptr<Crew> crew_;
