@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "air/grid_passes.h"
-#include "simd/simd_targets.h"
+#include "kernels/highway_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "air/grid_passes_simd.cc"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -15,7 +15,7 @@ namespace strandcast::air::HWY_NAMESPACE {
 
 // The order matters.
 // clang-format off
-#include "simd/lanes_highway.inl"
+#include "kernels/lanes_highway.inl"
 #include "kernels/end_lanes.inl"
 #include "core/body_surface.inl"
 #include "air/lanes_highway.inl"

@@ -1,5 +1,5 @@
 // The same as air/lanes_scalar.inl over Highway's vectors. Included inside a target's namespace after
-// simd/lanes_highway.inl.
+// kernels/lanes_highway.inl.
 HWY_INLINE real loadAt(const Scalar* p) { return {hn::LoadU(Tag(), p)}; }
 HWY_INLINE void storeAt(real value, Scalar* p) { hn::StoreU(value.v, Tag(), p); }
 // Four numbers of every lane, lane after lane.

@@ -5,7 +5,7 @@
 
 #include "bench/measured_run.h"
 #include "bench/operation_count.h"
-#include "simd/simd_targets.h"
+#include "kernels/highway_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "bench/measured_peak.cc"
 #include <hwy/foreach_target.h>  // must come before highway.h

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "simd/simd_targets.h"
+#include "kernels/highway_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/simd_kernels.cc"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -17,7 +17,7 @@ namespace strandcast::simd::HWY_NAMESPACE {
 
 // The order matters.
 // clang-format off
-#include "simd/lanes_highway.inl"
+#include "kernels/lanes_highway.inl"
 #include "core/block_step.inl"
 #include "kernels/end_lanes.inl"
 // clang-format on

@@ -20,13 +20,13 @@ const std::map<std::string, Folders> kAllowed = {
     {"core", {"kernels"}},
     {"gl", {"core"}},
     {"simd", {"core", "kernels"}},
-    {"air", {"core", "kernels", "simd"}},
+    {"air", {"core", "kernels"}},
     {"gpu_compute", {"core", "kernels", "gl", "air"}},
     {"collision", {"core", "kernels"}},
     {"groom", {"core", "kernels"}},
     {"scenes", {"core", "kernels", "collision", "groom"}},
     {"validation", {"core", "kernels", "air", "collision"}},
-    {"transport", {"core", "kernels", "simd"}},
+    {"transport", {"core", "kernels"}},
     {"render", {"core", "kernels", "groom", "transport", "gl"}},
 };
 const Folders kAnything = {"apps", "bench", "tests"};

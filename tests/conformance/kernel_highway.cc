@@ -1,5 +1,5 @@
 // The kernels for every Highway target.
-#include "simd/simd_targets.h"
+#include "kernels/highway_targets.h"
 #include "tests/conformance/kernel_conformance.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tests/conformance/kernel_highway.cc"
@@ -11,7 +11,7 @@ namespace strandcast::HWY_NAMESPACE {
 
 // The order matters.
 // clang-format off
-#include "simd/lanes_highway.inl"
+#include "kernels/lanes_highway.inl"
 #include "tests/conformance/shaders/kernel_cases.h"
 #include "kernels/end_lanes.inl"
 // clang-format on

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "simd/simd_targets.h"
+#include "kernels/highway_targets.h"
 #include "transport/codec/bit_stream.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "transport/codec/strand_coder.cc"
@@ -19,7 +19,7 @@ namespace strandcast::codec::HWY_NAMESPACE {
 
 // The order matters.
 // clang-format off
-#include "simd/lanes_highway.inl"
+#include "kernels/lanes_highway.inl"
 #include "transport/codec/grid.inl"
 #include "transport/codec/octahedral.inl"
 #include "transport/codec/tangent_plane.inl"

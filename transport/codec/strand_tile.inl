@@ -1,4 +1,4 @@
-// A strand per lane: what coders go along. Included inside a target's namespace behind simd/lanes_highway.inl.
+// A strand per lane: what coders go along. Included inside a target's namespace behind kernels/lanes_highway.inl.
 
 /// Some strands of a run side by side.
 struct Tile {
