@@ -318,6 +318,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
                    [&](const std::string& v) { s.codec.codec = codecNamed(v, transport.place("codec")); });
     transport.number("codec_error_mm", 0.001, 1,
                      [&](double v) { s.codec.max_error = static_cast<float>(v * 1e-3); });
+    transport.flag("zstd", [&](bool v) { s.codec.zstd = v; });
     transport.number("key_interval", 1, kMaxKeyInterval,
                      [&](double v) { s.codec.key_interval = static_cast<uint32_t>(v); });
   });

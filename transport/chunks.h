@@ -27,7 +27,7 @@ enum class Encoding : uint32_t {
   kDelta16 = 1,
   kOctahedral12 = 2,
   kOctahedral16 = 3,
-  kTangent = 4
+  kTangent = 5
 };
 
 struct GroomChunk {

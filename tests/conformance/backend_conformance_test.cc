@@ -40,9 +40,9 @@ std::vector<Contestant> contestants() {
 }
 
 // One step against the oracle, as a part of a strand's length: a strand may differ by kOneStepTolerance and
-// by kSensitivityFactor times what the oracle's own answer moves by when positions and velocities move by half a
-// unit in the last place. The second counts where a strand is folded sharply under a body, where frames turn
-// by much for little. Measured over all cases and backends: at most 3.1e-6.
+// by kSensitivityFactor times what the oracle's own answer moves by when positions and velocities move by
+// half a unit in the last place. The second counts where a strand is folded sharply under a body, where
+// frames turn by much for little. Measured over all cases and backends: at most 3.1e-6.
 constexpr double kOneStepTolerance = 5e-6;
 // The rod's direct solves carry rounding from one end of a strand to the other. Its float form is held to
 // this where vertices are no denser than its rule of spacing allows: dt^2 B / (m l^2) at most 3000 at every
@@ -54,8 +54,8 @@ constexpr double kDensestRod = 3000;
 // A vertex that grazes a body may touch it in one precision and not in the other; the length solve then holds
 // it or does not. With bodies, one strand of the rod in a hundred may differ by this instead.
 constexpr double kGrazingTolerance = 5e-3;
-// Of strands among bodies, how many may differ from the oracle by more than a rounding explains, and by more than
-// kGrazingTolerance. On the CPU 0.3 % and 0.02 % do at most, on llvmpipe 0.5 % and 0.1 %.
+// Of strands among bodies, how many may differ from the oracle by more than a rounding explains, and by more
+// than kGrazingTolerance. On the CPU 0.3 % and 0.02 % do at most, on llvmpipe 0.5 % and 0.1 %.
 constexpr double kMostOff = 0.0075, kMostFar = 0.0015;
 constexpr double kSensitivityFactor = 10;
 constexpr uint32_t kNudges = 8;  // by which that is found, the largest counts
@@ -187,7 +187,8 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
   const bool rod = parameters_.solver == SolverKind::kRod;
   const double tolerance = rod ? kRodOneStepTolerance : kOneStepTolerance;
   // What the oracle says, which is the same for every backend: by solver, strands, case.
-  static std::map<std::tuple<bool, size_t, std::string>, std::pair<StrandState, std::vector<double>>> known_steps;
+  static std::map<std::tuple<bool, size_t, std::string>, std::pair<StrandState, std::vector<double>>>
+      known_steps;
   for (const size_t strands : {1, 7, 33, 257}) {
     StrandModel plain = awkwardModel(strands, 11), groomed = awkwardModel(strands, 11, groomedMaterials());
     Material rope;
@@ -272,8 +273,8 @@ std::vector<StepAmongBodies> stepsAmongBodies(const Parameters& common) {
   return out;
 }
 
-// Strands of the rod that are thrown at bodies may touch them or not by a rounding, which no few nudges of the oracle's input
-// foresee. So these are counted, over states that nobody has chosen.
+// Strands of the rod that are thrown at bodies may touch them or not by a rounding, which no few nudges of
+// the oracle's input foresee. So these are counted, over states that nobody has chosen.
 TEST_P(Conformance, NearlyAllStrandsAmongBodiesAgreeWithTheOracle) {
   if (parameters_.solver != SolverKind::kRod) return;
   static const std::vector<StepAmongBodies> steps = stepsAmongBodies(parameters_);

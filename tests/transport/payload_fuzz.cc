@@ -38,15 +38,19 @@ std::vector<FuzzSeeds> payloadSeeds() {
   std::vector<FuzzSeeds> seeds;
   for (const CodecInfo& info : codecList()) {
     seeds.push_back({info.name, {}});
-    GuideEncoder encoder({info.codec});
-    encoder.setGroom(groom.guides);
-    for (uint64_t number = 1; number <= 2; ++number) {
-      GuideChunk chunk;
-      encoder.encode(payloadFrame(groom, number), 0, chunk);
-      std::vector<uint8_t>& input = seeds.back().inputs.emplace_back(std::move(chunk.payload));
-      const auto head =
-          static_cast<uint8_t>(static_cast<uint32_t>(chunk.encoding) + kFuzzedEncodings * chunk.key_frame);
-      input.insert(input.begin(), head);
+    for (const bool zstd : {false, true}) {
+      CodecOptions options{info.codec};
+      options.zstd = zstd;
+      GuideEncoder encoder(options);
+      encoder.setGroom(groom.guides);
+      for (uint64_t number = 1; number <= 2; ++number) {
+        GuideChunk chunk;
+        encoder.encode(payloadFrame(groom, number), 0, chunk);
+        std::vector<uint8_t>& input = seeds.back().inputs.emplace_back(std::move(chunk.payload));
+        const auto head =
+            static_cast<uint8_t>(static_cast<uint32_t>(chunk.encoding) + kFuzzedEncodings * chunk.key_frame);
+        input.insert(input.begin(), head);
+      }
     }
   }
   return seeds;

@@ -4,8 +4,6 @@
 #include <cstring>
 #include <limits>
 
-#include "transport/codec/bit_stream.h"
-
 namespace strandcast {
 namespace {
 
@@ -148,24 +146,19 @@ void ChunkEncoder::writePreamble(const GuideFrame& frame, const StrandRun& run, 
   }
 }
 
-void ChunkEncoder::packTangents(const TangentHistory* history, std::vector<uint8_t>& bytes) {
-  const size_t symbols = symbols_.roots.size() + symbols_.edges.size(), begin = bytes.size();
-  sizes_.resize(symbols_.edges.size() / 2);
-  bytes.resize(begin + symbols * kMostRiceBits / 8 + 9);
-  const uint8_t* const end = coder_.pack_tangents(
-      symbols_, strand_ends_, history ? history->sizes.data() : nullptr, sizes_.data(), bytes.data() + begin);
-  bytes.resize(static_cast<size_t>(end - bytes.data()));
-}
-
 void ChunkEncoder::writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
   SymbolPrediction prediction;
   prediction.edge_bits = edgeBits(chunk.encoding);
   prediction.strand_ends = strand_ends_;
   forgetExactStrands(run);
   prediction.along_strand = SymbolPacker::prefersAlongStrand(symbols_, prediction);
-  writePreamble(frame, run, prediction.along_strand ? uint8_t{kAlongStrand} : uint8_t{0}, step_,
-                chunk.payload);
-  packer_.pack(symbols_, prediction, chunk.payload);
+  const bool zstd = groom_->options.zstd;
+  const int mode = (prediction.along_strand ? kAlongStrand : 0) | (zstd ? 0 : kInBlocks);
+  writePreamble(frame, run, static_cast<uint8_t>(mode), step_, chunk.payload);
+  if (zstd)
+    packer_.compress(symbols_, prediction, chunk.payload);
+  else
+    packer_.packInBlocks(symbols_, prediction, chunk.payload);
 }
 
 void ChunkEncoder::encodeTangents(const GuideFrame& frame, uint32_t index, GuideChunk& chunk) {
@@ -185,9 +178,9 @@ void ChunkEncoder::encodeTangents(const GuideFrame& frame, uint32_t index, Guide
     return;
   }
   chunk.key_frame = history ? history->frame : 0;
-  writePreamble(frame, run, 0, tangent_step_, chunk.payload);
-  packTangents(history, chunk.payload);
-  if (own) own->accept(frame.frame, history == nullptr, directions_, sizes_);
+  writePreamble(frame, run, kInBlocks, tangent_step_, chunk.payload);
+  packer_.packInBlocks(symbols_, {}, chunk.payload);
+  if (own) own->accept(frame.frame, history == nullptr, directions_);
 }
 
 ChunkReport ChunkEncoder::encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk) {

@@ -37,7 +37,6 @@ class ChunkEncoder {
   void quantize(const GuideFrame& frame, uint32_t index, Encoding encoding, const TangentHistory* history);
   void quantizeRoots(const GuideFrame& frame, const StrandRun& run, const HeadFrame& head, Encoding encoding);
   void forgetExactStrands(const StrandRun& run);
-  void packTangents(const TangentHistory* history, std::vector<uint8_t>& bytes);
   void writePreamble(const GuideFrame& frame, const StrandRun& run, uint8_t mode, float step,
                      std::vector<uint8_t>& bytes) const;
   void writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk);
@@ -57,7 +56,6 @@ class ChunkEncoder {
   std::vector<Vec3> roots_;   // per strand: StrandEncoding::roots
   std::vector<float> worst_;  // per strand: StrandEncoding::worst
   DirectionRows directions_;  // kTemporal only
-  TangentSizes sizes_;
 };
 
 }  // namespace strandcast

@@ -11,9 +11,9 @@ namespace {
 constexpr std::array<CodecInfo, 6> kCodecs = {{
     {Codec::kFloat32, "float32", "positions as they are, 12 bytes per vertex"},
     {Codec::kDelta16, "delta16",
-     "16-bit differences along the strand, compressed; about 3 bytes per vertex, for any hair and any link"},
+     "16-bit differences along the strand, packed; about 3.5 bytes per vertex, for any hair and any link"},
     {Codec::kOctahedral12, "oct12",
-     "directions of edges in 2 x 12 bits, compressed; for edges that are short and do not stretch"},
+     "directions of edges in 2 x 12 bits, packed; for edges that are short and do not stretch"},
     {Codec::kOctahedral16, "oct16", "directions in 2 x 16 bits, for long edges or a small --codec-error"},
     {Codec::kTangent, "tangent",
      "directions predicted from the groomed shape; smallest for one frame alone, where edges do not stretch"},

@@ -24,7 +24,10 @@ struct CodecOptions {
   /// Frames from one that stands alone to the next, 1 to kMaxKeyInterval; kTemporal only. A reader that
   /// joins, or that missed a frame, waits that long.
   uint32_t key_interval = 10;
-  /// That encode a frame's chunks, kMaxEncodingThreads at most; 0 = all of the machine. The bytes are the same.
+  /// Compresses kDelta16 and kOctahedral* with zstd: up to 7 % fewer bytes for twice the encoder's time.
+  bool zstd = false;
+  /// That encode a frame's chunks, kMaxEncodingThreads at most; 0 = all of the machine. The bytes are the
+  /// same.
   int threads = 0;
 };
 

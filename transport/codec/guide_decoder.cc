@@ -19,6 +19,10 @@ bool allFinite(std::span<const Vec3> positions) {
   return any == 0;
 }
 
+bool isKnown(Encoding encoding) {
+  return encoding <= Encoding::kOctahedral16 || encoding == Encoding::kTangent;
+}
+
 HeadFrame headOf(const GuideChunk& chunk) {
   Pose head{Vec3(chunk.head_position.data()), Quat::Identity()};
   head.rotation.coeffs() = Eigen::Map<const Eigen::Vector4f>(chunk.head_rotation.data());
@@ -41,7 +45,7 @@ DecodeResult GuideDecoder::decode(const GuideChunk& chunk, std::span<Vec3> posit
       std::memcpy(static_cast<void*>(positions.data()), chunk.payload.data(), chunk.payload.size());
       result = DecodeResult::kDone;
     }
-  } else if (chunk.encoding <= Encoding::kTangent && readPreamble(chunk, run)) {
+  } else if (isKnown(chunk.encoding) && readPreamble(chunk, run)) {
     const bool is_tangent = chunk.encoding == Encoding::kTangent;
     shapeSymbols(geometry_, run, chunk.encoding, symbols_, strand_ends_);
     result = is_tangent ? decodeTangents(chunk, run, positions) : decodeSymbols(chunk, run, positions);
@@ -89,15 +93,19 @@ bool GuideDecoder::readPreamble(const GuideChunk& chunk, const StrandRun& run) {
 
 DecodeResult GuideDecoder::decodeSymbols(const GuideChunk& chunk, const StrandRun& run,
                                          std::span<Vec3> positions) {
-  if (preamble_.mode > kAlongStrand || chunk.key_frame != 0) return DecodeResult::kDamaged;
-  if (!unpacker_.unpack(preamble_.symbols, symbols_)) return DecodeResult::kDamaged;
+  if ((preamble_.mode & ~(kAlongStrand | kInBlocks)) != 0 || chunk.key_frame != 0)
+    return DecodeResult::kDamaged;
+  const bool in_blocks = (preamble_.mode & kInBlocks) != 0;
+  if (!(in_blocks ? unpacker_.unpackBlocks(preamble_.symbols, symbols_)
+                  : unpacker_.decompress(preamble_.symbols, symbols_)))
+    return DecodeResult::kDamaged;
   placeStrands(chunk, run, nullptr, nullptr, positions);
   return DecodeResult::kDone;
 }
 
 DecodeResult GuideDecoder::decodeTangents(const GuideChunk& chunk, const StrandRun& run,
                                           std::span<Vec3> positions) {
-  if (preamble_.mode != 0 || chunk.key_frame >= chunk.frame) return DecodeResult::kDamaged;
+  if (preamble_.mode != kInBlocks || chunk.key_frame >= chunk.frame) return DecodeResult::kDamaged;
   const auto found = memories_.find(run.first_strand);
   const Memory* const memory =
       found != memories_.end() && found->second.strand_count == run.strand_count ? &found->second : nullptr;
@@ -106,15 +114,12 @@ DecodeResult GuideDecoder::decodeTangents(const GuideChunk& chunk, const StrandR
     if (!memory || memory->history.frame != chunk.key_frame) return DecodeResult::kNoKey;
     history = &memory->history;
   }
-  sizes_.resize(run.vertex_count - run.strand_count);
-  if (!coder_.unpack_tangents(preamble_.symbols, strand_ends_, history ? history->sizes.data() : nullptr,
-                              sizes_.data(), symbols_))
-    return DecodeResult::kDamaged;
+  if (!unpacker_.unpackBlocks(preamble_.symbols, symbols_)) return DecodeResult::kDamaged;
   if (!memory) coder_.rest_directions(geometry_, run, rest_);
   placeStrands(chunk, run, memory ? &memory->rest : &rest_, history, positions);
   Memory& own = remember(run);
   if (!memory) own.rest.swap(rest_);
-  own.history.accept(chunk.frame, chunk.key_frame == 0, directions_, sizes_);
+  own.history.accept(chunk.frame, chunk.key_frame == 0, directions_);
   return DecodeResult::kDone;
 }
 

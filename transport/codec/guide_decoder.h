@@ -17,7 +17,8 @@ enum class DecodeResult {
 };
 
 /// Reads the payloads of chunks. Nothing in a payload is believed: memory and work are bounded by the groom
-/// (whose strands are as long as the longest of those beside them) and by what was received. Chunks that build on others come in the order in which they were encoded.
+/// (whose strands are as long as the longest of those beside them) and by what was received. Chunks that
+/// build on others come in the order in which they were encoded.
 class GuideDecoder {
  public:
   /// Any `coder` reads the same positions.
@@ -65,7 +66,6 @@ class GuideDecoder {
   std::vector<Vec3> roots_;  // per strand: StrandDecoding::roots
   DirectionRows directions_;
   DirectionRows rest_;  // of a run that is not remembered
-  TangentSizes sizes_;
 };
 
 }  // namespace strandcast

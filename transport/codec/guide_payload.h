@@ -17,7 +17,8 @@ namespace strandcast {
 inline constexpr size_t kPayloadHeadBytes = 8;
 /// Bits of the first byte of a payload that is not float32.
 enum PayloadMode : uint8_t {
-  kAlongStrand = 1  ///< edges are predicted from the edge before; not in Encoding::kTangent
+  kAlongStrand = 1,  ///< edges are predicted from the edge before; not in Encoding::kTangent
+  kInBlocks = 2      ///< symbols are blocks of bits (bit_blocks.h), always in Encoding::kTangent; else zstd's
 };
 
 /// Shorter edges are taken to be as long as this where their direction is written: it is all the same.

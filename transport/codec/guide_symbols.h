@@ -7,13 +7,14 @@ namespace strandcast {
 
 /// The 16-bit numbers that one chunk's guides are turned into, plane after plane.
 struct GuideSymbols {
-  int edge_planes = 3;          ///< 3: differences of positions, 2: octahedral coordinates
+  int edge_planes = 3;          ///< 3: differences of positions, 2: octahedral coordinates, or tangents
   std::vector<uint16_t> roots;  ///< 3 planes of one per strand
-  std::vector<uint16_t> edges;  ///< edge_planes planes of one per vertex that is not a root, strand by strand
+  /// edge_planes planes of one per vertex that is not a root, strand by strand; of tangents pairs in place of
+  /// two planes.
+  std::vector<uint16_t> edges;
 };
 
-/// How symbols become bytes: each is predicted, the residual taken modulo 2^bits and folded to small numbers
-/// (zigzag), low and high bytes are put apart and compressed with zstd.
+/// What is written of symbols: how far each is off a prediction, modulo 2^bits.
 struct SymbolPrediction {
   bool along_strand = false;              ///< edges: from the edge before it
   int edge_bits = 16;                     ///< 12 or 16; roots always have 16

@@ -5,10 +5,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "kernels/highway_targets.h"
-#include "transport/codec/bit_stream.h"
+#include "transport/codec/bit_blocks.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "transport/codec/strand_coder.cc"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -25,18 +26,14 @@ namespace strandcast::codec::HWY_NAMESPACE {
 #include "transport/codec/tangent_plane.inl"
 #include "transport/codec/strand_tile.inl"
 #include "transport/codec/strand_walks.inl"
-#include "transport/codec/tangent_symbols.inl"
+#include "transport/codec/bit_blocks.inl"
 #include "kernels/end_lanes.inl"
 // clang-format on
 
-void fold(const uint16_t* symbols, size_t count, bool along, int bits, uint8_t* low, uint8_t* high) {
+void subtract(const uint16_t* symbols, size_t count, bool along, int bits, uint16_t* residuals) {
   const int spare = 16 - bits;
-  const auto mask = static_cast<uint16_t>((1 << bits) - 1);
   const auto put = [&](size_t i, uint16_t value) {
-    const auto extended = static_cast<int16_t>(static_cast<int16_t>(value << spare) >> spare);
-    const auto folded = static_cast<uint16_t>((extended << 1 ^ extended >> 15) & mask);
-    low[i] = static_cast<uint8_t>(folded);
-    high[i] = static_cast<uint8_t>(folded >> 8);
+    residuals[i] = static_cast<uint16_t>(static_cast<int16_t>(value << spare) >> spare);
   };
   if (count == 0) return;
   put(0, symbols[0]);
@@ -44,6 +41,14 @@ void fold(const uint16_t* symbols, size_t count, bool along, int bits, uint8_t* 
     for (size_t i = 1; i < count; ++i) put(i, static_cast<uint16_t>(symbols[i] - symbols[i - 1]));
   } else {
     for (size_t i = 1; i < count; ++i) put(i, symbols[i]);
+  }
+}
+
+void fold(const uint16_t* residuals, size_t count, uint8_t* low, uint8_t* high) {
+  for (size_t i = 0; i < count; ++i) {
+    const auto folded = static_cast<uint16_t>(residuals[i] << 1 ^ (0 - (residuals[i] >> 15)));
+    low[i] = static_cast<uint8_t>(folded);
+    high[i] = static_cast<uint8_t>(folded >> 8);
   }
 }
 
@@ -63,10 +68,11 @@ StrandCoder coder() {
   made.decode_octahedral = &decodeOctahedral;
   made.decode_tangents = &decodeTangents;
   made.rest_directions = &restDirections;
+  made.pack = &packNumbers;
+  made.unpack = &unpackNumbers;
+  made.subtract = &subtract;
   made.fold = &fold;
   made.unfold = &unfold;
-  made.pack_tangents = &packTangents;
-  made.unpack_tangents = &unpackTangents;
   return made;
 }
 

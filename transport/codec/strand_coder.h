@@ -64,21 +64,17 @@ struct StrandCoder {
   void (*decode_tangents)(const StrandDecoding& job, LaneRows& rows) = nullptr;
   /// The directions of GuideGeometry.
   void (*rest_directions)(const GuideGeometry& geometry, const StrandRun& run, DirectionRows& rows) = nullptr;
-  /// Each symbol, `along` less the one before it (0 before the first), modulo 2^bits and folded to small
-  /// numbers: low and high bytes.
-  void (*fold)(const uint16_t* symbols, size_t count, bool along, int bits, uint8_t* low,
-               uint8_t* high) = nullptr;
-  /// The symbols, or differences, of these.
+  /// Blocks of bits (bit_blocks.h) into room of mostPackedBytes(); where they end.
+  uint8_t* (*pack)(std::span<const uint16_t> numbers, uint8_t* to) = nullptr;
+  /// As many numbers as there is room for, off the front of `bytes`. False where these end before; both are
+  /// arbitrary then.
+  bool (*unpack)(std::span<const uint8_t>& bytes, std::span<uint16_t> numbers) = nullptr;
+  /// Each symbol, `along` less the one before it (0 before the first): signed numbers of so many bits.
+  void (*subtract)(const uint16_t* symbols, size_t count, bool along, int bits,
+                   uint16_t* residuals) = nullptr;
+  /// Low and high bytes of signed numbers that are folded to small ones (zigzag).
+  void (*fold)(const uint16_t* residuals, size_t count, uint8_t* low, uint8_t* high) = nullptr;
   void (*unfold)(const uint8_t* low, const uint8_t* high, size_t count, uint16_t* symbols) = nullptr;
-  /// The symbols of a chunk of tangents as bits, into room for kMostRiceBits of each and 8 bytes more; where
-  /// they end. `strand_ends` as SymbolPrediction's; `before`, TangentHistory::sizes, or null; `sizes` are
-  /// set.
-  const uint8_t* (*pack_tangents)(const GuideSymbols& symbols, std::span<const uint32_t> strand_ends,
-                                  const uint16_t* before, uint16_t* sizes, uint8_t* to) = nullptr;
-  /// Into `symbols`, whose planes have the lengths that are expected. False on bytes that are damaged, too
-  /// few or too many; `symbols` and `sizes` are arbitrary then.
-  bool (*unpack_tangents)(std::span<const uint8_t> bytes, std::span<const uint32_t> strand_ends,
-                          const uint16_t* before, uint16_t* sizes, GuideSymbols& symbols) = nullptr;
 };
 
 /// Of the best instruction set of this machine.

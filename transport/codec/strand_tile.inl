@@ -37,7 +37,7 @@ HWY_INLINE void setRow3(float* rows, size_t i, const real3& value) {
   setRow(rows, 3 * i + 2, value.z);
 }
 
-// Numbers of strands become rows of lanes by transposing 4 x 4 of them in every 128 bits of a vector.
+// Numbers of 32 bits, of whatever kind, become rows of lanes by transposing 4 x 4 of them in every 128 bits of a vector.
 
 #if HWY_TARGET != HWY_SCALAR
 /// Four numbers of every fourth strand.
@@ -100,7 +100,8 @@ HWY_INLINE void pour(Streams<const float*>& streams, float* rows) {
   }
 #endif
   for (size_t l = 0; l < streams.lanes; ++l) {
-    for (size_t i = done; i < streams.counts[l]; ++i) rows[i * kRow + l] = streams.at[l][i];
+    for (size_t i = done; i < streams.counts[l]; ++i)
+      std::memcpy(rows + i * kRow + l, streams.at[l] + i, sizeof(float));
   }
 }
 /// And back.
@@ -115,7 +116,8 @@ HWY_INLINE void draw(const float* rows, const Streams<float*>& streams) {
   }
 #endif
   for (size_t l = 0; l < streams.lanes; ++l) {
-    for (size_t i = done; i < streams.counts[l]; ++i) streams.at[l][i] = rows[i * kRow + l];
+    for (size_t i = done; i < streams.counts[l]; ++i)
+      std::memcpy(streams.at[l] + i, rows + i * kRow + l, sizeof(float));
   }
 }
 
@@ -201,6 +203,18 @@ HWY_INLINE void setSymbolRow(uint16_t* rows, size_t i, real value) {
 }
 HWY_INLINE Words signedOf(Words symbols) { return hn::ShiftRight<16>(hn::ShiftLeft<16>(symbols)); }
 HWY_INLINE real realOf(Words whole) { return {hn::ConvertTo(Tag(), whole)}; }
+
+// Two symbols as one number of 32 bits, the first one lower.
+HWY_INLINE void setPairRow(float* rows, size_t i, real first, real second) {
+  const Words low = hn::And(hn::ConvertTo(WordTag(), first.v), hn::Set(WordTag(), 0xffff));
+  const Words high = hn::ShiftLeft<16>(hn::ConvertTo(WordTag(), second.v));
+  setRow(rows, i, {hn::BitCast(Tag(), hn::Or(low, high))});
+}
+HWY_INLINE void pairRow(const float* rows, size_t i, real& first, real& second) {
+  const Words both = hn::BitCast(WordTag(), row(rows, i).v);
+  first = realOf(signedOf(both));
+  second = realOf(hn::ShiftRight<16>(both));
+}
 
 HWY_INLINE void pourSymbols(const uint16_t* from, size_t count, uint16_t* lane) {
   for (size_t i = 0; i < count; ++i) lane[i * kRow] = from[i];

@@ -67,6 +67,19 @@ HWY_INLINE void drawEdges(const Tile& tile, const uint16_t* rows, uint16_t* edge
   for (size_t l = 0; l < kRow; ++l)
     if (tile.counts[l] > 1) drawSymbols(rows + kRow + l, tile.counts[l] - 1, edges + tile.edge(l));
 }
+/// The same of pairs of symbols.
+HWY_INLINE void pourPairs(const Tile& tile, const uint16_t* edges, float* rows) {
+  Streams<const float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l)
+    streams.add(reinterpret_cast<const float*>(edges + 2 * tile.edge(l)), tile.counts[l] - 1);
+  pour(streams, rows + kRow);
+}
+HWY_INLINE void drawPairs(const Tile& tile, const float* rows, uint16_t* edges) {
+  Streams<float*> streams;
+  for (size_t l = 0; l < tile.lanes; ++l)
+    streams.add(reinterpret_cast<float*>(edges + 2 * tile.edge(l)), tile.counts[l] - 1);
+  draw(rows + kRow, streams);
+}
 
 // ---- delta16
 
@@ -236,11 +249,10 @@ class Predictor {
 HWY_INLINE real atLeast(real a, double least) { return select(a > lit(least), a, lit(least)); }
 
 void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
-  const Rows rows(lane_rows, job.geometry, job.run, 4, 2);
+  const Rows rows(lane_rows, job.geometry, job.run, 5, 0);
   const LaneFrame frame(job.head);
   const real step = lit(job.step);
-  const size_t edges = edgesOf(job.run);
-  float* const length_rows = rows.numbers + 3 * rows.plane;
+  float *const length_rows = rows.numbers + 3 * rows.plane, *const pair_rows = length_rows + rows.plane;
   if (job.directions) shapeDirections(job.geometry, job.run, *job.directions);
   forDirections(job.geometry, job.run, [&](const Tile& tile, size_t begin) {
     pourPositions(tile, job.positions, rows.numbers);
@@ -262,8 +274,7 @@ void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
       const mask holds =
           ahead > lit(0.05f) * long_enough && abs(u) < lit(32767) && abs(v) < lit(32767);
       const real whole_u = nearestWhole(select(holds, u, lit(0))), whole_v = nearestWhole(select(holds, v, lit(0)));
-      setSymbolRow(rows.symbols, i, whole_u);
-      setSymbolRow(rows.symbols + rows.symbol_plane, i, whole_v);
+      setPairRow(pair_rows, i, whole_u, whole_v);
       const real by = step / long_enough;
       const real3 direction = unit((predicted + axis_u * (whole_u * by)) + axis_v * (whole_v * by));
       at = at + direction * length;
@@ -271,21 +282,19 @@ void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
       predictor.learn(direction);
       if (directions) setRow3(directions, i - 1, direction);
     }
-    for (size_t c = 0; c < 2; ++c) drawEdges(tile, rows.symbols + c * rows.symbol_plane, job.edges + c * edges);
+    drawPairs(tile, pair_rows, job.edges);
     judgement.write(tile, job.worst);
   });
 }
 
 void decodeTangents(const StrandDecoding& job, LaneRows& lane_rows) {
-  const Rows rows(lane_rows, job.geometry, job.run, 4, 2);
+  const Rows rows(lane_rows, job.geometry, job.run, 5, 0);
   const LaneFrame frame(job.head);
   const real step = lit(job.step);
-  const size_t edges = edgesOf(job.run);
-  float* const length_rows = rows.numbers + 3 * rows.plane;
+  float *const length_rows = rows.numbers + 3 * rows.plane, *const pair_rows = length_rows + rows.plane;
   shapeDirections(job.geometry, job.run, *job.directions);
   forDirections(job.geometry, job.run, [&](const Tile& tile, size_t begin) {
-    for (size_t c = 0; c < 2; ++c)
-      pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
+    pourPairs(tile, job.edges, pair_rows);
     pourLengths(tile, job.geometry, job.run, length_rows);
     Predictor predictor(*job.rest, job.history, begin);
     float* const directions = job.directions->data() + begin;
@@ -296,8 +305,8 @@ void decodeTangents(const StrandDecoding& job, LaneRows& lane_rows) {
       real3 axis_u, axis_v;
       axesAcross(predicted, axis_u, axis_v);
       const real length = row(length_rows, i), by = step / atLeast(length, kShortestEdge);
-      const real u = realOf(signedOf(symbolRow(rows.symbols, i)));
-      const real v = realOf(signedOf(symbolRow(rows.symbols + rows.symbol_plane, i)));
+      real u, v;
+      pairRow(pair_rows, i, u, v);
       const real3 direction = unit((predicted + axis_u * (u * by)) + axis_v * (v * by));
       at = at + direction * length;
       predictor.learn(direction);

@@ -3,6 +3,8 @@
 #include <bit>
 #include <cstring>
 
+#include "transport/codec/bit_blocks.h"
+
 namespace strandcast {
 namespace {
 
@@ -35,7 +37,8 @@ void putLength(size_t length, uint8_t* to) {
 
 }  // namespace
 
-SymbolPacker::SymbolPacker(const StrandCoder& coder) : fold_(coder.fold), context_(ZSTD_createCCtx()) {
+SymbolPacker::SymbolPacker(const StrandCoder& coder)
+    : pack_(coder.pack), subtract_(coder.subtract), fold_(coder.fold), context_(ZSTD_createCCtx()) {
   // The receiver knows what comes out.
   ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kLevel);
   ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_minMatch, kShortestMatch);
@@ -59,28 +62,41 @@ bool SymbolPacker::prefersAlongStrand(const GuideSymbols& symbols, const SymbolP
   return bits[1] < bits[0];
 }
 
-void SymbolPacker::foldEdges(const GuideSymbols& symbols, const SymbolPrediction& prediction, size_t roots) {
+std::span<const uint16_t> SymbolPacker::residualsOf(const GuideSymbols& symbols,
+                                                    const SymbolPrediction& prediction) {
+  if (!prediction.along_strand && prediction.edge_bits == 16) return symbols.edges;
   const size_t count = symbols.edges.size() / static_cast<size_t>(symbols.edge_planes);
   const int bits = prediction.edge_bits;
+  residuals_.resize(symbols.edges.size());
   for (size_t at = 0; at < symbols.edges.size(); at += count) {
     const uint16_t* const plane = symbols.edges.data() + at;
-    uint8_t *const low = low_.data() + roots + at, *const high = high_.data() + roots + at;
-    fold_(plane, count, prediction.along_strand, bits, low, high);
+    uint16_t* const residuals = residuals_.data() + at;
+    subtract_(plane, count, prediction.along_strand, bits, residuals);
     if (!prediction.along_strand) continue;
     // A strand's first edge has none before it.
-    for (const uint32_t first : prediction.strand_ends) {
-      if (first < count) fold_(plane + first, 1, false, bits, low + first, high + first);
-    }
+    for (const uint32_t first : prediction.strand_ends)
+      if (first < count) subtract_(plane + first, 1, false, bits, residuals + first);
   }
+  return residuals_;
 }
 
-void SymbolPacker::pack(const GuideSymbols& symbols, const SymbolPrediction& prediction,
-                        std::vector<uint8_t>& bytes) {
-  const size_t roots = symbols.roots.size(), count = roots + symbols.edges.size();
+void SymbolPacker::packInBlocks(const GuideSymbols& symbols, const SymbolPrediction& prediction,
+                                std::vector<uint8_t>& bytes) {
+  const std::span<const uint16_t> edges = residualsOf(symbols, prediction);
+  const size_t begin = bytes.size();
+  bytes.resize(begin + mostPackedBytes(symbols.roots.size()) + mostPackedBytes(edges.size()));
+  const uint8_t* const end = pack_(edges, pack_(symbols.roots, bytes.data() + begin));
+  bytes.resize(static_cast<size_t>(end - bytes.data()));
+}
+
+void SymbolPacker::compress(const GuideSymbols& symbols, const SymbolPrediction& prediction,
+                            std::vector<uint8_t>& bytes) {
+  const std::span<const uint16_t> edges = residualsOf(symbols, prediction);
+  const size_t roots = symbols.roots.size(), count = roots + edges.size();
   low_.resize(count);
   high_.resize(count);
-  fold_(symbols.roots.data(), roots, false, 16, low_.data(), high_.data());
-  foldEdges(symbols, prediction, roots);
+  fold_(symbols.roots.data(), roots, low_.data(), high_.data());
+  fold_(edges.data(), edges.size(), low_.data() + roots, high_.data() + roots);
   for (const std::vector<uint8_t>* plane : {&low_, &high_}) {
     const size_t start = bytes.size();
     bytes.resize(start + 4 + ZSTD_compressBound(count));
@@ -92,9 +108,13 @@ void SymbolPacker::pack(const GuideSymbols& symbols, const SymbolPrediction& pre
 }
 
 SymbolUnpacker::SymbolUnpacker(const StrandCoder& coder)
-    : unfold_(coder.unfold), context_(ZSTD_createDCtx()) {}
+    : unpack_(coder.unpack), unfold_(coder.unfold), context_(ZSTD_createDCtx()) {}
 
-bool SymbolUnpacker::unpack(std::span<const uint8_t> bytes, GuideSymbols& symbols) {
+bool SymbolUnpacker::unpackBlocks(std::span<const uint8_t> bytes, GuideSymbols& symbols) const {
+  return unpack_(bytes, symbols.roots) && unpack_(bytes, symbols.edges) && bytes.empty();
+}
+
+bool SymbolUnpacker::decompress(std::span<const uint8_t> bytes, GuideSymbols& symbols) {
   const size_t roots = symbols.roots.size(), count = roots + symbols.edges.size();
   for (std::vector<uint8_t>* plane : {&low_, &high_}) {
     uint32_t length = 0;

@@ -4,9 +4,6 @@
 
 namespace strandcast {
 
-/// Of an edge, for the next one and the next frame: |u| + |v| of its symbols, at most 65535.
-using TangentSizes = std::vector<uint16_t>;
-
 /// Directions of a run's edges, unit, in the head's frame, as a StrandCoder goes along them: tile after tile,
 /// edge after edge, x y z, a strand per lane.
 using DirectionRows = std::vector<float>;
@@ -15,19 +12,17 @@ using DirectionRows = std::vector<float>;
 class TangentHistory {
  public:
   uint64_t frame = 0;  ///< 0 = nothing
-  TangentSizes sizes;  ///< of `frame`
   DirectionRows last;  ///< of `frame`
 
   /// Of the frame that it built on; of itself where it stood alone: no motion yet.
   const DirectionRows& before() const { return stood_alone_ ? last : before_; }
 
   /// What was written of a frame; exchanges the arrays.
-  void accept(uint64_t of_frame, bool stands_alone, DirectionRows& directions, TangentSizes& of_sizes) {
+  void accept(uint64_t of_frame, bool stands_alone, DirectionRows& directions) {
     frame = of_frame;
     stood_alone_ = stands_alone;
     before_.swap(last);
     last.swap(directions);
-    sizes.swap(of_sizes);
   }
 
  private:

@@ -1,4 +1,4 @@
-// Encoding 4 of docs/wire.md: the direction of each edge is a point of the plane that touches the unit sphere
+// Encoding 5 of docs/wire.md: the direction of each edge is a point of the plane that touches the unit sphere
 // where it is predicted, so that its error is the same in all directions and what is written is the
 // prediction's error. In the lane vocabulary of kernels/README.md; nothing is fused, and sums go from left to
 // right, so that both ends compute the same predictions bit for bit.
