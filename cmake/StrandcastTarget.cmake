@@ -14,7 +14,7 @@ function(strandcast_precompile group)
     <random> <span> <string> <thread> <vector>)
 endfunction()
 strandcast_precompile(library_headers)
-strandcast_precompile(program_headers HEADERS <nlohmann/json.hpp> OPTIONS ${STRANDCAST_PROGRAM_OPTIONS})
+strandcast_precompile(program_headers HEADERS <CLI/CLI.hpp> <nlohmann/json.hpp> OPTIONS ${STRANDCAST_PROGRAM_OPTIONS})
 strandcast_precompile(test_headers HEADERS <gtest/gtest.h> LINK GTest::gtest OPTIONS ${STRANDCAST_PROGRAM_OPTIONS})
 
 # strandcast_library(NAME SOURCES ... LINK ... [PRIVATE_LINK ...] [OF_PROGRAMS]): one library per folder, includes from the
