@@ -26,6 +26,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kSeconds = 2;  // of casting
+// Where the latency has a limit: of some hundred frames the hundredth part is more than one mishap.
+constexpr double kPromisedSeconds = 10;
 constexpr double kUnloadedSeconds = 1.5;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -37,6 +39,8 @@ struct Setting {
   int strands = 0;
   double rate = 0;
 
+  /// To be whole, and in time.
+  bool isPromised() const { return transport == "dds" && strands <= 5000 && rate <= 60; }
   std::string name() const {
     return fmt::format("{} {} {}x{} {:g} Hz", transport, nameOf(codec), strands, kFilmVertices, rate);
   }
@@ -172,7 +176,8 @@ double loadAverage() {
 
 std::vector<Case> casesOf(const Setting& setting) {
   const double load = loadAverage(), unloaded_ms = unloadedLatency(setting);
-  const Cast cast = castTo(setting, showingOf(setting.strands), kSeconds);
+  const Cast cast =
+      castTo(setting, showingOf(setting.strands), setting.isPromised() ? kPromisedSeconds : kSeconds);
   const auto names = caseNames(setting);
   std::vector<Case> cases;
   const auto add = [&](const char* quantity, const char* unit, double measured, double limit) {
@@ -185,7 +190,7 @@ std::vector<Case> casesOf(const Setting& setting) {
     if (cast.failure.empty()) cases.back().note = text;
   };
   const auto frames = static_cast<double>(cast.frames);
-  const bool is_promised = setting.transport == "dds" && setting.strands <= 5000 && setting.rate <= 60;
+  const bool is_promised = setting.isPromised();
   add("payload bytes per vertex, mean", "",
       static_cast<double>(cast.bytes) / (frames * setting.strands * kFilmVertices),
       bytesLimit(setting.codec) * (1 + 1e-12));
@@ -198,7 +203,8 @@ std::vector<Case> casesOf(const Setting& setting) {
                    cast.read.frames_concealed, cast.encoding.strands_sent_finer));
   add("publish to decoded, median", "ms", latencyOf(cast, 0.5), kUnlimited);
   add("publish to decoded, 99th percentile", "ms", latencyOf(cast, 0.99), is_promised ? 5 : kUnlimited);
-  note(fmt::format("99th percentile unloaded {:.3f} ms; load average {:.2f} before", unloaded_ms, load));
+  note(fmt::format("of {} frames; unloaded {:.3f} ms; load average {:.2f} before", cast.latencies_ms.size(),
+                   unloaded_ms, load));
   add("processor of the process that encodes and sends, of one core", "%",
       100 * cast.processor_seconds / cast.seconds, kUnlimited);
   add("processor of the process that receives and decodes, of one core", "%",
@@ -209,7 +215,7 @@ std::vector<Case> casesOf(const Setting& setting) {
 Suite makeWireSuite() {
   Suite suite{"wire",
               "bytes, error, losses, latency and processor time of simulated hair cast between two processes "
-              "(4 minutes)",
+              "(5 minutes)",
               {}};
   std::vector<std::string> transports;
   if (ddsAvailable()) transports.emplace_back("dds");
