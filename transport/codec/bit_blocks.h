@@ -7,8 +7,8 @@ namespace strandcast {
 /// Numbers of 16 bits, most of them small, with as many bits each as the largest of the eight beside it takes
 /// (frame of reference: Zukowski et al., Super-Scalar RAM-CPU Cache Compression, ICDE 2006): many at once are
 /// packed and unpacked in a few operations, by StrandCoder. docs/wire.md, "Blocks of bits".
-inline constexpr size_t kBitBlock = 8,
-                        kBitBlockPair = 2 * kBitBlock;  ///< numbers: of one width; behind one byte of widths
+inline constexpr size_t kBitBlock = 8;                  ///< numbers of one width
+inline constexpr size_t kBitBlockPair = 2 * kBitBlock;  ///< behind one byte of widths
 inline constexpr uint32_t kMostBlockWidth = 16;
 /// What stands for kMostBlockWidth in a byte of two widths: 15 bits are written as 16.
 inline constexpr uint32_t kWidestCode = 15;
