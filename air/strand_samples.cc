@@ -69,7 +69,7 @@ StrandSamples strandSamples(const StrandModel& model, float cell) {
         add(e, {mass * (1 - at), mass * at});
       }
     for (uint32_t p = 0; strand.parts == 1 && p < strand.pieces; ++p) {
-      const uint32_t begin = p * strand.edges / strand.pieces, end = (p + 1) * strand.edges / strand.pieces;
+      const uint32_t begin = strand.firstEdge(p), end = strand.firstEdge(p + 1);
       std::vector<double> masses(end - begin + 1);
       for (uint32_t e = begin; e < end; ++e) {
         const double half = double{out.edge_masses[first + e]} / 2;

@@ -9,8 +9,11 @@ struct StrandPieces {
   uint32_t vertex;  ///< the first of the strand
   uint32_t edges;
   uint32_t sample;  ///< the first of the strand
-  uint16_t pieces;  ///< of whole edges: piece p is of edges p edges / pieces up to the next one's first
-  uint16_t parts;   ///< of every edge; where it is 1 `pieces` holds, else pieces is edges x parts
+  uint16_t pieces;  ///< in all; with more than one part, edges x parts
+  uint16_t parts;   ///< of every edge; 1: pieces are whole edges
+
+  /// Of piece p, counted from the strand's; of whole edges it ends where the next one begins.
+  uint32_t firstEdge(uint32_t p) const { return parts > 1 ? p / parts : p * edges / pieces; }
 };
 
 /// The pieces of strands that stand for them on a grid: whole edges up to 1.5 cells long in all, or parts of

@@ -44,8 +44,8 @@ std::vector<uint32_t> orderOf(const StrandModel& model, const StrandSamples& sam
 // Where piece p of a strand is at rest, about.
 Vec3 restingPlace(const StrandModel& model, uint32_t s, const StrandPieces& cut, uint32_t p) {
   const uint32_t parts = cut.parts;
-  const uint32_t first = cut.vertex + (parts > 1 ? p / parts : p * cut.edges / cut.pieces);
-  const uint32_t last = parts > 1 ? first + 1 : cut.vertex + (p + 1) * cut.edges / cut.pieces;
+  const uint32_t first = cut.vertex + cut.firstEdge(p);
+  const uint32_t last = parts > 1 ? first + 1 : cut.vertex + cut.firstEdge(p + 1);
   const Vec3 x = model.restPosition(s, first);
   const float at = (static_cast<float>(p % parts) + 0.5f) / static_cast<float>(parts);
   return x + at * (model.restPosition(s, last) - x);
