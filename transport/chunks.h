@@ -27,7 +27,7 @@ enum class Encoding : uint32_t {
   kDelta16 = 1,
   kOctahedral12 = 2,
   kOctahedral16 = 3,
-  kTangent = 5
+  kTangent = 5  ///< 4 was the same with other codes
 };
 
 struct GroomChunk {

@@ -6,7 +6,7 @@ constexpr Four kOnes = 0x0001000100010001, kEven = 0x0000ffff0000ffff, kTwo = 0x
 
 HWY_INLINE uint64_t lowBits(uint32_t count) { return (uint64_t{1} << count) - 1; }
 
-/// 0, -1, 1, -2 ... become 0, 1, 2, 3 ...
+/// zigzag() of each, and back.
 HWY_INLINE Four folded(Four numbers) {
   return (numbers & 0x7fff * kOnes) << 1 ^ ((numbers >> 15 & kOnes) * 0xffff);
 }
@@ -101,10 +101,14 @@ bool unpackNumbers(std::span<const uint8_t>& bytes, std::span<uint16_t> numbers)
     const size_t used = 1 + width_a + width_b;
     if (used > left) return false;
     const bool is_last = numbers.size() - done < kBitBlockPair;
-    std::array<uint8_t, kReach> tail{};
+    std::array<uint8_t, kReach> tail;
     std::array<uint16_t, kBitBlockPair> rest;
     const uint8_t* at = from;
-    if (left < kReach) at = std::copy_n(from, left, tail.data()) - left;
+    if (left < kReach) {
+      tail.fill(0);
+      std::copy_n(from, left, tail.data());
+      at = tail.data();
+    }
     uint16_t* const to = is_last ? rest.data() : numbers.data() + done;
     takeBlock(at + 1, width_a, to);
     takeBlock(at + 1 + width_a, width_b, to + kBitBlock);

@@ -82,7 +82,7 @@ void ChunkEncoder::quantizeRoots(const GuideFrame& frame, const StrandRun& run, 
 void ChunkEncoder::quantize(const GuideFrame& frame, uint32_t index, Encoding encoding,
                             const TangentHistory* history) {
   const StrandRun& run = groom_->runs[index];
-  shapeSymbols(groom_->geometry, run, encoding, symbols_, strand_ends_);
+  shapeSymbols(run, encoding, symbols_);
   const HeadFrame head(frame.head);
   quantizeRoots(frame, run, head, encoding);
   StrandEncoding job{.geometry = groom_->geometry,
@@ -114,6 +114,12 @@ void ChunkEncoder::quantize(const GuideFrame& frame, uint32_t index, Encoding en
     else
       exact_.push_back(static_cast<uint16_t>(s));
   }
+}
+
+void ChunkEncoder::findStrandEnds(const StrandRun& run) {
+  strand_ends_.resize(run.strand_count);
+  for (uint32_t s = 0; s < run.strand_count; ++s)
+    strand_ends_[s] = groom_->geometry.offsets[run.first_strand + s + 1] - run.first_vertex - (s + 1);
 }
 
 /// Symbols of strands that are sent as they are tell nothing: zeros cost least.
@@ -149,6 +155,7 @@ void ChunkEncoder::writePreamble(const GuideFrame& frame, const StrandRun& run, 
 void ChunkEncoder::writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
   SymbolPrediction prediction;
   prediction.edge_bits = edgeBits(chunk.encoding);
+  findStrandEnds(run);
   prediction.strand_ends = strand_ends_;
   forgetExactStrands(run);
   prediction.along_strand = SymbolPacker::prefersAlongStrand(symbols_, prediction);

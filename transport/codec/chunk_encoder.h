@@ -36,6 +36,7 @@ class ChunkEncoder {
   void encodeTangents(const GuideFrame& frame, uint32_t index, GuideChunk& chunk);
   void quantize(const GuideFrame& frame, uint32_t index, Encoding encoding, const TangentHistory* history);
   void quantizeRoots(const GuideFrame& frame, const StrandRun& run, const HeadFrame& head, Encoding encoding);
+  void findStrandEnds(const StrandRun& run);
   void forgetExactStrands(const StrandRun& run);
   void writePreamble(const GuideFrame& frame, const StrandRun& run, uint8_t mode, float step,
                      std::vector<uint8_t>& bytes) const;
@@ -48,9 +49,9 @@ class ChunkEncoder {
   StrandCoder coder_;
   // Of the chunk under way.
   GuideSymbols symbols_;
-  std::vector<uint32_t> strand_ends_;
-  std::vector<uint16_t> exact_;  // strands of the run that are sent as they are
-  float worst_squared_ = 0;      // m^2, of the others
+  std::vector<uint32_t> strand_ends_;  // SymbolPrediction::strand_ends; not of tangents
+  std::vector<uint16_t> exact_;        // strands of the run that are sent as they are
+  float worst_squared_ = 0;            // m^2, of the others
   SymbolPacker packer_;
   LaneRows rows_;
   std::vector<Vec3> roots_;   // per strand: StrandEncoding::roots

@@ -47,7 +47,7 @@ DecodeResult GuideDecoder::decode(const GuideChunk& chunk, std::span<Vec3> posit
     }
   } else if (isKnown(chunk.encoding) && readPreamble(chunk, run)) {
     const bool is_tangent = chunk.encoding == Encoding::kTangent;
-    shapeSymbols(geometry_, run, chunk.encoding, symbols_, strand_ends_);
+    shapeSymbols(run, chunk.encoding, symbols_);
     result = is_tangent ? decodeTangents(chunk, run, positions) : decodeSymbols(chunk, run, positions);
   }
   if (result != DecodeResult::kDone || chunk.encoding == Encoding::kFloat32)

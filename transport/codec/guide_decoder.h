@@ -59,7 +59,6 @@ class GuideDecoder {
   uint64_t remembered_strands_ = 0;
   Preamble preamble_;
   GuideSymbols symbols_;
-  std::vector<uint32_t> strand_ends_;
   SymbolUnpacker unpacker_;
   LaneRows rows_;
   // Of the chunk under way:

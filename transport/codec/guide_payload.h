@@ -77,15 +77,11 @@ struct GuideGeometry {
 inline int edgePlanes(Encoding encoding) { return encoding == Encoding::kDelta16 ? 3 : 2; }
 inline int edgeBits(Encoding encoding) { return encoding == Encoding::kOctahedral12 ? 12 : 16; }
 
-/// Gives `symbols` the lengths that a run has, and `strand_ends` where each strand's edges end in a plane.
-inline void shapeSymbols(const GuideGeometry& geometry, const StrandRun& run, Encoding encoding,
-                         GuideSymbols& symbols, std::vector<uint32_t>& strand_ends) {
+/// Gives `symbols` the lengths that a run has.
+inline void shapeSymbols(const StrandRun& run, Encoding encoding, GuideSymbols& symbols) {
   symbols.edge_planes = edgePlanes(encoding);
   symbols.roots.resize(3 * size_t{run.strand_count});
   symbols.edges.resize(static_cast<size_t>(symbols.edge_planes) * (run.vertex_count - run.strand_count));
-  strand_ends.resize(run.strand_count);
-  for (uint32_t s = 0; s < run.strand_count; ++s)
-    strand_ends[s] = geometry.offsets[run.first_strand + s + 1] - run.first_vertex - (s + 1);
 }
 
 }  // namespace strandcast

@@ -10,6 +10,7 @@
 
 #include "kernels/highway_targets.h"
 #include "transport/codec/bit_blocks.h"
+#include "transport/codec/zigzag.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "transport/codec/strand_coder.cc"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -31,32 +32,22 @@ namespace strandcast::codec::HWY_NAMESPACE {
 // clang-format on
 
 void subtract(const uint16_t* symbols, size_t count, bool along, int bits, uint16_t* residuals) {
-  const int spare = 16 - bits;
-  const auto put = [&](size_t i, uint16_t value) {
-    residuals[i] = static_cast<uint16_t>(static_cast<int16_t>(value << spare) >> spare);
-  };
   if (count == 0) return;
-  put(0, symbols[0]);
-  if (along) {
-    for (size_t i = 1; i < count; ++i) put(i, static_cast<uint16_t>(symbols[i] - symbols[i - 1]));
-  } else {
-    for (size_t i = 1; i < count; ++i) put(i, symbols[i]);
-  }
+  residuals[0] = signExtended(symbols[0], bits);
+  for (size_t i = 1; i < count; ++i)
+    residuals[i] = signExtended(static_cast<uint16_t>(symbols[i] - (along ? symbols[i - 1] : 0)), bits);
 }
 
 void fold(const uint16_t* residuals, size_t count, uint8_t* low, uint8_t* high) {
   for (size_t i = 0; i < count; ++i) {
-    const auto folded = static_cast<uint16_t>(residuals[i] << 1 ^ (0 - (residuals[i] >> 15)));
+    const uint16_t folded = zigzag(residuals[i]);
     low[i] = static_cast<uint8_t>(folded);
     high[i] = static_cast<uint8_t>(folded >> 8);
   }
 }
 
 void unfold(const uint8_t* low, const uint8_t* high, size_t count, uint16_t* symbols) {
-  for (size_t i = 0; i < count; ++i) {
-    const auto folded = static_cast<uint16_t>(low[i] | high[i] << 8);
-    symbols[i] = static_cast<uint16_t>(folded >> 1 ^ (0 - (folded & 1)));
-  }
+  for (size_t i = 0; i < count; ++i) symbols[i] = unzigzag(static_cast<uint16_t>(low[i] | high[i] << 8));
 }
 
 StrandCoder coder() {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "transport/codec/bit_blocks.h"
+#include "transport/codec/zigzag.h"
 
 namespace strandcast {
 namespace {
@@ -12,18 +13,13 @@ namespace {
 /// that looking for it is little worth: only long matches, in a small table.
 constexpr int kLevel = 1, kShortestMatch = 7, kTableLog = 8;
 
-/// Small for small residuals of either sign; `residual` modulo 2^bits.
-uint16_t zigzag(uint32_t residual, int bits) {
-  const auto extended = static_cast<int32_t>(residual << (32 - bits)) >> (32 - bits);
-  return static_cast<uint16_t>((extended << 1 ^ extended >> 31) & ((1 << bits) - 1));
-}
-
 /// Bits of the residuals of some edges of a strand.
 uint64_t bitsOf(std::span<const uint16_t> edges, bool along, int bits) {
   uint64_t sum = 0;
-  uint32_t before = 0;
-  for (const uint32_t own : edges) {
-    sum += static_cast<uint64_t>(std::bit_width(zigzag(along ? own - before : own, bits)));
+  uint16_t before = 0;
+  for (const uint16_t own : edges) {
+    const auto residual = static_cast<uint16_t>(along ? own - before : own);
+    sum += static_cast<uint64_t>(std::bit_width(zigzag(signExtended(residual, bits))));
     before = own;
   }
   return sum;

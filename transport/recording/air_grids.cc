@@ -6,6 +6,8 @@
 #include <bit>
 #include <cmath>
 
+#include "transport/codec/zigzag.h"
+
 namespace strandcast {
 namespace {
 
@@ -60,7 +62,7 @@ void packLayers(const AirGrids& grids, uint32_t first_layer, GridRecord& out) {
       const auto number = static_cast<uint16_t>(static_cast<int>(whole));
       const auto change = static_cast<uint16_t>(number - before);
       before = number;
-      const auto folded = static_cast<uint16_t>(change << 1 ^ -(change >> 15));
+      const uint16_t folded = zigzag(change);
       low.push_back(static_cast<uint8_t>(folded));
       high.push_back(static_cast<uint8_t>(folded >> 8));
     }
@@ -105,7 +107,7 @@ bool addLayers(const GridRecord& record, AirGrids& grids) {
     uint16_t number = 0;
     for (size_t i = 0; i < count; ++i) {
       const auto folded = static_cast<uint16_t>(*low++ | *high++ << 8);
-      number = static_cast<uint16_t>(number + static_cast<uint16_t>(folded >> 1 ^ -(folded & 1)));
+      number = static_cast<uint16_t>(number + unzigzag(folded));
       values.push_back(*unit * static_cast<float>(static_cast<int16_t>(number)));
     }
     ++unit;
