@@ -16,17 +16,19 @@ namespace strandcast {
 /// What one step is given. All spans live until step() returns.
 struct StepInput {
   const Parameters* parameters = nullptr;
-  std::span<const Pose> roots_begin;            ///< strands: root pose at the start of the step, world
-  std::span<const Pose> roots_end;              ///< strands: root pose at the end of the step, world
-  std::span<const MovingPrimitive> primitives;  ///< any number, world
-  /// Poses of StrandModel::bones at the start and the end of the step, world; may be empty where no vertex is
-  /// pinned to another bone than its root frame. Pinned vertices go straight from one place to the other.
+  /// Poses of StrandModel::bones at the start and the end of the step, world; empty = all are at the origin,
+  /// as in the groom's frame. Roots and pinned vertices ride on them and go straight from one place to the
+  /// other, root frames turn as interpolateRotation() of kernels/rotation.h says.
   std::span<const Pose> bones_begin{}, bones_end{};
+  std::span<const MovingPrimitive> primitives{};  ///< any number, world
   /// m/s^2 per vertex, natural order, on top of gravity and constant over the step; may be empty. See
   /// core/surroundings.h. Only for backends that take them.
   std::span<const Vec3> accelerations{};
   const ShapeData* shapes = nullptr;    ///< of the primitives; may be null where none is convex or a field
   const NearBodyLists* near = nullptr;  ///< of the primitives; null = any strand may touch any of them
+
+  Pose boneAtBegin(size_t bone) const { return bones_begin.empty() ? Pose{} : bones_begin[bone]; }
+  Pose boneAtEnd(size_t bone) const { return bones_end.empty() ? Pose{} : bones_end[bone]; }
 };
 
 /// Simulates the strands of one model. One implementation per way of computing; all keep the same state and

@@ -55,12 +55,9 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
       surroundings_(std::move(surroundings)),
       bones_begin_(model_->bones.size()),
       bones_end_(model_->bones.size()),
-      roots_begin_(model_->rest_roots),
-      roots_end_(model_->rest_roots),
       broad_phase_(broad_phase != nullptr ? std::move(broad_phase) : makeAllPairs()),
-      order_(strandOrder(*model_)),
-      bound_to_root_(order_.neighbourhoods(), true),
-      strand_boxes_(order_.neighbourhoods()) {
+      reach_(*model_, strandOrder(*model_)),
+      strand_boxes_(reach_.neighbourhoods()) {
   checkParameters(parameters_, "Simulation");
   stepped_ = inShortSubsteps(parameters_);
   std::vector<MovingPrimitive> rooted;
@@ -82,10 +79,7 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
   lengths_.reserve(model_->strands());
   for (size_t s = 0; s < model_->strands(); ++s)
     lengths_.push_back(arcLength({model_->rest_local.data() + model_->offsets[s], model_->verticesOf(s)}));
-  for (size_t s = 0; s < model_->strands(); ++s)
-    for (uint32_t v = model_->offsets[s]; v < model_->offsets[s + 1]; ++v)
-      if (model_->isBonePinned(s, v)) bound_to_root_[order_.neighbourhood_of[s]] = false;
-  backend_->load(*model_, restState(*model_, roots_begin_));
+  backend_->load(*model_, restState(*model_, model_->rest_roots));
   surrounded_ = configureSurroundings(parameters_);
   reserveForBodies();
   backend_->expect(stepped_, !primitives_.empty());
@@ -196,10 +190,6 @@ void Simulation::setParameters(const Parameters& parameters) {
   stepped_ = inShortSubsteps(parameters_);
 }
 
-void Simulation::placeRoots(const std::vector<Pose>& bones, std::vector<Pose>& roots) const {
-  for (size_t s = 0; s < roots.size(); ++s) roots[s] = bones[model_->rootBone(s)] * model_->rest_roots[s];
-}
-
 void Simulation::placePrimitives() {
   primitives_.clear();  // keeps its memory
   for (const PlacedBody& placed : bodies_) {
@@ -215,42 +205,23 @@ void Simulation::reserveForBodies() {
   constexpr size_t kMost = size_t{1} << 22;
   placePrimitives();
   body_boxes_.reserve(primitives_.size());
-  near_.offsets.reserve(order_.neighbourhoods() + 1);
-  near_.bodies.reserve(std::min(order_.neighbourhoods() * primitives_.size(), kMost));
+  near_.offsets.reserve(strand_boxes_.size() + 1);
+  near_.bodies.reserve(std::min(strand_boxes_.size() * primitives_.size(), kMost));
 }
 
 void Simulation::findNearBodies() {
-  constexpr float kStretch = 1.1f;  // more than edges before a pin do
   body_boxes_.clear();
   for (const MovingPrimitive& primitive : primitives_) body_boxes_.push_back(sweptBox(primitive));
-  for (size_t n = 0; n < order_.neighbourhoods(); ++n) {
-    Box& box = strand_boxes_[n];
-    if (!bound_to_root_[n]) {
-      box = Box(Eigen::Vector3f::Constant(-kEndless), Eigen::Vector3f::Constant(kEndless));
-      continue;
-    }
-    box.setEmpty();
-    float longest = 0;
-    for (const uint32_t s : order_.strandsOf(n)) {
-      box.extend(Eigen::Vector3f(roots_begin_[s].position)).extend(Eigen::Vector3f(roots_end_[s].position));
-      longest = std::max(longest, lengths_[s]);
-    }
-    const float reach = kStretch * longest + parameters_.hair_radius + kLookReach;
-    box.min().array() -= reach;
-    box.max().array() += reach;
-  }
+  reach_.place(bones_begin_, bones_end_, parameters_.hair_radius + kLookReach, strand_boxes_);
   broad_phase_->find(body_boxes_, strand_boxes_, near_);
 }
 
 StepInput Simulation::nextInput() {
-  placeRoots(bones_end_, roots_end_);
   placePrimitives();
   // Strands of the rod stay within their length of their root, whatever pushes them; others may stretch.
   const bool listed = parameters_.solver == SolverKind::kRod && !primitives_.empty();
   if (listed) findNearBodies();
-  return {&stepped_,   roots_begin_, roots_end_,
-          primitives_, bones_begin_, bones_end_,
-          {},          &shapes_,     listed ? &near_ : nullptr};
+  return {&stepped_, bones_begin_, bones_end_, primitives_, {}, &shapes_, listed ? &near_ : nullptr};
 }
 
 void Simulation::step() {
@@ -258,7 +229,6 @@ void Simulation::step() {
   if (surrounded_) surroundings_->step(input, *backend_);
   if (pull_) addPull(input);
   backend_->step(input);
-  std::swap(roots_begin_, roots_end_);
   bones_begin_ = bones_end_;
   for (PlacedBody& body : bodies_) body.begin = body.end;
   time_ += parameters_.time_step;
@@ -296,7 +266,10 @@ bool needsSurroundings(const Parameters& p) {
 }
 
 StrandState Simulation::restNow() const {
-  StrandState rest = restState(*model_, roots_begin_);
+  std::vector<Pose> roots;
+  for (size_t s = 0; s < model_->strands(); ++s)
+    roots.push_back(bones_begin_[model_->rootBone(s)] * model_->rest_roots[s]);
+  StrandState rest = restState(*model_, roots);
   if (!model_->pin_bones.empty())
     for (size_t s = 0; s < model_->strands(); ++s)
       for (uint32_t v = model_->offsets[s]; v < model_->offsets[s + 1]; ++v)
@@ -356,7 +329,6 @@ void Simulation::teleport(const Pose& head) {
   }
   bones_begin_[0] = head;
   bones_end_ = bones_begin_;
-  placeRoots(bones_begin_, roots_begin_);
   placePrimitives();
   backend_->upload(state);
   if (surroundings_) surroundings_->reset();

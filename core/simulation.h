@@ -7,7 +7,7 @@
 #include "core/backend.h"
 #include "core/hair_pull.h"
 #include "core/measure.h"
-#include "core/strand_order.h"
+#include "core/strand_reach.h"
 #include "core/surroundings.h"
 
 namespace strandcast {
@@ -108,7 +108,6 @@ class Simulation {
     std::vector<uint32_t> data;  ///< of its primitives, in shapes_
   };
 
-  void placeRoots(const std::vector<Pose>& bones, std::vector<Pose>& roots) const;
   void placePrimitives();
   const PlacedBody& find(BodyId body, const char* where) const;
   PlacedBody& find(BodyId body, const char* where);
@@ -136,13 +135,11 @@ class Simulation {
   std::optional<HairPull> pull_;
   std::vector<Vec3> pull_accelerations_;       ///< of all that acts while a hand pulls
   std::vector<Pose> bones_begin_, bones_end_;  ///< of the model's bones
-  std::vector<Pose> roots_begin_, roots_end_;
-  std::vector<float> lengths_;  ///< of strands at rest, m
+  std::vector<float> lengths_;                 ///< of strands at rest, m
   std::vector<MovingPrimitive> primitives_;
   std::unique_ptr<BroadPhase> broad_phase_;
-  StrandOrder order_;
-  std::vector<bool> bound_to_root_;  ///< per neighbourhood: no bone but that of their roots holds its strands
-  std::vector<Box> body_boxes_, strand_boxes_;
+  StrandReach reach_;
+  std::vector<Box> body_boxes_, strand_boxes_;  ///< strands: per neighbourhood of StrandOrder
   NearBodyLists near_;
   double time_ = 0;
   uint64_t steps_ = 0;

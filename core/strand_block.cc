@@ -305,16 +305,18 @@ void BlockStore<Scalar>::setInput(size_t b, const StepInput& input) {
   for (int lane = 0; lane < lanes_; ++lane) {
     const uint32_t strand = strandOf(block, lane);
     Scalar* plane = root + lane;
-    for (const Pose* pose : {&input.roots_begin[strand], &input.roots_end[strand]}) {
-      for (int c = 0; c < 3; ++c, plane += lanes_) *plane = static_cast<Scalar>(pose->position[c]);
-      for (int c = 0; c < 4; ++c, plane += lanes_) *plane = static_cast<Scalar>(pose->rotation.coeffs()[c]);
+    const size_t bone = model_->rootBone(strand);
+    for (const Pose& on : {input.boneAtBegin(bone), input.boneAtEnd(bone)}) {
+      const Pose pose = on * model_->rest_roots[strand];
+      for (int c = 0; c < 3; ++c, plane += lanes_) *plane = static_cast<Scalar>(pose.position[c]);
+      for (int c = 0; c < 4; ++c, plane += lanes_) *plane = static_cast<Scalar>(pose.rotation.coeffs()[c]);
     }
   }
   for (size_t i = block.first_pin; i < block.first_pin + block.pins; ++i) {
     const BonePin& pin = pins_[i];
     Scalar* row = bonePins(block) + static_cast<size_t>(pin.vertex) * kBonePinPlanes * lanes_ + pin.lane;
-    const Vec3 begin = input.bones_begin[pin.bone].apply(pin.rest),
-               end = input.bones_end[pin.bone].apply(pin.rest);
+    const Vec3 begin = input.boneAtBegin(pin.bone).apply(pin.rest),
+               end = input.boneAtEnd(pin.bone).apply(pin.rest);
     row[static_cast<size_t>(kBonePinned) * lanes_] = Scalar(1);
     for (int c = 0; c < 3; ++c) {
       row[static_cast<size_t>(kHeldBegin + c) * lanes_] = static_cast<Scalar>(begin[c]);

@@ -4,7 +4,7 @@
 
 namespace strandcast::gpu {
 
-Settings settingsOf(const StepInput& input) {
+Settings settingsOf(const StepInput& input, const StrandModel& model) {
   const Parameters& p = *input.parameters;
   const double h = static_cast<double>(p.time_step) / p.substeps;
   Settings s{};
@@ -24,8 +24,8 @@ Settings settingsOf(const StepInput& input) {
   s.substeps = static_cast<uint32_t>(p.substeps);
   s.iterations = static_cast<uint32_t>(p.iterations);
   s.body_count = static_cast<uint32_t>(input.primitives.size());
-  s.strand_count = static_cast<uint32_t>(input.roots_begin.size());
-  s.bone_count = static_cast<uint32_t>(input.bones_begin.size());
+  s.strand_count = static_cast<uint32_t>(model.strands());
+  s.bone_count = static_cast<uint32_t>(model.bones.size());
   s.neighbourhoods = input.near != nullptr ? static_cast<uint32_t>(input.near->offsets.size()) - 1 : 0;
   return s;
 }

@@ -28,6 +28,6 @@ struct Settings {
 static_assert(sizeof(Settings) == 92);
 static_assert(sizeof(Pose) == 28);  // the shader reads poses as 7 floats: position, rotation x y z w
 
-Settings settingsOf(const StepInput& input);
+Settings settingsOf(const StepInput& input, const StrandModel& model);
 
 }  // namespace strandcast::gpu

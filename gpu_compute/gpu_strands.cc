@@ -38,6 +38,7 @@ std::vector<uint32_t> packOffsets(const StrandModel& model) {
   std::vector<uint32_t> packed = model.offsets;
   const StrandOrder order = strandOrder(model);
   packed.insert(packed.end(), order.neighbourhood_of.begin(), order.neighbourhood_of.end());
+  for (size_t s = 0; s < model.strands(); ++s) packed.push_back(model.rootBone(s));
   return packed;
 }
 
@@ -87,7 +88,6 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
     : programs_(programs),
       model_(model),
       vertices_((checkFits(model.vertices()), discardErrors(), model.vertices())),
-      strands_(model.strands()),
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
       frames_(storage<Vec4>(vertices_)),
@@ -95,7 +95,7 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs)
       guides_(storage<Vec3>(vertices_)),
       shapes_(storage<uint32_t>(1)),
       groomed_(!model.damping_scale.empty()),
-      uploads_(std::in_place, strands_, model.bones.size(), UploadRing::Counts{}),
+      uploads_(std::in_place, model, UploadRing::Counts{}),
       readback_(vertices_) {
   checkMemory("the model does not fit the GPU's memory");
 }
@@ -224,7 +224,7 @@ void GpuStrands::expectUploads(const UploadRing::Counts& wanted) {
   if (uploads_->takes(wanted)) return;
   const UploadRing::Counts has = uploads_->capacity();
   glFinish();
-  uploads_.emplace(strands_, model_.bones.size(),
+  uploads_.emplace(model_,
                    UploadRing::Counts{std::max(has.bodies, wanted.bodies), std::max(has.near, wanted.near)});
 }
 

@@ -55,7 +55,7 @@ class GpuStrands {
 
   ProgramCache& programs_;
   const StrandModel& model_;
-  size_t vertices_, strands_;
+  size_t vertices_;
   gl::Buffer positions_;   ///< xyz; w: tension of the edge that ends at the vertex
   gl::Buffer velocities_;  ///< xyz; w: StrandModel::rest_distance
   gl::Buffer frames_;      ///< of the edge that starts at the vertex

@@ -47,25 +47,27 @@ UploadRing::Counts UploadRing::countsOf(const StepInput& input) {
           input.near != nullptr ? input.near->offsets.size() + input.near->bodies.size() : 0};
 }
 
-UploadRing::UploadRing(size_t strands, size_t bones, const Counts& capacity)
-    : capacity_(capacity),
+UploadRing::UploadRing(const StrandModel& model, const Counts& capacity)
+    : model_(model),
+      capacity_(capacity),
       bodies_at_(aligned(sizeof(Settings))),
       near_at_(bodies_at_ + aligned(std::max<size_t>(capacity.bodies, 1) * sizeof(PlacedBody))),
-      roots_at_(near_at_ + aligned(std::max<size_t>(capacity.near, 1) * sizeof(uint32_t))),
-      roots_bytes_(2 * strands * sizeof(Pose)),
-      bones_bytes_(2 * bones * sizeof(Pose)),
-      on_gpu_(roots_at_ + std::max<size_t>(roots_bytes_ + bones_bytes_, 16), nullptr, 0) {
+      poses_at_(near_at_ + aligned(std::max<size_t>(capacity.near, 1) * sizeof(uint32_t))),
+      slot_bytes_(poses_at_ + 2 * model.bones.size() * sizeof(Pose)),
+      on_gpu_(slot_bytes_ + model.strands() * sizeof(Pose), nullptr, GL_DYNAMIC_STORAGE_BIT) {
   for (size_t i = 0; i < kSlots; ++i) {
-    buffers_[i] = gl::Buffer(on_gpu_.bytes(), nullptr, kWritten);
+    buffers_[i] = gl::Buffer(slot_bytes_, nullptr, kWritten);
     memory_[i] = static_cast<char*>(map(buffers_[i], kWritten));
   }
+  glNamedBufferSubData(on_gpu_.id(), static_cast<GLintptr>(slot_bytes_),
+                       static_cast<GLsizeiptr>(model.strands() * sizeof(Pose)), model.rest_roots.data());
 }
 
 void UploadRing::write(const StepInput& input) {
   slot_ = (slot_ + 1) % kSlots;
   fences_[slot_].wait();
   char* memory = memory_[slot_];
-  const Settings settings = settingsOf(input);
+  const Settings settings = settingsOf(input, model_);
   std::memcpy(memory, &settings, sizeof settings);
   placeBodies(input, reinterpret_cast<PlacedBody*>(memory + bodies_at_));
   if (input.near != nullptr) {
@@ -75,22 +77,17 @@ void UploadRing::write(const StepInput& input) {
     lists += near.offsets.size() * sizeof(uint32_t);
     if (!near.bodies.empty()) std::memcpy(lists, near.bodies.data(), near.bodies.size() * sizeof(uint32_t));
   }
-  char* roots = memory + roots_at_;
-  std::memcpy(roots, static_cast<const void*>(input.roots_begin.data()), roots_bytes_ / 2);
-  std::memcpy(roots + roots_bytes_ / 2, static_cast<const void*>(input.roots_end.data()), roots_bytes_ / 2);
-  if (!input.bones_begin.empty()) {
-    char* bones = roots + roots_bytes_;
-    std::memcpy(bones, static_cast<const void*>(input.bones_begin.data()), bones_bytes_ / 2);
-    std::memcpy(bones + bones_bytes_ / 2, static_cast<const void*>(input.bones_end.data()), bones_bytes_ / 2);
-  }
+  Pose* poses = reinterpret_cast<Pose*>(memory + poses_at_);
+  for (size_t bone = 0; bone < model_.bones.size(); ++bone) *poses++ = input.boneAtBegin(bone);
+  for (size_t bone = 0; bone < model_.bones.size(); ++bone) *poses++ = input.boneAtEnd(bone);
 
   const GLuint id = on_gpu_.id();
-  glCopyNamedBufferSubData(buffers_[slot_].id(), id, 0, 0, static_cast<GLsizeiptr>(on_gpu_.bytes()));
+  glCopyNamedBufferSubData(buffers_[slot_].id(), id, 0, 0, static_cast<GLsizeiptr>(slot_bytes_));
   fences_[slot_].set();
   constexpr GLsizeiptr kBlock = (sizeof(Settings) + 15) / 16 * 16;  // as std140 rounds it up
   glBindBufferRange(GL_UNIFORM_BUFFER, 0, id, 0, kBlock);
-  glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 6, id, static_cast<GLintptr>(roots_at_),
-                    static_cast<GLsizeiptr>(roots_bytes_ + bones_bytes_));
+  glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 6, id, static_cast<GLintptr>(poses_at_),
+                    static_cast<GLsizeiptr>(on_gpu_.bytes() - poses_at_));
   glBindBufferRange(
       GL_SHADER_STORAGE_BUFFER, 7, id, static_cast<GLintptr>(bodies_at_),
       static_cast<GLsizeiptr>(std::max<size_t>(countsOf(input).bodies, 1) * sizeof(PlacedBody)));

@@ -21,8 +21,9 @@ class Fence {
   GLsync sync_ = nullptr;
 };
 
-/// What a step is told (settings, bodies, lists of near bodies, roots, bones): the CPU writes the next while
-/// the GPU still copies the last to its own memory, from which the shaders read it.
+/// What a step is told (settings, bodies, lists of near bodies, bones): the CPU writes the next while the GPU
+/// still copies the last to its own memory, from which the shaders read it. The roots that ride on the bones
+/// lie there after them.
 class UploadRing {
  public:
   /// What differs from step to step.
@@ -31,7 +32,8 @@ class UploadRing {
   };
   static Counts countsOf(const StepInput& input);
 
-  UploadRing(size_t strands, size_t bones, const Counts& capacity);
+  /// `model` outlives this.
+  UploadRing(const StrandModel& model, const Counts& capacity);
 
   const Counts& capacity() const { return capacity_; }
   bool takes(const Counts& counts) const {
@@ -43,9 +45,10 @@ class UploadRing {
 
  private:
   static constexpr size_t kSlots = 3;
+  const StrandModel& model_;
   Counts capacity_;
-  size_t bodies_at_, near_at_, roots_at_;  ///< bytes from the start of a slot
-  size_t roots_bytes_, bones_bytes_;
+  size_t bodies_at_, near_at_, poses_at_;  ///< bytes from the start of a slot
+  size_t slot_bytes_;                      ///< with the bones at both ends of the step
   gl::Buffer on_gpu_;
   std::array<gl::Buffer, kSlots> buffers_;
   std::array<char*, kSlots> memory_{};

@@ -38,8 +38,10 @@ Spread spreadOf(uint32_t key, bool bodies) {
   return bodies && more <= kWorkgroup ? Spread{kPerThreadInContact, more} : Spread{kPerThread, threads};
 }
 
-// Fewer strands than this are not worth a program of their own: they are done as if they might be anything.
+// Fewer strands than this are not worth a program of their own: they are done as if they might be anything,
+// with one of two numbers of invocations.
 constexpr size_t kOwnProgram = 512;
+constexpr uint32_t sharedThreads(uint32_t threads) { return threads <= 8 ? 8 : kWorkgroup; }
 
 // Edges and masses that differ by less than this along a strand count as equal. Points in float, some metres
 // from the origin and millimetres apart, do not tell more.
@@ -112,7 +114,7 @@ std::vector<uint32_t> keysOf(const StrandModel& model) {
   std::array<size_t, 512> count{};
   for (uint32_t s = 0; s < keys.size(); ++s) ++count[keys[s] = keyOf(model, s)];
   for (uint32_t& key : keys)
-    if (count[key] < kOwnProgram) key = threadsOf(key) | kAnything | (key & kGroomed);
+    if (count[key] < kOwnProgram) key = sharedThreads(threadsOf(key)) | kAnything | (key & kGroomed);
   return keys;
 }
 

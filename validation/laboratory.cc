@@ -36,7 +36,6 @@ std::vector<Vec3> Laboratory::accelerations(const StrandModel& model, const Stra
   backend->expectAccelerations();
   StepInput input;
   input.parameters = &parameters;
-  input.roots_begin = input.roots_end = model.rest_roots;
   surroundings->step(input, *backend);
   const std::span<const Vec3> out = surroundings->accelerations();
   return {out.begin(), out.end()};

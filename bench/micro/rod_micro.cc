@@ -29,7 +29,7 @@ void stepOfBlock(benchmark::State& state, const simd::SimdTarget& target, Solver
   auto scratch = room;
   Parameters parameters = scene.parameters;
   parameters.solver = solver;
-  const StepInput input{&parameters, model.rest_roots, model.rest_roots, {}};
+  const StepInput input{&parameters};
   store.expect(parameters, false);
   for (auto _ : state) {
     store.setInput(0, input);

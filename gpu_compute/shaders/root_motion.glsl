@@ -1,5 +1,6 @@
 // How a strand's root moves in each substep. The invocations of a strand work out THREADS substeps at once, one each, and
 // share them. Needs rod_strand.glsl.
+#include "gpu_compute/shaders/root_poses.glsl"
 
 struct RootMotion {
   vec3 position;     // m, at the end of the substep
@@ -24,7 +25,8 @@ void placeRoots(int first) {
   barrier();  // nobody reads those before any more
   int substep = first + rank;
   if (substep < end_substep) {
-    Pose begin = rootPose(strand), end = rootPose(settings.strand_count + strand);
+    RootPoses root = rootPoses(strand);
+    Pose begin = root.begin, end = root.end;
     vec3 way = end.position - begin.position, start = positions[root_vertex].xyz;
     vec3 position = madd(way, timeAfter(substep), begin.position);
     int done = substep - first_substep;  // in this dispatch

@@ -58,13 +58,6 @@ void tieToBones(StrandModel& model) {
   }
 }
 
-std::vector<Pose> rootsOn(const StrandModel& model, const std::vector<Pose>& bones) {
-  std::vector<Pose> roots;
-  for (size_t s = 0; s < model.strands(); ++s)
-    roots.push_back(bones[model.rootBone(s)] * model.rest_roots[s]);
-  return roots;
-}
-
 std::vector<Pose> movedBones() {
   auto pose = [](Vec3 position, float angle) {
     return Pose{position, Quat(Eigen::AngleAxisf(angle, Eigen::Vector3f(1, 2, 3).normalized()))};
@@ -180,13 +173,10 @@ MovingPrimitive furtherBody(int kind, float dt, ShapeData& shapes) {
   return moved(body, pose({0.02f, 0.02f, 0}, 0.1f), pose({0.01f, 0.03f, 0}, -0.1f), dt, data);
 }
 
-std::vector<Pose> movedRoots(const StrandModel& model) {
+Pose movedHead() {
   const Vec3 middle(0, -0.1f, 0);
   const Quat turn(Eigen::AngleAxisf(0.3f, Eigen::Vector3f(0.2f, 1, 0.1f).normalized()));
-  const Pose move{middle - turn * middle + Vec3(0.02f, 0, 0), turn};
-  std::vector<Pose> roots;
-  for (const Pose& root : model.rest_roots) roots.push_back(move * root);
-  return roots;
+  return {middle - turn * middle + Vec3(0.02f, 0, 0), turn};
 }
 
 }  // namespace strandcast

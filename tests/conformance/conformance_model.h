@@ -18,8 +18,6 @@ std::vector<Material> groomedMaterials();
 
 /// Ties strands of `model` to two more bones, "clip" and "ribbon": in the middle, as a whole, at both ends.
 void tieToBones(StrandModel& model);
-/// Where the roots of `model` are when its bones are at `bones`.
-std::vector<Pose> rootsOn(const StrandModel& model, const std::vector<Pose>& bones);
 /// Of the head, the clip and the ribbon, moved by about a millimetre and turned a little.
 std::vector<Pose> movedBones();
 
@@ -45,7 +43,7 @@ std::vector<float> leftWhereTheyStart(const StrandState& from, std::span<const M
 DistanceField sampledField(const std::function<float(const Vec3&)>& distance, const Box& box, float cell,
                            float band);
 
-/// Every root of `model` moved by 2 cm and turned by 0.3 rad about an axis through the middle of the head.
-std::vector<Pose> movedRoots(const StrandModel& model);
+/// A pose of the head, moved by 2 cm and turned by 0.3 rad about an axis through its middle.
+Pose movedHead();
 
 }  // namespace strandcast

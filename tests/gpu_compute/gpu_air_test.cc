@@ -133,7 +133,6 @@ Felt felt(const AirMaker& maker, Backend& backend, const Tuft& tuft, const Param
   for (int step = 0; step < steps; ++step) {
     StepInput input;
     input.parameters = &parameters;
-    input.roots_begin = input.roots_end = tuft.model.rest_roots;
     input.bones_begin = input.bones_end = bones;
     surroundings->step(input, backend);
   }
@@ -207,7 +206,6 @@ TEST_F(GpuAir, EveryRunGivesTheSameBitsAndHairAtRestFeelsNothing) {
   surroundings->configure(tuft.model, parameters, *gpu_);
   StepInput input;
   input.parameters = &parameters;
-  input.roots_begin = input.roots_end = tuft.model.rest_roots;
   surroundings->step(input, *gpu_);
   for (const Vec3& acceleration : surroundings->accelerations()) EXPECT_EQ(acceleration, Vec3(Vec3::Zero()));
 }

@@ -40,7 +40,7 @@ class GpuBackend : public testing::Test {
     backend_->load(model_, restState(model_, model_.rest_roots));
   }
   void step(std::span<const MovingPrimitive> bodies = {}, const NearBodyLists* near = nullptr) {
-    backend_->step({&parameters_, model_.rest_roots, model_.rest_roots, bodies, {}, {}, {}, nullptr, near});
+    backend_->step({&parameters_, {}, {}, bodies, {}, nullptr, near});
   }
   // As Simulation lists them.
   NearBodyLists bodiesNear(std::span<const MovingPrimitive> bodies) const {
@@ -138,7 +138,7 @@ TEST_F(GpuBackend, TakesMoreStrandsThanOneAxisOfWorkgroups) {
   backend_->download(state);
   auto reference = makeReferenceBackend();
   reference->load(model_, restState(model_, model_.rest_roots));
-  reference->step({&parameters_, model_.rest_roots, model_.rest_roots, {}});
+  reference->step({&parameters_});
   StrandState expected;
   reference->download(expected);
   for (size_t i : {size_t{1}, state.positions.size() / 2, state.positions.size() - 1})

@@ -39,13 +39,13 @@ Path pathOfNewton(const StrandModel& model, int rate) {
 
 Path pathOfSolver(const StrandModel& model, int rate) {
   const Parameters parameters = rodParameters(rate, kDrag);
-  std::vector<Pose> begin = model.rest_roots, end;
+  std::vector<Pose> begin(1), end(1);
   const auto backend = makeOracleBackend();
-  backend->load(model, restState(model, begin));
+  backend->load(model, restState(model, model.rest_roots));
   Path path;
   for (int i = 1; i <= kSeconds * rate; ++i) {
-    end = {shaken(static_cast<double>(i) / rate) * model.rest_roots[0]};
-    backend->step({&parameters, begin, end, {}});
+    end = {shaken(static_cast<double>(i) / rate)};
+    backend->step({&parameters, begin, end});
     begin = end;
     if (i % (rate / 60) == 0) path.push_back(backend->guides().back().cast<double>());
   }

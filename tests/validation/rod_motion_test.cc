@@ -29,19 +29,19 @@ double tipError(const StrandModel& model, double ramp) {
   backend->load(model, restState(model, model.rest_roots));
   for (int i = 0; i < 8 * 360; ++i) {
     exact.step(root, root);
-    backend->step({&settle, model.rest_roots, model.rest_roots, {}});
+    backend->step({&settle});
   }
   exact.setParameters(rodParameters(kExactRate, 2));
   const Shake shake{.ramp = ramp};
   constexpr int kFine = kExactRate / 360;
-  std::vector<Pose> begin = model.rest_roots;
+  std::vector<Pose> begin(1);
   double sum = 0;
   for (int frame = 1; frame <= kFrames; ++frame) {
     for (int i = (frame - 1) * kFine; i < frame * kFine; ++i)
       exact.step(shakenRoot(static_cast<double>(i) / kExactRate, shake) * root,
                  shakenRoot((i + 1.0) / kExactRate, shake) * root);
-    const std::vector<Pose> end{shakenRoot(frame / 360.0, shake) * root};
-    backend->step({&parameters, begin, end, {}});
+    const std::vector<Pose> end{shakenRoot(frame / 360.0, shake)};
+    backend->step({&parameters, begin, end});
     begin = end;
     sum += (backend->guides().back().cast<double>() - exact.positions().back()).squaredNorm();
   }
