@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/strand_order.h"
+#include "gpu_compute/shaders.h"
 
 namespace strandcast::gpu {
 namespace {
@@ -228,6 +229,15 @@ void GpuStrands::expectUploads(const UploadRing::Counts& wanted) {
                    UploadRing::Counts{std::max(has.bodies, wanted.bodies), std::max(has.near, wanted.near)});
 }
 
+void GpuStrands::carryRoots() {
+  const gl::Program& program = root_poses_.get(programs_, "root_poses.comp", shaders::kRootPosesComp);
+  const auto strands = static_cast<GLuint>(model_.strands());
+  glProgramUniform1ui(program.id(), 0, strands);
+  glProgramUniform1ui(program.id(), 1, static_cast<GLuint>(model_.bones.size()));
+  dispatch(program, strands, 64);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
 void GpuStrands::step(const StepInput& input) {
   uploaded_ = std::vector<Vec3>();  // {} would keep its memory
   if (vertices_ == 0) return;
@@ -245,6 +255,7 @@ void GpuStrands::step(const StepInput& input) {
   if (pressed_ && !pressing) glClearNamedBufferData(contacts_.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, nullptr);
   pressed_ = pressing;
   timer_.begin();
+  carryRoots();
   if (rod)
     rod_->step({.bodies = !input.primitives.empty(),
                 .turning = std::any_of(input.primitives.begin(), input.primitives.end(), turns),

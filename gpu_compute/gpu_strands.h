@@ -48,6 +48,8 @@ class GpuStrands {
 
  private:
   void bind() const;
+  /// Has the roots go with the bones that uploads_ has, before all that asks for them.
+  void carryRoots();
   void takeShapes(const ShapeData* shapes);
   void makeSights();
   void expectUploads(const UploadRing::Counts& wanted);
@@ -75,6 +77,7 @@ class GpuStrands {
   std::array<bool, 8> expected_{};  ///< by solver, goal pull and bodies
   SeenBodies seen_;
   std::optional<UploadRing> uploads_;  ///< never empty
+  LazyProgram root_poses_;
   Readback readback_;
   StepTimer timer_;
   std::vector<std::array<float, 4>> velocities_packed_;

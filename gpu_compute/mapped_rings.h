@@ -22,8 +22,8 @@ class Fence {
 };
 
 /// What a step is told (settings, bodies, lists of near bodies, bones): the CPU writes the next while the GPU
-/// still copies the last to its own memory, from which the shaders read it. The roots that ride on the bones
-/// lie there after them.
+/// still copies the last to its own memory, from which the shaders read it. There the roots lie too, at rest
+/// and as shaders/root_poses.comp carries them.
 class UploadRing {
  public:
   /// What differs from step to step.
@@ -47,8 +47,8 @@ class UploadRing {
   static constexpr size_t kSlots = 3;
   const StrandModel& model_;
   Counts capacity_;
-  size_t bodies_at_, near_at_, poses_at_;  ///< bytes from the start of a slot
-  size_t slot_bytes_;                      ///< with the bones at both ends of the step
+  size_t bodies_at_, near_at_, poses_at_;  ///< bytes from the start of a slot, which bones end
+  size_t bones_bytes_, roots_bytes_;  ///< at both ends of the step; on the GPU roots are before the bones
   gl::Buffer on_gpu_;
   std::array<gl::Buffer, kSlots> buffers_;
   std::array<char*, kSlots> memory_{};

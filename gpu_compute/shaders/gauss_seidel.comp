@@ -13,7 +13,6 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/strand_offsets.glsl"
-#include "gpu_compute/shaders/root_poses.glsl"
 #define TURNING 1
 #include "gpu_compute/shaders/bodies.glsl"
 #if GROOMED
@@ -89,8 +88,7 @@ void main() {
 #else
   const float keep = settings.keep, friction_scale = 1.0;
 #endif
-  RootPoses root_poses = rootPoses(strand);
-  Pose root_begin = root_poses.begin, root_end = root_poses.end;
+  Pose root_begin = rootPose(strand), root_end = rootPose(settings.strand_count + strand);
   float along = vertices > 2 ? float(k) / float(vertices - 2) : 0.0;
   float strength = settings.strength_root + along * (settings.strength_tip - settings.strength_root);
 

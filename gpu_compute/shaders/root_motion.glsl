@@ -1,6 +1,5 @@
 // How a strand's root moves in each substep. The invocations of a strand work out THREADS substeps at once, one each, and
 // share them. Needs rod_strand.glsl.
-#include "gpu_compute/shaders/root_poses.glsl"
 
 struct RootMotion {
   vec3 position;     // m, at the end of the substep
@@ -25,8 +24,7 @@ void placeRoots(int first) {
   barrier();  // nobody reads those before any more
   int substep = first + rank;
   if (substep < end_substep) {
-    RootPoses root = rootPoses(strand);
-    Pose begin = root.begin, end = root.end;
+    Pose begin = rootPose(strand), end = rootPose(settings.strand_count + strand);
     vec3 way = end.position - begin.position, start = positions[root_vertex].xyz;
     vec3 position = madd(way, timeAfter(substep), begin.position);
     int done = substep - first_substep;  // in this dispatch

@@ -1,5 +1,5 @@
-// What a step is told: settings, poses of bones and of the roots on them, and bodies, in the slot of the upload ring that is
-// bound for it. Needs kernels/rotation.h.
+// What a step is told: settings, poses of roots and bones, and bodies, in the slot of the upload ring that is bound for it.
+// Needs kernels/rotation.h.
 
 struct PlacedBody {  // gpu_compute/placed_bodies.h
   vec3 middle;
@@ -42,8 +42,9 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
 // The part of the step that has passed at the end of a substep.
 float timeAfter(int substep) { return float(substep + 1) / float(settings.substeps); }
 
-// 7 per pose: of bones at the beginning, then at the end; of strands' roots at rest, in the groom's frame.
-layout(std430, binding = 6) readonly buffer Poses { float poses[]; };
+// 7 per pose: of strands at the beginning, then at the end (root_poses.comp); of bones at the beginning, then at the end; of
+// strands at rest, in the groom's frame.
+layout(std430, binding = 6) readonly buffer Roots { float roots[]; };
 // body_count at the end of the first substep, then of the next, and so on.
 layout(std430, binding = 7) readonly buffer Bodies { PlacedBody bodies[]; };
 layout(std430, binding = 14) readonly buffer Shapes { uint shape_words[]; };
@@ -69,17 +70,17 @@ struct Pose {
   vec4 rotation;
 };
 
-Pose poseAt(uint index) {
+Pose rootPose(uint index) {
   uint at = index * 7u;
-  return Pose(vec3(poses[at], poses[at + 1u], poses[at + 2u]),
-              vec4(poses[at + 3u], poses[at + 4u], poses[at + 5u], poses[at + 6u]));
+  return Pose(vec3(roots[at], roots[at + 1u], roots[at + 2u]),
+              vec4(roots[at + 3u], roots[at + 4u], roots[at + 5u], roots[at + 6u]));
 }
-vec3 carried(Pose by, vec3 local) { return rotate(by.rotation, local) + by.position; }
 
 // Where its bone holds a vertex at `time`, the part of the step that has passed; of a rest_local entry with w < 0:
 // minus 1 minus the bone's number, and the position in the groom's frame.
 vec3 bonePoint(vec4 local, float time) {
-  uint bone = uint(-local.w) - 1u;
-  vec3 begin = carried(poseAt(bone), local.xyz), end = carried(poseAt(bone + settings.bone_count), local.xyz);
+  uint bone = 2u * settings.strand_count + uint(-local.w) - 1u;
+  Pose from = rootPose(bone), to = rootPose(bone + settings.bone_count);
+  vec3 begin = rotate(from.rotation, local.xyz) + from.position, end = rotate(to.rotation, local.xyz) + to.position;
   return madd(end - begin, time, begin);
 }
