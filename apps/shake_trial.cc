@@ -66,10 +66,7 @@ ShakeResult ShakeTrial::result() {
   std::nth_element(ms.begin(), ms.begin() + static_cast<ptrdiff_t>(ms.size() / 2), ms.end());
   out.step_ms_median = ms[ms.size() / 2];
 
-  std::vector<Pose> roots;
-  for (size_t s = 0; s < model.strands(); ++s)
-    roots.push_back(simulation_.bonePose(model.rootBone(s)) * model.rest_roots[s]);
-  const std::vector<Vec3> style = restState(model, roots).positions;
+  const std::vector<Vec3> style = restState(model, simulation_.rootPoses()).positions;
   const std::span<const Vec3> guides = simulation_.guides();
   double squares = 0, largest = 0;
   for (size_t v = 0; v < style.size(); ++v) {

@@ -55,8 +55,9 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
       surroundings_(std::move(surroundings)),
       bones_begin_(model_->bones.size()),
       bones_end_(model_->bones.size()),
+      lengths_(strandLengths(*model_)),
       broad_phase_(broad_phase != nullptr ? std::move(broad_phase) : makeAllPairs()),
-      reach_(*model_, strandOrder(*model_)),
+      reach_(*model_, strandOrder(*model_), lengths_),
       strand_boxes_(reach_.neighbourhoods()) {
   checkParameters(parameters_, "Simulation");
   stepped_ = inShortSubsteps(parameters_);
@@ -76,9 +77,6 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
   }
   if (!rooted.empty())
     model_->rest_distance = restDistances(*model_, rooted, shapes_.words, depths, parameters_.hair_radius);
-  lengths_.reserve(model_->strands());
-  for (size_t s = 0; s < model_->strands(); ++s)
-    lengths_.push_back(arcLength({model_->rest_local.data() + model_->offsets[s], model_->verticesOf(s)}));
   backend_->load(*model_, restState(*model_, model_->rest_roots));
   surrounded_ = configureSurroundings(parameters_);
   reserveForBodies();
@@ -265,11 +263,15 @@ bool needsSurroundings(const Parameters& p) {
   return p.wind_grid > 0 || varies || p.air_drag_along < 1 || p.volume_stiffness > 0 || p.hair_friction > 0;
 }
 
-StrandState Simulation::restNow() const {
+std::vector<Pose> Simulation::rootPoses() const {
   std::vector<Pose> roots;
   for (size_t s = 0; s < model_->strands(); ++s)
     roots.push_back(bones_begin_[model_->rootBone(s)] * model_->rest_roots[s]);
-  StrandState rest = restState(*model_, roots);
+  return roots;
+}
+
+StrandState Simulation::restNow() const {
+  StrandState rest = restState(*model_, rootPoses());
   if (!model_->pin_bones.empty())
     for (size_t s = 0; s < model_->strands(); ++s)
       for (uint32_t v = model_->offsets[s]; v < model_->offsets[s + 1]; ++v)

@@ -48,6 +48,8 @@ class Simulation {
   void setBonePose(size_t bone, const Pose& pose);
   void setBonePose(const std::string& bone, const Pose& pose);
   const Pose& bonePose(size_t bone) const { return bones_begin_[bone]; }
+  /// Where the bones have the strands' roots now, natural order.
+  std::vector<Pose> rootPoses() const;
   /// Another body from the next step on, at its pose; hair that is in it then is pushed out. Error: see
   /// checkPrimitive and checkPose. The bodies that the simulation was made with have the ids 0, 1, ...
   BodyId addBody(RigidBody body);

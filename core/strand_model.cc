@@ -218,6 +218,14 @@ Box restBox(const StrandModel& model) {
   return box;
 }
 
+std::vector<float> strandLengths(const StrandModel& model) {
+  std::vector<float> lengths;
+  lengths.reserve(model.strands());
+  for (size_t s = 0; s < model.strands(); ++s)
+    lengths.push_back(arcLength({model.rest_local.data() + model.offsets[s], model.verticesOf(s)}));
+  return lengths;
+}
+
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots) {
   StrandState state;
   state.positions.resize(model.vertices());

@@ -98,6 +98,9 @@ void pinToBone(StrandModel& model, size_t strand, float from, float to, const st
 /// The rest shape carried rigidly by its roots, at rest.
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots);
 
+/// Of every strand at rest, m.
+std::vector<float> strandLengths(const StrandModel& model);
+
 /// All vertices at rest, m, in the groom's frame.
 Box restBox(const StrandModel& model);
 

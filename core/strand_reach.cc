@@ -24,7 +24,7 @@ Box carried(const Box& box, const Pose& pose) {
 
 }  // namespace
 
-StrandReach::StrandReach(const StrandModel& model, const StrandOrder& order)
+StrandReach::StrandReach(const StrandModel& model, const StrandOrder& order, std::span<const float> lengths)
     : reach_(order.neighbourhoods()) {
   for (uint32_t n = 0; n < reach_.size(); ++n) {
     const size_t first = roots_.size();
@@ -34,8 +34,7 @@ StrandReach::StrandReach(const StrandModel& model, const StrandOrder& order)
                                 [&](const Roots& roots) { return roots.bone == bone; });
       if (known == roots_.end()) known = roots_.insert(known, {n, bone, Box()});
       known->box.extend(Eigen::Vector3f(model.rest_roots[s].position));
-      const float length = arcLength({model.rest_local.data() + model.offsets[s], model.verticesOf(s)});
-      reach_[n] = std::max(reach_[n], isHeldElsewhere(model, s) ? kEndless : kStretch * length);
+      reach_[n] = std::max(reach_[n], isHeldElsewhere(model, s) ? kEndless : kStretch * lengths[s]);
     }
   }
 }
@@ -48,10 +47,6 @@ void StrandReach::place(std::span<const Pose> begin, std::span<const Pose> end, 
         .extend(carried(roots.box, begin[roots.bone]))
         .extend(carried(roots.box, end[roots.bone]));
   for (size_t n = 0; n < boxes.size(); ++n) {
-    if (reach_[n] >= kEndless) {
-      boxes[n] = Box(Eigen::Vector3f::Constant(-kEndless), Eigen::Vector3f::Constant(kEndless));
-      continue;
-    }
     boxes[n].min().array() -= reach_[n] + margin;
     boxes[n].max().array() += reach_[n] + margin;
   }

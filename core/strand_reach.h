@@ -9,7 +9,8 @@ namespace strandcast {
 /// How far the strands of each neighbourhood of a StrandOrder may come from their roots in a step.
 class StrandReach {
  public:
-  StrandReach(const StrandModel& model, const StrandOrder& order);
+  /// `lengths`: of the strands at rest, m.
+  StrandReach(const StrandModel& model, const StrandOrder& order, std::span<const float> lengths);
 
   size_t neighbourhoods() const { return reach_.size(); }
   /// Boxes that hold them while the model's bones go from `begin` to `end`, one per neighbourhood, `margin`

@@ -231,10 +231,7 @@ void GpuStrands::expectUploads(const UploadRing::Counts& wanted) {
 
 void GpuStrands::carryRoots() {
   const gl::Program& program = root_poses_.get(programs_, "root_poses.comp", shaders::kRootPosesComp);
-  const auto strands = static_cast<GLuint>(model_.strands());
-  glProgramUniform1ui(program.id(), 0, strands);
-  glProgramUniform1ui(program.id(), 1, static_cast<GLuint>(model_.bones.size()));
-  dispatch(program, strands, 64);
+  dispatch(program, static_cast<uint32_t>(model_.strands()), 64);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

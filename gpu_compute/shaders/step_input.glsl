@@ -44,7 +44,10 @@ float timeAfter(int substep) { return float(substep + 1) / float(settings.subste
 
 // 7 per pose: of strands at the beginning, then at the end (root_poses.comp); of bones at the beginning, then at the end; of
 // strands at rest, in the groom's frame.
-layout(std430, binding = 6) readonly buffer Roots { float roots[]; };
+#ifndef ROOTS_ACCESS
+#define ROOTS_ACCESS readonly
+#endif
+layout(std430, binding = 6) ROOTS_ACCESS buffer Roots { float roots[]; };
 // body_count at the end of the first substep, then of the next, and so on.
 layout(std430, binding = 7) readonly buffer Bodies { PlacedBody bodies[]; };
 layout(std430, binding = 14) readonly buffer Shapes { uint shape_words[]; };

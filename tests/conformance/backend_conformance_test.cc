@@ -304,7 +304,7 @@ TEST_P(Conformance, AStepUnderAccelerationsAgreesWithTheOracle) {
   const StrandState from = disturbedState(model, 12);
   const std::vector<Vec3> accelerations = someAccelerations(model);
   const std::vector<Pose> bones_end = {movedHead()};
-  StepInput input{&parameters_, {}, bones_end, {}};
+  StepInput input{&parameters_, {}, bones_end};
   const StrandState without = oracleStep(model, from, input);
   input.accelerations = accelerations;
   const double substep = parameters_.time_step / parameters_.substeps;
@@ -327,7 +327,7 @@ TEST_P(Conformance, OneStepWithEveryKindOfBodyAgreesWithTheOracle) {
   const StrandState from = disturbedState(model, 18);
   const std::vector<Pose> bones_end = {movedHead()};
   const double substep = parameters_.time_step / parameters_.substeps;
-  const StrandState untouched = oracleStep(model, from, {&parameters_, {}, bones_end, {}});
+  const StrandState untouched = oracleStep(model, from, {&parameters_, {}, bones_end});
   size_t grazing = 0;
   for (int kind = 0; kind < kFurtherKinds; ++kind) {
     ShapeData shapes;
@@ -400,7 +400,7 @@ TEST_P(Conformance, ContactForcesAreForgottenWithTheirBodies) {
   const StrandState from = restState(model, model.rest_roots);
   const auto bodies = movingBodies(parameters_.time_step);
   backend_->load(model, from);
-  const StepInput with{&parameters_, {}, {}, bodies}, without{&parameters_, {}, {}, {}};
+  const StepInput with{&parameters_, {}, {}, bodies}, without{&parameters_};
   const auto pressed = [&] {
     StrandState state;
     backend_->download(state);
@@ -423,7 +423,7 @@ TEST_P(Conformance, SettingsThatChangeFindWhatTheyNeed) {
   all.goal_rate = 5;
   all.damping_time = 0.002f;  // as in the other steps with a goal: a GPU has compiled its programs already
   const auto bodies = movingBodies(all.time_step);
-  const StepInput simple{&plain, {}, {}, {}}, rich{&all, {}, {}, bodies};
+  const StepInput simple{&plain}, rich{&all, {}, {}, bodies};
   const StrandState at_once = stepped(model, from, rich);
   backend_->load(model, from);
   backend_->step(simple);
@@ -528,7 +528,7 @@ TEST_P(Conformance, TiedVerticesGoWithTheirBone) {
   const std::vector<Pose> bones_end = movedBones();
   ASSERT_EQ(model.bones.size(), 3u);
   const Parameters parameters = parameters_;
-  const StrandState after = stepped(model, disturbedState(model, 64), {&parameters, {}, bones_end, {}});
+  const StrandState after = stepped(model, disturbedState(model, 64), {&parameters, {}, bones_end});
   size_t tied = 0, whole = 0;
   for (size_t s = 0; s < model.strands(); ++s) {
     size_t of_strand = 0;

@@ -30,18 +30,18 @@ TEST(StrandReach, HoldsStrandsWhereverTheirBonesTakeThem) {
   StrandModel model = awkwardModel(150, 7);
   tieToBones(model);
   const StrandOrder order = strandOrder(model);
-  const StrandReach reach(model, order);
+  const StrandReach reach(model, order, strandLengths(model));
   ASSERT_EQ(reach.neighbourhoods(), order.neighbourhoods());
   const std::vector<Pose> begin(3);
   std::vector<Pose> end = movedBones();
   end[0].position += Vec3(0.3f, 0, 0);
   std::vector<Box> boxes(reach.neighbourhoods());
   reach.place(begin, end, kMargin, boxes);
+  const std::vector<float> lengths = strandLengths(model);
   for (const std::vector<Pose>& bones : {begin, halfway(begin, end), end}) {
     for (size_t s = 0; s < model.strands(); ++s) {
       const Vec3 root = bones[model.rootBone(s)].apply(model.rest_roots[s].position);
-      const float length = arcLength({model.rest_local.data() + model.offsets[s], model.verticesOf(s)});
-      EXPECT_TRUE(holds(boxes[order.neighbourhood_of[s]], root, length)) << "strand " << s;
+      EXPECT_TRUE(holds(boxes[order.neighbourhood_of[s]], root, lengths[s])) << "strand " << s;
     }
   }
 }
@@ -51,9 +51,9 @@ TEST(StrandReach, HasNoEndForStrandsThatAnotherBoneHolds) {
   const StrandOrder order = strandOrder(model);
   const std::vector<Pose> bones(3);
   std::vector<Box> free(order.neighbourhoods()), tied(order.neighbourhoods());
-  StrandReach(model, order).place(bones, bones, kMargin, free);
+  StrandReach(model, order, strandLengths(model)).place(bones, bones, kMargin, free);
   tieToBones(model);
-  StrandReach(model, order).place(bones, bones, kMargin, tied);
+  StrandReach(model, order, strandLengths(model)).place(bones, bones, kMargin, tied);
   size_t endless = 0;
   for (size_t n = 0; n < order.neighbourhoods(); ++n) {
     bool elsewhere = false;
