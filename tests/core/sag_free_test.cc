@@ -89,6 +89,20 @@ TEST(SagFree, StiffensWhatWouldHaveToBeWoundUp) {
   EXPECT_LT(drift(model, 3), 1e-4);
 }
 
+// An edge that turns back on the one before it: 2 tan(theta/2) has no value there.
+TEST(SagFree, AnExactFoldHasAFiniteRest) {
+  StrandSet set;
+  const std::vector<Vec3> fold = {Vec3(0, 0, 0), Vec3(0, -0.1f, 0), Vec3(0, -0.05f, 0), Vec3(0, -0.05f, 0.1f)};
+  set.append(fold);
+  StrandModel model = makeStrandModel(set);
+  makeSagFree(model, kGravity);
+  for (size_t joint = 0; joint < 3; ++joint) {
+    EXPECT_GT(model.bend[joint], 0) << joint;
+    EXPECT_TRUE(model.rest_strain[joint].allFinite()) << joint;
+  }
+  EXPECT_LT(drift(model, 1), 2 * 0.25);  // what its length allows; not so if it is not a number
+}
+
 TEST(SagFree, TenThousandStrandsAreQuick) {
   std::mt19937 random(3);
   std::normal_distribution<float> any;
