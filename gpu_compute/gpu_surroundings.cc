@@ -64,6 +64,7 @@ void GpuSurroundings::configure(const StrandModel& model, const Parameters& p, B
     read_.resize(model.vertices());
   }
   Passes& our = *passes_;
+  image_.reset();  // it may be of other grids
   if (!our.hair || our.hair->layout().cells != p.grid_cells)
     our.hair.emplace(model, box_, p.grid_cells, our.block, device_->programs());
   if (p.wind_grid > 0 && (!our.wind || our.wind->cells() != p.grid_cells)) {

@@ -231,6 +231,31 @@ TEST_F(GpuAir, AStepHeedsWhatSurroundingsLeaveOnTheGpu) {
   EXPECT_LT(off, 2e-2 * way);
 }
 
+// Settings change while nothing steps: what was seen of the old grids is not taken for the new ones.
+TEST_F(GpuAir, WhatIsSeenIsOfTheGridsThatThereAre) {
+  const Tuft tuft;
+  if (!gpu_) gpu_ = makeGpuBackend();
+  gpu_->load(tuft.model, tuft.state);
+  const std::unique_ptr<Surroundings> surroundings = gpuAir().surroundings({});
+  const AirFields& fields = *airFields(surroundings.get());
+  Parameters parameters = everything();
+  parameters.turbulence = 0;
+  surroundings->configure(tuft.model, parameters, *gpu_);
+  StepInput input;
+  input.parameters = &parameters;
+  surroundings->step(input, *gpu_);
+  const float old_cell = fields.cell();
+  EXPECT_GT(fields.at(fields.box().center()).wind.norm(), 0);
+  parameters.grid_cells *= 2;
+  surroundings->configure(tuft.model, parameters, *gpu_);
+  EXPECT_LT(fields.cell(), old_cell);
+  for (const float place : {0.1f, 0.5f, 0.9f}) {
+    const AirSample seen = fields.at(fields.box().min() + place * fields.box().sizes());
+    EXPECT_LT((seen.wind - parameters.wind).norm(), 1e-3f) << place;
+    EXPECT_FALSE(seen.solid);
+  }
+}
+
 TEST_F(GpuAir, NeedsTheStrandsOnTheSameGpu) {
   const Tuft tuft;
   const std::unique_ptr<Backend> reference = makeReferenceBackend();
