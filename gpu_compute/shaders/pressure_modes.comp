@@ -13,6 +13,7 @@ layout(std430, binding = 12) writeonly buffer Planes { float planes[]; };      /
 
 #define PITCH (HALF + 1)
 shared float plane[HALF * PITCH];
+shared int done_before;  // one reads it for all: another workgroup may be about to change it
 
 // Along y or z of the plane. `held`: where all of the matrix is, if it is.
 void transform(int matrix, int held, bool along_y) {
@@ -45,12 +46,13 @@ void transform(int matrix, int held, bool along_y) {
 }
 
 void main() {
-  if (solve.done != 0) return;
   int me = int(gl_LocalInvocationIndex), mode = int(gl_WorkGroupID.x);
+  if (me == 0) done_before = solve.done;
+  barrier();
+  if (done_before != 0) return;
   ivec2 parity = ivec2(gl_WorkGroupID.y & 1u, gl_WorkGroupID.y >> 1u);  // along y and z
   float residual = uintBitsToFloat(solve.residual_now);
   bool enough = !(residual > max(2e-4 * uintBitsToFloat(solve.fastest), 1e-6));  // air/wind.h: kResidual, kStill
-  barrier();
   if (me == 0 && mode == 0 && gl_WorkGroupID.y == 0u) {
     solve.residual = residual;
     if (enough) solve.done = 1;
