@@ -22,7 +22,7 @@ enum PayloadMode : uint8_t {
 };
 
 /// Shorter edges are taken to be as long as this where their direction is written: it is all the same.
-inline constexpr float kShortestEdge = 1e-9f;  // m
+inline constexpr float kShortestCodedEdge = 1e-9f;  // m
 
 inline constexpr float kMaxGridStep = 0.01f;  // m
 inline constexpr int32_t kMaxGridIndex =
@@ -68,7 +68,7 @@ struct GuideGeometry {
         const Vec3 edge = strand[i] - strand[i - 1];
         const float length = std::sqrt(edge.x() * edge.x() + edge.y() * edge.y() + edge.z() * edge.z());
         lengths[offsets[s] + i] = length;
-        if (length > kShortestEdge) directions[offsets[s] + i] = edge * (1 / length);
+        if (length > kShortestCodedEdge) directions[offsets[s] + i] = edge * (1 / length);
       }
     }
   }

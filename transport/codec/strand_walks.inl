@@ -267,7 +267,7 @@ void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
       const real3 predicted = predictor.next(i);
       real3 axis_u, axis_v;
       axesAcross(predicted, axis_u, axis_v);
-      const real length = row(length_rows, i), long_enough = atLeast(length, kShortestEdge);
+      const real length = row(length_rows, i), long_enough = atLeast(length, kShortestCodedEdge);
       const real ahead = plainDot(way, predicted), scale = long_enough / (ahead * step);
       const real u = plainDot(way, axis_u) * scale, v = plainDot(way, axis_v) * scale;
       // Where it does not hold, as for numbers that are none, the strand is found to be off and sent as it is.
@@ -304,7 +304,7 @@ void decodeTangents(const StrandDecoding& job, LaneRows& lane_rows) {
       const real3 predicted = predictor.next(i);
       real3 axis_u, axis_v;
       axesAcross(predicted, axis_u, axis_v);
-      const real length = row(length_rows, i), by = step / atLeast(length, kShortestEdge);
+      const real length = row(length_rows, i), by = step / atLeast(length, kShortestCodedEdge);
       real u, v;
       pairRow(pair_rows, i, u, v);
       const real3 direction = unit((predicted + axis_u * (u * by)) + axis_v * (v * by));
