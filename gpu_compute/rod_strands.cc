@@ -177,24 +177,26 @@ void RodStrands::expect(bool goal, bool bodies) {
   edges_ = gl::Buffer(std::span<const Vec4>(packEdges(model_)));
 }
 
-RodStrands::GroupPrograms RodStrands::compile(const Needs& needs, bool violent,
-                                              ProgramCache& programs) const {
-  GroupPrograms out;
-  for (size_t g = 0; g < edges_of_.size(); ++g) {
+RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& programs) const {
+  auto get = [&](size_t g, bool violent, bool astray) {
     const uint32_t key = groups_.groups()[g].key;
     const bool groomed = needs.goal || (key & kGroomed) != 0;
     const Spread spread = spreadOf(key, needs.bodies);
-    out.push_back(&programs.get(
+    return &programs.get(
         "rod.comp", shaders::kRodComp,
-        fmt::format(
-            "#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n#define "
-            "PINNED {:d}\n#define "
-            "BODIES {:d}\n#define TURNING {:d}\n#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT "
-            "{:d}\n#define "
-            "SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
-            spread.per_thread, spread.threads, edges_of_[g], (key & kGeneral) == 0 && !groomed,
-            (key & kPinned) != 0, needs.bodies, needs.turning && violent, groomed, needs.damping, violent,
-            shuffled_, needs.accelerated)));
+        fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n"
+                    "#define PINNED {:d}\n#define BODIES {:d}\n#define TURNING {:d}\n#define GROOMED {:d}\n"
+                    "#define DAMPED {:d}\n#define VIOLENT {:d}\n#define ASTRAY {:d}\n#define SHUFFLED {:d}\n"
+                    "#define ACCELERATED {:d}\n",
+                    spread.per_thread, spread.threads, edges_of_[g], (key & kGeneral) == 0 && !groomed,
+                    (key & kPinned) != 0, needs.bodies, needs.turning && astray, groomed, needs.damping,
+                    violent, astray, shuffled_, needs.accelerated));
+  };
+  Programs out;
+  for (size_t g = 0; g < edges_of_.size(); ++g) {
+    out.calm.push_back(get(g, false, false));
+    out.violent.push_back(get(g, true, false));
+    if (needs.bodies) out.astray.push_back(get(g, true, true));
   }
   return out;
 }
@@ -203,7 +205,7 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   const int dispatches = needs.bodies ? substeps : 1;
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
                              (needs.damping ? 8 : 0) + (needs.turning ? 16 : 0)];
-  if (mine.calm.empty()) mine = {compile(needs, false, programs), compile(needs, true, programs)};
+  if (mine.calm.empty()) mine = compile(needs, programs);
   if (needs.bodies) expectLooks();
   work_.bindStorage(5);
   joints_.bindStorage(10);
@@ -211,8 +213,8 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   strands_.bindStorage(12);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
   glClearNamedBufferSubData(
-      work_.id(), GL_RGBA32UI, static_cast<GLintptr>(dispatchAt(0, 0) * sizeof(uint32_t)),
-      static_cast<GLsizeiptr>((dispatchAt(0, dispatches) - dispatchAt(0, 0)) * sizeof(uint32_t)),
+      work_.id(), GL_RGBA32UI, static_cast<GLintptr>(violentAt(0, 0) * sizeof(uint32_t)),
+      static_cast<GLsizeiptr>((violentAt(0, dispatches) - violentAt(0, 0)) * sizeof(uint32_t)),
       GL_RGBA_INTEGER, GL_UNSIGNED_INT, kNobody.data());
   if (!needs.bodies) {
     solve(mine, needs, 0, substeps);
@@ -252,20 +254,25 @@ void RodStrands::solve(const Programs& programs, const Needs& needs, int first, 
     placeWork(*programs.calm[g], needs, g, first, end);
     dispatch(*programs.calm[g], groups[g].count, kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
   }
+  auto doListed = [&](const gl::Program& program, size_t g, size_t at) {
+    placeWork(program, needs, g, first, end);
+    program.use();
+    glDispatchComputeIndirect(static_cast<GLintptr>(at * sizeof(uint32_t)));
+  };
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-  for (size_t g = 0; g < groups.size(); ++g) {
-    placeWork(*programs.violent[g], needs, g, first, end);
-    programs.violent[g]->use();
-    glDispatchComputeIndirect(static_cast<GLintptr>(dispatchAt(g, first) * sizeof(uint32_t)));
-  }
+  for (size_t g = 0; g < groups.size(); ++g) doListed(*programs.violent[g], g, violentAt(g, first));
+  if (!needs.bodies) return;
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+  for (size_t g = 0; g < groups.size(); ++g) doListed(*programs.astray[g], g, astrayAt(g, first));
 }
 
-size_t RodStrands::dispatchAt(size_t group, int substep) const {
-  const size_t dispatches = groups_.groups().size() + 1;
+size_t RodStrands::violentAt(size_t group, int substep) const {
+  const size_t dispatches = 2 * groups_.groups().size() + 1;
   return (groups_.order().size() + 3) / 4 * 4 + 4 * (dispatches * static_cast<size_t>(substep) + group);
 }
-size_t RodStrands::violentLists() const { return dispatchAt(0, kMostSubsteps); }
-size_t RodStrands::lostList() const { return violentLists() + groups_.order().size(); }
+size_t RodStrands::violentLists() const { return violentAt(0, kMostSubsteps); }
+size_t RodStrands::astrayLists() const { return violentLists() + groups_.order().size(); }
+size_t RodStrands::lostList() const { return astrayLists() + groups_.order().size(); }
 size_t RodStrands::looksList() const { return lostList() + groups_.order().size(); }
 
 void RodStrands::expectLooks() {
@@ -280,13 +287,15 @@ void RodStrands::placeWork(const gl::Program& program, const Needs& needs, size_
                            int end) const {
   glProgramUniform1ui(program.id(), 0, groups_.groups()[group].first);
   glProgramUniform1ui(program.id(), 1, groups_.groups()[group].count);
-  glProgramUniform1ui(program.id(), 2, static_cast<GLuint>(dispatchAt(group, first)));
+  glProgramUniform1ui(program.id(), 2, static_cast<GLuint>(violentAt(group, first)));
   glProgramUniform1ui(program.id(), 3, static_cast<GLuint>(violentLists() + groups_.groups()[group].first));
   glProgramUniform1i(program.id(), 4, first);
   glProgramUniform1i(program.id(), 5, end);
   if (!needs.bodies) return;
   glProgramUniform1ui(program.id(), 6, static_cast<GLuint>(lostCount(first)));
   glProgramUniform1ui(program.id(), 7, static_cast<GLuint>(lostList()));
+  glProgramUniform1ui(program.id(), 8, static_cast<GLuint>(astrayAt(group, first)));
+  glProgramUniform1ui(program.id(), 9, static_cast<GLuint>(astrayLists() + groups_.groups()[group].first));
 }
 
 }  // namespace strandcast::gpu

@@ -31,20 +31,26 @@ class RodStrands {
 
  private:
   using GroupPrograms = std::vector<const gl::Program*>;
+  /// Of each group; a strand that the first cannot do is left to the second, and so on.
   struct Programs {
-    GroupPrograms calm, violent;
+    GroupPrograms calm, violent, astray;  ///< astray: among bodies
   };
   /// Whether the keys of some groups have one of these.
   bool anyGroup(uint32_t bits) const;
-  GroupPrograms compile(const Needs& needs, bool violent, ProgramCache& programs) const;
+  Programs compile(const Needs& needs, ProgramCache& programs) const;
   /// The substeps from `first` until before `end`.
   void solve(const Programs& programs, const Needs& needs, int first, int end) const;
   // Places in work_, in 4 bytes: the dispatch of a group's violent strands in a substep, after those of all
-  // groups how many strands are lost and how many vertices look; and where lists start.
-  size_t dispatchAt(size_t group, int substep) const;
-  size_t lostCount(int substep) const { return dispatchAt(groups_.groups().size(), substep); }
+  // groups that of its strands astray, then how many strands are lost and how many vertices look; and where
+  // lists start.
+  size_t violentAt(size_t group, int substep) const;
+  size_t astrayAt(size_t group, int substep) const {
+    return violentAt(groups_.groups().size() + group, substep);
+  }
+  size_t lostCount(int substep) const { return violentAt(2 * groups_.groups().size(), substep); }
   size_t looksCount(int substep) const { return lostCount(substep) + 3; }
   size_t violentLists() const;
+  size_t astrayLists() const;
   size_t lostList() const;
   size_t looksList() const;
   /// Room in work_ for a list of all vertices, before the first look.

@@ -3,7 +3,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=1 GROOMED=1 DAMPED=1 VIOLENT=1 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 SHUFFLED=0 ACCELERATED=0
+// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=1 GROOMED=0 DAMPED=1 VIOLENT=1 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
 // One step of strands as inextensible rods: core/rod_sweep.inl with the state in registers, PER_THREAD (2 or 4) edges per
 // invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand become: own slots by
 // elimination, then the strand's invocations together by cyclic reduction.
@@ -13,7 +13,8 @@
 // pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
 // DAMPED: there is internal damping.
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
-// strands and lists the others, 1 does the same substeps of those.
+// strands and lists the others, 1 does the same substeps of those. ASTRAY: among bodies both leave those whose vertices have to
+// look at bodies again, which are few and take more than all else, to a third.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 #define WORKGROUP 32
 layout(local_size_x = WORKGROUP) in;
@@ -55,6 +56,7 @@ float most;                         // violence of this invocation, of all subst
 vec3 pressing[PER_THREAD];            // m: StrandState::contacts x substep^2
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
 bool lost;                            // of this invocation's vertices: isLost()
+bool astray;                          // of these: isAstray()
 #define NORMAL(p) normals[p]
 #define NORMAL_IN normal_in
 #else
@@ -157,7 +159,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   vec3 t_in = tangent_in;
   for (int p = 0; p < PER_THREAD; ++p) {
     strain[p] = jointStrain(inner, frame[p]);
-    vec3 excess = strain[p] - rest_strain[p];
+    vec3 excess = strain[p] - restStrain(p);
     float c = dot(t_in, tangent[p]);
     float time2 = settings.substep * madd(implicitShare(blend[p]), settings.substep, DAMPING_TIME);
     stiffness[p] = bendMatrixStiffness(bend(p), c, time2);
@@ -219,7 +221,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   for (int p = 0; p < PER_THREAD; ++p) {
     turn[p] = clamp(turn[p], -1.0, 1.0);
     strain[p] = twistedStrain(strain[p], turn_in, turn[p]);
-    moment[p] = jointMoment(inner, strain[p], strain[p] - rest_strain[p], bend(p), twist(p));
+    moment[p] = jointMoment(inner, strain[p], strain[p] - restStrain(p), bend(p), twist(p));
     inner = frame[p] = twistFrame(frame[p], turn[p]);
     turn_in = turn[p];
   }
@@ -404,8 +406,8 @@ vec3 pushOn(int p, float soft) {
   return pushOfPulls(tangent[p], pull[p], t_out, p < kLast ? pull[min(p + 1, kLast)] : pull_out, NORMAL(p), soft);
 }
 
-// Whether the pulls of any invocation of the strand are.
-bool isViolentStrand(float own) { return strandSum(isViolent(own) ? 1.0 : 0.0) > 0.0; }
+// Whether this holds for any invocation of the strand.
+bool ofStrand(bool own) { return strandSum(own ? 1.0 : 0.0) > 0.0; }
 
 #if VIOLENT
 // Whether this, which all invocations of a strand agree on, holds for any strand of the workgroup.
@@ -484,7 +486,7 @@ void pullThroughBending(bool violent) {
 }
 
 void pullIfViolent() {
-  bool violent = isViolentStrand(mostViolence());
+  bool violent = ofStrand(isViolent(mostViolence()));
   if (anyStrand(violent)) pullThroughBending(violent);
 }
 #endif
@@ -566,9 +568,9 @@ uint listStrand(uint count, uint list) {
   return at;
 }
 // The same for a dispatch, which gets a workgroup more for every kStrands of them: see work[].
-void listViolent() {
-  uint at = listStrand(violent_dispatch + 3u, violent_list);
-  if (at % kStrands == 0u && at / kStrands < kMostWorkgroups) atomicAdd(work[violent_dispatch], 1u);
+void leaveStrand(uint to, uint list) {
+  uint at = listStrand(to + 3u, list);
+  if (at % kStrands == 0u && at / kStrands < kMostWorkgroups) atomicAdd(work[to], 1u);
 }
 
 void store() {
@@ -583,11 +585,17 @@ void stepStrands(uint list, uint first, uint count) {
   loadStrand(list, first, count);
   most = 0.0;
 #if BODIES
+  astray = false;
   loadContacts();
   const int passes = settings.substeps > 0u ? 2 : 0;  // of lengths; compilers would unroll a 2
 #endif
+#if BODIES
+  {
+    const int substep = first_substep, ahead = 0;
+#else
   for (int substep = first_substep; substep < end_substep; ++substep) {
-    int ahead = (substep - first_substep) % THREADS;
+    const int ahead = (substep - first_substep) % THREADS;
+#endif
     if (ahead == 0) placeRoots(substep);
     RootMotion root = rootMotion(ahead, timeAfter(substep));
     float blend[PER_THREAD];
@@ -625,25 +633,35 @@ void stepStrands(uint list, uint first, uint count) {
     finish();
 #endif
   }
-#if VIOLENT
-  const bool stays = exists;
-#else
-  bool violent = isViolentStrand(most);
-  bool stays = exists && !violent;
-  if (exists && violent && rank == 0) listViolent();
+  bool stays = exists;
+#if BODIES && !ASTRAY
+  if (ofStrand(astray)) {
+    if (stays && rank == 0) leaveStrand(astray_dispatch, astray_list);
+    stays = false;
+  }
+#endif
+#if !VIOLENT
+  if (ofStrand(isViolent(most))) {
+    if (stays && rank == 0) leaveStrand(violent_dispatch, violent_list);
+    stays = false;
+  }
 #endif
 #if BODIES
-  bool any_lost = strandSum(lost ? 1.0 : 0.0) > 0.0;
-  if (stays && any_lost && rank == 0) listStrand(lost_count, lost_list);
+  if (ofStrand(lost) && stays && rank == 0) listStrand(lost_count, lost_list);
 #endif
   if (stays) store();
 }
 
 void main() {
+#if ASTRAY
+  const uint own = astray_dispatch, list = astray_list;
+#elif VIOLENT
+  const uint own = violent_dispatch, list = violent_list;
+#endif
 #if VIOLENT
-  const uint count = work[violent_dispatch + 3u];
+  const uint count = work[own + 3u];
   for (uint first = gl_WorkGroupID.x * kStrands; first < count; first += gl_NumWorkGroups.x * kStrands)
-    stepStrands(violent_list, first, count);
+    stepStrands(list, first, count);
 #else
   uint workgroup = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   stepStrands(first_strand, workgroup * kStrands, strands_in_group);

@@ -1,11 +1,11 @@
 // Contact of a strand of the rod in a substep, with what its vertices see of bodies (look.comp): its part of rod.comp.
-#if VIOLENT
+#if ASTRAY
 #include "gpu_compute/shaders/bodies.glsl"
 #else
 #include "gpu_compute/shaders/touch.glsl"
 #endif
 #include "gpu_compute/shaders/contact_sights.glsl"
-#if VIOLENT
+#if ASTRAY
 #include "gpu_compute/shaders/contact_look.glsl"
 #endif
 
@@ -27,8 +27,8 @@ void storeContacts() {
       contacts[vertexOf(p)] = vec4(pressing[p] * (settings.per_substep * settings.per_substep), displaced[p] ? 1 : 0);
 }
 
-// Who has come too far from where it looked at bodies looks again: VIOLENT; else its strand is left to that program.
-#if VIOLENT
+// Who has come too far from where it looked at bodies looks again: ASTRAY; else its strand is left to that program.
+#if ASTRAY
 // A loop that is not to be unrolled, because the text of every body's surface is in it; indexed as usual, arrays would go to
 // memory.
 void lookOn(int substep) {
@@ -51,7 +51,7 @@ void lookOn(int substep) {
 #else
 void lookOn(int substep) {
   for (int p = 0; p < PER_THREAD; ++p)
-    if (isEdge(p) && isAstray(contacts[sightAt(vertexOf(p), kLooked)], x[p] + shift[p])) most = 1.0;
+    if (isEdge(p) && isAstray(contacts[sightAt(vertexOf(p), kLooked)], x[p] + shift[p])) astray = true;
 }
 #endif
 

@@ -5,8 +5,9 @@
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz; w: rest distance from bodies, m
 layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
-// Strands by group; 4 numbers for each group's violent strands: workgroups in x, y, z of their dispatch, and how many strands;
-// how many are lost; the lists of violent strands, which start where the groups do; that of lost ones.
+// Strands by group; 4 numbers for each group's violent strands, and for its strands astray: workgroups in x, y, z of their
+// dispatch, and how many strands; how many are lost; the lists of violent strands, which start where the groups do, of those
+// astray likewise; that of lost ones.
 layout(std430, binding = 5) buffer Work { uint work[]; };
 layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // of the edge that starts at the vertex
 layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // rest strain, bend
@@ -30,6 +31,8 @@ layout(location = 5) uniform int end_substep;  // the first that is not done
 #if BODIES
 layout(location = 6) uniform uint lost_count;
 layout(location = 7) uniform uint lost_list;
+layout(location = 8) uniform uint astray_dispatch;
+layout(location = 9) uniform uint astray_list;
 #endif
 const uint kStrands = uint(WORKGROUP / THREADS);  // of a workgroup
 const uint kMostWorkgroups = 65535u;              // in x, that every driver takes
@@ -42,9 +45,11 @@ vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
 float tension[PER_THREAD];          // m: StrandState::tensions x substep^2
 float most_tension;                 // m, that is taken over from one substep to the next
 vec4 frame[PER_THREAD];
-vec3 rest_strain[PER_THREAD];
 vec3 x_in, v_in;                    // of the vertex before slot 0
+#if !BODIES
+vec3 rest_strain[PER_THREAD];
 float bends[PER_THREAD];            // of joints, m^2/s^2
+#endif
 
 #if EDGES > 0
 const int edges = EDGES;
@@ -59,6 +64,17 @@ bool isEdge(int p) {
   return rank * PER_THREAD + p < edges;
 #endif
 }
+
+// Of the joint of slot p. Among bodies a dispatch does one substep, and what that needs once is read where it is needed:
+// registers are what there is too little of.
+#if BODIES
+uint jointAt(int p) { return root_vertex + uint(min(rank * PER_THREAD + p, edges - 1)); }
+vec3 restStrain(int p) { return joints[jointAt(p)].xyz; }
+float bend(int p) { return isEdge(p) ? joints[jointAt(p)].w : 0.0; }
+#else
+vec3 restStrain(int p) { return rest_strain[p]; }
+float bend(int p) { return bends[p]; }
+#endif
 
 // Whether the edge of slot p is one of the last `count` (1 or 2) of its strand, or padding.
 bool isLast(int p, int count) {
@@ -110,7 +126,7 @@ vec4 edgeRest(uint at) {
 const float weight_in = 1.0;
 float restLength(int p) { return isEdge(p) ? rest.edge_length : 0.0; }
 float inverseLength(int p) { return rest.inverse_length; }
-float twist(int p) { return bends[p] * rest.twist_per_bend; }
+float twist(int p) { return bend(p) * rest.twist_per_bend; }
 #if EDGES > 0
 float tip_mass, tip_weight;  // of the slot that is the strand's tip in the last invocation that has edges
 const int kTip = (EDGES - 1) % PER_THREAD;
@@ -136,7 +152,6 @@ float weight(int p) { return edge[p].w; }
 float inverseLengthIn() { return inverse_length_in; }
 float inverseLengthOut() { return inverse_length_out; }
 #endif
-float bend(int p) { return bends[p]; }
 
 // The strand of this invocation; arguments: see stepStrands.
 void loadStrand(uint list, uint first, uint count) {
@@ -157,13 +172,15 @@ void loadStrand(uint list, uint first, uint count) {
 #endif
   for (int p = 0; p < PER_THREAD; ++p) {
     uint at = root_vertex + uint(min(rank * PER_THREAD + p, edges - 1));
-    vec4 position = positions[at + 1u], joint = joints[at];
+    vec4 position = positions[at + 1u];
     x[p] = position.xyz;
     v[p] = velocities[at + 1u].xyz;
     tension[p] = isEdge(p) ? position.w * settings.substep * settings.substep : 0.0;
     frame[p] = frames[at];
-    rest_strain[p] = joint.xyz;
-    bends[p] = isEdge(p) ? joint.w : 0.0;
+#if !BODIES
+    rest_strain[p] = joints[at].xyz;
+    bends[p] = isEdge(p) ? joints[at].w : 0.0;
+#endif
 #if !UNIFORM
     edge[p] = edgeRest(at);
     inverse_lengths[p] = boundedInverse(edge[p].x);

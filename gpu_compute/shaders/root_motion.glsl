@@ -11,12 +11,20 @@ struct RootMotion {
   vec4 rotation;     // at the end of the substep, for what rides on the root
 };
 
-shared vec4 root_position[WORKGROUP];  // w: x, y, z of the jump
-shared vec4 root_tangent[WORKGROUP];
-shared vec4 root_swing[WORKGROUP];
-shared vec4 root_frame[WORKGROUP];
+// Among bodies a dispatch does one substep.
+#if BODIES
+const uint kRootsPlaced = kStrands;
+uint placedRoot(uint ahead) { return me / uint(THREADS); }
+#else
+const uint kRootsPlaced = uint(WORKGROUP);
+uint placedRoot(uint ahead) { return me - uint(rank) + ahead; }
+#endif
+shared vec4 root_position[kRootsPlaced];  // w: x, y, z of the jump
+shared vec4 root_tangent[kRootsPlaced];
+shared vec4 root_swing[kRootsPlaced];
+shared vec4 root_frame[kRootsPlaced];
 #if PINNED || GROOMED
-shared vec4 root_rotation[WORKGROUP];
+shared vec4 root_rotation[kRootsPlaced];
 #endif
 
 // For the substeps from `first` on.
@@ -35,12 +43,13 @@ void placeRoots(int first) {
     vec4 rotation = interpolateRotation(begin.rotation, end.rotation, timeAfter(substep));
     vec4 old = substep > 0 ? interpolateRotation(begin.rotation, end.rotation, timeAfter(substep - 1)) : begin.rotation;
     vec3 tangent = frameTangent(rotation), tangent_old = frameTangent(old);
-    root_position[me] = vec4(position, jump.x);
-    root_tangent[me] = vec4(tangent_old, jump.y);
-    root_swing[me] = vec4(tangent - tangent_old, jump.z);
-    root_frame[me] = multiply(rotationBetween(tangent, tangent_old), rotation);
+    const uint at = placedRoot(uint(rank));
+    root_position[at] = vec4(position, jump.x);
+    root_tangent[at] = vec4(tangent_old, jump.y);
+    root_swing[at] = vec4(tangent - tangent_old, jump.z);
+    root_frame[at] = multiply(rotationBetween(tangent, tangent_old), rotation);
 #if PINNED || GROOMED
-    root_rotation[me] = rotation;
+    root_rotation[at] = rotation;
 #endif
   }
   barrier();
@@ -48,7 +57,7 @@ void placeRoots(int first) {
 
 // Of the substep that is `ahead` of the first of those placed last and ends at `time`.
 RootMotion rootMotion(int ahead, float time) {
-  uint at = me - uint(rank) + uint(ahead);
+  const uint at = placedRoot(uint(ahead));
   vec4 a = root_position[at], b = root_tangent[at], c = root_swing[at];
 #if PINNED || GROOMED
   vec4 rotation = root_rotation[at];
