@@ -219,7 +219,9 @@ std::vector<ColliderChunk> splitColliders(const ColliderSet& set) {
 
 bool isSoundAlone(const ColliderChunk& chunk) {
   const size_t shapes = chunk.colliders.size();
-  return chunk.session != 0 && chunk.chunk_count >= 1 && chunk.chunk_count <= kMaxChunks &&
+  return bytesOf(chunk.colliders, chunk.word_counts, chunk.numbers, chunk.kinds, chunk.follows_head,
+                 chunk.words) <= kMaxChunkBytes &&
+         chunk.session != 0 && chunk.chunk_count >= 1 && chunk.chunk_count <= kMaxChunks &&
          chunk.chunk_index < chunk.chunk_count && chunk.total_shapes <= kMaxColliderShapes &&
          chunk.total_words <= kMaxColliderWords && chunk.first_shape <= chunk.total_shapes &&
          shapes <= chunk.total_shapes - chunk.first_shape && chunk.first_word <= chunk.total_words &&

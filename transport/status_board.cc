@@ -8,10 +8,11 @@ namespace {
 constexpr size_t kMaxDaemons = 1024;
 }
 
-void StatusBoard::post(const WriterId& writer, Status status) {
+bool StatusBoard::post(const WriterId& writer, Status status) {
   const std::lock_guard lock(mutex_);
-  if (entries_.size() >= kMaxDaemons && !entries_.contains(writer)) return;
+  if (entries_.size() >= kMaxDaemons && !entries_.contains(writer)) return false;
   entries_[writer] = {std::move(status), ++arrived_};
+  return true;
 }
 
 void StatusBoard::remove(const WriterId& writer) {

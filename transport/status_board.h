@@ -15,7 +15,8 @@ class StatusBoard {
  public:
   using WriterId = std::array<uint8_t, 16>;  ///< GUID of the status writer
 
-  void post(const WriterId& writer, Status status);
+  /// False where it was not taken: there are too many daemons.
+  bool post(const WriterId& writer, Status status);
   void remove(const WriterId& writer);
   void clear();
 
