@@ -100,7 +100,8 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
         daemon_ + " --groom " + (folder_ / "short.tfx").string(),
         daemon_ + " --set air_drag=fast",
         daemon_ + " --set air_darg=1",
-        daemon_ + " --motion moonwalk --duration 1"}) {
+        daemon_ + " --motion moonwalk --duration 1",
+        daemon_ + " --scene straight --strands 20 --record '' --record-grids 1 --duration 1"}) {
     const Outcome r = run(command);
     EXPECT_EQ(r.exit_code, 2) << command << "\n" << r.err;
     EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << command << "\n" << r.err;
