@@ -470,13 +470,14 @@ TEST_F(Programs, DaemonCastsOverLcm) {
 TEST_F(Programs, GridsOfARecordingAreDrawn) {
   if (!STRANDCAST_GL || !STRANDCAST_DDS) GTEST_SKIP() << "built without OpenGL or without DDS";
   const std::string file = (folder_ / "run.rec").string();
-  const Outcome cast = run(daemon_ +
+  std::filesystem::create_directory(folder_ / "elsewhere");
+  const Outcome cast = run("cd " + (folder_ / "elsewhere").string() + " && " + daemon_ +
                            " --scene straight --strands 100 --vertices 8 --backend simd --motion shake "
                            "--set volume_stiffness=1 --duration 0.6 --quiet --record-grids 2 --record " +
                            file + " --domain " + domain_);
   ASSERT_EQ(cast.exit_code, 0) << cast.err;
-  const std::string replay =
-      program_ + " replay " + file + " --json --fps 1000 --size 64 --out " + (folder_ / "slices").string();
+  const std::string replay = "cd " + folder_.string() + " && " + program_ + " replay " + file +
+                             " --json --fps 1000 --size 64 --out slices";
   const Outcome drawn = run(replay + " --resimulate --show density");
   ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
   const nlohmann::json report = nlohmann::json::parse(drawn.out);
