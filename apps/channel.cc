@@ -63,14 +63,17 @@ std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session
   return publisher;
 }
 
-Scene makeSceneAloud(SceneOptions options) {
-  if (options.field_cache.empty()) {
-    try {
-      options.field_cache = defaultFieldCache();
-    } catch (const Error& error) {
-      spdlog::warn("{}; every run bakes the body anew", error.what());
-    }
+std::filesystem::path fieldCacheAloud() {
+  try {
+    return defaultFieldCache();
+  } catch (const Error& error) {
+    spdlog::warn("{}; every run bakes the body anew", error.what());
+    return {};
   }
+}
+
+Scene makeSceneAloud(SceneOptions options) {
+  if (options.field_cache.empty()) options.field_cache = fieldCacheAloud();
   Scene scene;
   {
     ProgressBar bar;

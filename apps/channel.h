@@ -51,6 +51,8 @@ class Stream {
   std::unique_ptr<Subscriber> remote_;
 };
 
+/// The user's cache of fields; empty, with a warning, where there is no folder for it.
+std::filesystem::path fieldCacheAloud();
 /// makeScene with a progress bar and the user's cache of fields, its notes logged. Ctrl-C stops it:
 /// BakeStopped.
 Scene makeSceneAloud(SceneOptions options);
