@@ -91,12 +91,24 @@ EmbeddedDaemon::EmbeddedDaemon(const Settings& settings, SimulationObserver obse
   daemon_ = std::make_unique<Daemon>(settings, makeSceneAloud(settings.scene), *publisher_, newSession());
   daemon_->setObserver(std::move(observer));
   daemon_->announce();
-  thread_ = std::thread([this] { daemon_->run(stop_); });
+  thread_ = std::thread([this] {
+    try {
+      daemon_->run(stop_);
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      failure_ = std::current_exception();
+    }
+  });
 }
 
 EmbeddedDaemon::~EmbeddedDaemon() {
   stop_ = true;
   thread_.join();
+}
+
+void EmbeddedDaemon::checkAlive() const {
+  const std::lock_guard lock(mutex_);
+  if (failure_) std::rethrow_exception(failure_);
 }
 
 Stream::Stream(const Settings& settings, bool here, double timeout, SimulationObserver observer) {

@@ -57,7 +57,7 @@ class FrameCapture {
     stop_ = true;
     thread_.join();
   }
-  /// The next frame to draw; nothing when there will be no more.
+  /// The next frame to draw; nothing when there will be no more. Throws Error as Stream::checkAlive().
   std::optional<CapturedFrame> next() {
     for (;;) {
       {
@@ -70,6 +70,7 @@ class FrameCapture {
         if (done_) return std::nullopt;
       }
       if (g_interrupted) return std::nullopt;
+      stream_.checkAlive();
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   }

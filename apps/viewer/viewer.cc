@@ -57,6 +57,7 @@ class Viewer {
       if (options_.settings.duration > 0 &&
           std::chrono::duration<double>(now - start).count() > options_.settings.duration)
         break;
+      session_->checkAlive();
       window_.beginFrame();
       const Viewport view = viewport();
       const PanelRequests requests =
