@@ -100,7 +100,7 @@ class RecordedInputs final : public Publisher {
   void publishStatus(const Status&) override {}
   uint32_t matchedReaders() const override { return 0; }
   EncodingReport encoding() const override { return {}; }
-  std::optional<uint64_t> rivalSession() const override { return std::nullopt; }
+  std::optional<Rival> rival() const override { return std::nullopt; }
 
   uint64_t session() const { return next_.frame->session; }
   bool isOver() const { return is_over_; }

@@ -48,12 +48,17 @@ std::optional<Status> StatusBoard::ofGroom(uint32_t groom_id, uint64_t session) 
   return best ? std::optional(best->status) : std::nullopt;
 }
 
-std::optional<uint64_t> StatusBoard::rivalOf(uint32_t groom_id, uint64_t own) const {
+std::optional<Rival> StatusBoard::rivalOf(uint32_t groom_id, uint64_t own) const {
   const std::lock_guard lock(mutex_);
+  std::optional<Rival> strongest;
   for (const auto& [writer, entry] : entries_) {
-    if (entry.status.groom_id == groom_id && entry.status.session != own) return entry.status.session;
+    if (entry.status.groom_id != groom_id || entry.status.session == own) continue;
+    const Rival rival = Rival::of(entry.status);
+    if (!strongest ||
+        std::pair(!rival.casts, rival.session) < std::pair(!strongest->casts, strongest->session))
+      strongest = rival;
   }
-  return std::nullopt;
+  return strongest;
 }
 
 }  // namespace strandcast

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "transport/messages.h"
+#include "transport/publisher.h"
 
 namespace strandcast {
 
@@ -23,8 +24,8 @@ class StatusBoard {
   std::vector<Status> all() const;  ///< by groom id, the newest last within one
   /// Of `session` when it is there, else the newest of this groom.
   std::optional<Status> ofGroom(uint32_t groom_id, uint64_t session) const;
-  /// A session of this groom other than `own`.
-  std::optional<uint64_t> rivalOf(uint32_t groom_id, uint64_t own) const;
+  /// Who casts this groom besides session `own`, as Publisher::rival().
+  std::optional<Rival> rivalOf(uint32_t groom_id, uint64_t own) const;
 
  private:
   struct Entry {

@@ -573,6 +573,20 @@ TEST_F(Programs, ALogOfLcmsToolsIsDrawn) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "pictures" / "frame_0002.png"));
 }
 
+TEST_F(Programs, OfTwoDaemonsStartedAtOnceOneCasts) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::vector<std::string> words{daemon_,    "--scene", "straight", "--strands",  "20",
+                                       "--domain", domain_,   "--quiet",  "--duration", "120"};
+  const pid_t daemons[] = {start(words, "one.txt"), start(words, "two.txt")};
+  const std::string network = " --domain " + domain_;
+  ASSERT_EQ(run(program_ + " ctl wind 1 0 0 --timeout 60" + network).exit_code, 0);
+  const size_t who_casts = isRunning(daemons[0]) ? 0 : 1;
+  EXPECT_FALSE(isRunning(daemons[1 - who_casts]));
+  EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
+  EXPECT_EQ(wait(daemons[who_casts]), 0);
+  EXPECT_EQ(wait(daemons[1 - who_casts]), 2);
+}
+
 TEST_F(Programs, InterruptEndsTheDaemonCleanly) {
   if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
   const pid_t child =

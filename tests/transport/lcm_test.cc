@@ -87,7 +87,7 @@ void expectEverything(Publisher& publisher, Subscriber& subscriber, const GroomD
   EXPECT_EQ(namedValues(subscriber.status()->parameters), namedValues(status.parameters));
   EXPECT_EQ(subscriber.status()->session, 11u);
   EXPECT_EQ(subscriber.status()->encoding.frame_bytes, publisher.encoding().frame_bytes);
-  EXPECT_FALSE(publisher.rivalSession()) << "its own status is no rival's";
+  EXPECT_FALSE(publisher.rival()) << "its own status is no rival's";
 }
 
 TEST(Lcm, GroomFramesStatusAndCommandsGoThrough) {
@@ -181,10 +181,10 @@ TEST(Lcm, RivalsHearEachOtherAndSilenceIsNoticed) {
   auto first = makeLcmPublisher(link, options(11));
   const auto second = makeLcmPublisher(link, options(12));
   const auto reader = makeLcmSubscriber(link, options(0));
-  EXPECT_TRUE(becomesTrue([&] { return first->rivalSession() == 12u && second->rivalSession() == 11u; }));
+  EXPECT_TRUE(becomesTrue([&] { return first->rival() == Rival{12} && second->rival() == Rival{11}; }));
   EXPECT_TRUE(becomesTrue([&] { return reader->allStatuses().size() == 2; }));
   first.reset();
-  EXPECT_TRUE(becomesTrue([&] { return !second->rivalSession(); }));
+  EXPECT_TRUE(becomesTrue([&] { return !second->rival(); }));
   EXPECT_TRUE(becomesTrue([&] { return reader->allStatuses().size() == 1; }));
 }
 
