@@ -52,25 +52,33 @@ std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session
   std::unique_ptr<Publisher> publisher = usesLcm(settings) ? makeLcmPublisher(lcmOptions(settings, session))
                                                            : makeDdsPublisher(ddsOptions(settings, session));
   const auto listen_time = settings.keys.empty() ? kRivalListenTime : kSecureRivalListenTime;
-  const auto deadline = std::chrono::steady_clock::now() + listen_time;
-  while (std::chrono::steady_clock::now() < deadline) {
-    if (const auto rival = publisher->rivalSession())
+  const auto start = std::chrono::steady_clock::now();
+  for (;;) {
+    const auto listened = std::chrono::steady_clock::now() - start;
+    const std::optional<Rival> rival = publisher->rival();
+    if (!rival && listened >= listen_time) return publisher;
+    // One that starts too and has the higher session hears of this one and goes. Others stay, and it may have
+    // begun to cast before it heard.
+    const bool goes = rival && !rival->casts && rival->session > session && listened < 3 * listen_time;
+    if (rival && !goes)
       throw Error(fmt::format("another daemon already casts groom {}", settings.groom_id),
-                  fmt::format("{}, session {:016x}", networkName(settings), *rival),
+                  fmt::format("{}, session {:016x}", networkName(settings), rival->session),
                   "stop it (`strandcast ctl stop`) or choose another --groom-id");
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  return publisher;
+}
+
+std::filesystem::path fieldCacheAloud() {
+  try {
+    return defaultFieldCache();
+  } catch (const Error& error) {
+    spdlog::warn("{}; every run bakes the body anew", error.what());
+    return {};
+  }
 }
 
 Scene makeSceneAloud(SceneOptions options) {
-  if (options.field_cache.empty()) {
-    try {
-      options.field_cache = defaultFieldCache();
-    } catch (const Error& error) {
-      spdlog::warn("{}; every run bakes the body anew", error.what());
-    }
-  }
+  if (options.field_cache.empty()) options.field_cache = fieldCacheAloud();
   Scene scene;
   {
     ProgressBar bar;
@@ -88,12 +96,24 @@ EmbeddedDaemon::EmbeddedDaemon(const Settings& settings, SimulationObserver obse
   daemon_ = std::make_unique<Daemon>(settings, makeSceneAloud(settings.scene), *publisher_, newSession());
   daemon_->setObserver(std::move(observer));
   daemon_->announce();
-  thread_ = std::thread([this] { daemon_->run(stop_); });
+  thread_ = std::thread([this] {
+    try {
+      daemon_->run(stop_);
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      failure_ = std::current_exception();
+    }
+  });
 }
 
 EmbeddedDaemon::~EmbeddedDaemon() {
   stop_ = true;
   thread_.join();
+}
+
+void EmbeddedDaemon::checkAlive() const {
+  const std::lock_guard lock(mutex_);
+  if (failure_) std::rethrow_exception(failure_);
 }
 
 Stream::Stream(const Settings& settings, bool here, double timeout, SimulationObserver observer) {

@@ -1,7 +1,10 @@
 #pragma once
 #include <atomic>
+#include <exception>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 #include "apps/daemon.h"
@@ -28,12 +31,16 @@ class EmbeddedDaemon {
   explicit EmbeddedDaemon(const Settings& settings, SimulationObserver observer = {});
   ~EmbeddedDaemon();
   Subscriber& subscriber() { return *subscriber_; }
+  /// Throws the Error that has ended the daemon, if one has.
+  void checkAlive() const;
 
  private:
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<Subscriber> subscriber_;
   std::unique_ptr<Daemon> daemon_;
   std::atomic<bool> stop_{false};
+  mutable std::mutex mutex_;
+  std::exception_ptr failure_;
   std::thread thread_;
 };
 
@@ -45,12 +52,18 @@ class Stream {
   /// `observer` is called where the daemon is in this process.
   Stream(const Settings& settings, bool here, double timeout, SimulationObserver observer = {});
   Subscriber& subscriber() { return embedded_ ? embedded_->subscriber() : *remote_; }
+  /// As EmbeddedDaemon's; a daemon on the network may fail and come back.
+  void checkAlive() const {
+    if (embedded_) embedded_->checkAlive();
+  }
 
  private:
   std::unique_ptr<EmbeddedDaemon> embedded_;
   std::unique_ptr<Subscriber> remote_;
 };
 
+/// The user's cache of fields; empty, with a warning, where there is no folder for it.
+std::filesystem::path fieldCacheAloud();
 /// makeScene with a progress bar and the user's cache of fields, its notes logged. Ctrl-C stops it:
 /// BakeStopped.
 Scene makeSceneAloud(SceneOptions options);

@@ -62,7 +62,7 @@ ContactPrimitive commandedShape(const std::vector<double>& values, const std::st
   shape.kind = static_cast<PrimitiveKind>(static_cast<uint32_t>(kind));
   const double* number = values.data() + kBefore;
   shapeNumbers(shape, [&](float& into) { into = static_cast<float>(*number++); });
-  checkPrimitive(shape, where);
+  checkColliderShape(shape, where);  // before anything is changed, not when it is announced
   return shape;
 }
 

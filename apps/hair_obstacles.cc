@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
 #include "core/error.h"
@@ -30,7 +31,8 @@ TriangleMesh partOf(const BodyDescription& body, bool head) {
 
 std::vector<HairObstacle> bakedObstacles(const BodyDescription& body) {
   std::vector<HairObstacle> obstacles;
-  const FieldCache cache(defaultFieldCache());
+  const std::filesystem::path folder = fieldCacheAloud();
+  const FieldCache cache(folder);
   for (const bool head : {true, false}) {
     const TriangleMesh part = partOf(body, head);
     if (part.triangles.empty()) continue;
@@ -40,11 +42,12 @@ std::vector<HairObstacle> bakedObstacles(const BodyDescription& body) {
     try {
       ContactPrimitive shape;
       shape.kind = PrimitiveKind::kField;
-      shape.field = std::make_shared<DistanceField>(
-          fieldOf(part, options, &cache, [&](const std::string& what, double done) {
-            bar.show("body: " + what, done);
-            return !g_interrupted;
-          }).field);
+      shape.field = std::make_shared<DistanceField>(fieldOf(part, options, folder.empty() ? nullptr : &cache,
+                                                            [&](const std::string& what, double done) {
+                                                              bar.show("body: " + what, done);
+                                                              return !g_interrupted;
+                                                            })
+                                                        .field);
       obstacles.push_back({std::move(shape), head, kNoCollider, Pose{}});
     } catch (const Error& error) {
       spdlog::warn("grown hair is not kept out of a part of the body: {}", error.what());

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <fstream>
-#include <sstream>
+#include <span>
 
 #include "apps/settings.h"
 #include "apps/toml.h"
 #include "core/error.h"
+#include "groom/file_bytes.h"
 
 namespace strandcast {
 namespace {
@@ -188,9 +188,8 @@ NamedValues readPresetText(const std::string& text, const std::string& name, Pic
 
 void writePreset(const std::filesystem::path& file, const NamedValues& parameters,
                  const PictureOptions& picture) {
-  std::ofstream stream(file);
-  stream << presetText(parameters, picture);
-  if (!stream.flush()) throw Error("the preset cannot be written", file.string(), "is its folder there?");
+  const std::string text = presetText(parameters, picture);
+  writeFileBytes(file, std::as_bytes(std::span(text)));
 }
 
 NamedValues readPreset(const std::filesystem::path& file, PictureOptions& picture) {

@@ -16,6 +16,25 @@ namespace {
 struct Source {
   Settings settings;
   std::string device;
+  Scene scene;
+};
+
+/// The working directory is another one while this is there.
+class Visit {
+ public:
+  explicit Visit(const std::filesystem::path& folder) : home_(std::filesystem::current_path()) {
+    std::error_code gone;
+    std::filesystem::current_path(folder, gone);  // what needs it will say what it misses
+  }
+  ~Visit() {
+    std::error_code gone;
+    std::filesystem::current_path(home_, gone);
+  }
+  Visit(const Visit&) = delete;
+  Visit& operator=(const Visit&) = delete;
+
+ private:
+  const std::filesystem::path home_;
 };
 
 Source sourceOf(const std::string& text, const std::string& name) {
@@ -24,18 +43,17 @@ Source sourceOf(const std::string& text, const std::string& name) {
                 "only what `strandcastd --record` wrote can be simulated again");
   try {
     const nlohmann::json source = nlohmann::json::parse(text);
+    const Visit visit(source.at("folder").get<std::string>());  // files are named from there
     CLI::App app;
     SettingsOptions options(app);
     app.allow_extras();  // --record, --quiet and the like
     std::vector<std::string> words = source.at("arguments");
     std::reverse(words.begin(), words.end());  // as CLI11 takes them
-    const std::filesystem::path folder = source.at("folder").get<std::string>();
-    std::error_code gone;
-    std::filesystem::current_path(folder, gone);  // what needs it will say what it misses
     app.parse(words);
-    Source out{options.resolve(source.at("config").get<std::string>()), source.at("device")};
+    Source out{options.resolve(source.at("config").get<std::string>()), source.at("device"), {}};
     out.settings.backend = source.at("backend");
     out.settings.duration = 0;
+    out.scene = makeSceneAloud(out.settings.scene);
     return out;
   } catch (const CLI::ParseError& error) {
     throw Error(std::string("the recorded settings are not understood: ") + error.what(), name,
@@ -82,7 +100,7 @@ class RecordedInputs final : public Publisher {
   void publishStatus(const Status&) override {}
   uint32_t matchedReaders() const override { return 0; }
   EncodingReport encoding() const override { return {}; }
-  std::optional<uint64_t> rivalSession() const override { return std::nullopt; }
+  std::optional<Rival> rival() const override { return std::nullopt; }
 
   uint64_t session() const { return next_.frame->session; }
   bool isOver() const { return is_over_; }
@@ -111,11 +129,11 @@ std::string simulationSource(const std::vector<std::string>& words, const Settin
 
 ResimulationReport resimulate(Recording& recording, const std::string& name, const std::atomic<bool>& stop,
                               const std::function<void(uint64_t frames, Simulation&)>& frame_done) {
-  const Source source = sourceOf(recording.head().source, name);
   if (recording.frames() == 0) throw Error("the recording has no frames", name, "");
+  Source source = sourceOf(recording.head().source, name);
   ResimulationReport report;
   RecordedInputs inputs(recording, name, report);
-  Daemon daemon(source.settings, makeSceneAloud(source.settings.scene), inputs, inputs.session());
+  Daemon daemon(source.settings, std::move(source.scene), inputs, inputs.session());
   daemon.announce();
   report.backend = daemon.status().backend;
   report.device = daemon.status().device;

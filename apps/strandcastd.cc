@@ -11,6 +11,7 @@
 #include "apps/recorded_air.h"
 #include "apps/resimulation.h"
 #include "apps/settings.h"
+#include "core/error.h"
 #include "transport/recording/recording_publisher.h"
 
 using namespace strandcast;
@@ -87,6 +88,8 @@ int main(int argc, char** argv) {
 
   return runProgram([&] {
     catchInterrupts();
+    if (records->count() > 0 && file.empty())
+      throw Error("the recording has no name", "--record ''", "name a file, e.g. --record run.rec");
     Settings settings = options.resolve();
     if (claims->count() > 0) settings.claim = claim;
     Scene scene = makeSceneAloud(settings.scene);

@@ -1,16 +1,14 @@
 #include "apps/stream_recording.h"
 
+#include "apps/stream_scene.h"
+
 namespace strandcast {
 
 /// The groom that a frame is of, once it is complete here.
 bool StreamRecording::describe(const GuideFrame& frame) {
-  const auto groom = subscriber_.groom();
-  const auto body = subscriber_.body();
-  const auto fits = [&](const auto& description) {
-    return description && description->session == frame.session && description->revision == frame.revision;
-  };
-  if (!fits(groom) || !fits(body)) return false;
-  recorder_.setGroom(*groom, *body);
+  const StreamScene scene = StreamScene::of(subscriber_);
+  if (!scene.fits(frame)) return false;
+  recorder_.setGroom(*scene.groom, *scene.body);
   return true;
 }
 

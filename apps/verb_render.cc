@@ -18,6 +18,7 @@
 #include "apps/picture_folder.h"
 #include "apps/picture_options.h"
 #include "apps/scene_simulation.h"
+#include "apps/stream_scene.h"
 #include "apps/verbs.h"
 #include "core/error.h"
 #include "gl/context.h"
@@ -38,43 +39,51 @@ struct Options {
   bool json = false;
 };
 
+/// And what it is drawn with, which another daemon may have replaced since.
+struct CapturedFrame {
+  std::shared_ptr<const GuideFrame> frame;
+  StreamScene scene;
+};
+
 /// Picks frames off the stream in its own thread, evenly in simulation time, so that drawing as slowly as it
 /// likes loses none.
 class FrameCapture {
  public:
-  FrameCapture(Subscriber& subscriber, int frames, double fps, double skip, double timeout)
-      : subscriber_(subscriber), frames_(frames), fps_(fps), skip_(skip), timeout_(timeout), thread_([this] {
+  FrameCapture(Stream& stream, int frames, double fps, double skip, double timeout)
+      : stream_(stream), frames_(frames), fps_(fps), skip_(skip), timeout_(timeout), thread_([this] {
           run();
         }) {}
   ~FrameCapture() {
     stop_ = true;
     thread_.join();
   }
-  /// The next frame to draw; null when there will be no more.
-  std::shared_ptr<const GuideFrame> next() {
+  /// The next frame to draw; nothing when there will be no more. Throws Error as Stream::checkAlive().
+  std::optional<CapturedFrame> next() {
     for (;;) {
       {
         const std::lock_guard lock(mutex_);
         if (!queue_.empty()) {
-          auto frame = queue_.front();
+          CapturedFrame frame = std::move(queue_.front());
           queue_.pop_front();
           return frame;
         }
-        if (done_) return nullptr;
+        if (done_) return std::nullopt;
       }
-      if (g_interrupted) return nullptr;
+      if (g_interrupted) return std::nullopt;
+      stream_.checkAlive();
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   }
 
  private:
   void run() {
+    Subscriber& subscriber = stream_.subscriber();
     uint64_t newest = 0;
     int captured = 0;
     double due = -1;
     auto heard = std::chrono::steady_clock::now();
     while (captured < frames_ && !stop_ && !g_interrupted) {
-      const auto frame = subscriber_.waitForFrame(newest, std::chrono::milliseconds(100));
+      const auto frame = subscriber.waitForFrame(newest, std::chrono::milliseconds(100));
       const auto now = std::chrono::steady_clock::now();
       if (!frame) {
         if (std::chrono::duration<double>(now - heard).count() > timeout_) break;
@@ -83,22 +92,24 @@ class FrameCapture {
       heard = now;
       if (frame->frame < newest) due = -1;  // another daemon took over
       newest = frame->frame;
+      const StreamScene scene = StreamScene::of(subscriber);
+      if (!scene.fits(*frame)) continue;  // its body is still to come
       if (due < 0) due = frame->simulation_time + skip_;
       if (frame->simulation_time < due - 1e-9) continue;
       due += 1 / fps_;
       ++captured;
       const std::lock_guard lock(mutex_);
-      queue_.push_back(frame);
+      queue_.push_back({frame, scene});
     }
     const std::lock_guard lock(mutex_);
     done_ = true;
   }
 
-  Subscriber& subscriber_;
+  Stream& stream_;
   const int frames_;
   const double fps_, skip_, timeout_;
   std::mutex mutex_;
-  std::deque<std::shared_ptr<const GuideFrame>> queue_;
+  std::deque<CapturedFrame> queue_;
   bool done_ = false;
   std::atomic<bool> stop_{false};
   std::thread thread_;
@@ -174,10 +185,9 @@ int render(const Options& o) {
   Subscriber& subscriber = stream.subscriber();
   context.makeCurrent();
 
-  FrameCapture capture(subscriber, o.frames, o.fps, o.skip, o.timeout);
+  FrameCapture capture(stream, o.frames, o.fps, o.skip, o.timeout);
   Renderer renderer(renderSettings(o.picture));
-  std::shared_ptr<const GroomDescription> groom;
-  std::shared_ptr<const BodyDescription> body;
+  StreamScene scene;
   std::shared_ptr<const ColliderSet> colliders;
   Box box;
   std::optional<Status> status;
@@ -185,21 +195,20 @@ int render(const Options& o) {
   double draw_ms = 0;
   {
     ProgressBar bar;
-    while (const std::shared_ptr<const GuideFrame> frame = capture.next()) {
-      const bool is_new = subscriber.groom() != groom;
+    while (const std::optional<CapturedFrame> captured = capture.next()) {
+      const bool is_new = captured->scene != scene;
       if (is_new) {
-        groom = subscriber.groom();
-        body = subscriber.body();
-        setScene(renderer, *groom, *body);
-        box = pictureBox(*groom, *body);
+        scene = captured->scene;
+        setScene(renderer, *scene.groom, *scene.body);
+        box = pictureBox(*scene.groom, *scene.body);
       }
       if (is_new || subscriber.colliders() != colliders) {
         colliders = subscriber.colliders();
-        setObstacles(renderer, o.picture, colliders.get(), *body);
+        setObstacles(renderer, o.picture, colliders.get(), *scene.body);
       }
       if (const auto now = subscriber.status()) status = now;
       const auto start = std::chrono::steady_clock::now();
-      renderer.draw(*frame, pictureCamera(o.picture, box));
+      renderer.draw(*captured->frame, pictureCamera(o.picture, box));
       const Image image = renderer.read();
       draw_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
       writePng(picturePath(o.out, drawn), image);

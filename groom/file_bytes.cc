@@ -1,5 +1,7 @@
 #include "groom/file_bytes.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
@@ -31,6 +33,32 @@ uint64_t regularFileSize(const std::filesystem::path& file) {
   return size;
 }
 
+/// Throws Error, which names `file`, when `into` cannot be opened or does not take all.
+void write(const std::filesystem::path& into, std::span<const std::byte> bytes,
+           const std::filesystem::path& file) {
+  File stream(std::fopen(into.c_str(), "wb"), &std::fclose);
+  if (!stream)
+    throw Error("the file cannot be written", file.string(),
+                std::string(std::strerror(errno)) + ", check the folder and its permissions");
+  const size_t put = std::fwrite(bytes.data(), 1, bytes.size(), stream.get());
+  const bool closed = std::fclose(stream.release()) == 0;
+  if (put != bytes.size() || !closed)
+    throw Error("the file cannot be written in full", file.string() + ", byte " + std::to_string(put),
+                "check the free space of the disk");
+}
+
+bool isWritable(const std::filesystem::path& path) { return ::access(path.c_str(), W_OK) == 0; }
+
+/// Links, pipes and devices are written through, and what is write-protected stays.
+bool mayBeReplaced(const std::filesystem::path& file) {
+  std::error_code failure;
+  const std::filesystem::file_status status = std::filesystem::symlink_status(file, failure);
+  const bool is_own = std::filesystem::is_regular_file(status) &&
+                      std::filesystem::hard_link_count(file, failure) == 1 && isWritable(file);
+  return (is_own || !std::filesystem::exists(status)) &&
+         isWritable(file.has_parent_path() ? file.parent_path() : ".");
+}
+
 }  // namespace
 
 std::vector<std::byte> readFileBytes(const std::filesystem::path& file) {
@@ -51,15 +79,21 @@ std::vector<std::byte> readFileBytes(const std::filesystem::path& file) {
 }
 
 void writeFileBytes(const std::filesystem::path& file, std::span<const std::byte> bytes) {
-  File stream(std::fopen(file.c_str(), "wb"), &std::fclose);
-  if (!stream)
-    throw Error("the file cannot be written", file.string(),
-                std::string(std::strerror(errno)) + ", check the folder and its permissions");
-  const size_t put = std::fwrite(bytes.data(), 1, bytes.size(), stream.get());
-  const bool closed = std::fclose(stream.release()) == 0;
-  if (put != bytes.size() || !closed)
-    throw Error("the file cannot be written in full", file.string() + ", byte " + std::to_string(put),
-                "check the free space of the disk");
+  if (!mayBeReplaced(file)) return write(file, bytes, file);
+  const std::filesystem::path part = file.string() + "." + std::to_string(::getpid());
+  std::error_code failure, ignored;
+  try {
+    write(part, bytes, file);
+  } catch (const Error&) {
+    std::filesystem::remove(part, ignored);
+    throw;
+  }
+  const std::filesystem::file_status old = std::filesystem::status(file, ignored);
+  if (std::filesystem::exists(old)) std::filesystem::permissions(part, old.permissions(), ignored);
+  std::filesystem::rename(part, file, failure);
+  if (!failure) return;
+  std::filesystem::remove(part, ignored);
+  write(file, bytes, file);  // what is mounted there, say
 }
 
 std::string lowerExtension(const std::filesystem::path& file) {

@@ -11,7 +11,9 @@ namespace strandcast {
 /// larger than 4 GiB (the formats' offsets have 32 bits).
 std::vector<std::byte> readFileBytes(const std::filesystem::path& file);
 
-/// Replaces `file` with `bytes`. Throws Error when it cannot be opened or written in full.
+/// Replaces `file` with `bytes`: whole or not at all, whoever else writes or reads it, where it is a regular
+/// file in a folder that can be written to; a link, pipe or device is written through. Throws Error when it
+/// cannot be opened or written in full.
 void writeFileBytes(const std::filesystem::path& file, std::span<const std::byte> bytes);
 
 /// The extension with its dot, in lower case.

@@ -1,7 +1,6 @@
 #include "scenes/field_cache.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <system_error>
@@ -40,14 +39,7 @@ std::optional<DistanceField> FieldCache::find(uint64_t key) const {
 void FieldCache::keep(uint64_t key, const DistanceField& field) const {
   std::error_code failure;
   std::filesystem::create_directories(folder_, failure);
-  const std::filesystem::path whole = file(key), part = fmt::format("{}.{}", whole.string(), ::getpid());
-  writeDistanceField(part, field, key);
-  std::filesystem::rename(part, whole, failure);
-  if (!failure) return;
-  const std::string why = failure.message();
-  std::filesystem::remove(part, failure);
-  throw Error("the field cannot be kept in the cache", whole.string() + ": " + why,
-              "name another folder with --cache");
+  writeDistanceField(file(key), field, key);
 }
 
 SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache* cache,

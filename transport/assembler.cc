@@ -60,6 +60,8 @@ bool isSoundAlone(const GroomChunk& chunk) {
   }
   const auto has = [&](uint32_t bit) { return (chunk.arrays & bit) != 0; };
   return hasSoundHeader(chunk) && chunk.arrays < 16 && strands >= 1 &&
+         bytesOf(chunk.vertex_counts, chunk.positions, chunk.pinned, chunk.radii, chunk.uvs, chunk.parts) <=
+             kMaxChunkBytes &&
          isWithin(chunk.first_strand, strands, chunk.total_strands) &&
          isWithin(chunk.first_vertex, vertices, chunk.total_vertices) &&
          chunk.positions.size() == 3 * vertices &&
@@ -104,8 +106,9 @@ std::shared_ptr<const GroomDescription> build(const std::map<uint32_t, GroomChun
 bool isSoundAlone(const BodyChunk& chunk) {
   const uint64_t positions = chunk.positions.size() / 3, triangles = chunk.triangles.size() / 3;
   const auto is_weight = [](float w) { return w >= 0 && w <= 1; };  // false for NaN
-  return hasSoundHeader(chunk) && chunk.arrays < 4 && chunk.positions.size() % 3 == 0 &&
-         chunk.triangles.size() % 3 == 0 &&
+  return hasSoundHeader(chunk) && chunk.arrays < 4 &&
+         bytesOf(chunk.positions, chunk.normals, chunk.head_weights, chunk.triangles) <= kMaxChunkBytes &&
+         chunk.positions.size() % 3 == 0 && chunk.triangles.size() % 3 == 0 &&
          isWithin(chunk.first_position, positions, chunk.total_positions) &&
          isWithin(chunk.first_triangle, triangles, chunk.total_triangles) &&
          hasLength(chunk.normals, (chunk.arrays & BodyChunk::kNormals) != 0, 3 * positions) &&

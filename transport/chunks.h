@@ -18,6 +18,12 @@ inline constexpr uint32_t kMaxChunks = 4096;      ///< of one message
 inline constexpr size_t kMaxWireVertices = 3500;  ///< of a strand, which is not divided between chunks
 inline constexpr size_t kMaxTextBytes = 255;      ///< of every name on the wire
 
+/// Of the arrays of one chunk, together.
+template <class... T>
+size_t bytesOf(const std::vector<T>&... arrays) {
+  return (... + (sizeof(T) * arrays.size()));
+}
+
 /// Cut to what the wire takes.
 inline std::string shortened(const std::string& text) { return text.substr(0, kMaxTextBytes); }
 

@@ -145,18 +145,20 @@ bool addShape(const ColliderChunk& chunk, size_t i, std::span<const uint32_t> wo
 
 }  // namespace
 
+void checkColliderShape(const ContactPrimitive& shape, const std::string& where) {
+  checkPrimitive(shape, where);
+  shapeNumbers(shape, [&](float number) {
+    if (!(std::abs(number) <= kMostShapeNumber))
+      throw Error("a collider is beyond 10,000 km", where, "give it in metres");
+  });
+}
+
 void checkColliders(const ColliderSet& set, const std::string& where) {
   size_t shapes = 0;
   std::set<uint32_t> ids;
   for (const Collider& collider : set.colliders) {
     shapes += collider.shapes.size();
-    for (const ContactPrimitive& shape : collider.shapes) {
-      checkPrimitive(shape, where);
-      shapeNumbers(shape, [&](float number) {
-        if (!(std::abs(number) <= kMostShapeNumber))
-          throw Error("a collider is beyond 10,000 km", where, "give it in metres");
-      });
-    }
+    for (const ContactPrimitive& shape : collider.shapes) checkColliderShape(shape, where);
     if (!ids.insert(collider.id).second) throw Error("two colliders have one id", where, "number them");
     if (collider.shapes.empty()) throw Error("a collider has no shape", where, "leave it out");
   }
@@ -217,7 +219,9 @@ std::vector<ColliderChunk> splitColliders(const ColliderSet& set) {
 
 bool isSoundAlone(const ColliderChunk& chunk) {
   const size_t shapes = chunk.colliders.size();
-  return chunk.session != 0 && chunk.chunk_count >= 1 && chunk.chunk_count <= kMaxChunks &&
+  return bytesOf(chunk.colliders, chunk.word_counts, chunk.numbers, chunk.kinds, chunk.follows_head,
+                 chunk.words) <= kMaxChunkBytes &&
+         chunk.session != 0 && chunk.chunk_count >= 1 && chunk.chunk_count <= kMaxChunks &&
          chunk.chunk_index < chunk.chunk_count && chunk.total_shapes <= kMaxColliderShapes &&
          chunk.total_words <= kMaxColliderWords && chunk.first_shape <= chunk.total_shapes &&
          shapes <= chunk.total_shapes - chunk.first_shape && chunk.first_word <= chunk.total_words &&

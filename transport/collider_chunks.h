@@ -28,7 +28,8 @@ void shapeNumbers(Shape& shape, const Take& take) {
   for (int c = 0; c < 4; ++c) take(shape.rotation.coeffs()[c]);
 }
 
-/// Throws Error, naming `where`, on colliders that a receiver would refuse.
+/// Throw Error, naming `where`, on a shape and on colliders that a receiver would refuse.
+void checkColliderShape(const ContactPrimitive& shape, const std::string& where);
 void checkColliders(const ColliderSet& set, const std::string& where);
 /// Of what checkColliders accepts. Fields that would take more words than there may be, together with those
 /// before them, are told of without their words.

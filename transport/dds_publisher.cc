@@ -88,9 +88,9 @@ class DdsPublisher final : public Publisher {
 
   uint32_t matchedReaders() const override { return readers_.matched(); }
   EncodingReport encoding() const override { return announced_.encoding(); }
-  std::optional<uint64_t> rivalSession() const override {
-    const std::optional<uint64_t> rival = others_.rivalOf(options_.groom_id, options_.session);
-    return claim_ && rival == claim_->holder() ? std::nullopt : rival;
+  std::optional<Rival> rival() const override {
+    const std::optional<Rival> rival = others_.rivalOf(options_.groom_id, options_.session);
+    return claim_ && rival && rival->session == claim_->holder() ? std::nullopt : rival;
   }
 
  private:

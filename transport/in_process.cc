@@ -94,7 +94,7 @@ class InProcessPublisher final : public Publisher {
     return channel_->has_subscriber ? 1 : 0;
   }
   EncodingReport encoding() const override { return {}; }
-  std::optional<uint64_t> rivalSession() const override { return std::nullopt; }
+  std::optional<Rival> rival() const override { return std::nullopt; }
 
  private:
   std::shared_ptr<Channel> channel_;

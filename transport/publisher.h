@@ -15,6 +15,15 @@ inline constexpr std::chrono::milliseconds kRivalListenTime{3000};
 /// on a busy machine 19 heard it within 0.7 s, 6 after 1.3 to 1.5 s; four losses in a row would be needed.
 inline constexpr std::chrono::milliseconds kSecureRivalListenTime{4500};
 
+/// Another live daemon of the same groom id.
+struct Rival {
+  uint64_t session = 0;
+  bool casts = false;  ///< or is about to: it has told what it simulates
+
+  static Rival of(const Status& status) { return {status.session, status.strands > 0}; }
+  bool operator==(const Rival&) const = default;
+};
+
 /// The daemon's end of a channel. One thread at a time.
 class Publisher {
  public:
@@ -42,13 +51,13 @@ class Publisher {
   virtual uint32_t matchedReaders() const = 0;
   /// What became of the newest frame on the wire; in-process nothing is encoded.
   virtual EncodingReport encoding() const = 0;
-  /// Session of another live daemon that publishes the same groom id, if one was heard. Over DDS every
-  /// publisher names itself from its creation on; ask again for kRivalListenTime (with keys
+  /// The rival, if one was heard; of several one that casts, else the one of the lowest session. Over DDS
+  /// every publisher names itself from its creation on; ask again for kRivalListenTime (with keys
   /// kSecureRivalListenTime) and before announce(), which would take the readers over. Two daemons started at
-  /// once hear each other: let the one with the higher session give way. A rival that was killed is never
-  /// heard by a daemon started after its end, and is forgotten after its lease of 3 s by one that ran before.
-  /// In-process: always empty.
-  virtual std::optional<uint64_t> rivalSession() const = 0;
+  /// once hear each other: let the one with the higher session give way, and the other wait until it has
+  /// gone. A rival that was killed is never heard by a daemon started after its end, and is forgotten after
+  /// its lease of 3 s by one that ran before. In-process: always empty.
+  virtual std::optional<Rival> rival() const = 0;
 };
 
 }  // namespace strandcast

@@ -48,11 +48,15 @@ void ReceivingSubscriber::push(std::shared_ptr<const GuideFrame> frame) {
   queue_.push(std::move(frame), latencyMs(publish_time));
 }
 
-void ReceivingSubscriber::receive(Status status, const StatusBoard::WriterId& writer) {
-  if (!isSound(status.parameters)) return countDamagedMessage();
-  statuses_.post(writer, status);
+bool ReceivingSubscriber::receive(Status status, const StatusBoard::WriterId& writer) {
+  if (!isSound(status.parameters)) {
+    countDamagedMessage();
+    return false;
+  }
+  const bool is_taken = statuses_.post(writer, status);
   // After it: who has heard the answer finds what it changed.
   if (status.groom_id == groom_id_) answers_.post(status);
+  return is_taken;
 }
 
 void ReceivingSubscriber::countDamagedMessage() {

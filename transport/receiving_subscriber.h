@@ -56,7 +56,8 @@ class ReceivingSubscriber : public Subscriber {
     else
       ++messages_damaged_;
   }
-  void receive(Status status, const StatusBoard::WriterId& writer);
+  /// False where it is damaged or the board did not take it.
+  bool receive(Status status, const StatusBoard::WriterId& writer);
   void countDamagedMessage();
 
   mutable StatusBoard statuses_;

@@ -8,10 +8,11 @@ namespace {
 constexpr size_t kMaxDaemons = 1024;
 }
 
-void StatusBoard::post(const WriterId& writer, Status status) {
+bool StatusBoard::post(const WriterId& writer, Status status) {
   const std::lock_guard lock(mutex_);
-  if (entries_.size() >= kMaxDaemons && !entries_.contains(writer)) return;
+  if (entries_.size() >= kMaxDaemons && !entries_.contains(writer)) return false;
   entries_[writer] = {std::move(status), ++arrived_};
+  return true;
 }
 
 void StatusBoard::remove(const WriterId& writer) {
@@ -47,12 +48,17 @@ std::optional<Status> StatusBoard::ofGroom(uint32_t groom_id, uint64_t session) 
   return best ? std::optional(best->status) : std::nullopt;
 }
 
-std::optional<uint64_t> StatusBoard::rivalOf(uint32_t groom_id, uint64_t own) const {
+std::optional<Rival> StatusBoard::rivalOf(uint32_t groom_id, uint64_t own) const {
   const std::lock_guard lock(mutex_);
+  std::optional<Rival> strongest;
   for (const auto& [writer, entry] : entries_) {
-    if (entry.status.groom_id == groom_id && entry.status.session != own) return entry.status.session;
+    if (entry.status.groom_id != groom_id || entry.status.session == own) continue;
+    const Rival rival = Rival::of(entry.status);
+    if (!strongest ||
+        std::pair(!rival.casts, rival.session) < std::pair(!strongest->casts, strongest->session))
+      strongest = rival;
   }
-  return std::nullopt;
+  return strongest;
 }
 
 }  // namespace strandcast

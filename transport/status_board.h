@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "transport/messages.h"
+#include "transport/publisher.h"
 
 namespace strandcast {
 
@@ -15,15 +16,16 @@ class StatusBoard {
  public:
   using WriterId = std::array<uint8_t, 16>;  ///< GUID of the status writer
 
-  void post(const WriterId& writer, Status status);
+  /// False where it was not taken: there are too many daemons.
+  bool post(const WriterId& writer, Status status);
   void remove(const WriterId& writer);
   void clear();
 
   std::vector<Status> all() const;  ///< by groom id, the newest last within one
   /// Of `session` when it is there, else the newest of this groom.
   std::optional<Status> ofGroom(uint32_t groom_id, uint64_t session) const;
-  /// A session of this groom other than `own`.
-  std::optional<uint64_t> rivalOf(uint32_t groom_id, uint64_t own) const;
+  /// Who casts this groom besides session `own`, as Publisher::rival().
+  std::optional<Rival> rivalOf(uint32_t groom_id, uint64_t own) const;
 
  private:
   struct Entry {

@@ -29,6 +29,7 @@ class ViewerSession {
   ~ViewerSession();
 
   Subscriber& subscriber() { return stream_.subscriber(); }
+  void checkAlive() const { stream_.checkAlive(); }
   FramePlayer& player() { return player_; }
   CommandQueue& commands() { return commands_; }
   bool isHere() const { return here_; }  ///< the simulation is in this process

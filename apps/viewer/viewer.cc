@@ -12,6 +12,7 @@
 #include "apps/console.h"
 #include "apps/hair_obstacles.h"
 #include "apps/interrupt.h"
+#include "apps/stream_scene.h"
 #include "apps/viewer/panel.h"
 #include "apps/viewer/window.h"
 #include "core/error.h"
@@ -56,6 +57,7 @@ class Viewer {
       if (options_.settings.duration > 0 &&
           std::chrono::duration<double>(now - start).count() > options_.settings.duration)
         break;
+      session_->checkAlive();
       window_.beginFrame();
       const Viewport view = viewport();
       const PanelRequests requests =
@@ -165,36 +167,40 @@ class Viewer {
 
   void setObstacles() {
     const RenderSettings& settings = panel_.picture.settings;
-    const auto body = session_->subscriber().body();
     const auto colliders = session_->subscriber().colliders();
     const bool known = obstacles_set_ && colliders == colliders_;
-    if (known || !body || !(settings.keep_out || settings.marks.needBodies())) return;
+    if (known || !scene_.body || !(settings.keep_out || settings.marks.needBodies())) return;
     obstacles_set_ = true;
     colliders_ = colliders;
-    std::vector<HairObstacle> obstacles = hairObstacles(colliders.get(), *body);
+    std::vector<HairObstacle> obstacles = hairObstacles(colliders.get(), *scene_.body);
     std::vector<std::shared_ptr<const DistanceField>> fields;
     for (const HairObstacle& obstacle : obstacles) fields.push_back(obstacle.shape.field);
     panel_.setFields(std::move(fields));
     renderer_.setObstacles(std::move(obstacles));
   }
 
-  void drawPicture(const Viewport& view) {
-    Subscriber& subscriber = session_->subscriber();
-    if (subscriber.groom() != groom_ && subscriber.body()) {
-      groom_ = subscriber.groom();
-      const auto body = subscriber.body();
-      renderer_.setGroom(*groom_);
-      renderer_.setBody(*body);
+  /// The last picture stays until groom and body of a new daemon are both there.
+  void takeFrame() {
+    const auto frame = session_->player().next();
+    if (!frame) return;
+    if (!scene_.fits(*frame)) {
+      const StreamScene now = StreamScene::of(session_->subscriber());
+      if (!now.fits(*frame)) return;
+      scene_ = now;
+      setScene(renderer_, *scene_.groom, *scene_.body);
       obstacles_set_ = false;
-      box_ = pictureBox(*groom_, *body);
-      frame_.reset();
+      box_ = pictureBox(*scene_.groom, *scene_.body);
     }
+    frame_ = frame;
+  }
+
+  void drawPicture(const Viewport& view) {
+    takeFrame();
     try {
       setObstacles();
     } catch (const Error& error) {
       panel_.say(error.what());
     }
-    if (const auto frame = session_->player().next()) frame_ = frame;
     if (!frame_) return;
     renderer_.draw(*frame_, pictureCamera(panel_.picture, box_));
     statistics_ = renderer_.statistics();
@@ -239,7 +245,7 @@ class Viewer {
     if (!joining_.valid() || joining_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     try {
       session_ = joining_.get();
-      groom_.reset();
+      scene_ = {};
       frame_.reset();
       panel_.paused = false;
     } catch (const Error& error) {
@@ -255,7 +261,7 @@ class Viewer {
   std::future<std::unique_ptr<ViewerSession>> joining_;
   Renderer renderer_;
   RenderStatistics statistics_;
-  std::shared_ptr<const GroomDescription> groom_;
+  StreamScene scene_;
   std::shared_ptr<const GuideFrame> frame_;
   Box box_;
   HairTool tool_;

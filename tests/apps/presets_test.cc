@@ -7,6 +7,7 @@
 #include "apps/picture_arguments.h"
 #include "core/error.h"
 #include "tests/error_of.h"
+#include "tests/full_disk.h"
 #include "tests/groom/scratch_folder.h"
 
 namespace strandcast {
@@ -74,6 +75,18 @@ TEST(Presets, WhatIsWrittenIsRead) {
   ASSERT_EQ(read.settings.lights.size(), 2u);
   EXPECT_EQ(read.settings.lights[0].kind, LightKind::kSpot);
   EXPECT_EQ(read.settings.lights[1], picture.settings.lights[1]);
+}
+
+TEST(Presets, AFullDiskLeavesTheOldOne) {
+  const ScratchFolder folder;
+  const NamedValues parameters{{"air_drag", {2.5}}};
+  PictureOptions picture;
+  writePreset(folder / "p.toml", parameters, picture);
+  {
+    const FullDisk disk(100);
+    EXPECT_THROW(writePreset(folder / "p.toml", {}, picture), Error);
+  }
+  EXPECT_EQ(readPreset(folder / "p.toml", picture), parameters);
 }
 
 TEST(Presets, LightsTakeThePlaceOfThoseBeforeOrStay) {

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "core/error.h"
+#include "tests/full_disk.h"
 #include "tests/groom/sample_files.h"
 #include "tests/groom/scratch_folder.h"
 
@@ -44,6 +45,15 @@ TEST(FieldCache, WhatCannotBeWrittenIsAnError) {
   const ScratchFolder folder;
   std::ofstream(folder / "file") << "no folder";
   EXPECT_THROW(FieldCache(folder / "file").keep(7, samples::field()), Error);
+}
+
+TEST(FieldCache, AFullDiskLeavesNothing) {
+  const ScratchFolder folder;
+  {
+    const FullDisk disk(100);
+    EXPECT_THROW(FieldCache(folder.path()).keep(7, samples::field()), Error);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 TEST(FieldCache, LiesWhereTheUsersCachesLie) {

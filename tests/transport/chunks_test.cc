@@ -283,6 +283,33 @@ TEST(Chunks, FramesWhoseChunksOverlapAreRefused) {
   EXPECT_EQ(assembler.chunksRejected(), chunks.size());
 }
 
+TEST(Chunks, DescriptionsInChunksBeyondTheLimitAreRefused) {
+  const auto joined = [](auto to, const auto& next) {
+    to.chunk_count = 1;
+    const auto append = [](auto& array, const auto& more) {
+      array.insert(array.end(), more.begin(), more.end());
+    };
+    append(to.positions, next.positions);
+    if constexpr (requires { to.vertex_counts; }) {
+      append(to.vertex_counts, next.vertex_counts);
+    } else {
+      append(to.triangles, next.triangles);
+    }
+    return to;
+  };
+  const auto groom = splitGroom(sampleGroom(
+      400, [](size_t) { return 16; }, false));
+  ASSERT_EQ(groom.size(), 2u);
+  GroomAssembler grooms(1);
+  EXPECT_EQ(grooms.add(joined(groom[0], groom[1])), nullptr);
+  EXPECT_EQ(grooms.chunksRejected(), 1u);
+  const auto body = splitBody(sampleBody(46));
+  ASSERT_EQ(body.size(), 2u);
+  BodyAssembler bodies(1);
+  EXPECT_EQ(bodies.add(joined(body[0], body[1])), nullptr);
+  EXPECT_EQ(bodies.chunksRejected(), 1u);
+}
+
 TEST(Chunks, LostFramesAreCountedExactly) {
   const auto groom = std::make_shared<GroomDescription>(uniformGroom(1500, 10));
   GuideAssembler assembler;

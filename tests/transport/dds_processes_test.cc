@@ -59,10 +59,10 @@ TEST_F(DdsProcesses, AKilledDaemonDoesNotBlockTheNextStart) {
   }
   const auto watcher = makeDdsPublisher({testDomain(10), 1, 77, {Codec::kFloat32}});
   const auto wait_for_rival = [&](bool expected) {
-    for (int i = 0; i < 600 && watcher->rivalSession().has_value() != expected; ++i) {
+    for (int i = 0; i < 600 && watcher->rival().has_value() != expected; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    return watcher->rivalSession().has_value() == expected;
+    return watcher->rival().has_value() == expected;
   };
   EXPECT_TRUE(wait_for_rival(true));
   first->kill();

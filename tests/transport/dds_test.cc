@@ -112,7 +112,7 @@ TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
   EXPECT_TRUE(becomesTrue([&] { return subscriber->statistics().chunks_rejected == rejected + 1; }));
   EXPECT_EQ(subscriber->status()->backend, "simd") << "what does not fit is dropped";
   EXPECT_EQ(subscriber->status()->session, 11u);
-  EXPECT_FALSE(publisher->rivalSession()) << "its own status is no rival's";
+  EXPECT_FALSE(publisher->rival()) << "its own status is no rival's";
 }
 
 TEST_F(Dds, FramesThatBuildOnEachOtherReachEarlyAndLateReaders) {
@@ -200,7 +200,7 @@ TEST_F(Dds, GroomsDoNotMixButAllStatusesAreSeen) {
   EXPECT_EQ(reader->status()->session, 22u);
   ASSERT_TRUE(becomesTrue([&] { return second->matchedReaders() == 1; }));
   EXPECT_EQ(first->matchedReaders(), 0u);
-  EXPECT_FALSE(first->rivalSession());
+  EXPECT_FALSE(first->rival());
   Command command;
   command.id = 5;
   reader->send(command);
@@ -215,10 +215,10 @@ TEST_F(Dds, ARivalIsHeardAndForgotten) {
   const int domain = testDomain(3);
   const auto first = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
   auto second = makeDdsPublisher({domain, 1, 22, {Codec::kFloat32}});
-  EXPECT_TRUE(becomesTrue([&] { return second->rivalSession() == 11; }, kRivalListenTime));
-  EXPECT_TRUE(becomesTrue([&] { return first->rivalSession() == 22; }, kRivalListenTime));
+  EXPECT_TRUE(becomesTrue([&] { return second->rival() == Rival{11}; }, kRivalListenTime));
+  EXPECT_TRUE(becomesTrue([&] { return first->rival() == Rival{22}; }, kRivalListenTime));
   second.reset();
-  EXPECT_TRUE(becomesTrue([&] { return !first->rivalSession(); }));
+  EXPECT_TRUE(becomesTrue([&] { return !first->rival(); }));
 }
 
 TEST_F(Dds, SendSaysWhenNoDaemonAnswers) {

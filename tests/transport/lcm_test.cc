@@ -12,7 +12,9 @@
 #include "lossy_link.h"
 #include "moving_hair.h"
 #include "tests/error_of.h"
+#include "transport/lcm/lcm_channels.h"
 #include "transport/lcm/lcm_ends.h"
+#include "transport/lcm/lcm_messages.h"
 #include "transport/parameter_table.h"
 #include "true_within.h"
 
@@ -85,7 +87,7 @@ void expectEverything(Publisher& publisher, Subscriber& subscriber, const GroomD
   EXPECT_EQ(namedValues(subscriber.status()->parameters), namedValues(status.parameters));
   EXPECT_EQ(subscriber.status()->session, 11u);
   EXPECT_EQ(subscriber.status()->encoding.frame_bytes, publisher.encoding().frame_bytes);
-  EXPECT_FALSE(publisher.rivalSession()) << "its own status is no rival's";
+  EXPECT_FALSE(publisher.rival()) << "its own status is no rival's";
 }
 
 TEST(Lcm, GroomFramesStatusAndCommandsGoThrough) {
@@ -179,11 +181,31 @@ TEST(Lcm, RivalsHearEachOtherAndSilenceIsNoticed) {
   auto first = makeLcmPublisher(link, options(11));
   const auto second = makeLcmPublisher(link, options(12));
   const auto reader = makeLcmSubscriber(link, options(0));
-  EXPECT_TRUE(becomesTrue([&] { return first->rivalSession() == 12u && second->rivalSession() == 11u; }));
+  EXPECT_TRUE(becomesTrue([&] { return first->rival() == Rival{12} && second->rival() == Rival{11}; }));
   EXPECT_TRUE(becomesTrue([&] { return reader->allStatuses().size() == 2; }));
   first.reset();
-  EXPECT_TRUE(becomesTrue([&] { return !second->rivalSession(); }));
+  EXPECT_TRUE(becomesTrue([&] { return !second->rival(); }));
   EXPECT_TRUE(becomesTrue([&] { return reader->allStatuses().size() == 1; }));
+}
+
+TEST(Lcm, StrangersThatFellSilentLeaveRoomThoughNobodyAsks) {
+  const auto link = std::make_shared<LossyLink>();
+  const auto reader = makeLcmSubscriber(link, options(0));
+  const auto hear = [&](uint64_t session) {
+    Status status;
+    status.groom_id = 1;
+    status.session = session;
+    status.last_command = session;
+    std::vector<uint8_t> message;
+    toBytes(status, message);
+    link->send(LcmChannels(1).status, message);
+  };
+  for (uint64_t session = 1; session <= 2000; ++session) hear(session);
+  std::this_thread::sleep_for(kLcmSilence + milliseconds(500));
+  hear(9999);
+  ASSERT_TRUE(reader->waitForAnswer(9999, kPatience));  // without a look at who is there
+  ASSERT_EQ(reader->allStatuses().size(), 1u);
+  EXPECT_EQ(reader->allStatuses()[0].session, 9999u);
 }
 
 // ---- losses

@@ -1,15 +1,14 @@
 #include "transport/recording/recording.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <fstream>
 #include <random>
 
 #include "core/error.h"
 #include "moving_hair.h"
 #include "recording_fuzz.h"
+#include "tests/full_disk.h"
 #include "tests/groom/scratch_folder.h"
 #include "transport/in_process.h"
 #include "transport/message_bytes.h"
@@ -383,17 +382,12 @@ TEST(RecordingTest, AFullDiskIsSaidAndCastingGoesOn) {
   const GroomDescription groom = smallGroom();
   recording.announce(groom, sampleBody(3));
   for (uint64_t i = 1; i <= 3; ++i) recording.publish(hairFrame(groom, i));
-  // A file that may not grow any more stands for a full disk.
-  rlimit before{};
-  getrlimit(RLIMIT_FSIZE, &before);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit small = before;
-  small.rlim_cur = recording.recorder().bytes() + 1000;
-  setrlimit(RLIMIT_FSIZE, &small);
-  for (uint64_t i = 4; i <= 9; ++i) recording.publish(hairFrame(groom, i));
-  const std::string failure = recording.close();
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, handler);
+  std::string failure;
+  {
+    const FullDisk disk(recording.recorder().bytes() + 1000);
+    for (uint64_t i = 4; i <= 9; ++i) recording.publish(hairFrame(groom, i));
+    failure = recording.close();
+  }
   EXPECT_EQ(subscriber->frame()->frame, 9u);
   EXPECT_NE(failure.find("is the disk full?"), std::string::npos) << failure;
   Recording recorded(folder / "a.rec");

@@ -98,11 +98,11 @@ int publish(int domain, double seconds) {
   const auto publisher = makeDdsPublisher(ddsOptions(domain));
   const auto start = Clock::now();
   const auto listen_time = ddsOptions(domain).keys.empty() ? kRivalListenTime : kSecureRivalListenTime;
-  while (Clock::now() - start < listen_time && !publisher->rivalSession()) {
+  while (Clock::now() - start < listen_time && !publisher->rival()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  if (const auto rival = publisher->rivalSession()) {
-    print("rival", static_cast<double>(*rival));
+  if (const auto rival = publisher->rival()) {
+    print("rival", static_cast<double>(rival->session));
     return 0;
   }
   return cast(*publisher, seconds);

@@ -122,10 +122,9 @@ class LcmPublisher final : public Publisher {
 
   EncodingReport encoding() const override { return announced_.encoding(); }
 
-  std::optional<uint64_t> rivalSession() const override {
+  std::optional<Rival> rival() const override {
     const std::lock_guard lock(mutex_);
-    if (rival_ == 0 || Clock::now() - rival_heard_ > kLcmSilence) return std::nullopt;
-    return rival_;
+    return Clock::now() - rival_heard_ > kLcmSilence ? std::nullopt : rival_;
   }
 
  private:
@@ -163,7 +162,7 @@ class LcmPublisher final : public Publisher {
         status.session == options_.session)
       return;
     const std::lock_guard lock(mutex_);
-    rival_ = status.session;
+    rival_ = Rival::of(status);
     rival_heard_ = Clock::now();
   }
 
@@ -225,7 +224,7 @@ class LcmPublisher final : public Publisher {
   std::map<uint64_t, std::vector<uint8_t>> answers_;  // by command: the status that told it
   std::deque<uint64_t> answered_;                     // its keys, oldest first
   mutable std::map<uint64_t, Clock::time_point> readers_;
-  uint64_t rival_ = 0;
+  std::optional<Rival> rival_;  // that was heard last
   Clock::time_point rival_heard_{};
   bool is_asked_ = false, stop_ = false;
 

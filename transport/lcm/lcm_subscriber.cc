@@ -124,8 +124,9 @@ class LcmSubscriber final : public ReceivingSubscriber {
   void receiveStatus(std::span<const uint8_t> message) {
     Status status;
     if (!fromBytes(message, status)) return;
+    forgetSilent();  // also where nobody asks
     const StatusBoard::WriterId id = writerId(status);
-    receive(std::move(status), id);
+    if (!receive(std::move(status), id)) return;
     const std::lock_guard lock(heard_mutex_);
     heard_[id] = Clock::now();
   }

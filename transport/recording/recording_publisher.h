@@ -26,7 +26,7 @@ class RecordingPublisher final : public Publisher {
   std::optional<Command> takeCommand() override;
   uint32_t matchedReaders() const override { return publisher_->matchedReaders(); }
   EncodingReport encoding() const override { return publisher_->encoding(); }
-  std::optional<uint64_t> rivalSession() const override { return publisher_->rivalSession(); }
+  std::optional<Rival> rival() const override { return publisher_->rival(); }
 
   /// Those of the frame that was published last, as Recorder.
   void addGrids(const AirGrids& grids);

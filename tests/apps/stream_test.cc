@@ -1,0 +1,54 @@
+// What programs that draw or record a stream rely on.
+#include "apps/channel.h"
+#include "apps/stream_scene.h"
+#include "core/error.h"
+#include "tests/apps/daemon_fixture.h"
+#include "tests/error_of.h"
+#include "tests/transport/true_within.h"
+
+namespace strandcast {
+namespace {
+
+template <class Description>
+std::shared_ptr<const Description> described(uint64_t session, uint32_t revision) {
+  Description made;
+  made.session = session;
+  made.revision = revision;
+  return std::make_shared<Description>(made);
+}
+
+TEST(StreamScene, FitsFramesOfItsDaemonAloneAndOnlyWhole) {
+  const auto groom = described<GroomDescription>(11, 2);
+  const auto body = described<BodyDescription>(11, 2);
+  GuideFrame frame;
+  frame.session = 11;
+  frame.revision = 2;
+  EXPECT_TRUE((StreamScene{groom, body}.fits(frame)));
+  EXPECT_FALSE((StreamScene{groom, nullptr}.fits(frame))) << "the body of a daemon started anew is to come";
+  EXPECT_FALSE((StreamScene{nullptr, body}.fits(frame)));
+  EXPECT_FALSE((StreamScene{groom, described<BodyDescription>(12, 2)}.fits(frame)));
+  EXPECT_FALSE((StreamScene{groom, described<BodyDescription>(11, 1)}.fits(frame)));
+  frame.session = 12;
+  EXPECT_FALSE((StreamScene{groom, body}.fits(frame)));
+}
+
+class StreamTest : public DaemonFixture {};
+
+TEST_F(StreamTest, ASimulationThatFailsEndsItsReaderWithTheError) {
+  const Stream stream(fewStrands(), true, 10, [](Simulation& simulation) {
+    if (simulation.time() > 0.05) throw Error("the simulation fails", "at 0.05 s", "");
+  });
+  const auto failure = [&] { return errorOf([&] { stream.checkAlive(); }); };
+  EXPECT_TRUE(trueWithin(std::chrono::seconds(30), [&] { return !failure().empty(); }));
+  EXPECT_NE(failure().find("the simulation fails: at 0.05 s"), std::string::npos) << failure();
+  EXPECT_NE(failure(), "") << "whenever it is asked";
+}
+
+TEST_F(StreamTest, ASimulationThatRunsIsNoError) {
+  Stream stream(fewStrands(), true, 10);
+  ASSERT_TRUE(stream.subscriber().waitForFrame(3, std::chrono::seconds(30)));
+  EXPECT_NO_THROW(stream.checkAlive());
+}
+
+}  // namespace
+}  // namespace strandcast
