@@ -33,7 +33,7 @@ class RodStrands {
   using GroupPrograms = std::vector<const gl::Program*>;
   /// Of each group; a strand that the first cannot do is left to the second, and so on.
   struct Programs {
-    GroupPrograms calm, violent, astray;  ///< astray: among bodies
+    GroupPrograms calm, violent, astray;  ///< astray: null where `violent` does these too
   };
   /// Whether the keys of some groups have one of these.
   bool anyGroup(uint32_t bits) const;

@@ -13,8 +13,8 @@
 // pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
 // DAMPED: there is internal damping.
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
-// strands and lists the others, 1 does the same substeps of those. ASTRAY: among bodies both leave those whose vertices have to
-// look at bodies again, which are few and take more than all else, to a third.
+// strands and lists the others, 1 does the same substeps of those. ASTRAY: those among bodies whose vertices have to look at bodies
+// again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 #define WORKGROUP 32
 layout(local_size_x = WORKGROUP) in;
