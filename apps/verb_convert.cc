@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "apps/finite_range.h"
 #include "apps/settings.h"
 #include "apps/verbs.h"
 #include "groom/clean.h"
@@ -47,7 +48,7 @@ Verb addConvert(CLI::App& app) {
   app.add_flag("--clean", o->clean,
                "convert to metres and Y up, drop degenerate strands, merge duplicate vertices");
   app.add_option("--unit-meters", o->unit_meters, "metres per unit of IN (implies --clean)")
-      ->check(CLI::Range(1e-6, 1000.0));
+      ->check(finiteRange(1e-6, 1000.0));
   app.add_option("--up", o->up, "up axis of IN (implies --clean)")
       ->check(CLI::IsMember({"auto", "x", "y", "z"}));
   app.add_option("--vertices", o->vertices, "resample every strand to this many vertices, equally spaced")

@@ -7,6 +7,7 @@
 
 #include "apps/channel.h"
 #include "apps/console.h"
+#include "apps/finite_range.h"
 #include "apps/interrupt.h"
 #include "apps/recorded_air.h"
 #include "apps/stream_recording.h"
@@ -136,13 +137,13 @@ Verb addRecord(CLI::App& app) {
       "  strandcast replay take1.rec --loop");
   app.add_option("FILE", o->file, "recording to write; an old one is replaced")->required();
   app.add_option("--seconds", o->seconds, "of simulation to record; 0 = until the stream ends, or Ctrl-C")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(finiteRange(0.0, 1e6));
   app.add_option("--grids", o->grids_every,
                  "of a scene: also record the grids of air and hair (density, wind, pressure, divergence) of "
                  "every such frame, 1 = of each; `strandcast replay FILE --show wind` draws them")
       ->check(CLI::Range(1, 1000000));
   app.add_option("--timeout", o->timeout, "seconds without a frame after which the stream has ended")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
   app.add_flag("--json", o->json, "print the closing summary as one JSON object");
   o->settings = std::make_unique<SettingsOptions>(app);

@@ -10,6 +10,7 @@
 #endif
 #include "apps/channel.h"
 #include "apps/console.h"
+#include "apps/finite_range.h"
 #include "apps/interrupt.h"
 #include "apps/recorded_air.h"
 #include "apps/replay.h"
@@ -222,13 +223,13 @@ Verb addReplay(CLI::App& app) {
       "  strandcast replay air.rec --show wind --out slices");
   app.add_option("FILE", o->file, "recording, of `strandcast record` or `strandcastd --record`")->required();
   app.add_option("--speed", o->replay.speed, "times as fast as it was simulated; 0 stands still")
-      ->check(CLI::Range(0.0, kMaxReplaySpeed))
+      ->check(finiteRange(0.0, kMaxReplaySpeed))
       ->capture_default_str();
   app.add_flag("--loop", o->replay.loops, "begin again at the end");
   app.add_option("--from", o->replay.from, "seconds of the recording to begin at")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(finiteRange(0.0, 1e6));
   app.add_option("--to", o->replay.to, "seconds of the recording to end at; 0 = its end")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(finiteRange(0.0, 1e6));
   auto* check =
       app.add_flag("--check", o->checks, "cast nothing: read every frame and say what the file holds");
   app.add_flag("--resimulate", o->resimulates,
@@ -255,7 +256,7 @@ Verb addReplay(CLI::App& app) {
       ->capture_default_str()
       ->group(kGrids);
   app.add_option("--fps", o->fps, "pictures per second of simulated time")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(finiteRange(0.1, 1000.0))
       ->capture_default_str()
       ->group(kGrids);
   app.add_option("--codec", o->codec, "how frames are written for the network: see strandcastd --help")

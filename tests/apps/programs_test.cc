@@ -22,32 +22,12 @@
 namespace strandcast {
 namespace {
 
-struct Outcome {
-  int exit_code = -1;
-  std::string out, err;
-};
-
 const std::string kCube =
     "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nv 0 0 0.1\nv 0.1 0 0.1\nv 0.1 0.1 0.1\nv 0 0.1 0.1\n"
     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
 
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 class Programs : public ProgramFixture {
  protected:
-  std::filesystem::path write(const std::string& name, const std::string& bytes) {
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-    return folder_ / name;
-  }
-  Outcome run(const std::string& command) {
-    const auto out = folder_ / "out.txt", err = folder_ / "err.txt";
-    const int status = std::system((command + " >" + out.string() + " 2>" + err.string()).c_str());
-    return {exitCodeOf(status), contents(out), contents(err)};
-  }
-
   const std::string domain_ = std::to_string(testDomain(0));
 };
 

@@ -1,0 +1,50 @@
+// What the programs refuse, when, and what stays as it was. Nothing here needs a network.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "groom/groom_file.h"
+#include "tests/apps/program_fixture.h"
+#include "transport/recording/recorder.h"
+
+namespace strandcast {
+namespace {
+
+class Refusals : public ProgramFixture {
+ protected:
+  /// Ended after this many seconds: what should have been refused may never end.
+  Outcome tryFor(int seconds, const std::string& command) {
+    return run("timeout " + std::to_string(seconds) + " " + command);
+  }
+};
+
+TEST_F(Refusals, ANumberThatIsNoneIsInNoRange) {
+  const std::string absent = (folder_ / "absent").string();
+  for (const std::string& command :
+       {daemon_ + " --rate nan", daemon_ + " --duration nan", daemon_ + " --length nan",
+        daemon_ + " --body-cell nan", daemon_ + " --codec-error nan", daemon_ + " --unit-meters nan",
+        program_ + " record " + absent + " --seconds nan", program_ + " record " + absent + " --timeout nan",
+        program_ + " replay " + absent + " --speed nan", program_ + " replay " + absent + " --from nan",
+        program_ + " replay " + absent + " --to -nan", program_ + " replay " + absent + " --fps inf",
+        program_ + " convert " + absent + " b.tfx --unit-meters nan",
+        program_ + " info " + absent + " --unit-meters nan", program_ + " bake " + absent + " --cell nan",
+        program_ + " ctl status --timeout nan"}) {
+    const Outcome r = tryFor(10, command);
+    EXPECT_EQ(r.exit_code, 2) << command << "\n" << r.err;
+    EXPECT_NE(r.err.find("not in range"), std::string::npos) << command << "\n" << r.err;
+  }
+  if (!STRANDCAST_GL) return;
+  for (const char* option : {" --fps nan", " --skip nan", " --timeout nan", " --light-intensity nan"}) {
+    const Outcome r = tryFor(10, program_ + " render --out " + absent + option);
+    EXPECT_EQ(r.exit_code, 2) << option << "\n" << r.err;
+    EXPECT_NE(r.err.find("not in range"), std::string::npos) << option << "\n" << r.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(absent));
+}
+
+}  // namespace
+}  // namespace strandcast
