@@ -103,7 +103,11 @@ int recordStream(const Options& o, const Settings& settings) {
   }
   recording.close();
   const uint64_t skipped = recording.skipped();
-  if (recorder.frames() == 0 && !g_interrupted)
+  if (recorder.frames() == 0 && g_interrupted) {
+    spdlog::warn("no frame came: {} is as it was", o.file.string());
+    return kExitInterrupted;
+  }
+  if (recorder.frames() == 0)
     throw Error("no frame came", fmt::format("groom {} on {}", settings.groom_id, networkName(settings)),
                 "start strandcastd, or check --domain and --groom-id");
   Report out;
@@ -135,7 +139,8 @@ Verb addRecord(CLI::App& app) {
       "  strandcast record exact.rec --codec float32\n"
       "  strandcast record air.rec --scene straight --set wind_grid=1 --seconds 2 --grids 6\n"
       "  strandcast replay take1.rec --loop");
-  app.add_option("FILE", o->file, "recording to write; an old one is replaced")->required();
+  app.add_option("FILE", o->file, "recording to write; an old one is replaced, once there is a frame")
+      ->required();
   app.add_option("--seconds", o->seconds, "of simulation to record; 0 = until the stream ends, or Ctrl-C")
       ->check(finiteRange(0.0, 1e6));
   app.add_option("--grids", o->grids_every,

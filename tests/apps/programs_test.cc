@@ -373,6 +373,18 @@ TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {
   EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
 }
 
+TEST_F(Programs, ATakeOutlivesARecordThatHearsNothing) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::filesystem::path take = write("take.rec", "an old take");
+  const std::string record = program_ + " record " + take.string() + " --domain " + domain_;
+  const Outcome silent = run(record + " --timeout 0.3");
+  EXPECT_EQ(silent.exit_code, 2);
+  EXPECT_NE(silent.err.find("no frame came"), std::string::npos) << silent.err;
+  EXPECT_EQ(contents(take), "an old take");
+  EXPECT_EQ(run("timeout -s INT 1 " + record).exit_code, 124) << "by timeout's own convention";
+  EXPECT_EQ(contents(take), "an old take");
+}
+
 TEST_F(Programs, SeveralLightsAreDrawn) {
   if (run(program_ + " render --help").exit_code != 0) GTEST_SKIP() << "made without render";
   const auto picture = [&](const std::string& lights) {

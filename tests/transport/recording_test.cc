@@ -402,6 +402,29 @@ TEST(RecordingTest, AFullDiskIsSaidAndCastingGoesOn) {
   EXPECT_LT(recorded.frames(), 9u);
 }
 
+TEST(RecordingTest, AnOldFileStaysUntilThereIsAGroom) {
+  const ScratchFolder folder;
+  const auto file = folder / "a.rec";
+  const GroomDescription groom = smallGroom();
+  const auto record = [&](uint64_t frames) {
+    Recorder recorder(file, {}, MakeFile::kWithGroom);
+    EXPECT_EQ(recorder.bytes(), 0u);
+    if (frames > 0) recorder.setGroom(groom, sampleBody(3));
+    for (uint64_t i = 1; i <= frames; ++i) EXPECT_TRUE(recorder.addFrame(hairFrame(groom, i)));
+    recorder.close();
+  };
+  record(0);
+  EXPECT_FALSE(std::filesystem::exists(file));
+  record(3);
+  record(0);
+  EXPECT_EQ(Recording(file).frames(), 3u);
+  record(2);
+  EXPECT_EQ(Recording(file).frames(), 2u);
+  EXPECT_FALSE(Recording(file).isCut());
+  EXPECT_THROW(Recorder(folder / "absent" / "a.rec", {}, MakeFile::kWithGroom), Error) << "said at once";
+  EXPECT_THROW(Recorder(folder / "", {}, MakeFile::kWithGroom), Error) << "a folder";
+}
+
 TEST(RecordingTest, APublisherRecordsFramesAndCommandsInTheirOrder) {
   const ScratchFolder folder;
   auto [publisher, subscriber] = makeInProcessChannel(1);
