@@ -231,7 +231,7 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
 }
 
 bool SettingsOptions::namesScene() const {
-  return app_.count("--scene") + app_.count("--groom") + app_.count("--config") > 0;
+  return app_.count("--scene") + app_.count("--groom") + app_.count("--body") + app_.count("--config") > 0;
 }
 
 Settings SettingsOptions::resolve() const {
@@ -251,9 +251,19 @@ Settings SettingsOptions::over(Settings out) const {
     const CLI::Option* known = app_.get_option_no_throw(option);
     if (known != nullptr && known->count() > 0) to = from;
   };
-  lay("--scene", out.scene.name, given_.scene.name);
-  if (app_.count("--scene") > 0 && app_.count("--groom") == 0) out.scene.groom.clear();
-  if (app_.count("--groom") > 0) out.scene.groom.assign(groom_.begin(), groom_.end());
+  if (app_.count("--scene") > 0 && app_.count("--groom") > 0)
+    throw Error("a procedural scene and a groom are two things to simulate", "--scene and --groom",
+                "leave one of them out");
+  if (app_.count("--scene") > 0) {  // in place of the file's groom and what goes with it
+    out.scene.name = given_.scene.name;
+    out.scene.groom.clear();
+    out.scene.body.clear();
+    out.scene.skinned.reset();
+  }
+  if (app_.count("--groom") > 0) {  // in place of the file's scene
+    out.scene.groom.assign(groom_.begin(), groom_.end());
+    out.scene.length = 0;
+  }
   lay("--body", out.scene.body, given_.scene.body);
   if (!body_contact_.empty()) out.scene.body_contact = bodyContactOf(body_contact_);
   if (!body_clip_.empty() || !body_joint_.empty()) {

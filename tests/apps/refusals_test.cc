@@ -46,5 +46,32 @@ TEST_F(Refusals, ANumberThatIsNoneIsInNoRange) {
   EXPECT_FALSE(std::filesystem::exists(absent));
 }
 
+TEST_F(Refusals, WhatWouldBeIgnoredIsRefused) {
+  StrandSet strands;
+  strands.append(std::vector<Vec3>{Vec3(0, 0, 0), Vec3(0, 0.1f, 0), Vec3(0, 0.2f, 0)});
+  const std::filesystem::path hair = folder_ / "hair.tfx";
+  writeGroom(hair, strands);
+  write("hair.toml", "[groom]\nfiles = [\"hair.tfx\"]\n[body]\nfile = \"absent.obj\"\nclip = \"walk\"\n");
+  write("curly.toml", "scene = \"curly\"\n[groom]\nlength = 0.1\n");
+  const std::string record = program_ + " record " + (folder_ / "a.rec").string() +
+                             " --backend reference --strands 20 --seconds 0.01 --json";
+  const std::string hair_file = " --groom " + hair.string() + " --unit-meters 1";
+  const auto config = [&](const char* name) { return " --config " + (folder_ / name).string(); };
+  for (const auto& [options, advice] :
+       {std::pair{std::string(" --body absent.obj"), "--groom"},
+        std::pair{std::string(" --scene straight --body absent.obj"), "--groom"},
+        std::pair{hair_file + " --scene straight", "leave one of them out"},
+        std::pair{hair_file + " --length 0.5", "--length"}}) {
+    const Outcome r = tryFor(20, record + options);
+    EXPECT_EQ(r.exit_code, 2) << options << r.out;
+    EXPECT_NE(r.err.find(advice), std::string::npos) << options << "\n" << r.err;
+  }
+  for (const std::string& options :
+       {hair_file, " --scene straight" + config("hair.toml"), hair_file + config("curly.toml")}) {
+    const Outcome r = tryFor(60, record + options);
+    EXPECT_EQ(r.exit_code, 0) << options << "\n" << r.err << "what only a file says gives way";
+  }
+}
+
 }  // namespace
 }  // namespace strandcast
