@@ -46,6 +46,7 @@ void addFile(Report& out, const Recording& recording) {
 
 int check(Recording& recording, const Options& o) {
   const bool is_exact = recording.head().max_error == 0;
+  bool can_resimulate = !recording.head().source.empty() && recording.frames() > 0;
   uint64_t damaged = 0, different = 0, inputs = 0, grooms = 0, with_grids = 0;
   const GroomDescription* groom = nullptr;
   RecordedFrame read;
@@ -62,6 +63,7 @@ int check(Recording& recording, const Options& o) {
         if (recording.readGrids(number, grids)) ++with_grids;
       } catch (const Error& error) {
         if (damaged++ == 0) spdlog::warn("{}", error.what());
+        if (number == 0) can_resimulate = false;  // its groom and commands are what one begins with
       }
       bar.show(fmt::format("frame {} of {}", number + 1, recording.frames()),
                static_cast<double>(number + 1) / static_cast<double>(recording.frames()));
@@ -72,12 +74,13 @@ int check(Recording& recording, const Options& o) {
   out.addCount("grooms", "grooms", grooms);
   out.addCount("inputs", "commands", inputs);
   out.addCount("grids", "frames with grids", with_grids);
-  out.addCount("can_resimulate", "can be simulated again", recording.head().source.empty() ? 0 : 1);
+  out.addCount("can_resimulate", "can be simulated again", can_resimulate ? 1 : 0);
   out.addCount("frames_damaged", "frames damaged", damaged);
   if (is_exact) out.addCount("frames_different", "frames of another hash", different);
   out.print(o.json);
   if (g_interrupted) return kExitInterrupted;
-  return damaged + different == 0 ? 0 : kExitCheckFailed;
+  const bool is_whole = recording.frames() > 0 && !recording.isCut();
+  return is_whole && damaged + different == 0 ? 0 : kExitCheckFailed;
 }
 
 #ifdef STRANDCAST_HAS_RENDER
@@ -215,7 +218,7 @@ Verb addReplay(CLI::App& app) {
       "goes back to --from, `ctl stop` ends it.\n"
       "Examples:\n"
       "  strandcast replay take1.rec --speed 0.25 --loop --from 2 --to 4\n"
-      "  strandcast replay take1.rec --check            is every frame sound?\n"
+      "  strandcast replay take1.rec --check            is it whole, and every frame sound?\n"
       "  strandcastd --scene curly --duration 5 --record run.rec\n"
       "  strandcast replay run.rec --resimulate         does the simulation repeat itself bit for bit?\n"
       "  strandcast replay run.rec --resimulate --show density --out slices\n"
@@ -231,7 +234,9 @@ Verb addReplay(CLI::App& app) {
   app.add_option("--to", o->replay.to, "seconds of the recording to end at; 0 = its end")
       ->check(finiteRange(0.0, 1e6));
   auto* check =
-      app.add_flag("--check", o->checks, "cast nothing: read every frame and say what the file holds");
+      app.add_flag("--check", o->checks,
+                   "cast nothing: read every frame and say what the file holds. Exit code 1 where a frame is "
+                   "damaged or there is none, or the file was cut");
   app.add_flag("--resimulate", o->resimulates,
                "cast nothing: simulate it again from the recorded settings and commands, on the same "
                "backend, and compare "

@@ -73,5 +73,28 @@ TEST_F(Refusals, WhatWouldBeIgnoredIsRefused) {
   }
 }
 
+TEST_F(Refusals, ARecordingThatIsNotWholeDoesNotPassItsCheck) {
+  const std::filesystem::path file = folder_ / "a.rec", empty = folder_ / "empty.rec";
+  ASSERT_EQ(run(program_ + " record " + file.string() +
+                " --scene straight --strands 20 --backend reference --seconds 0.05")
+                .exit_code,
+            0);
+  const auto check = [&](const std::filesystem::path& recording) {
+    return run(program_ + " replay " + recording.string() + " --check --json");
+  };
+  EXPECT_EQ(check(file).exit_code, 0);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 10);
+  const Outcome cut = check(file);
+  EXPECT_EQ(cut.exit_code, 1);
+  EXPECT_NE(cut.err.find("was cut"), std::string::npos) << cut.err;
+  EXPECT_EQ(nlohmann::json::parse(cut.out)["frames_damaged"], 0);
+
+  Recorder(empty, {.groom_id = 1, .codec = {}, .source = "{}"}).close();
+  const Outcome none = check(empty);
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_EQ(nlohmann::json::parse(none.out)["can_resimulate"], 0) << "--resimulate would not start";
+  EXPECT_EQ(run(program_ + " replay " + empty.string() + " --resimulate").exit_code, 2);
+}
+
 }  // namespace
 }  // namespace strandcast
