@@ -225,6 +225,7 @@ TEST_F(Programs, ConvertKeepsEveryBitOfThePositions) {
   const auto a = folder_ / "a.tfx", b = folder_ / "b.hair", c = folder_ / "c.tfx";
   writeGroom(a, strands);
   ASSERT_EQ(run(program_ + " convert " + a.string() + " " + b.string()).exit_code, 0);
+  EXPECT_EQ(readRawGroom(b).strands.positions[1], Vec3(0, -std::sin(1.0f), -0.3f)) << "Z is up in .hair";
   ASSERT_EQ(run(program_ + " convert " + b.string() + " " + c.string()).exit_code, 0);
   const RawGroom back = readRawGroom(c);
   ASSERT_EQ(back.strands.positions.size(), strands.positions.size());
