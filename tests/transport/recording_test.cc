@@ -1,11 +1,15 @@
 #include "transport/recording/recording.h"
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <random>
+#include <sstream>
 
 #include "core/error.h"
 #include "moving_hair.h"
@@ -400,6 +404,33 @@ TEST(RecordingTest, AFullDiskIsSaidAndCastingGoesOn) {
   EXPECT_TRUE(recorded.isCut());
   EXPECT_GE(recorded.frames(), 3u);
   EXPECT_LT(recorded.frames(), 9u);
+}
+
+TEST(RecordingTest, AFullDiskIsLoggedAtOnceAndOnce) {
+  const ScratchFolder folder;
+  const GroomDescription groom = smallGroom();
+  RecordingPublisher recording(makeInProcessChannel(1).first);
+  recording.open(folder / "a.rec", {});
+  recording.announce(groom, sampleBody(3));
+  std::ostringstream log;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
+  rlimit unlimited{};
+  getrlimit(RLIMIT_FSIZE, &unlimited);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit small = unlimited;
+  small.rlim_cur = recording.recorder().bytes() + 1000;
+  setrlimit(RLIMIT_FSIZE, &small);
+  for (uint64_t i = 1; i <= 9; ++i) recording.publish(hairFrame(groom, i));
+  const std::string in_time = log.str();
+  recording.close();
+  setrlimit(RLIMIT_FSIZE, &unlimited);
+  std::signal(SIGXFSZ, handler);
+  spdlog::set_default_logger(before);
+  EXPECT_NE(in_time.find("is the disk full?"), std::string::npos) << in_time;
+  EXPECT_EQ(std::count(in_time.begin(), in_time.end(), '\n'), 1) << in_time;
+  EXPECT_EQ(log.str(), in_time);
 }
 
 TEST(RecordingTest, AnOldFileStaysUntilThereIsAGroom) {
