@@ -58,9 +58,12 @@ Baked bakeOrFind(FieldBaker& baker, uint64_t key, const Options& o, ProgressBar&
   };
   std::optional<FieldCache> cache;
   if (!o.no_cache) cache.emplace(o.cache.empty() ? defaultFieldCache() : std::filesystem::path(o.cache));
+  std::string trouble;
   if (cache)
-    if (std::optional<DistanceField> found = cache->find(key)) return {std::move(*found), true, since()};
+    if (std::optional<DistanceField> found = cache->find(key, &trouble))
+      return {std::move(*found), true, since()};
   bar.clear();
+  if (!trouble.empty()) fmt::print(stderr, "warning: {}; it is baked anew\n", trouble);
   announce(baker, o.file);
   Baked baked{baker.bake(progress), false, since()};
   try {

@@ -180,6 +180,7 @@ void bakeParts(const SceneOptions& options, const Progress& progress, Scene& sce
         });
     bytes += baked.field.bytes();
     found += baked.from_cache ? 1 : 0;
+    if (!baked.trouble.empty()) scene.notes.push_back(baked.note);
     ContactPrimitive shape;
     shape.kind = PrimitiveKind::kField;
     shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
