@@ -96,5 +96,21 @@ TEST_F(Refusals, ARecordingThatIsNotWholeDoesNotPassItsCheck) {
   EXPECT_EQ(run(program_ + " replay " + empty.string() + " --resimulate").exit_code, 2);
 }
 
+TEST_F(Refusals, OutputThatCannotBeWrittenIsAnError) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  const auto outcome = [&](const std::string& command) { return run("sh -c '" + command + "'"); };
+  for (const char* words :
+       {" info --backends", " info --backends --json", " --help", " validate physics --list"}) {
+    const Outcome r = outcome(program_ + words + " >/dev/full");
+    EXPECT_EQ(r.exit_code, 2) << words;
+    EXPECT_NE(r.err.find("error: standard output"), std::string::npos) << words << r.err;
+  }
+  EXPECT_EQ(outcome(daemon_ + " --help >/dev/full").exit_code, 2);
+  for (const char* ignoring : {"", "trap \"\" PIPE; "}) {
+    const Outcome left = outcome(ignoring + program_ + " info --backends | :");
+    EXPECT_EQ(left.err, "") << "nobody reads on: no failure";
+  }
+}
+
 }  // namespace
 }  // namespace strandcast
