@@ -1,6 +1,7 @@
 #include "apps/console.h"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -60,9 +61,18 @@ void Report::print(bool json) const {
   std::fflush(stdout);
 }
 
+int withOutputWritten(int exit_code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
+  pollfd out{STDOUT_FILENO, 0, 0};
+  const bool has_reader_gone = poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0;
+  if (has_reader_gone) return exit_code;
+  std::fputs("error: standard output cannot be written; is the disk full?\n", stderr);
+  return kExitBadInput;
+}
+
 int runProgram(const std::function<int()>& body) {
   try {
-    return body();
+    return withOutputWritten(body());
   } catch (const BakeStopped&) {
     std::fputs("stopped\n", stderr);
     return kExitInterrupted;

@@ -41,8 +41,12 @@ class Report {
   std::vector<Row> rows_;
 };
 
+/// What a program returns at its end: the exit code, or 2, with a line on standard error, where what it
+/// printed on standard output did not get there. That nobody reads on (`| head`) is no failure.
+int withOutputWritten(int exit_code);
+
 /// Runs a program's body: an Error or a stray exception becomes one line on standard error and exit code 2, a
-/// BakeStopped exit code 130.
+/// BakeStopped exit code 130, else as withOutputWritten().
 int runProgram(const std::function<int()>& body);
 
 }  // namespace strandcast

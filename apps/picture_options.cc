@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 
+#include "apps/finite_range.h"
 #include "apps/hair_obstacles.h"
 #include "apps/picture_arguments.h"
 #include "core/error.h"
@@ -47,7 +48,7 @@ void addNumbers(CLI::Option_group& group, const PictureSetting& setting, const P
           },
           helpOf(setting))
       ->expected(setting.info.components)
-      ->check(CLI::Range(setting.info.low, setting.info.high).description(setting.info.range))
+      ->check(finiteRange(setting.info.low, setting.info.high).description(setting.info.range))
       ->type_name(setting.info.whole ? "INT" : "NUMBER")
       ->default_str(defaultOf(setting, options))
       ->trigger_on_parse(setting.of_light);

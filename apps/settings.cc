@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "apps/finite_range.h"
 #include "core/error.h"
 #include "transport/dds.h"
 
@@ -172,11 +173,11 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   scene
       ->add_option("--body-cell", given_.scene.body_cell,
                    "edge of a cell of the distance field, m; see `strandcast bake`")
-      ->check(CLI::Range(1e-6, 1e3));
+      ->check(finiteRange(1e-6, 1e3));
   scene
       ->add_option("--unit-meters", given_.scene.units.unit_meters,
                    "metres per unit of groom and body files; guessed if not given")
-      ->check(CLI::Range(1e-6, 1000.0));
+      ->check(finiteRange(1e-6, 1000.0));
   scene->add_option("--up", up_, "up axis of groom and body files")
       ->check(CLI::IsMember({"auto", "x", "y", "z"}));
   scene->add_option("--motion", given_.scene.motion,
@@ -186,7 +187,7 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   scene->add_option("--vertices", given_.scene.vertices, "vertices per strand: grown or resampled to")
       ->check(CLI::Range(2, 128));
   scene->add_option("--length", given_.scene.length, "length of procedural hair, m")
-      ->check(CLI::Range(0.01, 2.0));
+      ->check(finiteRange(0.01, 2.0));
   scene->add_option("--seed", given_.scene.seed, "of everything random")->capture_default_str();
 
   scene->add_option("--material", material_, materialHelp());
@@ -209,15 +210,15 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
                    "rod: elastic rods that keep their length (default); gauss_seidel: iterated constraints")
       ->check(CLI::IsMember({"rod", "gauss_seidel"}));
   simulation->add_option("--rate", given_.rate, "frames per second")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(finiteRange(1.0, 1000.0))
       ->capture_default_str();
   simulation->add_option("--duration", given_.duration, "seconds to run; 0 = until interrupted")
-      ->check(CLI::Range(0.0, 1e9));
+      ->check(finiteRange(0.0, 1e9));
   addNetworkOptions(app, given_);
   app.add_option("--codec", codec_, codecHelp())->check(CLI::IsMember(codecNames()));
   app.add_option("--codec-error", codec_error_mm_,
                  "mm; no guide vertex is received further from where it was (default 0.01)")
-      ->check(CLI::Range(0.001, 1.0));
+      ->check(finiteRange(0.001, 1.0));
   app.add_flag(
       "--zstd", given_.codec.zstd,
       "compress delta16, oct12 and oct16 with zstd: up to 7 % fewer bytes for twice the encoder's time");
@@ -230,7 +231,7 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
 }
 
 bool SettingsOptions::namesScene() const {
-  return app_.count("--scene") + app_.count("--groom") + app_.count("--config") > 0;
+  return app_.count("--scene") + app_.count("--groom") + app_.count("--body") + app_.count("--config") > 0;
 }
 
 Settings SettingsOptions::resolve() const {
@@ -250,9 +251,19 @@ Settings SettingsOptions::over(Settings out) const {
     const CLI::Option* known = app_.get_option_no_throw(option);
     if (known != nullptr && known->count() > 0) to = from;
   };
-  lay("--scene", out.scene.name, given_.scene.name);
-  if (app_.count("--scene") > 0 && app_.count("--groom") == 0) out.scene.groom.clear();
-  if (app_.count("--groom") > 0) out.scene.groom.assign(groom_.begin(), groom_.end());
+  if (app_.count("--scene") > 0 && app_.count("--groom") > 0)
+    throw Error("a procedural scene and a groom are two things to simulate", "--scene and --groom",
+                "leave one of them out");
+  if (app_.count("--scene") > 0) {  // in place of the file's groom and what goes with it
+    out.scene.name = given_.scene.name;
+    out.scene.groom.clear();
+    out.scene.body.clear();
+    out.scene.skinned.reset();
+  }
+  if (app_.count("--groom") > 0) {  // in place of the file's scene
+    out.scene.groom.assign(groom_.begin(), groom_.end());
+    out.scene.length = 0;
+  }
   lay("--body", out.scene.body, given_.scene.body);
   if (!body_contact_.empty()) out.scene.body_contact = bodyContactOf(body_contact_);
   if (!body_clip_.empty() || !body_joint_.empty()) {

@@ -58,7 +58,7 @@ class SettingsOptions {
   Settings resolve(const std::string& config_text) const;
   /// The --config file; empty where none is given.
   const std::filesystem::path& config() const { return config_; }
-  /// Whether a scene was asked for (--scene, --groom or --config): then a viewer needs no daemon.
+  /// Whether a scene was asked for (--scene, --groom, --body or --config): then a viewer needs no daemon.
   bool namesScene() const;
 
  private:

@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kExitBadInput;
+    return withOutputWritten(app.exit(error) == 0 ? 0 : kExitBadInput);
   }
   spdlog::set_default_logger(spdlog::stderr_color_mt("strandcast"));
   for (const auto& [verb, run] : verbs)

@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kExitBadInput;
+    return withOutputWritten(app.exit(error) == 0 ? 0 : kExitBadInput);
   }
   spdlog::set_default_logger(spdlog::stderr_color_mt("strandcastd"));
   if (quiet) spdlog::set_level(spdlog::level::warn);

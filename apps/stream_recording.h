@@ -7,12 +7,13 @@
 
 namespace strandcast {
 
-/// Writes what a subscriber receives into a recording, frame after frame.
+/// Writes what a subscriber receives into a recording, frame after frame. An old file of that name stays
+/// until there is a groom to write.
 class StreamRecording {
  public:
   /// Throws Error when the file cannot be made. `subscriber` outlives it.
   StreamRecording(Subscriber& subscriber, const std::filesystem::path& file, const RecordingOptions& options)
-      : subscriber_(subscriber), recorder_(file, options) {}
+      : subscriber_(subscriber), recorder_(file, options, MakeFile::kWithGroom) {}
 
   /// Waits for the next frame and writes it; false when none came in time. Throws Error as Recorder.
   bool take(std::chrono::milliseconds timeout);

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "apps/console.h"
+#include "apps/finite_range.h"
 #include "apps/interrupt.h"
 #include "apps/settings.h"
 #include "apps/verbs.h"
@@ -57,9 +58,12 @@ Baked bakeOrFind(FieldBaker& baker, uint64_t key, const Options& o, ProgressBar&
   };
   std::optional<FieldCache> cache;
   if (!o.no_cache) cache.emplace(o.cache.empty() ? defaultFieldCache() : std::filesystem::path(o.cache));
+  std::string trouble;
   if (cache)
-    if (std::optional<DistanceField> found = cache->find(key)) return {std::move(*found), true, since()};
+    if (std::optional<DistanceField> found = cache->find(key, &trouble))
+      return {std::move(*found), true, since()};
   bar.clear();
+  if (!trouble.empty()) fmt::print(stderr, "warning: {}; it is baked anew\n", trouble);
   announce(baker, o.file);
   Baked baked{baker.bake(progress), false, since()};
   try {
@@ -145,14 +149,14 @@ Verb addBake(CLI::App& app) {
       "Example: strandcast bake head.obj --unit-meters 0.01 --cell 0.002 --slices slices");
   app.add_option("FILE", o->file, "body mesh: .obj, .gltf or .glb")->required();
   app.add_option("--out", o->out, "field to write; FILE's name with .sdf in this folder if not given");
-  app.add_option("--cell", o->field.cell, "edge of a cell, m")->check(CLI::Range(1e-6, 1e3));
+  app.add_option("--cell", o->field.cell, "edge of a cell, m")->check(finiteRange(1e-6, 1e3));
   app.add_option("--band", o->field.band, "how far from the surface the field is stored finely, m")
-      ->check(CLI::Range(2e-6, 1e6));
+      ->check(finiteRange(2e-6, 1e6));
   app.add_option("--hair-radius", o->field.hair_radius, "m, what cell and band follow from")
-      ->check(CLI::Range(1e-6, 5e-3))
+      ->check(finiteRange(1e-6, 5e-3))
       ->capture_default_str();
   app.add_option("--unit-meters", o->unit_meters, "metres per unit of FILE; guessed for .obj if not given")
-      ->check(CLI::Range(1e-6, 1000.0));
+      ->check(finiteRange(1e-6, 1000.0));
   app.add_option("--up", o->up, "up axis of FILE")->check(CLI::IsMember({"auto", "x", "y", "z"}));
   app.add_option("--threads", o->limits.threads, "0 = all; the field does not depend on it")
       ->check(CLI::Range(0, 1024));

@@ -11,6 +11,7 @@
 
 #include "apps/channel.h"
 #include "apps/console.h"
+#include "apps/finite_range.h"
 #include "apps/interrupt.h"
 #include "apps/picture_folder.h"
 #include "apps/picture_options.h"
@@ -204,10 +205,10 @@ Verb addCompare(CLI::App& app) {
       ->check(CLI::IsMember({"rod", "gauss_seidel"}))
       ->capture_default_str();
   app.add_option("--shake", o->shake, "seconds that the head moves")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
   app.add_option("--rest", o->rest, "seconds that it keeps still after that")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
   app.add_option("--out", o->out, "folder for frame_0000.png and on; --width is that of each solver's part")
       ->capture_default_str();

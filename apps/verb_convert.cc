@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "apps/finite_range.h"
 #include "apps/settings.h"
 #include "apps/verbs.h"
 #include "groom/clean.h"
@@ -20,16 +21,19 @@ struct Options {
 
 int convert(const Options& o) {
   StrandSet strands;
+  UpAxis up = UpAxis::kY;
   if (o.clean || o.unit_meters > 0 || o.up != "auto") {
     GroomReadOptions read;
     read.unit_meters = o.unit_meters;
     read.up = upAxisOf(o.up);
     strands = loadGroom({o.in}, read).strands;
   } else {
-    strands = readRawGroom(o.in).strands;
+    RawGroom raw = readRawGroom(o.in);
+    strands = std::move(raw.strands);
+    up = raw.native_up;
   }
   if (o.vertices > 0) strands = resample(strands, o.vertices);
-  writeGroom(o.out, strands);
+  writeGroom(o.out, strands, up);
   fmt::print("{}: {} strands, {} vertices\n", o.out, strands.strands(), strands.vertices());
   return 0;
 }
@@ -40,14 +44,13 @@ Verb addConvert(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.footer(
       "Positions pass through bit for bit unless --clean, --unit-meters, --up or --vertices asks for a "
-      "change.\n"
+      "change; between .hair, where Z is up, and the others, where Y is, they are turned.\n"
       "Example: strandcast convert bob.tfx bob.hair");
   app.add_option("IN", o->in, "groom to read: .tfx (3 and 4), .hair, .obj polylines")->required();
   app.add_option("OUT", o->out, "groom to write: .tfx (4) or .hair, by extension")->required();
-  app.add_flag("--clean", o->clean,
-               "convert to metres and Y up, drop degenerate strands, merge duplicate vertices");
+  app.add_flag("--clean", o->clean, "convert to metres, drop degenerate strands, merge duplicate vertices");
   app.add_option("--unit-meters", o->unit_meters, "metres per unit of IN (implies --clean)")
-      ->check(CLI::Range(1e-6, 1000.0));
+      ->check(finiteRange(1e-6, 1000.0));
   app.add_option("--up", o->up, "up axis of IN (implies --clean)")
       ->check(CLI::IsMember({"auto", "x", "y", "z"}));
   app.add_option("--vertices", o->vertices, "resample every strand to this many vertices, equally spaced")

@@ -8,6 +8,7 @@
 
 #include "apps/channel.h"
 #include "apps/console.h"
+#include "apps/finite_range.h"
 #include "apps/interrupt.h"
 #include "apps/verbs.h"
 #include "core/error.h"
@@ -228,7 +229,7 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<Options>& o, const st
   move->add_option("NAME", o->name, "one that was added")->required();
   move->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "m, degrees")->expected(3, 6)->required();
   move->add_option("--seconds", o->seconds, "that it takes")
-      ->check(CLI::Range(0.0, 3600.0))
+      ->check(finiteRange(0.0, 3600.0))
       ->capture_default_str();
   move->callback([o, run] {
     *run = [o] {
@@ -251,7 +252,7 @@ Verb addCtl(CLI::App& app) {
   app.require_subcommand(1);
   app.fallthrough();
   addNetworkOptions(app, o->network);
-  app.add_option("--timeout", o->timeout, "seconds to wait for the daemon")->check(CLI::Range(0.1, 3600.0));
+  app.add_option("--timeout", o->timeout, "seconds to wait for the daemon")->check(finiteRange(0.1, 3600.0));
   app.add_flag("--json", o->json, "print one JSON object");
   app.footer(
       "Every command waits until the daemon has carried it out.\n"

@@ -8,6 +8,7 @@
 #include "apps/backends.h"
 #include "apps/cast_size.h"
 #include "apps/console.h"
+#include "apps/finite_range.h"
 #include "apps/settings.h"
 #include "apps/verbs.h"
 #include "core/error.h"
@@ -111,7 +112,7 @@ Verb addInfo(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("FILE", o->file, "groom file: .tfx, .hair or .obj");
   app.add_option("--unit-meters", o->unit_meters, "metres per unit of the file; guessed if not given")
-      ->check(CLI::Range(1e-6, 1000.0));
+      ->check(finiteRange(1e-6, 1000.0));
   app.add_option("--up", o->up, "up axis of the file")->check(CLI::IsMember({"auto", "x", "y", "z"}));
   app.add_flag("--backends", o->backends, "list the backends, whether they run here, and why not");
   app.add_flag("--json", o->json, "print one JSON object");

@@ -7,6 +7,7 @@
 
 #include "apps/channel.h"
 #include "apps/console.h"
+#include "apps/finite_range.h"
 #include "apps/interrupt.h"
 #include "apps/recorded_air.h"
 #include "apps/stream_recording.h"
@@ -102,7 +103,11 @@ int recordStream(const Options& o, const Settings& settings) {
   }
   recording.close();
   const uint64_t skipped = recording.skipped();
-  if (recorder.frames() == 0 && !g_interrupted)
+  if (recorder.frames() == 0 && g_interrupted) {
+    spdlog::warn("no frame came: {} is as it was", o.file.string());
+    return kExitInterrupted;
+  }
+  if (recorder.frames() == 0)
     throw Error("no frame came", fmt::format("groom {} on {}", settings.groom_id, networkName(settings)),
                 "start strandcastd, or check --domain and --groom-id");
   Report out;
@@ -134,15 +139,16 @@ Verb addRecord(CLI::App& app) {
       "  strandcast record exact.rec --codec float32\n"
       "  strandcast record air.rec --scene straight --set wind_grid=1 --seconds 2 --grids 6\n"
       "  strandcast replay take1.rec --loop");
-  app.add_option("FILE", o->file, "recording to write; an old one is replaced")->required();
+  app.add_option("FILE", o->file, "recording to write; an old one is replaced, once there is a frame")
+      ->required();
   app.add_option("--seconds", o->seconds, "of simulation to record; 0 = until the stream ends, or Ctrl-C")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(finiteRange(0.0, 1e6));
   app.add_option("--grids", o->grids_every,
                  "of a scene: also record the grids of air and hair (density, wind, pressure, divergence) of "
                  "every such frame, 1 = of each; `strandcast replay FILE --show wind` draws them")
       ->check(CLI::Range(1, 1000000));
   app.add_option("--timeout", o->timeout, "seconds without a frame after which the stream has ended")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
   app.add_flag("--json", o->json, "print the closing summary as one JSON object");
   o->settings = std::make_unique<SettingsOptions>(app);

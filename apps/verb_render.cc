@@ -14,6 +14,7 @@
 #include "apps/air_film.h"
 #include "apps/channel.h"
 #include "apps/console.h"
+#include "apps/finite_range.h"
 #include "apps/interrupt.h"
 #include "apps/picture_folder.h"
 #include "apps/picture_options.h"
@@ -243,10 +244,10 @@ Verb addRender(CLI::App& app) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   app.add_option("--fps", o->fps, "pictures per second of simulated time")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(finiteRange(0.1, 1000.0))
       ->capture_default_str();
   app.add_option("--skip", o->skip, "seconds of simulated time before the first picture")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(finiteRange(0.0, 1e6));
   app.add_option("--show", o->show,
                  "hair, or a slice through the grids of a scene: density, wind, pressure or divergence")
       ->check(CLI::IsMember({"hair", "density", "wind", "pressure", "divergence"}))
@@ -256,7 +257,7 @@ Verb addRender(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--movie", o->movie, "also join the pictures into this file, with ffmpeg");
   app.add_option("--timeout", o->timeout, "seconds to wait for a daemon, and for its next frame")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
   app.add_flag("--json", o->json, "print the closing summary as one JSON object");
   addPictureOptions(app, o->picture);

@@ -10,6 +10,7 @@
 #endif
 #include "apps/channel.h"
 #include "apps/console.h"
+#include "apps/finite_range.h"
 #include "apps/interrupt.h"
 #include "apps/recorded_air.h"
 #include "apps/replay.h"
@@ -45,6 +46,7 @@ void addFile(Report& out, const Recording& recording) {
 
 int check(Recording& recording, const Options& o) {
   const bool is_exact = recording.head().max_error == 0;
+  bool can_resimulate = !recording.head().source.empty() && recording.frames() > 0;
   uint64_t damaged = 0, different = 0, inputs = 0, grooms = 0, with_grids = 0;
   const GroomDescription* groom = nullptr;
   RecordedFrame read;
@@ -61,6 +63,7 @@ int check(Recording& recording, const Options& o) {
         if (recording.readGrids(number, grids)) ++with_grids;
       } catch (const Error& error) {
         if (damaged++ == 0) spdlog::warn("{}", error.what());
+        if (number == 0) can_resimulate = false;  // its groom and commands are what one begins with
       }
       bar.show(fmt::format("frame {} of {}", number + 1, recording.frames()),
                static_cast<double>(number + 1) / static_cast<double>(recording.frames()));
@@ -71,12 +74,13 @@ int check(Recording& recording, const Options& o) {
   out.addCount("grooms", "grooms", grooms);
   out.addCount("inputs", "commands", inputs);
   out.addCount("grids", "frames with grids", with_grids);
-  out.addCount("can_resimulate", "can be simulated again", recording.head().source.empty() ? 0 : 1);
+  out.addCount("can_resimulate", "can be simulated again", can_resimulate ? 1 : 0);
   out.addCount("frames_damaged", "frames damaged", damaged);
   if (is_exact) out.addCount("frames_different", "frames of another hash", different);
   out.print(o.json);
   if (g_interrupted) return kExitInterrupted;
-  return damaged + different == 0 ? 0 : kExitCheckFailed;
+  const bool is_whole = recording.frames() > 0 && !recording.isCut();
+  return is_whole && damaged + different == 0 ? 0 : kExitCheckFailed;
 }
 
 #ifdef STRANDCAST_HAS_RENDER
@@ -214,7 +218,7 @@ Verb addReplay(CLI::App& app) {
       "goes back to --from, `ctl stop` ends it.\n"
       "Examples:\n"
       "  strandcast replay take1.rec --speed 0.25 --loop --from 2 --to 4\n"
-      "  strandcast replay take1.rec --check            is every frame sound?\n"
+      "  strandcast replay take1.rec --check            is it whole, and every frame sound?\n"
       "  strandcastd --scene curly --duration 5 --record run.rec\n"
       "  strandcast replay run.rec --resimulate         does the simulation repeat itself bit for bit?\n"
       "  strandcast replay run.rec --resimulate --show density --out slices\n"
@@ -222,15 +226,17 @@ Verb addReplay(CLI::App& app) {
       "  strandcast replay air.rec --show wind --out slices");
   app.add_option("FILE", o->file, "recording, of `strandcast record` or `strandcastd --record`")->required();
   app.add_option("--speed", o->replay.speed, "times as fast as it was simulated; 0 stands still")
-      ->check(CLI::Range(0.0, kMaxReplaySpeed))
+      ->check(finiteRange(0.0, kMaxReplaySpeed))
       ->capture_default_str();
   app.add_flag("--loop", o->replay.loops, "begin again at the end");
   app.add_option("--from", o->replay.from, "seconds of the recording to begin at")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(finiteRange(0.0, 1e6));
   app.add_option("--to", o->replay.to, "seconds of the recording to end at; 0 = its end")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(finiteRange(0.0, 1e6));
   auto* check =
-      app.add_flag("--check", o->checks, "cast nothing: read every frame and say what the file holds");
+      app.add_flag("--check", o->checks,
+                   "cast nothing: read every frame and say what the file holds. Exit code 1 where a frame is "
+                   "damaged or there is none, or the file was cut");
   app.add_flag("--resimulate", o->resimulates,
                "cast nothing: simulate it again from the recorded settings and commands, on the same "
                "backend, and compare "
@@ -255,7 +261,7 @@ Verb addReplay(CLI::App& app) {
       ->capture_default_str()
       ->group(kGrids);
   app.add_option("--fps", o->fps, "pictures per second of simulated time")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(finiteRange(0.1, 1000.0))
       ->capture_default_str()
       ->group(kGrids);
   app.add_option("--codec", o->codec, "how frames are written for the network: see strandcastd --help")

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "apps/finite_range.h"
 #include "apps/interrupt.h"
 #include "apps/picture_options.h"
 #include "apps/verbs.h"
@@ -20,7 +21,7 @@ Verb addView(CLI::App& app) {
       "With --scene, --groom or --config the simulation runs inside this process; without, a daemon's stream "
       "is drawn.");
   app.add_option("--timeout", o->timeout, "seconds to wait for a daemon")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
   app.add_option_function<std::string>(
          "--playout",

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "apps/backends.h"
+#include "apps/finite_range.h"
 #include "bench/bench_scene.h"
 #include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
@@ -140,10 +141,10 @@ std::function<int()> addContactBench(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--body", o->body, "mesh file (.obj, .gltf, .glb) whose bake is timed too");
   app.add_option("--unit-meters", o->unit_meters, "metres per unit of that file")
-      ->check(CLI::Range(1e-6, 1000.0))
+      ->check(finiteRange(1e-6, 1000.0))
       ->capture_default_str();
   app.add_option("--cell", o->cell, "m, edge of a cell of the fields")
-      ->check(CLI::Range(1e-6, 1000.0))
+      ->check(finiteRange(1e-6, 1000.0))
       ->capture_default_str();
   app.add_option("--strands", o->strands)->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--vertices", o->vertices, "per strand")->check(CLI::Range(2, 128))->capture_default_str();

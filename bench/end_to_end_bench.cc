@@ -12,6 +12,7 @@
 #include "apps/backends.h"
 #include "apps/console.h"
 #include "apps/daemon.h"
+#include "apps/finite_range.h"
 #include "bench/bench_scene.h"
 #include "bench/counted_memory.h"
 #include "bench/reader_process.h"
@@ -302,7 +303,7 @@ std::function<int()> addEndToEndBench(CLI::App& app) {
       "  strandbench end-to-end --hairs 0          without a device to grow hair on");
   app.add_option("--rates", o->rates, "frames per second")
       ->delimiter(',')
-      ->check(CLI::Range(35.0, 1000.0))
+      ->check(finiteRange(35.0, 1000.0))
       ->capture_default_str();
   app.add_option("--strands", o->strands, "guides")->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--vertices", o->vertices, "per guide")->check(CLI::Range(2, 128))->capture_default_str();
@@ -319,7 +320,7 @@ std::function<int()> addEndToEndBench(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--segments", o->segments, "of a hair")->check(CLI::Range(1, 256))->capture_default_str();
   app.add_option("--seconds", o->seconds, "of casting, per rate")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
   addPrintOptions(app, o->print);
   return [o] { return endToEnd(*o); };

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "apps/backends.h"
+#include "apps/finite_range.h"
 #include "bench/bench_scene.h"
 #include "bench/operation_count.h"
 #include "collision/tree_broad_phase.h"
@@ -169,7 +170,7 @@ std::function<int()> addStepBench(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--scene", o->scene, "procedural scene")->capture_default_str();
   app.add_option("--shake", o->shake, "Hz, a head that is shaken so; 0 = the scene's own motion")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(finiteRange(0.0, 10.0))
       ->capture_default_str();
   app.add_option(
          "--bodies", o->bodies,
@@ -187,7 +188,7 @@ std::function<int()> addStepBench(CLI::App& app) {
   app.add_option("--iterations", o->iterations)->check(CLI::Range(1, 64))->capture_default_str();
   app.add_option("--damping", o->damping_time,
                  "s, internal damping time of the rod; the scene's own if not given")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(finiteRange(0.0, 1.0));
   app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
   app.add_option("--steps", o->steps, "steps timed, after a warm-up")
       ->check(CLI::Range(1, 100000))

@@ -22,6 +22,10 @@ void turnYUp(std::span<Vec3> points, UpAxis up) {
   }
 }
 
+void turnZUp(std::span<Vec3> points) {
+  for (Vec3& p : points) p = Vec3(p.x(), -p.z(), p.y());
+}
+
 void scaleToMeters(std::span<Vec3> points, float unit_meters, const std::string& name) {
   constexpr float kFarthest = 1e6f;
   for (size_t i = 0; i < points.size(); ++i) {

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 
+#include "core/content_hash.h"
 #include "groom/byte_reader.h"
 #include "groom/byte_writer.h"
 #include "groom/file_bytes.h"
@@ -13,9 +15,18 @@ namespace strandcast {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'S', 'T', 'R', 'N', 'D', 'S', 'D', 'F'};
-constexpr uint32_t kVersion = 1;
-constexpr uint64_t kGridAt = 24;
+constexpr uint32_t kVersion = 2;
+constexpr uint64_t kHashAt = 24;
+constexpr uint64_t kGridAt = 32;
 constexpr uint64_t kArraysAt = kGridAt + sizeof(FieldGrid);
+
+/// Of a file's bytes, but for the hash itself.
+uint64_t hashOf(std::span<const std::byte> bytes) {
+  ContentHash hash;
+  hash.add(bytes.data(), kHashAt);
+  hash.add(bytes.data() + kGridAt, bytes.size() - kGridAt);
+  return hash.value();
+}
 
 FieldGrid readGrid(const ByteReader& reader) {
   const auto grid = reader.at<FieldGrid>(kGridAt);
@@ -40,6 +51,12 @@ FieldGrid readGrid(const ByteReader& reader) {
 
 }  // namespace
 
+void stampDistanceField(std::span<std::byte> bytes) {
+  if (bytes.size() < kGridAt) return;
+  const uint64_t hash = hashOf(bytes);
+  std::memcpy(bytes.data() + kHashAt, &hash, sizeof hash);
+}
+
 std::vector<std::byte> encodeDistanceField(const DistanceField& field, uint64_t key) {
   ByteWriter writer;
   writer.reserve(kArraysAt + field.bytes());
@@ -47,11 +64,14 @@ std::vector<std::byte> encodeDistanceField(const DistanceField& field, uint64_t 
   writer.put(kVersion);
   writer.put(static_cast<uint32_t>(field.storedBricks()));
   writer.put(key);
+  writer.put(uint64_t{0});
   writer.put(field.grid);
   writer.raw(field.index.data(), field.index.size() * sizeof(uint32_t));
   writer.raw(field.samples.data(), field.samples.size() * sizeof(uint32_t));
   writer.raw(field.corners.data(), field.corners.size() * sizeof(float));
-  return writer.take();
+  std::vector<std::byte> bytes = writer.take();
+  stampDistanceField(bytes);
+  return bytes;
 }
 
 StoredField readDistanceField(std::span<const std::byte> bytes, const std::string& name) {
@@ -97,6 +117,9 @@ StoredField readDistanceField(std::span<const std::byte> bytes, const std::strin
   for (uint64_t c = 0; c < corners; ++c)
     if (!(std::fabs(field.corners[c]) < 1e7f))
       reader.fail("a distance is out of range", corners_at + c * sizeof(float));
+  if (reader.at<uint64_t>(kHashAt) != hashOf(bytes))
+    reader.fail("the file is damaged: its bytes are not those that were written", kHashAt,
+                "bake the mesh again");
   return out;
 }
 

@@ -44,14 +44,14 @@ RawGroom readTfx(std::span<const std::byte> bytes, const std::string& name);
 RawGroom readHair(std::span<const std::byte> bytes, const std::string& name);
 RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& name);
 
-/// Writes by extension, positions bit for bit: .tfx -> .hair -> .tfx through raw grooms gives the same
-/// positions. Coordinates are copied, not turned, although a reader of .hair takes Z for up: turn them first
-/// where that matters.
+/// Writes by extension, turned from `up`, which is up in `strands`, to what readers of the format take for
+/// up: Z for .hair, Y for .tfx. Quarter turns keep every bit: .hair -> .hair and .tfx -> .hair -> .tfx
+/// through raw grooms and their native_up give the same positions.
 /// - .tfx (version 4) keeps pins and UVs, not radii; every strand must have the same vertex count;
 /// - .hair keeps counts and radii (thickness = twice the radius), not pins and UVs; 65,536 vertices a strand
 /// at most. `parts` are not kept. Throws Error for no strands, counts that do not fit, another extension, or
 /// a failed write.
-void writeGroom(const std::filesystem::path& file, const StrandSet& strands);
+void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpAxis up = UpAxis::kY);
 
 /// Reads one or more files (at most 65,535) into one groom in metres, Y up, and cleans it (cleanStrands);
 /// `parts` says which file each strand came from. One unit holds for all files, the up axis is each file's

@@ -116,10 +116,13 @@ RawGroom readRawGroom(const std::filesystem::path& file) {
   throw Error("this is no known groom format", name + ", byte 0", "use .tfx, .hair or .obj");
 }
 
-void writeGroom(const std::filesystem::path& file, const StrandSet& strands) {
+void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpAxis up) {
   const std::string extension = lowerExtension(file);
-  if (extension == ".tfx") return writeFileBytes(file, encodeTfx(strands, file.string()));
-  if (extension == ".hair") return writeFileBytes(file, encodeHair(strands, file.string()));
+  StrandSet turned = strands;
+  turnYUp(turned.positions, up);
+  if (extension == ".tfx") return writeFileBytes(file, encodeTfx(turned, file.string()));
+  turnZUp(turned.positions);
+  if (extension == ".hair") return writeFileBytes(file, encodeHair(turned, file.string()));
   throw Error("grooms cannot be written in this format", file.string(), "use .tfx or .hair");
 }
 

@@ -25,13 +25,15 @@ std::filesystem::path FieldCache::file(uint64_t key) const {
   return folder_ / fmt::format("{:016x}.sdf", key);
 }
 
-std::optional<DistanceField> FieldCache::find(uint64_t key) const {
+std::optional<DistanceField> FieldCache::find(uint64_t key, std::string* trouble) const {
   std::error_code failure;
   if (!std::filesystem::is_regular_file(file(key), failure)) return {};
   try {
     StoredField stored = loadDistanceField(file(key));
     if (stored.key == key) return std::move(stored.field);
-  } catch (const Error&) {
+    throw Error("the field in the file is of another body", file(key).string(), "");
+  } catch (const Error& error) {
+    if (trouble != nullptr) *trouble = error.what();
   }
   return {};
 }
@@ -51,20 +53,22 @@ SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const 
                        field.storedBricks(), 1e3 * field.grid.cell,
                        static_cast<double>(field.bytes()) / (1 << 20), how);
   };
+  std::string trouble;
   if (cache != nullptr)
-    if (std::optional<DistanceField> found = cache->find(key)) {
+    if (std::optional<DistanceField> found = cache->find(key, &trouble)) {
       const std::string text = note(*found, "found in the cache");
-      return {std::move(*found), text, true};
+      return {std::move(*found), text, true, {}};
     }
   FieldBaker baker(mesh, resolved, {}, progress);
   DistanceField field = baker.bake(progress);
-  std::string text = note(field, "baked");
+  std::string text = note(field, trouble.empty() ? "baked" : "baked anew");
   try {
     if (cache != nullptr) cache->keep(key, field);
   } catch (const Error& error) {
-    text += fmt::format(" ({})", error.what());
+    trouble = error.what();
   }
-  return {std::move(field), std::move(text)};
+  if (!trouble.empty()) text += fmt::format(" ({})", trouble);
+  return {std::move(field), std::move(text), false, std::move(trouble)};
 }
 
 }  // namespace strandcast

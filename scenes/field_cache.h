@@ -17,8 +17,8 @@ class FieldCache {
  public:
   explicit FieldCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Nothing where there is none; a damaged file counts as none.
-  std::optional<DistanceField> find(uint64_t key) const;
+  /// Nothing where there is none; a damaged file counts as none, and `trouble` says why.
+  std::optional<DistanceField> find(uint64_t key, std::string* trouble = nullptr) const;
   /// Appears whole or not at all, whoever else writes. Throws Error when it cannot be written.
   void keep(uint64_t key, const DistanceField& field) const;
 
@@ -33,8 +33,9 @@ struct SceneField {
   DistanceField field;
   std::string note;  ///< a line for people
   bool from_cache = false;
+  std::string trouble;  ///< what was wrong with the cache: with the file in it, or with keeping one; or empty
 };
-/// From the cache, or baked and kept there; null = no cache. That it cannot be kept is told in the note.
+/// From the cache, or baked and kept there; null = no cache. The note tells of trouble, too.
 /// Throws Error as FieldBaker does; BakeStopped.
 SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache* cache,
                    const BakeProgress& progress);

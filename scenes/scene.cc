@@ -180,6 +180,7 @@ void bakeParts(const SceneOptions& options, const Progress& progress, Scene& sce
         });
     bytes += baked.field.bytes();
     found += baked.from_cache ? 1 : 0;
+    if (!baked.trouble.empty()) scene.notes.push_back(baked.note);
     ContactPrimitive shape;
     shape.kind = PrimitiveKind::kField;
     shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
@@ -333,6 +334,16 @@ StrandModel sceneModel(const Scene& scene) {
 
 namespace {
 
+/// What a groom of files and a procedural one do not share must not be given in vain.
+void checkHair(const SceneOptions& options) {
+  if (options.groom.empty() && !options.body.empty())
+    throw Error("there is no hair to grow on this body", options.body.string(),
+                "name groom files (--groom), or leave the body out: procedural scenes have their own");
+  if (!options.groom.empty() && options.length > 0)
+    throw Error("hair of groom files is as long as it is", options.groom.front().string(),
+                "leave length out (--length): it is for procedural scenes");
+}
+
 void checkSkinned(const SceneOptions& options) {
   if (!options.skinned) return;
   if (options.groom.empty() || options.body.empty())
@@ -347,6 +358,7 @@ void checkSkinned(const SceneOptions& options) {
 
 Scene makeScene(const SceneOptions& options, const Progress& progress) {
   checkSkinned(options);
+  checkHair(options);
   Scene scene =
       options.groom.empty() ? makeProceduralScene(options, progress) : makeFileScene(options, progress);
   scene.materials = partMaterials(options.materials, scene.part_names);

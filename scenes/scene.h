@@ -73,7 +73,8 @@ using Progress = std::function<bool(const std::string& what, double part)>;
 /// The strands of a scene with their materials and pins, as they are made: not sag-free. Throws Error.
 StrandModel sceneModel(const Scene& scene);
 
-/// Throws Error on bad input, BakeStopped when `progress` says so.
+/// Throws Error on bad input, a body without a groom file and a length with one among it, BakeStopped when
+/// `progress` says so.
 Scene makeScene(const SceneOptions& options, const Progress& progress = {});
 
 }  // namespace strandcast

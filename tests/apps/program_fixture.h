@@ -5,7 +5,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,6 +19,18 @@ namespace strandcast {
 inline int exitCodeOf(int wait_status) {
   return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 1000 + WTERMSIG(wait_status);
 }
+
+/// Of a file.
+inline std::string contents(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// What a program that has ended left behind.
+struct Outcome {
+  int exit_code = -1;
+  std::string out, err;
+};
 
 /// Programs as a user runs them, in a folder of the test's own. Those that still run at its end are killed.
 class ProgramFixture : public ::testing::Test {
@@ -30,6 +45,17 @@ class ProgramFixture : public ::testing::Test {
     for (const pid_t child : running_) kill(child, SIGKILL);
     while (!running_.empty()) wait(*running_.begin());
     std::filesystem::remove_all(folder_);
+  }
+
+  std::filesystem::path write(const std::string& name, const std::string& bytes) {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+    return folder_ / name;
+  }
+  /// What a shell does with this line.
+  Outcome run(const std::string& command) {
+    const auto out = folder_ / "out.txt", err = folder_ / "err.txt";
+    const int status = std::system((command + " >" + out.string() + " 2>" + err.string()).c_str());
+    return {exitCodeOf(status), contents(out), contents(err)};
   }
 
   /// Starts a program in the folder without waiting for it; what it prints goes into the file `out` there.

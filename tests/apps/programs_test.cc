@@ -22,32 +22,12 @@
 namespace strandcast {
 namespace {
 
-struct Outcome {
-  int exit_code = -1;
-  std::string out, err;
-};
-
 const std::string kCube =
     "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nv 0 0 0.1\nv 0.1 0 0.1\nv 0.1 0.1 0.1\nv 0 0.1 0.1\n"
     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
 
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 class Programs : public ProgramFixture {
  protected:
-  std::filesystem::path write(const std::string& name, const std::string& bytes) {
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-    return folder_ / name;
-  }
-  Outcome run(const std::string& command) {
-    const auto out = folder_ / "out.txt", err = folder_ / "err.txt";
-    const int status = std::system((command + " >" + out.string() + " 2>" + err.string()).c_str());
-    return {exitCodeOf(status), contents(out), contents(err)};
-  }
-
   const std::string domain_ = std::to_string(testDomain(0));
 };
 
@@ -246,6 +226,7 @@ TEST_F(Programs, ConvertKeepsEveryBitOfThePositions) {
   const auto a = folder_ / "a.tfx", b = folder_ / "b.hair", c = folder_ / "c.tfx";
   writeGroom(a, strands);
   ASSERT_EQ(run(program_ + " convert " + a.string() + " " + b.string()).exit_code, 0);
+  EXPECT_EQ(readRawGroom(b).strands.positions[1], Vec3(0, -std::sin(1.0f), -0.3f)) << "Z is up in .hair";
   ASSERT_EQ(run(program_ + " convert " + b.string() + " " + c.string()).exit_code, 0);
   const RawGroom back = readRawGroom(c);
   ASSERT_EQ(back.strands.positions.size(), strands.positions.size());
@@ -400,6 +381,18 @@ TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {
   }
   EXPECT_EQ(run(program_ + " ctl set speed 0.5" + network).exit_code, 0);
   EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
+}
+
+TEST_F(Programs, ATakeOutlivesARecordThatHearsNothing) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::filesystem::path take = write("take.rec", "an old take");
+  const std::string record = program_ + " record " + take.string() + " --domain " + domain_;
+  const Outcome silent = run(record + " --timeout 0.3");
+  EXPECT_EQ(silent.exit_code, 2);
+  EXPECT_NE(silent.err.find("no frame came"), std::string::npos) << silent.err;
+  EXPECT_EQ(contents(take), "an old take");
+  EXPECT_EQ(run("timeout -s INT 1 " + record).exit_code, 124) << "by timeout's own convention";
+  EXPECT_EQ(contents(take), "an old take");
 }
 
 TEST_F(Programs, SeveralLightsAreDrawn) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 
+#include "groom/file_bytes.h"
 #include "groom/groom_encode.h"
 #include "groom/groom_file.h"
 #include "tests/groom/expect_error.h"
@@ -267,16 +268,34 @@ TEST(GroomWriter, TfxToHairToTfxKeepsEveryBitOfThePositions) {
   strands.positions[3] = Vec3(-0.0f, 1e-42f, 16777217.0f);  // a signed zero and a denormal survive, too
   writeGroom(folder / "a.tfx", strands);
   const RawGroom first = readRawGroom(folder / "a.tfx");
-  writeGroom(folder / "b.hair", first.strands);
+  writeGroom(folder / "b.hair", first.strands, first.native_up);
   const RawGroom second = readRawGroom(folder / "b.hair");
-  writeGroom(folder / "c.tfx", second.strands);
+  writeGroom(folder / "c.tfx", second.strands, second.native_up);
   const RawGroom third = readRawGroom(folder / "c.tfx");
   ASSERT_EQ(third.strands.offsets, strands.offsets);
-  for (const RawGroom* groom : {&first, &second, &third})
+  for (const RawGroom* groom : {&first, &third})
     EXPECT_EQ(std::memcmp(groom->strands.positions.data(), strands.positions.data(), 12 * strands.vertices()),
               0);
+  EXPECT_EQ(second.strands.positions[3], Vec3(-0.0f, -16777217.0f, 1e-42f)) << "Z is up";
   EXPECT_EQ(first.strands.pinned, strands.pinned);
   EXPECT_EQ(first.strands.uvs, strands.uvs);
+}
+
+TEST(GroomWriter, AGroomStandsInEveryFormatAsItStood) {
+  const ScratchFolder folder;
+  const GroomReadOptions units{1, UpAxis::kAuto};
+  for (const auto& [name, bytes] :
+       {std::pair{"wig.tfx", samples::tfx4()}, std::pair{"wig.hair", samples::hairDefaultSegments()}}) {
+    writeFileBytes(folder / name, bytes);
+    const RawGroom raw = readRawGroom(folder / name);
+    const StrandSet before = loadGroom({folder / name}, units).strands;
+    for (const char* copy : {"copy.tfx", "copy.hair"}) {
+      writeGroom(folder / copy, raw.strands, raw.native_up);
+      EXPECT_EQ(loadGroom({folder / copy}, units).strands.positions, before.positions) << name << copy;
+      writeGroom(folder / copy, before);
+      EXPECT_EQ(loadGroom({folder / copy}, units).strands.positions, before.positions) << name << copy;
+    }
+  }
 }
 
 TEST(GroomWriter, HairKeepsCountsAndRadii) {

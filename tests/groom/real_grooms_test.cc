@@ -109,14 +109,16 @@ TEST_F(RealGrooms, TfxToHairToTfxIsBitEqual) {
   files.push_back(data_ / "bear" / "bear.tfx");
   for (const auto& file : files) {
     const RawGroom first = readRawGroom(file);
-    writeGroom(folder / "a.hair", first.strands);
-    writeGroom(folder / "b.tfx", readRawGroom(folder / "a.hair").strands);
-    writeGroom(folder / "c.hair", readRawGroom(folder / "b.tfx").strands);
-    for (const char* copy : {"a.hair", "b.tfx", "c.hair"}) {
-      const StrandSet again = readRawGroom(folder / copy).strands;
-      ASSERT_EQ(again.offsets, first.strands.offsets) << file << copy;
-      EXPECT_EQ(std::memcmp(again.positions.data(), first.strands.positions.data(), 12 * again.vertices()), 0)
-          << file;
+    const auto copied = [&](const RawGroom& groom, const char* name) {
+      writeGroom(folder / name, groom.strands, groom.native_up);
+      return readRawGroom(folder / name);
+    };
+    const RawGroom turned = copied(first, "a.hair"), second = copied(turned, "b.tfx"),
+                   again = copied(turned, "c.hair");
+    for (const auto& [one, other] : {std::pair{&first, &second}, std::pair{&turned, &again}}) {
+      const StrandSet &a = one->strands, &b = other->strands;
+      ASSERT_EQ(a.offsets, b.offsets) << file;
+      EXPECT_EQ(std::memcmp(a.positions.data(), b.positions.data(), 12 * a.vertices()), 0) << file;
     }
   }
 }

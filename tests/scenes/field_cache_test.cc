@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "core/error.h"
+#include "tests/collision/shapes.h"
 #include "tests/full_disk.h"
 #include "tests/groom/sample_files.h"
 #include "tests/groom/scratch_folder.h"
@@ -39,6 +40,30 @@ TEST(FieldCache, ADamagedOrForeignFileCountsAsNone) {
   EXPECT_FALSE(cache.find(7));
   cache.keep(7, samples::field());
   EXPECT_TRUE(cache.find(7));
+}
+
+TEST(FieldCache, AFileOfWhichOneBitIsAnotherIsBakedAnewAndReplaced) {
+  const ScratchFolder folder;
+  const FieldCache cache(folder.path());
+  const TriangleMesh ball = shapes::sphere(0.05f, 2);
+  FieldOptions options;
+  options.cell = 0.01f;
+  const auto progress = [](const std::string&, double) { return true; };
+  const DistanceField baked = fieldOf(ball, options, &cache, progress).field;
+  const std::filesystem::path file = std::filesystem::directory_iterator(folder.path())->path();
+  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+  const auto at = static_cast<std::streamoff>(std::filesystem::file_size(file) / 2);
+  stream.seekg(at);
+  const int byte = stream.get();
+  stream.seekp(at);
+  stream.put(static_cast<char>(byte ^ 4));
+  stream.close();
+  const SceneField again = fieldOf(ball, options, &cache, progress);
+  EXPECT_FALSE(again.from_cache);
+  EXPECT_NE(again.note.find("baked anew"), std::string::npos) << again.note;
+  EXPECT_NE(again.trouble.find("damaged"), std::string::npos) << again.trouble;
+  EXPECT_EQ(again.field.samples, baked.samples);
+  EXPECT_TRUE(fieldOf(ball, options, &cache, progress).from_cache) << "it has taken the damaged one's place";
 }
 
 TEST(FieldCache, WhatCannotBeWrittenIsAnError) {

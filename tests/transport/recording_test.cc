@@ -1,9 +1,13 @@
 #include "transport/recording/recording.h"
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <fstream>
 #include <random>
+#include <sstream>
 
 #include "core/error.h"
 #include "moving_hair.h"
@@ -394,6 +398,52 @@ TEST(RecordingTest, AFullDiskIsSaidAndCastingGoesOn) {
   EXPECT_TRUE(recorded.isCut());
   EXPECT_GE(recorded.frames(), 3u);
   EXPECT_LT(recorded.frames(), 9u);
+}
+
+TEST(RecordingTest, AFullDiskIsLoggedAtOnceAndOnce) {
+  const ScratchFolder folder;
+  const GroomDescription groom = smallGroom();
+  RecordingPublisher recording(makeInProcessChannel(1).first);
+  recording.open(folder / "a.rec", {});
+  recording.announce(groom, sampleBody(3));
+  std::ostringstream log;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
+  std::string in_time;
+  {
+    const FullDisk disk(recording.recorder().bytes() + 1000);
+    for (uint64_t i = 1; i <= 9; ++i) recording.publish(hairFrame(groom, i));
+    in_time = log.str();
+    recording.close();
+  }
+  spdlog::set_default_logger(before);
+  EXPECT_NE(in_time.find("is the disk full?"), std::string::npos) << in_time;
+  EXPECT_EQ(std::count(in_time.begin(), in_time.end(), '\n'), 1) << in_time;
+  EXPECT_EQ(log.str(), in_time);
+}
+
+TEST(RecordingTest, AnOldFileStaysUntilThereIsAGroom) {
+  const ScratchFolder folder;
+  const auto file = folder / "a.rec";
+  const GroomDescription groom = smallGroom();
+  const auto record = [&](uint64_t frames) {
+    Recorder recorder(file, {}, MakeFile::kWithGroom);
+    EXPECT_EQ(recorder.bytes(), 0u);
+    if (frames > 0) recorder.setGroom(groom, sampleBody(3));
+    for (uint64_t i = 1; i <= frames; ++i) EXPECT_TRUE(recorder.addFrame(hairFrame(groom, i)));
+    recorder.close();
+  };
+  record(0);
+  EXPECT_FALSE(std::filesystem::exists(file));
+  record(3);
+  record(0);
+  EXPECT_EQ(Recording(file).frames(), 3u);
+  record(2);
+  EXPECT_EQ(Recording(file).frames(), 2u);
+  EXPECT_FALSE(Recording(file).isCut());
+  EXPECT_THROW(Recorder(folder / "absent" / "a.rec", {}, MakeFile::kWithGroom), Error) << "said at once";
+  EXPECT_THROW(Recorder(folder / "", {}, MakeFile::kWithGroom), Error) << "a folder";
 }
 
 TEST(RecordingTest, APublisherRecordsFramesAndCommandsInTheirOrder) {

@@ -55,15 +55,26 @@ class FileBytes final : public RecordingBytes {
   uint64_t size_ = 0;
 };
 
+[[noreturn]] void failToMake(const std::string& name, int cause) {
+  throw Error(std::string("the recording cannot be made (") + std::strerror(cause) + ")", name,
+              "check its folder");
+}
+
 }  // namespace
 
 RecordWriter::RecordWriter(const std::filesystem::path& file)
     : name_(file.string()), file_(std::fopen(file.c_str(), "wb")) {
-  if (!file_)
-    throw Error(std::string("the recording cannot be made (") + std::strerror(errno) + ")", name_,
-                "check its folder");
+  if (!file_) failToMake(name_, errno);
   std::setvbuf(file_.get(), nullptr, _IOFBF, 1 << 18);
   put(kRecordingMagic, sizeof kRecordingMagic);
+}
+
+void RecordWriter::check(const std::filesystem::path& file) {
+  std::error_code unknown;
+  if (std::filesystem::is_directory(file, unknown)) failToMake(file.string(), EISDIR);
+  const bool is_there = std::filesystem::exists(file, unknown);
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (::access(is_there ? file.c_str() : folder.c_str(), W_OK) != 0) failToMake(file.string(), errno);
 }
 
 void RecordWriter::fail() const {

@@ -29,8 +29,10 @@ inline constexpr uint32_t kMaxRecordBytes = 4u << 20;  ///< behind its head
 /// Writes records one behind the other.
 class RecordWriter {
  public:
-  /// Throws Error when the file cannot be made.
+  /// Throws Error when the file cannot be made. An old one is emptied.
   explicit RecordWriter(const std::filesystem::path& file);
+  /// Throws Error where the constructor would, as far as can be known while the file stays as it is.
+  static void check(const std::filesystem::path& file);
   /// Where the record begins. Throws Error when it cannot be written.
   uint64_t write(RecordKind kind, std::span<const uint8_t> bytes);
   /// Hands everything to the system. Throws Error.

@@ -61,14 +61,14 @@ template <class Record>
 uint64_t Recorder::writeRecord(RecordKind kind, const Record& record) {
   MessageWriter writer(bytes_);
   recordFields(writer, record, std::type_identity<Record>());
-  return file_.write(kind, bytes_);
+  return file_->write(kind, bytes_);
 }
 
 template <class Message>
 uint64_t Recorder::writeMessage(RecordKind kind, const Message& message) {
   MessageWriter writer(bytes_);
   messageFields(writer, message, std::type_identity<Message>());
-  return file_.write(kind, bytes_);
+  return file_->write(kind, bytes_);
 }
 
 template <class Work>
@@ -81,17 +81,25 @@ void Recorder::guarded(const Work& work) {
   }
 }
 
-Recorder::Recorder(const std::filesystem::path& file, const RecordingOptions& options)
-    : file_(file), groom_id_(options.groom_id), encoder_(alone(options.codec)) {
+Recorder::Recorder(const std::filesystem::path& file, const RecordingOptions& options, MakeFile when)
+    : path_(file), options_(options), encoder_(alone(options.codec)) {
   checkCodecOptions(options.codec, file.string());
+  if (when == MakeFile::kAtOnce)
+    makeFile();
+  else
+    RecordWriter::check(file);
+}
+
+void Recorder::makeFile() {
+  file_.emplace(path_);
   RecordingHead head;
-  head.groom_id = options.groom_id;
-  head.codec = nameOf(alone(options.codec).codec);
-  head.max_error = options.codec.codec == Codec::kFloat32 ? 0 : options.codec.max_error;
+  head.groom_id = options_.groom_id;
+  head.codec = nameOf(alone(options_.codec).codec);
+  head.max_error = options_.codec.codec == Codec::kFloat32 ? 0 : options_.codec.max_error;
   head.layout = kLayout;
-  head.source = options.source;
+  head.source = options_.source;
   writeRecord(RecordKind::kHead, head);
-  file_.flush();
+  file_->flush();
 }
 
 Recorder::~Recorder() {
@@ -105,16 +113,17 @@ void Recorder::setGroom(const GroomDescription& groom, const BodyDescription& bo
   checkAnnouncement(groom, body, "groom " + groom.name);
   if (!is_open_) return;
   guarded([&] {
+    if (!file_) makeFile();
     writeIndex();
     GroomDescription own_groom = groom;
     BodyDescription own_body = body;
-    own_groom.groom_id = own_body.groom_id = groom_id_;
+    own_groom.groom_id = own_body.groom_id = options_.groom_id;
     own_body.session = groom.session;
     own_body.revision = groom.revision;
-    index_.groom = file_.size();
+    index_.groom = file_->size();
     for (const GroomChunk& chunk : splitGroom(own_groom)) writeMessage(RecordKind::kGroom, chunk);
     for (const BodyChunk& chunk : splitBody(own_body)) writeMessage(RecordKind::kBody, chunk);
-    file_.flush();
+    file_->flush();
   });
   encoder_.setGroom(groom.guides);
   session_ = groom.session;
@@ -154,14 +163,14 @@ bool Recorder::addFrame(const GuideFrame& frame) {
     const uint64_t at = writeRecord(RecordKind::kFrame, record);
     for (uint32_t i = 0; i < record.chunks; ++i) {
       encoder_.encode(frame, i, chunk_);
-      chunk_.groom_id = groom_id_;
+      chunk_.groom_id = options_.groom_id;
       writeMessage(RecordKind::kGuides, chunk_);
     }
     index_.offsets.push_back(inputs_at_ != 0 ? inputs_at_ : at);
     index_.times.push_back(time_);
     inputs_at_ = 0;
     ++number_;
-    file_.flush();  // who is killed leaves all frames but the one under way
+    file_->flush();  // who is killed leaves all frames but the one under way
   });
   grids_may_follow_ = true;
   return true;
@@ -176,7 +185,7 @@ bool Recorder::addGrids(const AirGrids& grids) {
       packLayers(grids, layer, record);
       writeRecord(RecordKind::kGrids, record);
     }
-    file_.flush();
+    file_->flush();
   });
   ++grid_frames_;
   return true;
@@ -198,9 +207,10 @@ void Recorder::writeIndex() {
 void Recorder::close() {
   if (!is_open_) return;
   guarded([&] {
+    if (!file_) return;
     writeIndex();
     writeRecord(RecordKind::kEnd, EndRecord{index_.previous, number_});
-    file_.flush();
+    file_->flush();
   });
   is_open_ = false;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,12 +19,19 @@ struct RecordingOptions {
   std::string source;  ///< kept for who resimulates it: RecordingHead::source
 };
 
+/// When a recording's file is made, and an old one of its name lost.
+enum class MakeFile {
+  kAtOnce,
+  kWithGroom  ///< by the first setGroom()
+};
+
 /// Writes a stream into a file that can be replayed up to wherever it ends, also when the program that writes
 /// it dies. Memory is that of a frame's largest chunk and of kIndexFrames places.
 class Recorder {
  public:
-  /// Throws Error when the file cannot be made.
-  Recorder(const std::filesystem::path& file, const RecordingOptions& options);
+  /// Throws Error when the file cannot be made, or could not be later.
+  Recorder(const std::filesystem::path& file, const RecordingOptions& options,
+           MakeFile when = MakeFile::kAtOnce);
   /// Closes it; what goes wrong then goes unsaid.
   ~Recorder();
   Recorder(const Recorder&) = delete;
@@ -45,12 +53,13 @@ class Recorder {
   void close();
 
   uint64_t frames() const { return number_; }
-  uint64_t gridFrames() const { return grid_frames_; }  ///< that have grids
-  double seconds() const { return time_; }              ///< of simulation
-  uint64_t bytes() const { return file_.size(); }       ///< written
+  uint64_t gridFrames() const { return grid_frames_; }          ///< that have grids
+  double seconds() const { return time_; }                      ///< of simulation
+  uint64_t bytes() const { return file_ ? file_->size() : 0; }  ///< written
   bool isOpen() const { return is_open_; }
 
  private:
+  void makeFile();
   template <class Record>
   uint64_t writeRecord(RecordKind kind, const Record& record);
   template <class Message>
@@ -60,8 +69,9 @@ class Recorder {
   template <class Work>
   void guarded(const Work& work);
 
-  RecordWriter file_;
-  const uint32_t groom_id_;
+  const std::filesystem::path path_;
+  const RecordingOptions options_;
+  std::optional<RecordWriter> file_;
   GuideEncoder encoder_;
   bool is_open_ = true;
   uint64_t session_ = 0;  // of the groom in force

@@ -1,16 +1,26 @@
 #include "transport/recording/recording_publisher.h"
 
+#include <spdlog/spdlog.h>
+
 #include "core/error.h"
 
 namespace strandcast {
 
 template <class Work>
-void RecordingPublisher::record(const Work& work) {
+void RecordingPublisher::attempt(const Work& work) {
   try {
     if (recorder_) work(*recorder_);
   } catch (const Error& error) {
     if (failure_.empty()) failure_ = error.what();
   }
+}
+
+template <class Work>
+void RecordingPublisher::record(const Work& work) {
+  const bool was_sound = failure_.empty();
+  attempt(work);
+  // The end, which tells it, may be hours away.
+  if (was_sound && !failure_.empty()) spdlog::error("casting goes on, recording does not: {}", failure_);
 }
 
 void RecordingPublisher::announce(const GroomDescription& groom, const BodyDescription& body) {
@@ -34,7 +44,7 @@ void RecordingPublisher::addGrids(const AirGrids& grids) {
 }
 
 std::string RecordingPublisher::close() {
-  record([&](Recorder& recorder) { recorder.close(); });
+  attempt([](Recorder& recorder) { recorder.close(); });
   return failure_;
 }
 

@@ -10,7 +10,7 @@ namespace strandcast {
 
 /// A publisher that also records what goes through it: groom, frames as they were before any network's codec,
 /// and the commands that were taken, each before the frame that it had an effect on. When the file cannot be
-/// written any more, casting goes on without it.
+/// written any more, that is logged and casting goes on without it.
 class RecordingPublisher final : public Publisher {
  public:
   explicit RecordingPublisher(std::unique_ptr<Publisher> publisher) : publisher_(std::move(publisher)) {}
@@ -37,6 +37,8 @@ class RecordingPublisher final : public Publisher {
   std::string close();
 
  private:
+  template <class Work>
+  void attempt(const Work& work);
   template <class Work>
   void record(const Work& work);
 

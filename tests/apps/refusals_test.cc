@@ -1,0 +1,116 @@
+// What the programs refuse, when, and what stays as it was. Nothing here needs a network.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "groom/groom_file.h"
+#include "tests/apps/program_fixture.h"
+#include "transport/recording/recorder.h"
+
+namespace strandcast {
+namespace {
+
+class Refusals : public ProgramFixture {
+ protected:
+  /// Ended after this many seconds: what should have been refused may never end.
+  Outcome tryFor(int seconds, const std::string& command) {
+    return run("timeout " + std::to_string(seconds) + " " + command);
+  }
+};
+
+TEST_F(Refusals, ANumberThatIsNoneIsInNoRange) {
+  const std::string absent = (folder_ / "absent").string();
+  for (const std::string& command :
+       {daemon_ + " --rate nan", daemon_ + " --duration nan", daemon_ + " --length nan",
+        daemon_ + " --body-cell nan", daemon_ + " --codec-error nan", daemon_ + " --unit-meters nan",
+        program_ + " record " + absent + " --seconds nan", program_ + " record " + absent + " --timeout nan",
+        program_ + " replay " + absent + " --speed nan", program_ + " replay " + absent + " --from nan",
+        program_ + " replay " + absent + " --to -nan", program_ + " replay " + absent + " --fps inf",
+        program_ + " convert " + absent + " b.tfx --unit-meters nan",
+        program_ + " info " + absent + " --unit-meters nan", program_ + " bake " + absent + " --cell nan",
+        program_ + " ctl status --timeout nan"}) {
+    const Outcome r = tryFor(10, command);
+    EXPECT_EQ(r.exit_code, 2) << command << "\n" << r.err;
+    EXPECT_NE(r.err.find("not in range"), std::string::npos) << command << "\n" << r.err;
+  }
+  if (!STRANDCAST_GL) return;
+  for (const char* option : {" --fps nan", " --skip nan", " --timeout nan", " --light-intensity nan"}) {
+    const Outcome r = tryFor(10, program_ + " render --out " + absent + option);
+    EXPECT_EQ(r.exit_code, 2) << option << "\n" << r.err;
+    EXPECT_NE(r.err.find("not in range"), std::string::npos) << option << "\n" << r.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(absent));
+}
+
+TEST_F(Refusals, WhatWouldBeIgnoredIsRefused) {
+  StrandSet strands;
+  strands.append(std::vector<Vec3>{Vec3(0, 0, 0), Vec3(0, 0.1f, 0), Vec3(0, 0.2f, 0)});
+  const std::filesystem::path hair = folder_ / "hair.tfx";
+  writeGroom(hair, strands);
+  write("hair.toml", "[groom]\nfiles = [\"hair.tfx\"]\n[body]\nfile = \"absent.obj\"\nclip = \"walk\"\n");
+  write("curly.toml", "scene = \"curly\"\n[groom]\nlength = 0.1\n");
+  const std::string record = program_ + " record " + (folder_ / "a.rec").string() +
+                             " --backend reference --strands 20 --seconds 0.01 --json";
+  const std::string hair_file = " --groom " + hair.string() + " --unit-meters 1";
+  const auto config = [&](const char* name) { return " --config " + (folder_ / name).string(); };
+  for (const auto& [options, advice] :
+       {std::pair{std::string(" --body absent.obj"), "--groom"},
+        std::pair{std::string(" --scene straight --body absent.obj"), "--groom"},
+        std::pair{hair_file + " --scene straight", "leave one of them out"},
+        std::pair{hair_file + " --length 0.5", "--length"}}) {
+    const Outcome r = tryFor(20, record + options);
+    EXPECT_EQ(r.exit_code, 2) << options << r.out;
+    EXPECT_NE(r.err.find(advice), std::string::npos) << options << "\n" << r.err;
+  }
+  for (const std::string& options :
+       {hair_file, " --scene straight" + config("hair.toml"), hair_file + config("curly.toml")}) {
+    const Outcome r = tryFor(60, record + options);
+    EXPECT_EQ(r.exit_code, 0) << options << "\n" << r.err << "what only a file says gives way";
+  }
+}
+
+TEST_F(Refusals, ARecordingThatIsNotWholeDoesNotPassItsCheck) {
+  const std::filesystem::path file = folder_ / "a.rec", empty = folder_ / "empty.rec";
+  ASSERT_EQ(run(program_ + " record " + file.string() +
+                " --scene straight --strands 20 --backend reference --seconds 0.05")
+                .exit_code,
+            0);
+  const auto check = [&](const std::filesystem::path& recording) {
+    return run(program_ + " replay " + recording.string() + " --check --json");
+  };
+  EXPECT_EQ(check(file).exit_code, 0);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 10);
+  const Outcome cut = check(file);
+  EXPECT_EQ(cut.exit_code, 1);
+  EXPECT_NE(cut.err.find("was cut"), std::string::npos) << cut.err;
+  EXPECT_EQ(nlohmann::json::parse(cut.out)["frames_damaged"], 0);
+
+  Recorder(empty, {.groom_id = 1, .codec = {}, .source = "{}"}).close();
+  const Outcome none = check(empty);
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_EQ(nlohmann::json::parse(none.out)["can_resimulate"], 0) << "--resimulate would not start";
+  EXPECT_EQ(run(program_ + " replay " + empty.string() + " --resimulate").exit_code, 2);
+}
+
+TEST_F(Refusals, OutputThatCannotBeWrittenIsAnError) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  const auto outcome = [&](const std::string& command) { return run("sh -c '" + command + "'"); };
+  for (const char* words :
+       {" info --backends", " info --backends --json", " --help", " validate physics --list"}) {
+    const Outcome r = outcome(program_ + words + " >/dev/full");
+    EXPECT_EQ(r.exit_code, 2) << words;
+    EXPECT_NE(r.err.find("error: standard output"), std::string::npos) << words << r.err;
+  }
+  EXPECT_EQ(outcome(daemon_ + " --help >/dev/full").exit_code, 2);
+  for (const char* ignoring : {"", "trap \"\" PIPE; "}) {
+    const Outcome left = outcome(ignoring + program_ + " info --backends | :");
+    EXPECT_EQ(left.err, "") << "nobody reads on: no failure";
+  }
+}
+
+}  // namespace
+}  // namespace strandcast
