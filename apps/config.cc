@@ -96,8 +96,8 @@ class Section {
       }
     });
   }
-  /// Every key nobody asked for goes to `set` with its components; `pairs`: [[0, 1], [1, 0.4]] is taken too, as
-  /// 0, 1, 1, 0.4.
+  /// Every key nobody asked for goes to `set` with its components; `pairs`: [[0, 1], [1, 0.4]] is taken too,
+  /// as 0, 1, 1, 0.4.
   void remaining(bool pairs, const std::function<void(const std::string&, const std::vector<double>&,
                                                       const std::string& where)>& set) {
     for (const auto& [key, node] : table_)
@@ -245,12 +245,14 @@ WindSource readWindSource(Section& section) {
   auto number = [&](const char* key, double low, double high, float& to) {
     section.number(key, low, high, [&](double v) { to = static_cast<float>(v); });
   };
-  section.text("kind", [&](const std::string& kind) { out.kind = windSourceKind(kind, section.place("kind")); });
+  section.text("kind",
+               [&](const std::string& kind) { out.kind = windSourceKind(kind, section.place("kind")); });
   vector("position", out.position);
   vector("direction", out.direction);
   number("radius", 1e-3, 100, out.radius);
   number("length", 1e-3, 100, out.length);
-  section.number("angle", 0.1, 90, [&](double v) { out.angle = static_cast<float>(v * std::numbers::pi / 180); });
+  section.number("angle", 0.1, 90,
+                 [&](double v) { out.angle = static_cast<float>(v * std::numbers::pi / 180); });
   number("speed", -100, 100, out.speed);
   number("swirl", -100, 100, out.swirl);
   number("rate", 0, 1000, out.rate);
@@ -280,7 +282,8 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     const auto skinned = [&]() -> SkinnedMotion& {
       return s.scene.skinned ? *s.scene.skinned : s.scene.skinned.emplace();
     };
-    body.text("clip", [&](const std::string& v) { skinned().clip = v.ends_with(".bvh") ? path(v).string() : v; });
+    body.text("clip",
+              [&](const std::string& v) { skinned().clip = v.ends_with(".bvh") ? path(v).string() : v; });
     body.text("joint", [&](const std::string& v) { skinned().joint = v; });
     body.number("cell", 1e-6, 1e3, [&](double v) { s.scene.body_cell = static_cast<float>(v); });
     body.number("fitted_spheres", 0, 64, [&](double v) { s.scene.body_primitives = static_cast<int>(v); });

@@ -18,12 +18,15 @@ std::filesystem::path picturePath(const std::filesystem::path& folder, int numbe
   return folder / fmt::format("frame_{:04d}.png", number);
 }
 
-void makeMovie(const std::filesystem::path& folder, double fps, const std::filesystem::path& movie) {
-  const std::string pattern = (folder / "frame_%04d.png").string(), rate = fmt::format("{:g}", fps);
+void makeMovie(const std::filesystem::path& folder, int pictures, double fps,
+               const std::filesystem::path& movie) {
+  const std::string pattern = (folder / "frame_%04d.png").string(), rate = fmt::format("{:g}", fps),
+                    count = std::to_string(pictures);
   const pid_t child = fork();
   if (child == 0) {
     execlp("ffmpeg", "ffmpeg", "-y", "-loglevel", "error", "-framerate", rate.c_str(), "-i", pattern.c_str(),
-           "-pix_fmt", "yuv420p", "-crf", "18", movie.c_str(), static_cast<char*>(nullptr));
+           "-frames:v", count.c_str(), "-pix_fmt", "yuv420p", "-crf", "18", movie.c_str(),
+           static_cast<char*>(nullptr));
     _exit(127);
   }
   int status = 0;

@@ -6,7 +6,9 @@ namespace strandcast {
 /// Numbered pictures in one folder: frame_0000.png and on. All throw Error.
 void makeFolder(const std::filesystem::path& folder);
 std::filesystem::path picturePath(const std::filesystem::path& folder, int number);
-/// Joins the pictures of `folder` into a film of `fps` pictures a second; needs ffmpeg, installed apart.
-void makeMovie(const std::filesystem::path& folder, double fps, const std::filesystem::path& movie);
+/// Joins the first so many pictures of `folder` into a film of `fps` of them a second; needs ffmpeg,
+/// installed apart. Older ones may lie behind them.
+void makeMovie(const std::filesystem::path& folder, int pictures, double fps,
+               const std::filesystem::path& movie);
 
 }  // namespace strandcast

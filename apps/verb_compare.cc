@@ -183,7 +183,7 @@ int compare(const Options& o) {
     return kExitInterrupted;
   }
   if (pictures && !o.movie.empty())
-    makeMovie(o.out, static_cast<double>(frames) / (o.shake + o.rest), o.movie);
+    makeMovie(o.out, static_cast<int>(frames), static_cast<double>(frames) / (o.shake + o.rest), o.movie);
   report(o, scene, trials);
   return 0;
 }

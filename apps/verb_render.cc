@@ -4,22 +4,19 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <deque>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <thread>
 
 #include "apps/air_film.h"
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/finite_range.h"
+#include "apps/frame_capture.h"
 #include "apps/interrupt.h"
 #include "apps/picture_folder.h"
 #include "apps/picture_options.h"
 #include "apps/scene_simulation.h"
-#include "apps/stream_scene.h"
 #include "apps/verbs.h"
 #include "core/error.h"
 #include "gl/context.h"
@@ -40,85 +37,9 @@ struct Options {
   bool json = false;
 };
 
-/// And what it is drawn with, which another daemon may have replaced since.
-struct CapturedFrame {
-  std::shared_ptr<const GuideFrame> frame;
-  StreamScene scene;
-};
-
-/// Picks frames off the stream in its own thread, evenly in simulation time, so that drawing as slowly as it
-/// likes loses none.
-class FrameCapture {
- public:
-  FrameCapture(Stream& stream, int frames, double fps, double skip, double timeout)
-      : stream_(stream), frames_(frames), fps_(fps), skip_(skip), timeout_(timeout), thread_([this] {
-          run();
-        }) {}
-  ~FrameCapture() {
-    stop_ = true;
-    thread_.join();
-  }
-  /// The next frame to draw; nothing when there will be no more. Throws Error as Stream::checkAlive().
-  std::optional<CapturedFrame> next() {
-    for (;;) {
-      {
-        const std::lock_guard lock(mutex_);
-        if (!queue_.empty()) {
-          CapturedFrame frame = std::move(queue_.front());
-          queue_.pop_front();
-          return frame;
-        }
-        if (done_) return std::nullopt;
-      }
-      if (g_interrupted) return std::nullopt;
-      stream_.checkAlive();
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-  }
-
- private:
-  void run() {
-    Subscriber& subscriber = stream_.subscriber();
-    uint64_t newest = 0;
-    int captured = 0;
-    double due = -1;
-    auto heard = std::chrono::steady_clock::now();
-    while (captured < frames_ && !stop_ && !g_interrupted) {
-      const auto frame = subscriber.waitForFrame(newest, std::chrono::milliseconds(100));
-      const auto now = std::chrono::steady_clock::now();
-      if (!frame) {
-        if (std::chrono::duration<double>(now - heard).count() > timeout_) break;
-        continue;
-      }
-      heard = now;
-      if (frame->frame < newest) due = -1;  // another daemon took over
-      newest = frame->frame;
-      const StreamScene scene = StreamScene::of(subscriber);
-      if (!scene.fits(*frame)) continue;  // its body is still to come
-      if (due < 0) due = frame->simulation_time + skip_;
-      if (frame->simulation_time < due - 1e-9) continue;
-      due += 1 / fps_;
-      ++captured;
-      const std::lock_guard lock(mutex_);
-      queue_.push_back({frame, scene});
-    }
-    const std::lock_guard lock(mutex_);
-    done_ = true;
-  }
-
-  Stream& stream_;
-  const int frames_;
-  const double fps_, skip_, timeout_;
-  std::mutex mutex_;
-  std::deque<CapturedFrame> queue_;
-  bool done_ = false;
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
-};
-
 /// `status`: the newest that was heard; the daemon may have ended since.
-void report(const Options& o, Subscriber& subscriber, const std::optional<Status>& status, int drawn,
-            double draw_ms) {
+void report(const Options& o, Subscriber& subscriber, const std::optional<Status>& status, int passed_over,
+            int drawn, double draw_ms) {
   const ReceiveStatistics r = subscriber.statistics();
   Report out;
   if (const Status* s = status ? &*status : nullptr) {
@@ -144,6 +65,8 @@ void report(const Options& o, Subscriber& subscriber, const std::optional<Status
   }
   out.add("latency_ms_p50", "latency, median", r.latency_ms_p50, "ms", 3);
   out.add("latency_ms_p99", "latency, 99th percentile", r.latency_ms_p99, "ms", 3);
+  if (passed_over > 0)
+    out.addCount("frames_passed_over", "frames passed over", static_cast<uint64_t>(passed_over));
   out.addCount("frames_drawn", "frames drawn", static_cast<uint64_t>(drawn));
   out.add("draw_ms", "drawing, mean", drawn > 0 ? draw_ms / drawn : 0, "ms per frame", 1);
   out.add("out", "pictures", (o.out / "frame_*.png").string());
@@ -170,7 +93,7 @@ int renderAir(const Options& o, const Settings& settings) {
     bar.show(fmt::format("slice {} of {}", film.drawn(), o.frames),
              static_cast<double>(film.drawn()) / o.frames);
   }
-  if (!o.movie.empty() && film.drawn() > 0) makeMovie(o.out, o.fps, o.movie);
+  if (!o.movie.empty() && film.drawn() > 0) makeMovie(o.out, film.drawn(), o.fps, o.movie);
   Report out;
   film.addTo(out);
   out.print(o.json);
@@ -186,7 +109,7 @@ int render(const Options& o) {
   Subscriber& subscriber = stream.subscriber();
   context.makeCurrent();
 
-  FrameCapture capture(stream, o.frames, o.fps, o.skip, o.timeout);
+  FrameCapture capture(stream, {o.frames, o.fps, o.skip, o.timeout});
   Renderer renderer(renderSettings(o.picture));
   StreamScene scene;
   std::shared_ptr<const ColliderSet> colliders;
@@ -217,9 +140,9 @@ int render(const Options& o) {
       bar.show(fmt::format("frame {} of {}", drawn, o.frames), static_cast<double>(drawn) / o.frames);
     }
   }
-  if (!o.movie.empty() && drawn > 0) makeMovie(o.out, o.fps, o.movie);
+  if (!o.movie.empty() && drawn > 0) makeMovie(o.out, drawn, o.fps, o.movie);
   if (const auto now = subscriber.status()) status = now;
-  report(o, subscriber, status, drawn, draw_ms);
+  report(o, subscriber, status, capture.passedOver(), drawn, draw_ms);
   if (g_interrupted) return kExitInterrupted;
   if (drawn < o.frames) {
     spdlog::warn("the stream ended after {} of {} frames", drawn, o.frames);

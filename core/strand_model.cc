@@ -90,8 +90,8 @@ void setRod(StrandModel& model, size_t s, const Material& material) {
     const double bending = material.youngs_modulus *
                            material.stiffness_scale.at(static_cast<float>(along / total)) * second_moment;
     const Eigen::Quaterniond outer(model.rest_frames[v].cast<double>());
-    // The law is in 2 tan(theta/2): this keeps its stiffness at the rest angle that of the rod, up to the fold where
-    // the law is capped.
+    // The law is in 2 tan(theta/2): this keeps its stiffness at the rest angle that of the rod, up to the
+    // fold where the law is capped.
     const double cosine = std::max(std::fabs((inner.conjugate() * outer).w()), kCappedCosine);
     const double scale = cosine * cosine / (cell * reference);
     model.rest_strain[v] = strainOfJoint(inner, outer).cast<float>();

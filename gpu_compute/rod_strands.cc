@@ -43,8 +43,8 @@ Spread spreadOf(uint32_t key, bool bodies) {
 constexpr size_t kOwnProgram = 512;
 constexpr uint32_t sharedThreads(uint32_t threads) { return threads <= 8 ? 8 : kWorkgroup; }
 
-// So many strands have those astray done apart: that is one more dispatch to wait for, 0.03 ms of each substep on
-// an H100, and spares the others 1.1 ms a step of six in 100,000 strands.
+// So many strands have those astray done apart: that is one more dispatch to wait for, 0.03 ms of each
+// substep on an H100, and spares the others 1.1 ms a step of six in 100,000 strands.
 constexpr uint32_t kAstrayApart = 32768;
 bool doesAstrayApart(const StrandGroup& group) { return group.count >= kAstrayApart; }
 

@@ -1,5 +1,7 @@
 // What programs that draw or record a stream rely on.
 #include "apps/channel.h"
+#include "apps/frame_capture.h"
+#include "apps/interrupt.h"
 #include "apps/stream_scene.h"
 #include "core/error.h"
 #include "tests/apps/daemon_fixture.h"
@@ -42,6 +44,26 @@ TEST_F(StreamTest, ASimulationThatFailsEndsItsReaderWithTheError) {
   EXPECT_TRUE(trueWithin(std::chrono::seconds(30), [&] { return !failure().empty(); }));
   EXPECT_NE(failure().find("the simulation fails: at 0.05 s"), std::string::npos) << failure();
   EXPECT_NE(failure(), "") << "whenever it is asked";
+}
+
+TEST_F(StreamTest, FramesThatWaitToBeDrawnTakeNoMoreThanTheirRoom) {
+  Stream stream(fewStrands(), true, 10);
+  FrameCapture capture(stream, {.frames = 1000, .fps = 60, .skip = 0, .timeout = 10, .room = 1});
+  EXPECT_TRUE(trueWithin(std::chrono::seconds(30), [&] { return capture.passedOver() >= 5; }));
+  const auto first = capture.next(), second = capture.next();
+  ASSERT_TRUE(first && second);
+  EXPECT_GT(second->frame->frame, first->frame->frame + 5)
+      << "one waits, and those after it were passed over";
+}
+
+TEST_F(StreamTest, AnInterruptDoesNotWaitForWhatIsStillToBeDrawn) {
+  Stream stream(fewStrands(), true, 10);
+  FrameCapture capture(stream, {.frames = 1000, .fps = 60, .skip = 0, .timeout = 10});
+  ASSERT_TRUE(capture.next());
+  ASSERT_TRUE(stream.subscriber().waitForFrame(10, std::chrono::seconds(30)));
+  g_interrupted = true;
+  EXPECT_FALSE(capture.next());
+  g_interrupted = false;
 }
 
 TEST_F(StreamTest, ASimulationThatRunsIsNoError) {

@@ -92,7 +92,8 @@ TEST(SagFree, StiffensWhatWouldHaveToBeWoundUp) {
 // An edge that turns back on the one before it: 2 tan(theta/2) has no value there.
 TEST(SagFree, AnExactFoldHasAFiniteRest) {
   StrandSet set;
-  const std::vector<Vec3> fold = {Vec3(0, 0, 0), Vec3(0, -0.1f, 0), Vec3(0, -0.05f, 0), Vec3(0, -0.05f, 0.1f)};
+  const std::vector<Vec3> fold = {Vec3(0, 0, 0), Vec3(0, -0.1f, 0), Vec3(0, -0.05f, 0),
+                                  Vec3(0, -0.05f, 0.1f)};
   set.append(fold);
   StrandModel model = makeStrandModel(set);
   makeSagFree(model, kGravity);
