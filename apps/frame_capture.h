@@ -11,7 +11,7 @@
 
 namespace strandcast {
 
-/// And what it is drawn with, which another daemon may have replaced since.
+/// A frame, and what it is drawn with, which another daemon may have replaced since.
 struct CapturedFrame {
   std::shared_ptr<const GuideFrame> frame;
   StreamScene scene;

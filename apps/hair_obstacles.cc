@@ -42,12 +42,12 @@ std::vector<HairObstacle> bakedObstacles(const BodyDescription& body) {
     try {
       ContactPrimitive shape;
       shape.kind = PrimitiveKind::kField;
-      shape.field = std::make_shared<DistanceField>(fieldOf(part, options, folder.empty() ? nullptr : &cache,
-                                                            [&](const std::string& what, double done) {
-                                                              bar.show("body: " + what, done);
-                                                              return !g_interrupted;
-                                                            })
-                                                        .field);
+      const auto progress = [&](const std::string& what, double done) {
+        bar.show("body: " + what, done);
+        return !g_interrupted;
+      };
+      const FieldCache* kept = folder.empty() ? nullptr : &cache;
+      shape.field = std::make_shared<DistanceField>(fieldOf(part, options, kept, progress).field);
       obstacles.push_back({std::move(shape), head, kNoCollider, Pose{}});
     } catch (const Error& error) {
       spdlog::warn("grown hair is not kept out of a part of the body: {}", error.what());

@@ -588,8 +588,6 @@ void stepStrands(uint list, uint first, uint count) {
   astray = false;
   loadContacts();
   const int passes = settings.substeps > 0u ? 2 : 0;  // of lengths; compilers would unroll a 2
-#endif
-#if BODIES
   {
     const int substep = first_substep, ahead = 0;
 #else
