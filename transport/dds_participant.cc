@@ -10,6 +10,7 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -80,9 +81,15 @@ class Silence {
   Silence& operator=(const Silence&) = delete;
 };
 
-void limitLogging() {
+/// What Fast DDS has once for all participants of the process.
+void setUpFastDds() {
   static std::once_flag once;
   std::call_once(once, [] {
+    // A writer that has lost a reader of its own process (Fast DDS 2.9.1) now and then gives nothing to those
+    // that follow, and takes them to have acknowledged it. By the network they get everything.
+    eprosima::fastrtps::LibrarySettingsAttributes settings;
+    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
     dds::Log::SetVerbosity(dds::Log::Kind::Error);
     dds::Log::ClearConsumers();
     dds::Log::RegisterConsumer(std::make_unique<FewErrors>());
@@ -287,7 +294,7 @@ DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id)
   if (domain < 0 || domain > kMaxDomain) {
     throw Error("the DDS domain is out of range", std::to_string(domain), "choose 0 to 232");
   }
-  limitLogging();
+  setUpFastDds();
   if (!keys_.empty()) checkKeyFolder(keys_);
   checkInterfaces(domain);
   checkDiscoveryPort(domain);
