@@ -24,7 +24,7 @@ namespace {
 
 constexpr size_t kMeasuredPoints = 10000;
 
-struct Options {
+struct BakeOptions {
   std::string file, out, up = "auto", cache, slices;
   float unit_meters = 0;
   FieldOptions field;
@@ -50,7 +50,7 @@ struct Baked {
   double seconds = 0;
 };
 
-Baked bakeOrFind(FieldBaker& baker, uint64_t key, const Options& o, ProgressBar& bar,
+Baked bakeOrFind(FieldBaker& baker, uint64_t key, const BakeOptions& o, ProgressBar& bar,
                  const BakeProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
   const auto since = [&] {
@@ -74,7 +74,7 @@ Baked bakeOrFind(FieldBaker& baker, uint64_t key, const Options& o, ProgressBar&
   return baked;
 }
 
-Report report(const Options& o, const Box& box, const FieldBaker& baker, const Baked& baked,
+Report report(const BakeOptions& o, const Box& box, const FieldBaker& baker, const Baked& baked,
               const FieldAccuracy& a) {
   const DistanceField& field = baked.field;
   const FieldGrid& grid = field.grid;
@@ -107,7 +107,7 @@ Report report(const Options& o, const Box& box, const FieldBaker& baker, const B
   return out;
 }
 
-int bake(Options o) {
+int bake(BakeOptions o) {
   GroomReadOptions read;
   read.unit_meters = o.unit_meters;
   read.up = upAxisOf(o.up);
@@ -140,7 +140,7 @@ int bake(Options o) {
 }  // namespace
 
 Verb addBake(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<BakeOptions>();
   app.footer(
       "The mesh may be open, intersect itself or have parts inside one another. Says before it starts what\n"
       "it will take, and afterwards how far the field is from the exact distance.\n"

@@ -22,7 +22,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct CompareOptions {
   std::unique_ptr<SettingsOptions> settings;
   PictureOptions picture;
   std::vector<std::string> solvers{"rod", "gauss_seidel"};
@@ -35,7 +35,7 @@ struct Options {
 /// Draws the same scene as every solver has it from one camera into one picture, side by side.
 class SideBySide {
  public:
-  SideBySide(const Options& options, const Scene& scene)
+  SideBySide(const CompareOptions& options, const Scene& scene)
       : out_(options.out), renderer_(renderSettings(options.picture)) {
     GroomDescription groom;
     groom.name = scene.name;
@@ -120,7 +120,7 @@ nlohmann::json toJson(const std::string& solver, const ShakeResult& result) {
   return object;
 }
 
-void report(const Options& o, const Scene& scene, std::deque<ShakeTrial>& trials) {
+void report(const CompareOptions& o, const Scene& scene, std::deque<ShakeTrial>& trials) {
   std::vector<ShakeResult> results;
   for (ShakeTrial& trial : trials) results.push_back(trial.result());
   const StrandModel& model = trials.front().simulation().model();
@@ -152,7 +152,7 @@ void report(const Options& o, const Scene& scene, std::deque<ShakeTrial>& trials
                          .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
-int compare(const Options& o) {
+int compare(const CompareOptions& o) {
   Settings settings = o.settings->resolve();
   if (settings.scene.motion.empty()) settings.scene.motion = "shake";
   if (!o.no_pictures) makeFolder(o.out);
@@ -191,7 +191,7 @@ int compare(const Options& o) {
 }  // namespace
 
 Verb addCompare(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<CompareOptions>();
   app.footer(
       "Each solver has the same scene, steps and parameters. The head moves (--motion, by default shake),\n"
       "comes back to its rest pose and keeps still. Told of each solver: the time of a step; how far edges\n"

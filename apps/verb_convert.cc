@@ -12,14 +12,14 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct ConvertOptions {
   std::string in, out, up = "auto";
   float unit_meters = 0;
   int vertices = 0;
   bool clean = false;
 };
 
-int convert(const Options& o) {
+int convert(const ConvertOptions& o) {
   StrandSet strands;
   UpAxis up = UpAxis::kY;
   if (o.clean || o.unit_meters > 0 || o.up != "auto") {
@@ -41,7 +41,7 @@ int convert(const Options& o) {
 }  // namespace
 
 Verb addConvert(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ConvertOptions>();
   app.footer(
       "Positions pass through bit for bit unless --clean, --unit-meters, --up or --vertices asks for a "
       "change; between .hair, where Z is up, and the others, where Y is, they are turned.\n"

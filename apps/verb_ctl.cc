@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-struct Options {
+struct CtlOptions {
   Settings network;
   bool json = false;
   double timeout = 10;  // s
@@ -40,7 +40,7 @@ bool waitUntil(double seconds, const std::function<bool()>& ready) {
   return true;
 }
 
-int sendCommand(const Options& o, CommandKind kind, const std::string& name,
+int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
                 const std::vector<double>& values) {
   const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
   Command command;
@@ -106,7 +106,7 @@ nlohmann::json toJson(const Status& s) {
           {"parameters", parametersJson(s)}};
 }
 
-int list(const Options& o) {
+int list(const CtlOptions& o) {
   const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
   waitUntil(std::min(o.timeout, 1.5), [] { return false; });  // every daemon speaks twice a second
   const std::vector<Status> all = subscriber->allStatuses();
@@ -123,7 +123,7 @@ int list(const Options& o) {
   return 0;
 }
 
-int printStatus(const Options& o) {
+int printStatus(const CtlOptions& o) {
   const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
   std::optional<Status> status;
   if (!waitUntil(o.timeout, [&] { return (status = subscriber->status()).has_value(); }))
@@ -210,7 +210,7 @@ std::vector<double> colliderValues(const std::string& kind, const std::vector<do
   return values;
 }
 
-void addColliderVerbs(CLI::App& app, const std::shared_ptr<Options>& o, const std::shared_ptr<Verb>& run) {
+void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std::shared_ptr<Verb>& run) {
   app.require_subcommand(1);
   std::string shapes;
   for (const ShapeForm& form : kShapes) shapes += fmt::format("\n  {:<16} {}", form.name, form.help);
@@ -247,7 +247,7 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<Options>& o, const st
 }  // namespace
 
 Verb addCtl(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<CtlOptions>();
   const auto run = std::make_shared<Verb>();
   app.require_subcommand(1);
   app.fallthrough();

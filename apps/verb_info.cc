@@ -21,7 +21,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct InfoOptions {
   std::string file, up = "auto";
   float unit_meters = 0;
   bool backends = false, json = false;
@@ -51,7 +51,7 @@ int printBackends(bool json) {
 
 nlohmann::json toJson(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
 
-int printGroom(const Options& options) {
+int printGroom(const InfoOptions& options) {
   const std::filesystem::path file(options.file);
   const RawGroom raw = readRawGroom(file);
   GroomReadOptions read;
@@ -109,7 +109,7 @@ int printGroom(const Options& options) {
 }  // namespace
 
 Verb addInfo(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<InfoOptions>();
   app.add_option("FILE", o->file, "groom file: .tfx, .hair or .obj");
   app.add_option("--unit-meters", o->unit_meters, "metres per unit of the file; guessed if not given")
       ->check(finiteRange(1e-6, 1000.0));

@@ -11,7 +11,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct KeysOptions {
   std::filesystem::path folder;
   int days = 365;
   bool json = false;
@@ -29,7 +29,7 @@ const char* rightsOf(KeyRole role) {
   return "reads";
 }
 
-int makeKeys(const Options& o) {
+int makeKeys(const KeysOptions& o) {
   const std::vector<TestIdentity> identities = makeTestKeys(o.folder, o.days);
   if (o.json) {
     nlohmann::json out = {{"ca", (o.folder / "ca").string()}, {"days", o.days}};
@@ -53,7 +53,7 @@ int makeKeys(const Options& o) {
 }  // namespace
 
 Verb addKeys(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<KeysOptions>();
   app.footer(
       "Makes what --profile secure needs: a test CA and one folder of keys each for a daemon, for a "
       "renderer, "

@@ -19,7 +19,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct RecordOptions {
   std::unique_ptr<SettingsOptions> settings;
   std::filesystem::path file;
   uint32_t grids_every = 0;
@@ -29,14 +29,14 @@ struct Options {
 };
 
 /// Shows how far it is; true when it has the seconds that were asked for.
-bool isLongEnough(const Recorder& recorder, const Options& o, ProgressBar& bar) {
+bool isLongEnough(const Recorder& recorder, const RecordOptions& o, ProgressBar& bar) {
   bar.show(
       fmt::format("{:.1f} s, {:.1f} MB", recorder.seconds(), 1e-6 * static_cast<double>(recorder.bytes())),
       o.seconds > 0 ? recorder.seconds() / o.seconds : 0);
   return o.seconds > 0 && recorder.seconds() >= o.seconds - 1e-6;
 }
 
-void addFile(Report& out, const Recorder& recorder, const Options& o) {
+void addFile(Report& out, const Recorder& recorder, const RecordOptions& o) {
   out.add("file", "recording", o.file.string());
   out.addCount("frames", "frames", recorder.frames());
   if (o.grids_every > 0) out.addCount("grids", "frames with grids", recorder.gridFrames());
@@ -52,7 +52,7 @@ RecordingOptions recordingOptions(const Settings& settings) {
 }
 
 /// A scene, as fast as this machine simulates it, every frame.
-int simulateAndRecord(const Options& o, const Settings& settings) {
+int simulateAndRecord(const RecordOptions& o, const Settings& settings) {
   // Nobody listens at the other end.
   auto [channel, listener] = makeInProcessChannel(settings.groom_id);
   RecordingPublisher publisher(std::move(channel));
@@ -83,7 +83,7 @@ int simulateAndRecord(const Options& o, const Settings& settings) {
 }
 
 /// What a daemon casts.
-int recordStream(const Options& o, const Settings& settings) {
+int recordStream(const RecordOptions& o, const Settings& settings) {
   if (o.grids_every > 0)
     throw Error("a daemon does not cast its grids", "--grids",
                 "name what to simulate here, e.g. --scene straight, or let the daemon record: `strandcastd "
@@ -120,7 +120,7 @@ int recordStream(const Options& o, const Settings& settings) {
   return g_interrupted ? kExitInterrupted : 0;
 }
 
-int record(const Options& o) {
+int record(const RecordOptions& o) {
   const Settings settings = o.settings->resolve();
   return o.settings->namesScene() ? simulateAndRecord(o, settings) : recordStream(o, settings);
 }
@@ -128,7 +128,7 @@ int record(const Options& o) {
 }  // namespace
 
 Verb addRecord(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<RecordOptions>();
   app.footer(
       "Records what a daemon casts, over any transport, until the stream ends, --seconds or Ctrl-C. With "
       "--scene, --groom or --config it simulates here instead, as fast as it can. Whatever ends it, the file "

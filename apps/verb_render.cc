@@ -24,7 +24,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct RenderOptions {
   std::unique_ptr<SettingsOptions> settings;
   PictureOptions picture;
   std::filesystem::path out = "out";
@@ -38,8 +38,8 @@ struct Options {
 };
 
 /// `status`: the newest that was heard; the daemon may have ended since.
-void report(const Options& o, Subscriber& subscriber, const std::optional<Status>& status, int passed_over,
-            int drawn, double draw_ms) {
+void report(const RenderOptions& o, Subscriber& subscriber, const std::optional<Status>& status,
+            int passed_over, int drawn, double draw_ms) {
   const ReceiveStatistics r = subscriber.statistics();
   Report out;
   if (const Status* s = status ? &*status : nullptr) {
@@ -74,7 +74,7 @@ void report(const Options& o, Subscriber& subscriber, const std::optional<Status
 }
 
 /// Steps the scene in this process and draws slices through its grids, which no wire carries.
-int renderAir(const Options& o, const Settings& settings) {
+int renderAir(const RenderOptions& o, const Settings& settings) {
   if (!o.settings->namesScene())
     throw Error("a daemon does not cast its grids", "--show " + o.show,
                 "name what to simulate, e.g. --scene straight");
@@ -100,7 +100,7 @@ int renderAir(const Options& o, const Settings& settings) {
   return g_interrupted ? kExitInterrupted : 0;
 }
 
-int render(const Options& o) {
+int render(const RenderOptions& o) {
   const Settings settings = o.settings->resolve();
   if (o.show != "hair") return renderAir(o, settings);
   makeFolder(o.out);
@@ -154,7 +154,7 @@ int render(const Options& o) {
 }  // namespace
 
 Verb addRender(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<RenderOptions>();
   app.footer(
       "With --scene, --groom or --config the simulation runs inside this process; without, a daemon's stream "
       "is drawn.\n"

@@ -22,7 +22,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct ReplayVerbOptions {
   Settings settings;
   std::filesystem::path file;
   std::string codec = nameOf(CodecOptions().codec);
@@ -44,7 +44,7 @@ void addFile(Report& out, const Recording& recording) {
   out.add("megabytes", "size", 1e-6 * static_cast<double>(recording.bytes()), "MB", 3);
 }
 
-int check(Recording& recording, const Options& o) {
+int check(Recording& recording, const ReplayVerbOptions& o) {
   const bool is_exact = recording.head().max_error == 0;
   bool can_resimulate = !recording.head().source.empty() && recording.frames() > 0;
   uint64_t damaged = 0, different = 0, inputs = 0, grooms = 0, with_grids = 0;
@@ -87,7 +87,7 @@ int check(Recording& recording, const Options& o) {
 /// Draws grids at even times.
 class GridPictures {
  public:
-  explicit GridPictures(const Options& o) : fps_(o.fps), film_(o.show, o.slice, o.size, o.out) {}
+  explicit GridPictures(const ReplayVerbOptions& o) : fps_(o.fps), film_(o.show, o.slice, o.size, o.out) {}
   void look(Simulation& simulation) {
     if (isDue(simulation.time())) film_.draw(simulation);
   }
@@ -111,7 +111,7 @@ class GridPictures {
 #else
 class GridPictures {
  public:
-  explicit GridPictures(const Options& o) {
+  explicit GridPictures(const ReplayVerbOptions& o) {
     throw Error("this build cannot draw", "--show " + o.show, "build with OpenGL");
   }
   void look(Simulation&) {}
@@ -122,7 +122,7 @@ class GridPictures {
 #endif
 
 /// Draws the grids that were recorded.
-int showGrids(Recording& recording, const Options& o) {
+int showGrids(Recording& recording, const ReplayVerbOptions& o) {
   GridPictures pictures(o);
   const double end = o.replay.to > 0 ? o.replay.to : recording.seconds();
   RecordedFrame read;
@@ -151,7 +151,7 @@ int showGrids(Recording& recording, const Options& o) {
   return g_interrupted ? kExitInterrupted : 0;
 }
 
-int simulateAgain(Recording& recording, const Options& o) {
+int simulateAgain(Recording& recording, const ReplayVerbOptions& o) {
   ResimulationReport report;
   std::optional<GridPictures> pictures;
   if (!o.show.empty()) pictures.emplace(o);
@@ -178,7 +178,7 @@ int simulateAgain(Recording& recording, const Options& o) {
   return report.different == 0 ? 0 : kExitCheckFailed;
 }
 
-int cast(Recording& recording, const Options& o) {
+int cast(Recording& recording, const ReplayVerbOptions& o) {
   Settings settings = o.settings;
   settings.codec.codec = codecNamed(o.codec, "--codec");
   const uint64_t session = newSession();
@@ -197,7 +197,7 @@ int cast(Recording& recording, const Options& o) {
   return summary.damaged == 0 ? 0 : kExitCheckFailed;
 }
 
-int replay(const Options& o) {
+int replay(const ReplayVerbOptions& o) {
   Recording recording(o.file);
   if (recording.isCut())
     spdlog::warn("{} was cut or not closed: {} frames, {:.1f} s can be read", o.file.string(),
@@ -210,7 +210,7 @@ int replay(const Options& o) {
 }  // namespace
 
 Verb addReplay(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ReplayVerbOptions>();
   app.footer(
       "Casts a recording as a daemon casts its simulation; renderers see no difference. While it runs, "
       "`strandcast ctl set speed 0` stands still, `ctl set position 3.5` goes to 3.5 s, `ctl set loop 1`, "

@@ -21,7 +21,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct ValidateOptions {
   std::string suite, backend = "auto", solver = "rod", only;
   int threads = 0;
   bool json = false, list = false;
@@ -72,7 +72,7 @@ std::vector<Suite> otherSuites() {
 #endif
 }
 
-Suite suiteOf(const Options& o) {
+Suite suiteOf(const ValidateOptions& o) {
   if (o.own_cantilever) {
     if (o.suite != "cantilever")
       throw Error("this suite takes no numbers", o.suite, "give --gamma and so on to `cantilever` only");
@@ -84,7 +84,7 @@ Suite suiteOf(const Options& o) {
   return validationSuite(o.suite);
 }
 
-int validate(const Options& o) {
+int validate(const ValidateOptions& o) {
   const Suite suite = suiteOf(o);
   if (o.list) {
     printList(suite);
@@ -133,7 +133,7 @@ int validate(const Options& o) {
 }  // namespace
 
 Verb addValidate(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ValidateOptions>();
   std::string suites;
   for (const Suite& suite : validationSuites())
     suites += fmt::format("\n  {:<12}{}", suite.name, suite.about);

@@ -20,7 +20,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct AccuracyOptions {
   std::vector<std::string> solvers{"rod", "gauss_seidel"};
   std::vector<int> substeps{1, 2, 4, 8, 16}, iterations{2, 4, 8, 16, 32, 64};
   int sweeps = 128, copies = 1024, rounds = 6, frames = 10, threads = 1;
@@ -28,14 +28,14 @@ struct Options {
   bool json = false, csv = false;
 };
 
-struct Result {
+struct AccuracyResult {
   Parameters parameters;
   StrandError straight, curl;
   double cost = std::numeric_limits<double>::infinity();  // s per vertex and frame
   double relative_cost = 0;                               // to the rod at one substep
 };
 
-std::vector<Parameters> ladder(const Options& o) {
+std::vector<Parameters> ladder(const AccuracyOptions& o) {
   std::vector<Parameters> settings;
   for (const std::string& solver : o.solvers)
     for (const int substeps : o.substeps) {
@@ -68,10 +68,11 @@ std::string seriesColor(const Parameters& p) {
   return kBlues[power];
 }
 
-PlotPanel panelOf(const std::string& title, const std::vector<Result>& results, StrandError Result::*strand) {
+PlotPanel panelOf(const std::string& title, const std::vector<AccuracyResult>& results,
+                  StrandError AccuracyResult::*strand) {
   PlotPanel panel;
   panel.title = title;
-  for (const Result& r : results) {
+  for (const AccuracyResult& r : results) {
     const std::string name = seriesName(r.parameters);
     if (panel.series.empty() || panel.series.back().name != name)
       panel.series.push_back({name, seriesColor(r.parameters), {}});
@@ -82,12 +83,12 @@ PlotPanel panelOf(const std::string& title, const std::vector<Result>& results, 
   return panel;
 }
 
-void writePlot(const std::filesystem::path& file, const std::vector<Result>& results) {
+void writePlot(const std::filesystem::path& file, const std::vector<AccuracyResult>& results) {
   writeText(file, logLogPlot("cost of a frame, in that of the rod at one substep",
                              "rms error of the shaken tip, mm",
                              "Beside the points: substeps of the rod, iterations of gauss_seidel.",
-                             {panelOf("straight, 25 cm", results, &Result::straight),
-                              panelOf("curl, 25 cm", results, &Result::curl)}));
+                             {panelOf("straight, 25 cm", results, &AccuracyResult::straight),
+                              panelOf("curl, 25 cm", results, &AccuracyResult::curl)}));
 }
 
 nlohmann::json toJson(const StrandError& e) {
@@ -98,10 +99,10 @@ nlohmann::json toJson(const StrandError& e) {
           {"max_stretch", e.max_stretch}};
 }
 
-void printJson(const Options& o, const std::vector<Result>& results, const ShakenStrand& straight,
-               const ShakenStrand& curl) {
+void printJson(const AccuracyOptions& o, const std::vector<AccuracyResult>& results,
+               const ShakenStrand& straight, const ShakenStrand& curl) {
   nlohmann::json list = nlohmann::json::array();
-  for (const Result& r : results) {
+  for (const AccuracyResult& r : results) {
     const bool rod = r.parameters.solver == SolverKind::kRod;
     list.push_back({{"solver", solverName(r.parameters.solver)},
                     {"substeps", r.parameters.substeps},
@@ -121,14 +122,14 @@ void printJson(const Options& o, const std::vector<Result>& results, const Shake
   fmt::print("{}\n", out.dump());
 }
 
-void printCsv(const std::vector<Result>& results) {
+void printCsv(const std::vector<AccuracyResult>& results) {
   fmt::print("{}solver,substeps,iterations,ns_per_vertex_frame,relative_cost", originComment());
   for (const char* strand : {"straight", "curl"})
     for (const char* column :
          {"shape_rate", "shape_rate_tip", "rest_error_mm", "tip_error_mm", "max_stretch"})
       fmt::print(",{}_{}", strand, column);
   fmt::print("\n");
-  for (const Result& r : results) {
+  for (const AccuracyResult& r : results) {
     const bool rod = r.parameters.solver == SolverKind::kRod;
     fmt::print("{},{},{},{:.3f},{:.3f}", solverName(r.parameters.solver), r.parameters.substeps,
                rod ? "" : fmt::format("{}", r.parameters.iterations), 1e9 * r.cost, r.relative_cost);
@@ -140,12 +141,13 @@ void printCsv(const std::vector<Result>& results) {
   }
 }
 
-void printTable(const std::vector<Result>& results, const ShakenStrand& straight, const ShakenStrand& curl) {
+void printTable(const std::vector<AccuracyResult>& results, const ShakenStrand& straight,
+                const ShakenStrand& curl) {
   fmt::print("{:>44}  {:^26}   {:^26}\n", "", "straight", "curl");
   fmt::print("{:<13} {:>4} {:>5} {:>10} {:>8}", "solver", "sub", "iter", "ns/vtx/frm", "relative");
   for (int i = 0; i < 2; ++i) fmt::print("  {:>8} {:>8} {:>9} ", "tip mm", "rest mm", "stretch %");
   fmt::print("\n");
-  for (const Result& r : results) {
+  for (const AccuracyResult& r : results) {
     const bool rod = r.parameters.solver == SolverKind::kRod;
     fmt::print("{:<13} {:>4} {:>5} {:>10.2f} {:>8.2f}", solverName(r.parameters.solver),
                r.parameters.substeps, rod ? "-" : fmt::format("{}", r.parameters.iterations), 1e9 * r.cost,
@@ -158,12 +160,12 @@ void printTable(const std::vector<Result>& results, const ShakenStrand& straight
              1e3 * curl.truth_error);
 }
 
-int accuracy(const Options& o) {
+int accuracy(const AccuracyOptions& o) {
   const std::vector<Parameters> settings = ladder(o);
   if (settings.empty())
     throw Error("no setting is left to measure", fmt::format("--sweeps {}", o.sweeps),
                 "allow more sweeps, or fewer substeps and iterations");
-  std::vector<Result> results;
+  std::vector<AccuracyResult> results;
   ShakenStrand straight, curl;
   {
     ProgressBar bar;
@@ -186,7 +188,7 @@ int accuracy(const Options& o) {
     for (int round = 0; round < o.rounds; ++round) {
       bar.show(fmt::format("cost, round {} of {}", round + 1, o.rounds), 0.5 + 0.5 * round / o.rounds);
       measure(unit, unit_cost);
-      for (Result& r : results) {
+      for (AccuracyResult& r : results) {
         const bool is_unit = r.parameters.solver == unit.solver && r.parameters.substeps == unit.substeps;
         if (is_unit)
           r.cost = unit_cost;
@@ -194,7 +196,7 @@ int accuracy(const Options& o) {
           measure(r.parameters, r.cost);
       }
     }
-    for (Result& r : results) r.relative_cost = r.cost / unit_cost;
+    for (AccuracyResult& r : results) r.relative_cost = r.cost / unit_cost;
   }
   if (o.json)
     printJson(o, results, straight, curl);
@@ -209,7 +211,7 @@ int accuracy(const Options& o) {
 }  // namespace
 
 std::function<int()> addAccuracy(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<AccuracyOptions>();
   app.footer(
       "Frames of 1/60 s.\n"
       "cost: a frame of many copies of both strands on the simd backend, the shortest there was.\n"

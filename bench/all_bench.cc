@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct AllOptions {
   std::vector<std::string> only;
   fs::path out, results = "bench/results";
   std::string machine;
@@ -52,7 +52,7 @@ Graphics graphics() {
 #endif
 }
 
-std::vector<Job> jobsOf(const Options& o) {
+std::vector<Job> jobsOf(const AllOptions& o) {
   const Graphics gl = graphics();
   const std::string quick = o.thorough ? "" : " --quick";
   std::vector<Job> jobs{
@@ -113,7 +113,7 @@ void writePlots(const fs::path& folder, const Results& results) {
     if (results.contains(file)) writeText(folder / fmt::format("{}.svg", name), plot(results.at(file).rows));
 }
 
-int all(const Options& o) {
+int all(const AllOptions& o) {
   const Machine machine = thisMachine();
   fs::path folder = o.out;
   if (o.save) folder = o.results / (o.machine.empty() ? folderNameOf(machine.cpu) : o.machine);
@@ -169,7 +169,7 @@ int all(const Options& o) {
 }  // namespace
 
 std::function<int()> addAllBench(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<AllOptions>();
   app.footer(
       "Runs each benchmark by itself and keeps its CSV, with the commit and the machine. Goals are for "
       "unloaded\n"

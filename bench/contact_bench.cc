@@ -18,7 +18,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct ContactOptions {
   std::string backend = "simd", body;
   int strands = 2000, vertices = 32, substeps = 4, threads = 0, warmup = 20, steps = 60;
   float unit_meters = 1, cell = 0.002f;
@@ -51,7 +51,7 @@ size_t pressedVertices(Simulation& simulation) {
                                            [](const Vec3& force) { return force.squaredNorm() > 0; }));
 }
 
-int run(const Options& o) {
+int run(const ContactOptions& o) {
   const Scene scene = benchScene("straight", o.strands, o.vertices);
   ContactPrimitive field;
   Bake bake = bakeField(scene.body, o.cell, o.threads, field);
@@ -135,7 +135,7 @@ int run(const Options& o) {
 }  // namespace
 
 std::function<int()> addContactBench(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ContactOptions>();
   app.add_option("--backend", o->backend, "auto, gpu, simd or reference")
       ->check(CLI::IsMember({"auto", "gpu", "simd", "reference"}))
       ->capture_default_str();

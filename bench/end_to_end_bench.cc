@@ -29,7 +29,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Options {
+struct EndToEndOptions {
   std::vector<double> rates{60, 120, 240};
   int strands = 5000, vertices = 32, substeps = 0, threads = 0, hairs = 10000, segments = 31;
   double seconds = 10;
@@ -83,7 +83,7 @@ class CodecTimer {
 };
 
 /// One rate: a row of the table.
-nlohmann::json castAt(const Options& o, const Scene& scene, double rate) {
+nlohmann::json castAt(const EndToEndOptions& o, const Scene& scene, double rate) {
   Parameters parameters = scene.parameters;
   parameters.solver = SolverKind::kRod;
   parameters.time_step = static_cast<float>(1 / rate);
@@ -212,7 +212,7 @@ nlohmann::json castAt(const Options& o, const Scene& scene, double rate) {
   return row;
 }
 
-int endToEnd(const Options& o) {
+int endToEnd(const EndToEndOptions& o) {
   std::string reason;
   if (!ddsAvailable(&reason)) throw Error(reason, "strandbench end-to-end", "");
   const Scene scene = benchScene(o.scene, o.strands, o.vertices);
@@ -282,7 +282,7 @@ int endToEnd(const Options& o) {
 }  // namespace
 
 std::function<int()> addEndToEndBench(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<EndToEndOptions>();
   app.footer(
       "The daemon's side in this process, the renderer's in another, between them DDS on this machine. The "
       "way\n"

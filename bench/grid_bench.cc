@@ -18,7 +18,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct GridOptions {
   std::string backend = "simd";
   int strands = 10000, vertices = 32, threads = 0, steps = 30;
   std::vector<int> cells{32, 64, 128};
@@ -59,7 +59,7 @@ class PassTimes {
   std::map<std::string, std::vector<double>> ms_, cpu_ms_;
 };
 
-struct Result {
+struct GridResult {
   int cells;
   PassTimes times;
   double all = 0;                      ///< ms, of all passes
@@ -68,7 +68,7 @@ struct Result {
   double divergence = 0;               ///< largest x cell over the fastest, at last
 };
 
-Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model, int cells) {
+GridResult timeGrids(const GridOptions& o, const Scene& scene, const StrandModel& model, int cells) {
   const Workers workers(o.backend == "reference" ? 1 : o.threads);
   const GridPasses<float>& passes = passesOf(o.backend);
   const Box box = restBox(model);
@@ -91,7 +91,7 @@ Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model,
     velocities[v] = Vec3(std::sin(static_cast<float>(v)), 0.5f, std::cos(static_cast<float>(v)));
   const size_t count = hair.samples().samples.size();
   std::vector<float> changes(4 * count);
-  Result out{cells, {}};
+  GridResult out{cells, {}};
   const double dt = parameters.time_step;
   for (int step = 0; step < o.steps; ++step) {
     PassTimes& t = out.times;
@@ -128,7 +128,7 @@ Result timeGrids(const Options& o, const Scene& scene, const StrandModel& model,
   return out;
 }
 
-Parameters surroundedBy(const Options& o, const Scene& scene, int cells) {
+Parameters surroundedBy(const GridOptions& o, const Scene& scene, int cells) {
   Parameters parameters = scene.parameters;
   parameters.solver = SolverKind::kRod;
   addAir(parameters, cells, o.mac_cormack);
@@ -137,14 +137,14 @@ Parameters surroundedBy(const Options& o, const Scene& scene, int cells) {
 
 /// Passes on the GPU: within steps of the whole simulation, first each as it comes, one step behind the
 /// other, then one by one.
-Result timeGpuGrids(const Options& o, const Scene& scene, const StrandModel& model, int cells) {
+GridResult timeGpuGrids(const GridOptions& o, const Scene& scene, const StrandModel& model, int cells) {
   std::unique_ptr<Surroundings> surroundings = airOf(o.backend).surroundings({});
   auto& measured = dynamic_cast<MeasuredPasses&>(*surroundings);
   const Parameters parameters = surroundedBy(o, scene, cells);
   Simulation simulation(model, scene.bodies, parameters,
                         createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
                         std::move(surroundings));
-  Result out{cells, {}};
+  GridResult out{cells, {}};
   auto run = [&](int steps) {
     for (int step = 0; step < steps; ++step) simulation.step();
     static_cast<void>(simulation.guides());
@@ -192,7 +192,7 @@ struct StepTimes {
   /// What of the former a GPU worked on the strands, or all of it, ms.
   double strands() const { return alone.gpu_ms.value_or(alone.ms.median); }
 };
-StepTimes timeSteps(const Options& o, const Scene& scene, const StrandModel& model) {
+StepTimes timeSteps(const GridOptions& o, const Scene& scene, const StrandModel& model) {
   StepTimes out;
   for (const bool surrounded : {false, true}) {
     Parameters parameters = surroundedBy(o, scene, 32);
@@ -213,7 +213,7 @@ StepTimes timeSteps(const Options& o, const Scene& scene, const StrandModel& mod
   return out;
 }
 
-int run(const Options& o) {
+int run(const GridOptions& o) {
   const Scene scene = benchScene("straight", o.strands, o.vertices);
   const StrandModel model = sceneModel(scene);
   const bool on_gpu = o.backend == "gpu";
@@ -243,7 +243,7 @@ int run(const Options& o) {
                        {"divergence", "divergence", "{:.1e}"}});
   nlohmann::json results = nlohmann::json::array();
   for (const int cells : o.cells) {
-    const Result r = on_gpu ? timeGpuGrids(o, scene, model, cells) : timeGrids(o, scene, model, cells);
+    const GridResult r = on_gpu ? timeGpuGrids(o, scene, model, cells) : timeGrids(o, scene, model, cells);
     const nlohmann::json shared{
         {"device", device}, {"strands", o.strands}, {"vertices", o.vertices}, {"cells", cells}};
     nlohmann::json passes, cpu_passes;
@@ -293,7 +293,7 @@ int run(const Options& o) {
 }  // namespace
 
 std::function<int()> addGridBench(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<GridOptions>();
   app.add_option("--backend", o->backend, "simd, reference or gpu")
       ->check(CLI::IsMember({"simd", "reference", "gpu"}))
       ->capture_default_str();

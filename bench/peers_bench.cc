@@ -25,7 +25,7 @@ namespace {
 /// which do not bend, would not follow.
 constexpr Shake kHeadShake{.reach = 0.05, .shakes = 2, .turns = 0, .ramp = 0.5};
 
-struct Options {
+struct PeersOptions {
   std::vector<int> substeps;  // empty: as many as the run is thorough
   int sweeps = 16384, copies = 256, frames = 8;
   bool quick = false;
@@ -33,13 +33,13 @@ struct Options {
   PrintOptions print;
 };
 
-struct Setting {
+struct PeersSetting {
   std::string solver;
   int substeps = 1, iterations = 0;
 };
 
-std::vector<Setting> settingsOf(const Options& o) {
-  std::vector<Setting> out;
+std::vector<PeersSetting> settingsOf(const PeersOptions& o) {
+  std::vector<PeersSetting> out;
   for (const int substeps : o.substeps) out.push_back({"rod", substeps});
   const auto sweep = [&](const std::string& solver, int most_iterations) {
     for (const int substeps : o.substeps)
@@ -52,7 +52,7 @@ std::vector<Setting> settingsOf(const Options& o) {
   return out;
 }
 
-Parameters parametersOf(const Setting& setting) {
+Parameters parametersOf(const PeersSetting& setting) {
   Parameters p;
   p.solver = solverKind(setting.solver);
   p.substeps = setting.substeps;
@@ -66,7 +66,7 @@ double massPerLength(const Material& material) {
   return static_cast<double>(material.density * material.radius * material.radius) * std::numbers::pi;
 }
 
-StrandError bulletError(const ShakenStrand& truth, const Setting& setting) {
+StrandError bulletError(const ShakenStrand& truth, const PeersSetting& setting) {
   const StrandModel& model = truth.poses;
   std::vector<StrandPoints> strands;
   for (size_t s = 0; s < 2; ++s) {
@@ -96,7 +96,7 @@ StrandError bulletError(const ShakenStrand& truth, const Setting& setting) {
 }
 
 /// Processor time of a frame of shaken copies, per vertex, ns.
-Spread bulletCost(const ShakenStrand& truth, const Setting& setting, int copies, int frames) {
+Spread bulletCost(const ShakenStrand& truth, const PeersSetting& setting, int copies, int frames) {
   BulletRopes ropes(std::vector<StrandPoints>(static_cast<size_t>(copies), truth.points), massPerLength({}));
   ropes.configure(StrandTrial::kFrame, setting.substeps, setting.iterations, StrandTrial::kDrag);
   std::vector<double> ns;
@@ -108,7 +108,7 @@ Spread bulletCost(const ShakenStrand& truth, const Setting& setting, int copies,
   return spreadOf(ns);
 }
 
-MeasuredRun strandcastCost(const ShakenStrand& truth, const Setting& setting, int copies, int frames) {
+MeasuredRun strandcastCost(const ShakenStrand& truth, const PeersSetting& setting, int copies, int frames) {
   Parameters parameters = parametersOf(setting);
   parameters.time_step = StrandTrial::kFrame;
   parameters.air_drag = StrandTrial::kDrag;
@@ -117,7 +117,7 @@ MeasuredRun strandcastCost(const ShakenStrand& truth, const Setting& setting, in
                       [&](double time) { return shakenRoot(time, truth.shake); }, 2, frames);
 }
 
-nlohmann::json rowOf(const Options& o, const ShakenStrand& truth, const Setting& setting) {
+nlohmann::json rowOf(const PeersOptions& o, const ShakenStrand& truth, const PeersSetting& setting) {
   nlohmann::json row{{"solver", setting.solver}, {"substeps", setting.substeps}};
   if (setting.iterations > 0) row["iterations"] = setting.iterations;
   StrandError error;
@@ -156,7 +156,7 @@ std::string settingOf(const nlohmann::json& row) {
   return fmt::format("{} x {} iterations", steps, row["iterations"].get<int>());
 }
 
-std::string conclusions(const std::vector<nlohmann::json>& rows) {
+std::string peerConclusions(const std::vector<nlohmann::json>& rows) {
   std::string out;
   for (const double target : {0.1, 0.01, 0.001, 0.0001}) {
     std::string found;
@@ -177,7 +177,7 @@ std::string conclusions(const std::vector<nlohmann::json>& rows) {
   return out;
 }
 
-int peers(Options o) {
+int peers(PeersOptions o) {
   if (o.substeps.empty())
     o.substeps = o.quick ? std::vector<int>{1, 4, 16} : std::vector<int>{1, 2, 4, 8, 16};
   if (o.quick) {
@@ -206,9 +206,9 @@ int peers(Options o) {
     ProgressBar bar;
     bar.show("the truth", 0);
     const ShakenStrand truth = straightTruth(kHeadShake);
-    const std::vector<Setting> settings = settingsOf(o);
+    const std::vector<PeersSetting> settings = settingsOf(o);
     std::vector<nlohmann::json> rows;
-    for (const Setting& setting : settings) {
+    for (const PeersSetting& setting : settings) {
       bar.show(fmt::format("{} {} x {}", setting.solver, setting.substeps, setting.iterations),
                static_cast<double>(rows.size()) / static_cast<double>(settings.size()));
       rows.push_back(rowOf(o, truth, setting));
@@ -222,7 +222,7 @@ int peers(Options o) {
   }
   std::string reason;
   if (!bulletAvailable(&reason)) bench.closing = fmt::format("  left out: Bullet; {}\n", reason);
-  bench.closing += conclusions(bench.table.rows());
+  bench.closing += peerConclusions(bench.table.rows());
   bench.more["device"] = makeSimdBackend(1)->device();
   print(bench, o.print);
   if (!o.plot.empty()) writeText(o.plot, peersPlot(bench.table.rows()));
@@ -232,7 +232,7 @@ int peers(Options o) {
 }  // namespace
 
 std::function<int()> addPeersBench(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<PeersOptions>();
   app.footer(
       "Straight hair of 25 cm and 32 edges under gravity, whose root is shaken 5 cm and 45 degrees to "
       "either\n"

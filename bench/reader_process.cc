@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kPatience = 60s;  // more than the reader has for its daemon
 
-struct Options {
+struct ReaderOptions {
   int domain = 0, hairs = 0, segments = 31;
   uint64_t last_frame = 1;
 };
@@ -72,7 +72,7 @@ class Grower {
 };
 #endif
 
-int read(const Options& o) {
+int read(const ReaderOptions& o) {
   const std::unique_ptr<Subscriber> subscriber = makeDdsSubscriber({o.domain, 1, 0, {}});
   if (!subscriber->waitForGroom(30s))
     throw Error("the groom does not arrive", fmt::format("domain {}", o.domain), "is there a daemon?");
@@ -112,7 +112,7 @@ int read(const Options& o) {
 }  // namespace
 
 std::function<int()> addReader(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ReaderOptions>();
   app.add_option("--domain", o->domain, "of DDS")->check(CLI::Range(0, 232))->required();
   app.add_option("--last-frame", o->last_frame, "after which it ends")->required();
   app.add_option("--hairs", o->hairs, "grown of each frame; 0 = none")->check(CLI::Range(0, 4000000));

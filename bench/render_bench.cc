@@ -16,7 +16,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct RenderOptions {
   std::vector<int> hairs{10000, 50000, 100000};
   int vertices = 64, guides = 2000, width = 1920, height = 1080, samples = 4, pictures = 20;
   std::string scene = "curly";
@@ -50,7 +50,7 @@ struct GrowthTimes {
   double error;  ///< of a sample of the vertices, over the length of their guides
 };
 
-GrowthTimes timeGrowth(const Options& o, const StrandSet& guides, const HairGrowth& growth) {
+GrowthTimes timeGrowth(const RenderOptions& o, const StrandSet& guides, const HairGrowth& growth) {
   const int segments = o.vertices - 1;
   GuideNodes nodes(segments);
   nodes.setGroom(guides);
@@ -77,7 +77,7 @@ GrowthTimes timeGrowth(const Options& o, const StrandSet& guides, const HairGrow
   return times;
 }
 
-RenderStatistics timePasses(const Options& o, const Scene& scene, const HairGrowth& growth) {
+RenderStatistics timePasses(const RenderOptions& o, const Scene& scene, const HairGrowth& growth) {
   RenderSettings settings;
   settings.width = o.width;
   settings.height = o.height;
@@ -113,7 +113,7 @@ RenderStatistics timePasses(const Options& o, const Scene& scene, const HairGrow
   return middle;
 }
 
-int run(const Options& o) {
+int run(const RenderOptions& o) {
   gl::HeadlessContext context;
   const Scene scene = benchScene(o.scene, o.guides, 0);
   Bench bench;
@@ -183,7 +183,7 @@ int run(const Options& o) {
 }  // namespace
 
 std::function<int()> addRenderBench(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<RenderOptions>();
   app.add_option("--hairs", o->hairs, "one or more numbers")
       ->check(CLI::Range(1, 4000000))
       ->delimiter(',')

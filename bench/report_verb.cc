@@ -15,12 +15,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ReportOptions {
   fs::path results = "bench/results", page = "docs/performance.md", images = "docs/images";
   bool check = false;
 };
 
-int report(const Options& o) {
+int report(const ReportOptions& o) {
   const PerformancePage page = performancePage(o.results);
   bool same = true;
   const auto put = [&](const fs::path& file, const std::string& text) {
@@ -37,7 +37,7 @@ int report(const Options& o) {
 }  // namespace
 
 std::function<int()> addReport(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ReportOptions>();
   app.footer("Run it where the project's files are: its paths are from there.");
   app.add_option("--results", o->results, "folders of machines with CSVs")->capture_default_str();
   app.add_option("--page", o->page)->capture_default_str();

@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 const std::vector<std::string> kAxes{"strands", "vertices", "substeps", "threads",
                                      "lanes",   "grooms",   "readers"};
 
-struct Options {
+struct ScalingOptions {
   std::vector<std::string> axes = kAxes;
   std::string backend = "simd", scene = "curly";
   int strands = 0, max_strands = 1000000, vertices = 32, substeps = 4;
@@ -52,7 +52,7 @@ double availableMemory() {
   return std::numeric_limits<double>::infinity();
 }
 
-struct Setting {
+struct ScalingSetting {
   std::string axis;
   double value = 0;  // along the axis
   int strands, vertices, substeps, threads;
@@ -61,7 +61,7 @@ struct Setting {
 
 class Scaling {
  public:
-  explicit Scaling(const Options& options) : o_(options) {}
+  explicit Scaling(const ScalingOptions& options) : o_(options) {}
 
   void run() {
     for (size_t i = 0; i < o_.axes.size(); ++i) {
@@ -90,12 +90,12 @@ class Scaling {
 
  private:
   int strandsOr(int usual) const { return o_.strands > 0 ? o_.strands : usual; }
-  Setting setting(const std::string& axis, double value, int strands) const {
+  ScalingSetting setting(const std::string& axis, double value, int strands) const {
     return {axis, value, strands, o_.vertices, o_.substeps, o_.threads, o_.backend};
   }
-  void show(const Setting& s) { bar_.show(fmt::format("{} {:g}", s.axis, s.value), part_); }
+  void show(const ScalingSetting& s) { bar_.show(fmt::format("{} {:g}", s.axis, s.value), part_); }
 
-  std::unique_ptr<TimedSimulation> make(const Scene& scene, const Setting& s, int steps) const {
+  std::unique_ptr<TimedSimulation> make(const Scene& scene, const ScalingSetting& s, int steps) const {
     Parameters parameters = scene.parameters;
     parameters.solver = SolverKind::kRod;
     parameters.substeps = s.substeps;
@@ -108,7 +108,7 @@ class Scaling {
     return std::make_unique<TimedSimulation>(simulation, scene.motion, steps);
   }
   /// The row of a setting; ready for what only its axis states.
-  static nlohmann::json rowOf(const Setting& s, const MeasuredRun& run) {
+  static nlohmann::json rowOf(const ScalingSetting& s, const MeasuredRun& run) {
     nlohmann::json row = cellsOf(run);
     row.update({{"axis", s.axis},
                 {"value", s.value},
@@ -124,7 +124,7 @@ class Scaling {
   void sizes(const std::string& axis, const std::vector<int>& values) {
     double bytes_per_vertex = 0, seconds_per_unit = 0;
     for (const int value : values) {
-      Setting s = setting(axis, value, axis == "strands" ? value : strandsOr(2000));
+      ScalingSetting s = setting(axis, value, axis == "strands" ? value : strandsOr(2000));
       if (axis == "vertices") s.vertices = value;
       if (axis == "substeps") s.substeps = value;
       if (s.strands > o_.max_strands) continue;
@@ -159,10 +159,10 @@ class Scaling {
 
   /// Settings in turn, step by step, so that what else the machine does meets all alike; the first is what
   /// the others are compared with, by their least times.
-  std::vector<nlohmann::json> inTurn(const std::vector<Setting>& settings, int steps) {
+  std::vector<nlohmann::json> inTurn(const std::vector<ScalingSetting>& settings, int steps) {
     const Scene scene = benchScene(o_.scene, settings[0].strands, settings[0].vertices);
     std::vector<std::unique_ptr<TimedSimulation>> timed;
-    for (const Setting& s : settings) timed.push_back(make(scene, s, steps));
+    for (const ScalingSetting& s : settings) timed.push_back(make(scene, s, steps));
     for (int step = -4; step < steps; ++step)
       for (const auto& simulation : timed) simulation->step(step >= 0);
     std::vector<nlohmann::json> rows;
@@ -177,7 +177,7 @@ class Scaling {
 
   void threads() {
     const int all = static_cast<int>(std::thread::hardware_concurrency());
-    std::vector<Setting> settings;
+    std::vector<ScalingSetting> settings;
     for (int n = 1;; n = std::min(2 * n, all)) {
       settings.push_back(setting("threads", n, strandsOr(10000)));
       settings.back().threads = n;
@@ -193,7 +193,7 @@ class Scaling {
   }
 
   void lanes() {
-    std::vector<Setting> settings{setting("lanes", 1, strandsOr(2000))};
+    std::vector<ScalingSetting> settings{setting("lanes", 1, strandsOr(2000))};
     settings[0].backend = "reference";
     std::vector<std::string> targets = simdTargets();
     std::reverse(targets.begin(), targets.end());
@@ -206,7 +206,7 @@ class Scaling {
       settings.push_back(setting("lanes", lanes, settings[0].strands));
       settings.back().target = target;
     }
-    for (Setting& s : settings) s.threads = 1;
+    for (ScalingSetting& s : settings) s.threads = 1;
     show(settings.back());
     for (nlohmann::json& row : inTurn(settings, o_.quick ? 12 : 60)) table.add(std::move(row));
   }
@@ -216,7 +216,7 @@ class Scaling {
     const int all = strandsOr(8192);
     double first = 0;
     for (int count = 1; count <= 16; count *= 2) {
-      Setting s = setting("grooms", count, all / count);
+      ScalingSetting s = setting("grooms", count, all / count);
       show(s);
       const Scene scene = benchScene(o_.scene, s.strands, s.vertices);
       std::vector<std::unique_ptr<TimedSimulation>> timed;
@@ -262,7 +262,7 @@ class Scaling {
     constexpr double kRate = 60;
     const auto frames = static_cast<uint64_t>((o_.quick ? 1.5 : 5) * kRate);
     for (int count = 1; count <= 8; count *= 2) {
-      Setting s = setting("readers", count, strandsOr(1000));
+      ScalingSetting s = setting("readers", count, strandsOr(1000));
       show(s);
       const Scene scene = benchScene(o_.scene, s.strands, s.vertices);
       const std::unique_ptr<TimedSimulation> timed = make(scene, s, static_cast<int>(frames));
@@ -314,13 +314,13 @@ class Scaling {
     }
   }
 
-  const Options& o_;
+  const ScalingOptions& o_;
   ProgressBar bar_;
   double part_ = 0;
 };
 
 /// What the rows mean, a line each.
-std::string conclusions(const std::vector<nlohmann::json>& rows) {
+std::string scalingConclusions(const std::vector<nlohmann::json>& rows) {
   std::string out;
   for (const AxisFit& fit : fitAxes(rows))
     out += fmt::format("  time ~ {}^{:.3f}, standard error {:.3f}, of {} points\n", fit.axis,
@@ -345,7 +345,7 @@ std::string conclusions(const std::vector<nlohmann::json>& rows) {
   return out;
 }
 
-int scaling(Options o) {
+int scaling(ScalingOptions o) {
   if (o.budget == 0) o.budget = o.quick ? 15 : 300;
   Bench bench;
   bench.name = "scaling";
@@ -354,7 +354,7 @@ int scaling(Options o) {
     scaling.run();
     bench.table = std::move(scaling.table);
     bench.more["left_out"] = scaling.left_out;
-    bench.closing = conclusions(bench.table.rows());
+    bench.closing = scalingConclusions(bench.table.rows());
     for (const std::string& what : scaling.left_out) bench.closing += fmt::format("  left out: {}\n", what);
   }
   bench.params = {{"scene", o.scene},     {"vertices", o.vertices}, {"substeps", o.substeps},
@@ -374,7 +374,7 @@ int scaling(Options o) {
 }  // namespace
 
 std::function<int()> addScalingBench(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ScalingOptions>();
   app.footer(
       "strands:  100 to 1,000,000 of 32 vertices       vertices: 8 to 128, of 2,000 strands\n"
       "substeps: 1 to 32                                threads:  1 to all, 10,000 strands\n"

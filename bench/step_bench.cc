@@ -21,7 +21,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct StepOptions {
   std::string backend = "auto", target, scene = "straight", solver = "rod", bodies = "none";
   int strands = 2000, vertices = 32, substeps = 4, iterations = 6, threads = 0, warmup = 20, steps = 60;
   int air = 0;  // cells per axis; 0 = none
@@ -31,7 +31,7 @@ struct Options {
   PrintOptions print;
 };
 
-std::vector<RigidBody> bodiesOf(const Options& o, const Scene& scene) {
+std::vector<RigidBody> bodiesOf(const StepOptions& o, const Scene& scene) {
   if (o.bodies == "none") return {};
   if (o.bodies == "scene") return scene.bodies;
   if (o.bodies == "mesh") {
@@ -45,7 +45,7 @@ std::vector<RigidBody> bodiesOf(const Options& o, const Scene& scene) {
   return {{{head}, true}};
 }
 
-std::unique_ptr<Backend> backendOf(const Options& o, const std::string& name, SolverKind solver) {
+std::unique_ptr<Backend> backendOf(const StepOptions& o, const std::string& name, SolverKind solver) {
   if (o.target.empty()) return createBackend(knownBackends(), name, o.threads, solver);
   if (name != "simd")
     throw Error("only the simd backend has instruction sets", "--target " + o.target, "add --backend simd");
@@ -53,7 +53,7 @@ std::unique_ptr<Backend> backendOf(const Options& o, const std::string& name, So
 }
 
 /// A row of the table.
-nlohmann::json run(const Options& o, const Scene& scene, const std::string& name) {
+nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& name) {
   Parameters parameters = scene.parameters;
   parameters.substeps = o.substeps;
   parameters.iterations = o.iterations;
@@ -104,7 +104,7 @@ nlohmann::json run(const Options& o, const Scene& scene, const std::string& name
   return row;
 }
 
-int step(const Options& o) {
+int step(const StepOptions& o) {
   const Scene scene = benchScene(o.scene, o.strands, o.vertices, o.seed);
   Bench bench;
   bench.name = "step";
@@ -144,7 +144,7 @@ int step(const Options& o) {
 }  // namespace
 
 std::function<int()> addStepBench(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<StepOptions>();
   app.footer(
       "ms:      of a step and of reading its guides, by the wall.\n"
       "cpu ms:  the same in processor time of all threads: what others on the machine take is not in it.\n"

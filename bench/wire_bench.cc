@@ -15,7 +15,7 @@
 namespace strandcast {
 namespace {
 
-struct Options {
+struct WireOptions {
   std::vector<std::string> transports{"dds", "lcm"}, codecs;
   std::vector<int> strands{1000, 5000, 20000}, rates{60, 120};
   bool quick = false;
@@ -43,7 +43,7 @@ Cast castOf(const std::string& name) {
   return cast;
 }
 
-int wire(Options o) {
+int wire(WireOptions o) {
   if (o.quick) {
     o.transports = {"dds"};
     o.strands = {5000};
@@ -107,7 +107,7 @@ int wire(Options o) {
 }  // namespace
 
 std::function<int()> addWireBench(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<WireOptions>();
   app.footer(
       "The cases of `strandcast validate wire`, which also says what is promised of them. Latency: publish "
       "to\n"

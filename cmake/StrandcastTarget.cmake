@@ -2,7 +2,8 @@
 set(STRANDCAST_PROGRAM_OPTIONS $<$<CONFIG:Release>:-O1>)
 
 # strandcast_precompile(GROUP [HEADERS ...] [LINK ...] [OPTIONS ...]): parses HEADERS and what most files include once, for all
-# targets with the same flags to reuse. The debug preset does without, so that a file that misses an include is found there.
+# targets with the same flags to reuse. The debug preset does without, and compiles each file alone where other presets take
+# several of a target at once (half the compiler's time), so that a file that misses an include is found there.
 function(strandcast_precompile group)
   cmake_parse_arguments(ARG "" "" "HEADERS;LINK;OPTIONS" ${ARGN})
   file(CONFIGURE OUTPUT ${group}.cc CONTENT "")
@@ -16,6 +17,12 @@ endfunction()
 strandcast_precompile(library_headers)
 strandcast_precompile(program_headers HEADERS <CLI/CLI.hpp> <nlohmann/json.hpp> OPTIONS ${STRANDCAST_PROGRAM_OPTIONS})
 strandcast_precompile(test_headers HEADERS <gtest/gtest.h> LINK GTest::gtest OPTIONS ${STRANDCAST_PROGRAM_OPTIONS})
+
+# strandcast_highway(SOURCE ...): these compile themselves once per instruction set (Highway's foreach_target), so each must be
+# alone where files are compiled together.
+function(strandcast_highway)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
 
 # strandcast_library(NAME SOURCES ... LINK ... [PRIVATE_LINK ...] [OF_PROGRAMS]): one library per folder, includes from the
 # project's root. OF_PROGRAMS: compiled as programs are.

@@ -18,7 +18,7 @@ namespace strandcast {
 namespace {
 
 using Point = Eigen::Vector3d;
-using Corners = std::array<Point, 3>;
+using Triangle = std::array<Point, 3>;
 using Tree = fcl::BVHModel<fcl::AABB<double>>;  // for points, boxes along the axes bound as tightly as OBBs
                                                 // at less cost
 
@@ -28,11 +28,11 @@ struct Closest {
   int triangle = -1;
 };
 
-Point place(const Corners& t, const Point& barycentric) {
+Point place(const Triangle& t, const Point& barycentric) {
   return t[0] * barycentric[0] + t[1] * barycentric[1] + t[2] * barycentric[2];
 }
 
-Point closestOnEdge(const Corners& t, int i, int j, const Point& p) {
+Point closestOnEdge(const Triangle& t, int i, int j, const Point& p) {
   const Point edge = t[j] - t[i];
   const double squared = edge.squaredNorm();
   const double along = squared > 0 ? std::clamp((p - t[i]).dot(edge) / squared, 0.0, 1.0) : 0.0;
@@ -44,7 +44,7 @@ Point closestOnEdge(const Corners& t, int i, int j, const Point& p) {
 
 // Barycentric coordinates of the point of a triangle nearest to p. A triangle without area is its three
 // edges.
-Point closestOnTriangle(const Corners& t, const Point& p) {
+Point closestOnTriangle(const Triangle& t, const Point& p) {
   const Point a = t[1] - t[0], b = t[2] - t[0], r = p - t[0];
   const Point normal = a.cross(b);
   const double area = normal.squaredNorm();
@@ -79,7 +79,7 @@ struct Moments {
                                         Eigen::Matrix3d::Zero()};
 };
 
-Moments ofTriangle(const Corners& t) {
+Moments ofTriangle(const Triangle& t) {
   Moments m;
   m.centre = (t[0] + t[1] + t[2]) / 3;
   m.normal = 0.5 * (t[1] - t[0]).cross(t[2] - t[0]);
@@ -110,6 +110,8 @@ Moments joined(const Moments& a, const Moments& b) {
   return m;
 }
 
+}  // namespace
+
 // What of the moments the series needs, kept per node.
 struct FarField {
   Eigen::Vector3f centre, normal, linear;
@@ -118,6 +120,8 @@ struct FarField {
   float trace = 0;
   float radius = 0;  // about the centre, holds the subtree
 };
+
+namespace {
 
 FarField farField(const Moments& m, double radius) {
   FarField f;
@@ -168,7 +172,7 @@ struct MeshQuery::Impl {
   Tree tree;
   std::vector<FarField> far_fields;  // per node of the tree
 
-  Corners corners(int triangle) const {
+  Triangle corners(int triangle) const {
     const fcl::Triangle& t = tree.tri_indices[triangle];
     return {tree.vertices[t[0]], tree.vertices[t[1]], tree.vertices[t[2]]};
   }
@@ -180,7 +184,7 @@ struct MeshQuery::Impl {
   void descend(int node, const Point& p, Closest& best) const {
     const auto& bv = tree.getBV(node);
     if (bv.isLeaf()) {
-      const Corners t = corners(bv.primitiveId());
+      const Triangle t = corners(bv.primitiveId());
       const Point barycentric = closestOnTriangle(t, p);
       const double squared = (place(t, barycentric) - p).squaredNorm();
       if (squared < best.squared) best = {squared, barycentric, bv.primitiveId()};
@@ -210,7 +214,7 @@ struct MeshQuery::Impl {
   double angle(int node, const Point& p) const {
     const auto& bv = tree.getBV(node);
     if (bv.isLeaf()) {
-      const Corners t = corners(bv.primitiveId());
+      const Triangle t = corners(bv.primitiveId());
       return solidAngle(t[0] - p, t[1] - p, t[2] - p);
     }
     const FarField& f = far_fields[static_cast<size_t>(node)];

@@ -11,7 +11,7 @@
 namespace strandcast {
 namespace {
 
-constexpr unsigned kGroupSize = 32;  // as in guide_nodes.comp
+constexpr unsigned kNodeGroupSize = 32;  // as in guide_nodes.comp
 
 /// Rest arc length from the root as a part of the whole, per vertex; by index when there is no length.
 void appendKnots(std::span<const Vec3> points, std::vector<float>& knots) {
@@ -90,7 +90,7 @@ size_t GuideNodes::update(std::span<const Vec3> positions, const Pose& head) {
   program_.set("guide_count", static_cast<unsigned>(guides_.size()));
   program_.set("segments", static_cast<unsigned>(segments_));
   program_.use();
-  glDispatchCompute((static_cast<unsigned>(guides_.size()) + kGroupSize - 1) / kGroupSize, 1, 1);
+  glDispatchCompute((static_cast<unsigned>(guides_.size()) + kNodeGroupSize - 1) / kNodeGroupSize, 1, 1);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   return unusable;
 }

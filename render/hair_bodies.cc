@@ -9,7 +9,7 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kGroupSize = 64;  // as in hair_bodies.comp
+constexpr size_t kBodyGroupSize = 64;  // as in hair_bodies.comp
 
 }  // namespace
 
@@ -56,7 +56,7 @@ void HairBodies::find(size_t hairs, int segments) {
   bind();
   program_.set("hair_count", static_cast<unsigned>(hairs));
   program_.use();
-  glDispatchCompute(static_cast<GLuint>((hairs + kGroupSize - 1) / kGroupSize), 1, 1);
+  glDispatchCompute(static_cast<GLuint>((hairs + kBodyGroupSize - 1) / kBodyGroupSize), 1, 1);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

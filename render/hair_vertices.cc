@@ -8,7 +8,7 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kGroupSize = 256;  // as in hair_growth.comp
+constexpr size_t kGrowthGroupSize = 256;  // as in hair_growth.comp
 constexpr size_t kVertexBytes = 2 * sizeof(float[4]);
 
 size_t mostVertices() {
@@ -17,7 +17,7 @@ size_t mostVertices() {
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
   glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &groups);
   const size_t most =
-      std::min(static_cast<size_t>(bytes) / kVertexBytes, static_cast<size_t>(groups) * kGroupSize);
+      std::min(static_cast<size_t>(bytes) / kVertexBytes, static_cast<size_t>(groups) * kGrowthGroupSize);
   return std::min(most, size_t{1} << 31);
 }
 
@@ -56,7 +56,8 @@ void HairVertices::grow(size_t count, int segments, int node_stride, bool bodies
     program.set("first_hair", static_cast<unsigned>(chunk.first));
     program.set("hair_count", static_cast<unsigned>(hairs));
     chunk.vertices.bindStorage(binding::kHairVertices);
-    glDispatchCompute(static_cast<GLuint>((hairs * nodes_per_hair_ + kGroupSize - 1) / kGroupSize), 1, 1);
+    glDispatchCompute(
+        static_cast<GLuint>((hairs * nodes_per_hair_ + kGrowthGroupSize - 1) / kGrowthGroupSize), 1, 1);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }

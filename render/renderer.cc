@@ -96,6 +96,8 @@ void setPassState() {
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
+}  // namespace
+
 /// What a group of hair does for a picture.
 enum class Sight : uint8_t { kNone, kCasts, kSeen };
 
@@ -105,8 +107,6 @@ struct Selection {
   size_t drawn = 0, shading = 0;  ///< of all hairs, by the level of detail
   bool operator==(const Selection&) const = default;
 };
-
-}  // namespace
 
 struct Renderer::Impl {
   explicit Impl(const RenderSettings& wanted)

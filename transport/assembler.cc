@@ -5,6 +5,7 @@
 #include <cstring>
 #include <iterator>
 
+#include "transport/all_finite.h"
 #include "transport/collider_chunks.h"
 
 namespace strandcast {
@@ -12,10 +13,6 @@ namespace {
 
 constexpr size_t kDescriptionsUnderWay = 2;
 constexpr size_t kFramesUnderWay = 4;
-
-bool allFinite(const std::vector<float>& values) {
-  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
-}
 
 /// An optional array: present with this many entries, or absent and empty.
 template <class T>

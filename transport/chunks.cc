@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "transport/all_finite.h"
 
 namespace strandcast {
 namespace {
@@ -13,15 +14,6 @@ namespace {
 static_assert(sizeof(Vec3) == 12, "positions are copied as three floats");
 static_assert(sizeof(Vec2) == 8, "uvs are copied as two floats");
 static_assert(std::endian::native == std::endian::little, "the float32 encoding is little-endian");
-
-template <class Vector>
-bool allFinite(const std::vector<Vector>& vectors) {
-  return std::all_of(vectors.begin(), vectors.end(), [](const Vector& v) { return v.allFinite(); });
-}
-
-bool allFinite(const std::vector<float>& values) {
-  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
-}
 
 /// Copies `count` vectors from `first` on as their floats.
 template <class Vector>

@@ -15,6 +15,8 @@ constexpr size_t kArrivals = 64;  // that the clock offset and the jitter are ta
 
 double seconds(uint64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
 
+}  // namespace
+
 /// How simulation time of one session runs by this machine's clock.
 class ArrivalClock {
  public:
@@ -36,8 +38,6 @@ class ArrivalClock {
   size_t count_ = 0;
   double offset_ = 0, jitter_ = 0;
 };
-
-}  // namespace
 
 void moveToHead(GuideFrame& frame, const Pose& head) {
   const HeadFrame from(frame.head), to(head);

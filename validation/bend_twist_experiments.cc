@@ -11,8 +11,6 @@
 namespace strandcast {
 namespace {
 
-constexpr int kEdges = 32;
-constexpr double kRate = 360;
 constexpr double kCurvatures[] = {8, 10};  // natural curvature x length
 constexpr double kParts[] = {0.91, 0.94, 0.97, 1,
                              1.03, 1.06, 1.09};  // of the threshold, of the strands' gamma

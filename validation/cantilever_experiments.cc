@@ -12,8 +12,8 @@
 namespace strandcast {
 namespace {
 
-constexpr double kSettling = 8;  // s
-constexpr float kDrag = 5;       // 1/s
+constexpr double kSettlingTime = 8;  // s
+constexpr float kDrag = 5;           // 1/s
 constexpr double kRates[] = {360, 720};
 
 struct Cantilever {
@@ -23,7 +23,7 @@ struct Cantilever {
 
 /// Drop over reach of the tips of horizontal strands of human hair, at rest.
 std::vector<double> restingSlopes(const Laboratory& laboratory, const std::vector<Cantilever>& cantilevers,
-                                  double rate, float drag = kDrag, double settling = kSettling) {
+                                  double rate, float drag = kDrag, double settling = kSettlingTime) {
   std::vector<StrandPoints> strands;
   for (const Cantilever& c : cantilevers)
     strands.push_back(straightStrand(lengthOfGamma(c.gamma, Material{}), c.edges, Vec3::UnitX()));
@@ -140,7 +140,7 @@ Suite cantileverSuite(const CantileverNumbers& numbers) {
   const std::string name = nameOf(cantilever);
   auto run = [=](const Laboratory& laboratory) {
     constexpr double kDecay = 40;  // drag x time, after which nothing sways
-    const double settling = std::max(kSettling, kDecay / numbers.damping);
+    const double settling = std::max(kSettlingTime, kDecay / numbers.damping);
     const double slope = restingSlopes(laboratory, {cantilever}, 1 / numbers.time_step,
                                        static_cast<float>(numbers.damping), settling)[0];
     return std::vector<Case>{relativeCase({name, "tip H/W", ""}, slope,

@@ -12,8 +12,6 @@
 namespace strandcast {
 namespace {
 
-constexpr int kEdges = 32;
-constexpr double kLength = 0.25;  // m
 constexpr double kPi = std::numbers::pi;
 
 // Steps as programs take them: 1/60 s, four substeps.
@@ -64,7 +62,7 @@ std::vector<StrandPoints> droppedStrands(const Vec3& root) {
     const double angle = s == 0 ? 0 : 0.02 * (s - 12);
     const Vec3 along(static_cast<float>(std::cos(angle)), 0, static_cast<float>(std::sin(angle)));
     const Vec3 from = root + Vec3(0, 0, s == 0 ? 0 : 0.0005f * static_cast<float>(s - 12));
-    strands.push_back(straightStrand(kLength, kEdges, along));
+    strands.push_back(straightStrand(kHairLength, kEdges, along));
     for (Vec3& point : strands.back()) point += from;
   }
   return strands;
@@ -231,7 +229,7 @@ StrandModel headOfHair() {
     const double up = 1 - 1.2 * (s + 0.5) / kStrands, turn = s * kPi * (3 - std::sqrt(5));
     const double across = std::sqrt(1 - up * up);
     const Vec3 out = Eigen::Vector3d(across * std::cos(turn), up, across * std::sin(turn)).cast<float>();
-    strands.push_back(straightStrand(kLength, kEdges, out));
+    strands.push_back(straightStrand(kHairLength, kEdges, out));
     for (Vec3& point : strands.back()) point += out * (kBall + 1e-4f);
   }
   return modelOf(strands);

@@ -5,6 +5,11 @@
 
 namespace strandcast {
 
+/// What most experiments take.
+constexpr int kEdges = 32;            ///< of a strand
+constexpr double kHairLength = 0.25;  ///< m, of a long strand
+constexpr double kRate = 360;         ///< time steps per second
+
 /// Each appends its experiments, in a file of its name.
 void addCantileverExperiments(
     std::vector<Experiment>& experiments);  ///< heavy elastica over gamma, edges, time step

@@ -12,8 +12,6 @@
 namespace strandcast {
 namespace {
 
-constexpr int kEdges = 32;
-constexpr double kRate = 360;
 constexpr double kPressedRate =
     720;  // of stick-slip and capstan, where forces are many times the weight of hair
 constexpr double kRadius = 40e-6;  // m, of the hair

@@ -11,8 +11,6 @@
 namespace strandcast {
 namespace {
 
-constexpr int kEdges = 32;
-constexpr double kRate = 360;
 constexpr float kDrag = 5;
 
 // What may be done to hair at rest.

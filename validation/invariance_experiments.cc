@@ -10,8 +10,6 @@
 namespace strandcast {
 namespace {
 
-constexpr int kEdges = 32;
-
 std::vector<StrandPoints> strands(float scale) {
   std::vector<StrandPoints> list = {straightStrand(0.1, kEdges, Vec3::UnitX()),
                                     helixStrand(0.01, 0.01, 0.2, kEdges)};

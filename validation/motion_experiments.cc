@@ -11,12 +11,8 @@
 namespace strandcast {
 namespace {
 
-constexpr int kEdges = 32;
-constexpr double kRate = 360;
-constexpr double kLength = 0.25;  // m
-
 std::vector<StrandPoints> straightAndCurl() {
-  return {straightStrand(kLength, kEdges, -Vec3::UnitY()), helixStrand(0.01, 0.01, kLength, kEdges)};
+  return {straightStrand(kHairLength, kEdges, -Vec3::UnitY()), helixStrand(0.01, 0.01, kHairLength, kEdges)};
 }
 
 std::vector<Case> stretch(const Laboratory& laboratory) {

@@ -13,9 +13,7 @@
 namespace strandcast {
 namespace {
 
-constexpr int kEdges = 32;
-constexpr double kRate = 360;
-constexpr double kSettling = 10;  // s
+constexpr double kRestTime = 10;  // s
 
 constexpr double kTipLoads[] = {1, 5, 10};  // alpha = P L^2 / B
 constexpr double kTipToStrand = 5;          // weight of the load over that of the strand
@@ -74,7 +72,7 @@ std::vector<Case> catenary(const Laboratory& laboratory) {
   }
   Simulation simulation =
       laboratory.simulation(makeStrandModel(set, {limp}), laboratory.parameters(kRate, 5));
-  laboratory.advance(simulation, kSettling);
+  laboratory.advance(simulation, kRestTime);
   std::vector<Case> cases;
   for (size_t s = 0; s < std::size(kSpans); ++s) {
     const double sag = -strandOf(simulation, s)[kEdges / 2].y() / kLength;
@@ -94,7 +92,7 @@ std::vector<Case> hungHelix(const Laboratory& laboratory) {
   const double truth = 1e3 * kLength * hangingDepth(rod);
   Simulation simulation = laboratory.simulation(modelOf({helixStrand(kRadius, kPitch, kLength, kEdges)}),
                                                 laboratory.parameters(kRate, 5));
-  laboratory.advance(simulation, kSettling);
+  laboratory.advance(simulation, kRestTime);
   return {relativeCase({"hung helix", "height", "mm"}, -1e3 * tipOf(simulation, 0).y(), truth, 3)};
 }
 

@@ -10,7 +10,7 @@
 namespace strandcast {
 namespace {
 
-constexpr int kEdges = 32, kStrands = 1000;
+constexpr int kStrands = 1000;
 constexpr double kSpeed = 10;        // m/s
 constexpr double kThickness = 0.01;  // m
 constexpr double kTop = 0.04;        // m, of the plate below the roots

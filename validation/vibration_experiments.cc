@@ -13,8 +13,6 @@
 namespace strandcast {
 namespace {
 
-constexpr int kEdges = 32;
-constexpr double kRate = 360;
 constexpr double kSwing = 0.01;  // amplitude of a mode at the tip, part of the length: small
 
 using ModeShape = double (*)(int mode, double place);
@@ -100,14 +98,14 @@ Material limp() {
 }
 
 std::vector<Case> chain(const Laboratory& laboratory) {
-  constexpr double kLength = 0.25;  // m
   constexpr double kLimits[] = {1, 3, 3};
-  const StrandPoints points = straightStrand(kLength, kEdges, -Vec3::UnitY());
+  const StrandPoints points = straightStrand(kHairLength, kEdges, -Vec3::UnitY());
   Simulation simulation =
       laboratory.simulation(modelOf({points, points, points}, limp()), laboratory.parameters(kRate, 0));
   laboratory.advance(simulation, 1);  // tensions come to rest
   std::vector<double> truth;
-  for (int mode = 1; mode <= 3; ++mode) truth.push_back(chainRoot(mode) / 2 * std::sqrt(kGravity / kLength));
+  for (int mode = 1; mode <= 3; ++mode)
+    truth.push_back(chainRoot(mode) / 2 * std::sqrt(kGravity / kHairLength));
   const auto amplitudes = modeAmplitudes(laboratory, simulation, chainShape, truth, Vec3::UnitX(), 5);
   std::vector<Case> cases;
   for (int mode = 1; mode <= 3; ++mode) {
@@ -127,12 +125,11 @@ constexpr double kAngles[] = {30, 90};  // degrees
 std::vector<std::string> namesOfPendulum() { return caseNames("pendulum angle={:g}", kAngles); }
 
 std::vector<Case> pendulum(const Laboratory& laboratory) {
-  constexpr double kLength = 0.25;  // m
   std::vector<StrandPoints> strands;
   for (const double degrees : kAngles) {
     const double angle = degrees * std::numbers::pi / 180;
     strands.push_back(
-        straightStrand(kLength, 1, Eigen::Vector3d(std::sin(angle), -std::cos(angle), 0).cast<float>()));
+        straightStrand(kHairLength, 1, Eigen::Vector3d(std::sin(angle), -std::cos(angle), 0).cast<float>()));
   }
   Simulation simulation = laboratory.simulation(modelOf(strands, limp()), laboratory.parameters(kRate, 0));
   std::vector<std::vector<double>> swings(strands.size());
@@ -142,7 +139,7 @@ std::vector<Case> pendulum(const Laboratory& laboratory) {
   std::vector<Case> cases;
   for (size_t s = 0; s < strands.size(); ++s) {
     const Oscillation swing = oscillationOf(swings[s], 1 / kRate);
-    const double small = 2 * std::numbers::pi * std::sqrt(kLength / kGravity);
+    const double small = 2 * std::numbers::pi * std::sqrt(kHairLength / kGravity);
     Case period =
         relativeCase({namesOfPendulum()[s], "period", "s"}, 2 * std::numbers::pi / swing.angular_frequency,
                      small * pendulumPeriod(kAngles[s] * std::numbers::pi / 180), 1);

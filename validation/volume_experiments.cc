@@ -12,11 +12,11 @@
 namespace strandcast {
 namespace {
 
-constexpr double kRate = 60;
+constexpr double kFrameRate = 60;                 // 1/s
 constexpr float kStiffness = 40, kFriction = 10;  // m^2/s^2, 1/s
 
 Parameters parametersOf(const Laboratory& laboratory, float stiffness, float friction, float air_drag) {
-  Parameters parameters = laboratory.parameters(kRate, air_drag);
+  Parameters parameters = laboratory.parameters(kFrameRate, air_drag);
   parameters.substeps = 4;
   parameters.damping_time = 5e-4f;
   parameters.volume_stiffness = stiffness;
@@ -133,7 +133,7 @@ std::vector<Case> momentum(const Laboratory& laboratory) {
 
 // Two wisps that rest apart; then the roots of one are carried into the other's.
 StrandModel wisps(double apart) {
-  constexpr int kSide = 10, kEdges = 24;
+  constexpr int kSide = 10, kHairEdges = 24;
   constexpr double kLength = 0.2, kBetween = 0.004;
   Material limp;
   limp.youngs_modulus = 1e7f;
@@ -141,7 +141,7 @@ StrandModel wisps(double apart) {
   for (int wisp = 0; wisp < 2; ++wisp)
     for (int x = 0; x < kSide; ++x)
       for (int z = 0; z < kSide; ++z) {
-        StrandPoints points = straightStrand(kLength, kEdges, -Vec3::UnitY());
+        StrandPoints points = straightStrand(kLength, kHairEdges, -Vec3::UnitY());
         const Vec3 root(static_cast<float>(wisp * apart + x * kBetween), 0, static_cast<float>(z * kBetween));
         for (Vec3& p : points) p += root;
         strands.push_back(points);

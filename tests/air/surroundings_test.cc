@@ -11,7 +11,7 @@
 namespace strandcast {
 namespace {
 
-StrandModel tuft() {
+StrandModel squareTuft() {
   std::vector<StrandPoints> strands;
   for (int s = 0; s < 64; ++s) {
     StrandPoints points = straightStrand(0.2, 16, -Vec3::UnitY());
@@ -35,7 +35,7 @@ Parameters everything() {
 
 uint64_t hashAfter(const Parameters& parameters, std::unique_ptr<Backend> backend,
                    std::unique_ptr<Surroundings> surroundings, int steps = 20) {
-  Simulation simulation(tuft(), {}, parameters, std::move(backend), std::move(surroundings));
+  Simulation simulation(squareTuft(), {}, parameters, std::move(backend), std::move(surroundings));
   for (int i = 0; i < steps; ++i) simulation.step();
   EXPECT_EQ(simulation.measure().non_finite, 0u);
   return stateHash(simulation.state());
@@ -61,8 +61,8 @@ TEST(Surroundings, ASourceWithoutAGridBlowsAsTheWindDoes) {
   Parameters still, windy;
   still.solver = windy.solver = SolverKind::kRod;
   windy.wind = Vec3(3, 0, 0);
-  Simulation in_wind(tuft(), {}, windy, makeReferenceBackend());
-  Simulation by_fan(tuft(), {}, still, makeReferenceBackend(),
+  Simulation in_wind(squareTuft(), {}, windy, makeReferenceBackend());
+  Simulation by_fan(squareTuft(), {}, still, makeReferenceBackend(),
                     cpuAir("reference", 1).surroundings({wideFan(3)}));
   float most = 0, way = 0;
   const std::vector<Vec3> before(in_wind.guides().begin(), in_wind.guides().end());
@@ -92,7 +92,7 @@ TEST(Surroundings, GustsAndTurbulenceBlowWithoutAGrid) {
 TEST(Surroundings, GridsCanBeLookedAt) {
   Parameters parameters = everything();
   RigidBody ball{{{PrimitiveKind::kSphere, Vec3(0.02f, -0.1f, 0.15f), Vec3::UnitY(), 0.04f, 0.3f}}, false};
-  Simulation simulation(tuft(), {ball}, parameters, makeReferenceBackend(),
+  Simulation simulation(squareTuft(), {ball}, parameters, makeReferenceBackend(),
                         cpuAir("reference").surroundings({}));
   simulation.step();
   const AirFields* fields = airFields(simulation.surroundings());
@@ -123,7 +123,8 @@ TEST(Surroundings, HairShieldsTheHairBehindIt) {
     parameters.volume_stiffness = parameters.hair_friction = 0;
     parameters.hairs_per_strand = hairs;
     parameters.air_drag = 5;
-    Simulation simulation(tuft(), {}, parameters, makeSimdBackend(1), cpuAir("simd", 1).surroundings({}));
+    Simulation simulation(squareTuft(), {}, parameters, makeSimdBackend(1),
+                          cpuAir("simd", 1).surroundings({}));
     for (int i = 0; i < 120; ++i) simulation.step();
     double sum = 0;
     for (size_t s = 0; s < 64; ++s) sum += double{simulation.guides()[s * 17 + 16].x()} / 64;
@@ -134,7 +135,7 @@ TEST(Surroundings, HairShieldsTheHairBehindIt) {
 
 TEST(Surroundings, SettingsMayChangeWhileItRuns) {
   Parameters parameters = everything();
-  Simulation simulation(tuft(), {}, Parameters(), makeReferenceBackend(),
+  Simulation simulation(squareTuft(), {}, Parameters(), makeReferenceBackend(),
                         cpuAir("reference").surroundings({}));
   simulation.step();
   for (const int cells : {16, 32, 16}) {
@@ -151,8 +152,8 @@ TEST(Surroundings, SettingsMayChangeWhileItRuns) {
 }
 
 TEST(Surroundings, AreRefusedWhereThereAreNone) {
-  EXPECT_THROW(Simulation(tuft(), {}, everything(), makeReferenceBackend()), Error);
-  Simulation simulation(tuft(), {}, Parameters(), makeReferenceBackend());
+  EXPECT_THROW(Simulation(squareTuft(), {}, everything(), makeReferenceBackend()), Error);
+  Simulation simulation(squareTuft(), {}, Parameters(), makeReferenceBackend());
   EXPECT_THROW(simulation.setParameters(everything()), Error);
   EXPECT_EQ(simulation.parameters().wind_grid, 0);
   EXPECT_THROW(cpuAir("abacus").surroundings({}), Error);

@@ -6,7 +6,7 @@
 namespace strandcast {
 namespace {
 
-constexpr int kSegments = 40;
+constexpr int kBodySegments = 40;
 
 ContactPrimitive shapeOf(PrimitiveKind kind) {
   const Vec3 middle(0.01f, -0.1f, 0.01f);  // between four guides
@@ -47,7 +47,7 @@ class HairAndBodies : public OffscreenTest {
     OffscreenTest::SetUp();
     if (IsSkipped()) return;
     guides_ = verticalBundle(4, 4, 0.02f, 0, 0.2f, 12).guides;
-    nodes_ = std::make_unique<GuideNodes>(kSegments);
+    nodes_ = std::make_unique<GuideNodes>(kBodySegments);
     nodes_->setGroom(guides_);
     nodes_->update(guides_.positions, Pose{});
     growth_.hairs = 600;
@@ -99,8 +99,9 @@ TEST_F(HairAndBodies, TheTessellatorGrowsTheSameHair) {
   const std::vector<GrownVertex> computed = grow(GrowthPath::kCompute, obstacles);
   double worst = 0;
   for (const GrownVertex& v : grow(GrowthPath::kTessellator, obstacles))
-    worst = std::max(worst, static_cast<double>(
-                                (v.position - computed[v.hair * (kSegments + 1) + v.node].position).norm()));
+    worst = std::max(
+        worst,
+        static_cast<double>((v.position - computed[v.hair * (kBodySegments + 1) + v.node].position).norm()));
   EXPECT_LT(worst, 0.2 * 1e-5);
 }
 
@@ -112,8 +113,8 @@ TEST_F(HairAndBodies, HairFollowsOneGuideBelowTheBodyAndIsAsItWasElsewhere) {
   int switched = 0, untouched = 0;
   for (size_t h = 0; h < hairs.size(); ++h) {
     float deepest = 0, change = 0;
-    const size_t first = h * (kSegments + 1);
-    for (size_t i = first; i <= first + kSegments; ++i) {
+    const size_t first = h * (kBodySegments + 1);
+    for (size_t i = first; i <= first + kBodySegments; ++i) {
       deepest = std::max(deepest, ball.radius - (free[i].position - ball.a).norm());
       change = std::max(change, (kept[i].position - free[i].position).norm());
       // 15 % of the length before the body nothing happens.
@@ -125,7 +126,7 @@ TEST_F(HairAndBodies, HairFollowsOneGuideBelowTheBodyAndIsAsItWasElsewhere) {
     if (deepest < 0.002f) continue;
     ++switched;
     // From two millimetres on, all of it: the tip is at the guide's, but for the place in its lock.
-    const size_t node = static_cast<size_t>(hairs[h].extent * kSegments);
+    const size_t node = static_cast<size_t>(hairs[h].extent * kBodySegments);
     const Vec3 guide = guides_.strand(hairs[h].guides[0]).back();
     const Vec3 across = Vec3(kept[first + node].position - guide);
     EXPECT_LT(std::hypot(across.x(), across.z()), 0.25f * growth_.clump_radius + 1e-5f);

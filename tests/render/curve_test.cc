@@ -121,8 +121,8 @@ StrandSet bentGuides() {
   return guides;
 }
 
-constexpr int kSegments = 100;  // two patches a hair, the last one partly filled
-constexpr size_t kHairs = 200;  // four patches, the same
+constexpr int kCurveSegments = 100;  // two patches a hair, the last one partly filled
+constexpr size_t kHairs = 200;       // four patches, the same
 
 class HairCurve : public OffscreenTest {
  protected:
@@ -141,17 +141,17 @@ class HairCurve : public OffscreenTest {
     growth_.curl_example = std::make_shared<const CurlExample>(curlOf(wave, "wave"));
     growth_.tip_deviation_part = growth_.whole_deviation_part = 0.5f;
     guides_ = bentGuides();
-    nodes_ = std::make_unique<GuideNodes>(kSegments);
+    nodes_ = std::make_unique<GuideNodes>(kCurveSegments);
     nodes_->setGroom(guides_);
     const SceneBlock block = makeSceneBlock(RenderSettings{}, Camera{});
     scene_ = gl::Buffer(sizeof(SceneBlock), &block, GL_DYNAMIC_STORAGE_BIT);
     glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_.id());
     EXPECT_EQ(nodes_->update(guides_.positions, Pose{}), 0u);
     for (size_t g = 0; g < guides_.strands(); ++g)
-      curves_.push_back(guideNodes(guides_.strand(g), kSegments));
+      curves_.push_back(guideNodes(guides_.strand(g), kCurveSegments));
   }
   Vec expected(const Hair& hair, int node) const {
-    return hairPoint(hair, curves_, growth_, kSegments, node);
+    return hairPoint(hair, curves_, growth_, kCurveSegments, node);
   }
   double lengthOf(const Hair& hair) const { return arcLength(guides_.strand(hair.guides[0])); }
 
@@ -167,19 +167,19 @@ TEST_F(HairCurve, TessellatedVerticesAreTheCurvesToRounding) {
   pass.setHairs(growHairs(guides_, growth_), growth_);
   pass.grow(*nodes_, pass.all());
   const std::vector<GrownVertex> captured = readTessellated(pass, *nodes_, pass.all());
-  ASSERT_EQ(captured.size(), 2 * kHairs * kSegments);
-  std::vector<int> seen(kHairs * (kSegments + 1), 0);
+  ASSERT_EQ(captured.size(), 2 * kHairs * kCurveSegments);
+  std::vector<int> seen(kHairs * (kCurveSegments + 1), 0);
   double worst = 0, worst_tangent = 0;
   for (const GrownVertex& vertex : captured) {
     const size_t h = vertex.hair;
     const int node = static_cast<int>(vertex.node);
     ASSERT_LT(h, kHairs);
-    ++seen[h * (kSegments + 1) + node];
+    ++seen[h * (kCurveSegments + 1) + node];
     const Hair& hair = pass.hairs()[h];
     worst = std::max(worst, (vertex.position.cast<double>() - expected(hair, node)).norm() / lengthOf(hair));
     // The tangent against a central difference of a much finer evaluation would need the frame between nodes;
     // inside the hair a chord of its neighbours is close enough to catch a wrong derivative.
-    if (node > 2 && node + 3 < hair.extent * kSegments) {
+    if (node > 2 && node + 3 < hair.extent * kCurveSegments) {
       const Vec chord = expected(hair, node + 1) - expected(hair, node - 1);
       const Vec tangent = vertex.tangent.cast<double>();
       worst_tangent = std::max(worst_tangent, chord.normalized().cross(tangent).norm());
@@ -188,22 +188,22 @@ TEST_F(HairCurve, TessellatedVerticesAreTheCurvesToRounding) {
   EXPECT_LT(worst, 1e-5);
   EXPECT_LT(worst_tangent, 0.05);
   for (size_t i = 0; i < seen.size(); ++i) {
-    const size_t node = i % (kSegments + 1);
-    EXPECT_EQ(seen[i], node == 0 || node == kSegments ? 1 : 2)
-        << "hair " << i / (kSegments + 1) << " node " << node;
+    const size_t node = i % (kCurveSegments + 1);
+    EXPECT_EQ(seen[i], node == 0 || node == kCurveSegments ? 1 : 2)
+        << "hair " << i / (kCurveSegments + 1) << " node " << node;
   }
 }
 
 TEST_F(HairCurve, VerticesOfTheComputeShaderAreTheCurvesToRounding) {
   HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
   pass.setHairs(growHairs(guides_, growth_), growth_);
-  const HairReference reference(guides_, guides_.positions, kSegments);
+  const HairReference reference(guides_, guides_.positions, kCurveSegments);
   for (const int stride : {1, 3}) {
     HairDetail detail = pass.all();
     detail.node_stride = stride;
     pass.grow(*nodes_, detail);
     const std::vector<GrownVertex> grown = readComputed(pass, *nodes_, stride);
-    ASSERT_EQ(grown.size(), kHairs * (stride == 1 ? kSegments + 1 : 35));
+    ASSERT_EQ(grown.size(), kHairs * (stride == 1 ? kCurveSegments + 1 : 35));
     double worst = 0, worst_tangent = 0, worst_reference = 0;
     for (const GrownVertex& vertex : grown) {
       const Hair& hair = pass.hairs()[vertex.hair];

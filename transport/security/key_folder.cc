@@ -38,10 +38,6 @@ std::string bytesOf(const std::filesystem::path& file) {
   return bytes;
 }
 
-BioHandle memoryOf(const std::string& bytes) {
-  return BioHandle(BIO_new_mem_buf(bytes.data(), static_cast<int>(bytes.size())));
-}
-
 void refuseOutOfForce(const X509& certificate, const std::filesystem::path& file) {
   if (X509_cmp_current_time(X509_get0_notBefore(&certificate)) > 0)
     throw Error("the certificate is not in force yet", file.string(), "is the clock of this machine right?");

@@ -6,6 +6,7 @@
 #include <openssl/x509v3.h>
 
 #include <memory>
+#include <string>
 
 namespace strandcast {
 
@@ -24,5 +25,10 @@ using CertificateHandle = std::unique_ptr<X509, FreedBy<X509_free>>;
 using StoreHandle = std::unique_ptr<X509_STORE, FreedBy<X509_STORE_free>>;
 using StoreContextHandle = std::unique_ptr<X509_STORE_CTX, FreedBy<X509_STORE_CTX_free>>;
 using SignatureHandle = std::unique_ptr<PKCS7, FreedBy<PKCS7_free>>;
+
+/// Reads `bytes`, which must outlive it.
+inline BioHandle memoryOf(const std::string& bytes) {
+  return BioHandle(BIO_new_mem_buf(bytes.data(), static_cast<int>(bytes.size())));
+}
 
 }  // namespace strandcast

@@ -92,10 +92,6 @@ void writeKey(const std::filesystem::path& file, EVP_PKEY& key) {
   write(file, *bytes, kSecret);
 }
 
-BioHandle memoryOf(const std::string& text) {
-  return BioHandle(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
-}
-
 void writeSigned(const std::filesystem::path& file, const std::string& document, const Identity& authority) {
   constexpr int kFlags = PKCS7_TEXT | PKCS7_DETACHED;
   const BioHandle bytes(BIO_new(BIO_s_mem()));
