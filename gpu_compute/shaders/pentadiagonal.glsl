@@ -36,7 +36,7 @@ vec3 symmetricNT(vec4 a, vec4 b) {
 // The outer blocks: own diagonal d, coupling `c` to the block before (its transpose couples that one to this), right-hand
 // sides f0, f1.
 void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
-  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
     int distance = 1 << doubling;
     send_a(vec4(inverseOf(d), c.x));
     send_b(vec4(f0, c.y));

@@ -440,7 +440,7 @@ void pullThroughBending(bool violent) {
   if (violent) softness_in = 0.0;
   product = strandSum(product);
   float kept = 0.0;  // of the last direction
-  for (int iteration = 1; iteration <= kPullIterations; ++iteration) {
+  for (int iteration = 1; iteration <= REPEATS(kPullIterations); ++iteration) {
     for (int p = 0; p < PER_THREAD; ++p) pull[p] = conjugate[p] = madd(conjugate[p], kept, pull[p]);
     send_d(pull[0]);
     rendezvous();
@@ -526,7 +526,7 @@ void finish() {
     anchored[p] = fixed_here;
   }
 #if THREADS > 1
-  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
     int distance = 1 << doubling;
     send_a(vec4(sum, fixed_here ? 1 : 0));
     rendezvous();

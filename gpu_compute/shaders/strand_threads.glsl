@@ -74,6 +74,14 @@ void placeInvocation() {
   tipward = has_tipward ? me + 1u : me;
 }
 
+// How often a loop with a rendezvous runs. Where that is a barrier compilers are not to know the number, or they would unroll
+// the loop: a processor (Mesa's llvmpipe) splits a program at every barrier, and takes as long for it as their square.
+#if SHUFFLED
+#define REPEATS(number) (number)
+#else
+#define REPEATS(number) (settings.substeps > 0u ? (number) : 0)
+#endif
+
 // Doublings from 1 to THREADS.
 #if THREADS == 1
 const int kDoublings = 0;
@@ -91,7 +99,7 @@ const int kDoublings = 5;
 
 // The sum over the strand's invocations, the same bits in each of them.
 float strandSum(float value) {
-  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
     send_d(value);
     rendezvous();
     value += received_d(me ^ (1u << doubling));

@@ -43,7 +43,7 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
   slack += folded.x;
   solved += folded.y;
   float up = folded.z;  // what couples this row to the one after
-  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
     int distance = 1 << doubling;
     float inverse = 1.0 / max(slack + abs(coupling) + abs(up), least);
     send_a(vec4(coupling, up, inverse, solved));
