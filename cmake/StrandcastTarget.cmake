@@ -1,5 +1,5 @@
 # Programs and tests are not worth the compiler's time: loops that take time are in libraries.
-set(STRANDCAST_PROGRAM_OPTIONS $<$<CONFIG:Release>:-O1>)
+set(STRANDCAST_PROGRAM_OPTIONS $<$<NOT:$<CONFIG:Debug>>:-Og>)
 
 # strandcast_precompile(GROUP [HEADERS ...] [LINK ...] [OPTIONS ...]): parses HEADERS and what most files include once, for all
 # targets with the same flags to reuse. The debug preset does without, and compiles each file alone where other presets take
