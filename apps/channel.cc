@@ -87,6 +87,7 @@ Scene makeSceneAloud(SceneOptions options) {
       return !g_interrupted.load();
     });
   }
+  for (const std::string& warning : scene.warnings) spdlog::warn("{}: {}", scene.name, warning);
   for (const std::string& note : scene.notes) spdlog::info("{}: {}", scene.name, note);
   return scene;
 }

@@ -31,8 +31,7 @@ TriangleMesh partOf(const BodyDescription& body, bool head) {
 
 std::vector<HairObstacle> bakedObstacles(const BodyDescription& body) {
   std::vector<HairObstacle> obstacles;
-  const std::filesystem::path folder = fieldCacheAloud();
-  const FieldCache cache(folder);
+  const FieldCache cache(fieldCacheAloud());
   for (const bool head : {true, false}) {
     const TriangleMesh part = partOf(body, head);
     if (part.triangles.empty()) continue;
@@ -46,8 +45,7 @@ std::vector<HairObstacle> bakedObstacles(const BodyDescription& body) {
         bar.show("body: " + what, done);
         return !g_interrupted;
       };
-      const FieldCache* kept = folder.empty() ? nullptr : &cache;
-      shape.field = std::make_shared<DistanceField>(fieldOf(part, options, kept, progress).field);
+      shape.field = std::make_shared<DistanceField>(fieldOf(part, options, cache, progress).field);
       obstacles.push_back({std::move(shape), head, kNoCollider, Pose{}});
     } catch (const Error& error) {
       spdlog::warn("grown hair is not kept out of a part of the body: {}", error.what());

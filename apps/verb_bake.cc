@@ -56,18 +56,18 @@ Baked bakeOrFind(FieldBaker& baker, uint64_t key, const BakeOptions& o, Progress
   const auto since = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
-  std::optional<FieldCache> cache;
-  if (!o.no_cache) cache.emplace(o.cache.empty() ? defaultFieldCache() : std::filesystem::path(o.cache));
+  const FieldCache cache(o.no_cache        ? std::filesystem::path()
+                         : o.cache.empty() ? defaultFieldCache()
+                                           : std::filesystem::path(o.cache));
   std::string trouble;
-  if (cache)
-    if (std::optional<DistanceField> found = cache->find(key, &trouble))
-      return {std::move(*found), true, since()};
+  if (std::optional<DistanceField> found = cache.find(key, &trouble))
+    return {std::move(*found), true, since()};
   bar.clear();
   if (!trouble.empty()) fmt::print(stderr, "warning: {}; it is baked anew\n", trouble);
   announce(baker, o.file);
   Baked baked{baker.bake(progress), false, since()};
   try {
-    if (cache) cache->keep(key, baked.field);
+    cache.keep(key, baked.field);
   } catch (const Error& error) {
     fmt::print(stderr, "warning: {}\n", error.what());
   }

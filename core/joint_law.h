@@ -17,6 +17,11 @@ inline Eigen::Vector3d strainOfJoint(const Eigen::Quaterniond& inner, const Eige
   return fromLanes(kernels::f64::jointStrain(toLanes(inner), toLanes(outer)));
 }
 
+/// Of half the angle between them, and no less than where the law is capped.
+inline double cappedCosine(const Eigen::Quaterniond& inner, const Eigen::Quaterniond& outer) {
+  return kernels::f64::cappedCosine(toLanes(inner.conjugate() * outer));
+}
+
 /// The matrix of v x.
 inline Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;

@@ -13,7 +13,6 @@ namespace strandcast {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kCappedCosine = 0.2;  // of half the angle of a joint: where kernels/rod.h caps its strain
 
 void checkStrand(std::span<const Vec3> points, size_t strand) {
   const std::string where = fmt::format("strand {}", strand);
@@ -92,7 +91,7 @@ void setRod(StrandModel& model, size_t s, const Material& material) {
     const Eigen::Quaterniond outer(model.rest_frames[v].cast<double>());
     // The law is in 2 tan(theta/2): this keeps its stiffness at the rest angle that of the rod, up to the
     // fold where the law is capped.
-    const double cosine = std::max(std::fabs((inner.conjugate() * outer).w()), kCappedCosine);
+    const double cosine = cappedCosine(inner, outer);
     const double scale = cosine * cosine / (cell * reference);
     model.rest_strain[v] = strainOfJoint(inner, outer).cast<float>();
     model.bend[v] = static_cast<float>(bending * scale);

@@ -12,11 +12,14 @@ FN quat conjugate(IN(quat) q) { return makeQuat(lit(0) - q.x, lit(0) - q.y, lit(
 // Frame q of an edge moved with its tangent to the unit vector t, without twist.
 FN quat transportTo(IN(quat) q, IN(real3) t) { return multiply(rotationBetween(frameTangent(q), t), q); }
 
+// Of half the angle of a joint whose frames differ by the rotation p, as far as its law goes: near a full fold it is capped.
+FN real cappedCosine(IN(quat) p) { return max(abs(p.w), lit(0.2)); }
+
 // Bending (x, y) and twist (z) strain of the joint between frames a and b, in frame a: 2 tan(theta/2) along the axis of
-// the rotation from a to b. Grows without bound towards a full fold and is capped near it, so a fold always pushes back.
+// the rotation from a to b, up to where it is capped, so a fold always pushes back.
 FN real3 jointStrain(IN(quat) a, IN(quat) b) {
   quat p = multiply(conjugate(a), b);
-  real w = lit(2) * inverse(max(abs(p.w), lit(0.2)));
+  real w = lit(2) * inverse(cappedCosine(p));
   real s = select(p.w < lit(0), lit(0) - w, w);
   return makeReal3(p.x * s, p.y * s, p.z * s);
 }

@@ -27,7 +27,7 @@ std::filesystem::path FieldCache::file(uint64_t key) const {
 
 std::optional<DistanceField> FieldCache::find(uint64_t key, std::string* trouble) const {
   std::error_code failure;
-  if (!std::filesystem::is_regular_file(file(key), failure)) return {};
+  if (folder_.empty() || !std::filesystem::is_regular_file(file(key), failure)) return {};
   try {
     StoredField stored = loadDistanceField(file(key));
     if (stored.key == key) return std::move(stored.field);
@@ -39,12 +39,13 @@ std::optional<DistanceField> FieldCache::find(uint64_t key, std::string* trouble
 }
 
 void FieldCache::keep(uint64_t key, const DistanceField& field) const {
+  if (folder_.empty()) return;
   std::error_code failure;
   std::filesystem::create_directories(folder_, failure);
   writeDistanceField(file(key), field, key);
 }
 
-SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache* cache,
+SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache& cache,
                    const BakeProgress& progress) {
   const FieldOptions resolved = resolveFieldOptions(mesh, options);
   const uint64_t key = fieldKey(mesh, resolved);
@@ -54,16 +55,15 @@ SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const 
                        static_cast<double>(field.bytes()) / (1 << 20), how);
   };
   std::string trouble;
-  if (cache != nullptr)
-    if (std::optional<DistanceField> found = cache->find(key, &trouble)) {
-      const std::string text = note(*found, "found in the cache");
-      return {std::move(*found), text, true, {}};
-    }
+  if (std::optional<DistanceField> found = cache.find(key, &trouble)) {
+    const std::string text = note(*found, "found in the cache");
+    return {std::move(*found), text, true, {}};
+  }
   FieldBaker baker(mesh, resolved, {}, progress);
   DistanceField field = baker.bake(progress);
   std::string text = note(field, trouble.empty() ? "baked" : "baked anew");
   try {
-    if (cache != nullptr) cache->keep(key, field);
+    cache.keep(key, field);
   } catch (const Error& error) {
     trouble = error.what();
   }

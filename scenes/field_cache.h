@@ -12,7 +12,8 @@ namespace strandcast {
 /// The user's cache: $XDG_CACHE_HOME/strandcast, or .cache/strandcast at home.
 std::filesystem::path defaultFieldCache();
 
-/// Baked fields in a folder, each a file named by its key (fieldKey).
+/// Baked fields in a folder, each a file named by its key (fieldKey). With an empty path none is found or
+/// kept.
 class FieldCache {
  public:
   explicit FieldCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -35,9 +36,9 @@ struct SceneField {
   bool from_cache = false;
   std::string trouble;  ///< what was wrong with the cache: with the file in it, or with keeping one; or empty
 };
-/// From the cache, or baked and kept there; null = no cache. The note tells of trouble, too.
+/// From the cache, or baked and kept there. The note tells of trouble, too.
 /// Throws Error as FieldBaker does; BakeStopped.
-SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache* cache,
+SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache& cache,
                    const BakeProgress& progress);
 
 }  // namespace strandcast

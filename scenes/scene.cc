@@ -143,13 +143,11 @@ void bakeBody(const SceneOptions& options, const Progress& progress, Scene& scen
   FieldOptions field;
   field.hair_radius = scene.parameters.hair_radius;
   field.cell = options.body_cell;
-  std::optional<FieldCache> cache;
-  if (!options.field_cache.empty()) cache.emplace(options.field_cache);
-  SceneField baked =
-      fieldOf(scene.body, field, cache ? &*cache : nullptr, [&](const std::string& what, double part) {
-        return !progress || progress("the body's distance field: " + what, kFrom + part * (kTo - kFrom));
-      });
-  scene.notes.push_back(std::move(baked.note));
+  const FieldCache cache(options.field_cache);
+  SceneField baked = fieldOf(scene.body, field, cache, [&](const std::string& what, double part) {
+    return !progress || progress("the body's distance field: " + what, kFrom + part * (kTo - kFrom));
+  });
+  (baked.trouble.empty() ? scene.notes : scene.warnings).push_back(std::move(baked.note));
   ContactPrimitive shape;
   shape.kind = PrimitiveKind::kField;
   shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
@@ -166,21 +164,19 @@ void bakeParts(const SceneOptions& options, const Progress& progress, Scene& sce
   FieldOptions field;
   field.hair_radius = whole.hair_radius;
   field.cell = resolveFieldOptions(scene.body, whole).cell;
-  std::optional<FieldCache> cache;
-  if (!options.field_cache.empty()) cache.emplace(options.field_cache);
+  const FieldCache cache(options.field_cache);
   const auto count = static_cast<double>(skinned->parts().size());
   size_t bytes = 0, found = 0;
   skinned->first_body = scene.bodies.size();
   for (const SkinPart& part : skinned->parts()) {
     const double done = static_cast<double>(scene.bodies.size() - skinned->first_body);
-    SceneField baked =
-        fieldOf(part.mesh, field, cache ? &*cache : nullptr, [&](const std::string& what, double share) {
-          return !progress || progress(fmt::format("the distance field of {}: {}", part.name, what),
-                                       kFrom + (done + share) / count * (kTo - kFrom));
-        });
+    SceneField baked = fieldOf(part.mesh, field, cache, [&](const std::string& what, double share) {
+      return !progress || progress(fmt::format("the distance field of {}: {}", part.name, what),
+                                   kFrom + (done + share) / count * (kTo - kFrom));
+    });
     bytes += baked.field.bytes();
     found += baked.from_cache ? 1 : 0;
-    if (!baked.trouble.empty()) scene.notes.push_back(baked.note);
+    if (!baked.trouble.empty()) scene.warnings.push_back(baked.note);
     ContactPrimitive shape;
     shape.kind = PrimitiveKind::kField;
     shape.field = std::make_shared<const DistanceField>(std::move(baked.field));

@@ -49,7 +49,7 @@ TEST(FieldCache, AFileOfWhichOneBitIsAnotherIsBakedAnewAndReplaced) {
   FieldOptions options;
   options.cell = 0.01f;
   const auto progress = [](const std::string&, double) { return true; };
-  const DistanceField baked = fieldOf(ball, options, &cache, progress).field;
+  const DistanceField baked = fieldOf(ball, options, cache, progress).field;
   const std::filesystem::path file = std::filesystem::directory_iterator(folder.path())->path();
   std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
   const auto at = static_cast<std::streamoff>(std::filesystem::file_size(file) / 2);
@@ -58,12 +58,12 @@ TEST(FieldCache, AFileOfWhichOneBitIsAnotherIsBakedAnewAndReplaced) {
   stream.seekp(at);
   stream.put(static_cast<char>(byte ^ 4));
   stream.close();
-  const SceneField again = fieldOf(ball, options, &cache, progress);
+  const SceneField again = fieldOf(ball, options, cache, progress);
   EXPECT_FALSE(again.from_cache);
   EXPECT_NE(again.note.find("baked anew"), std::string::npos) << again.note;
   EXPECT_NE(again.trouble.find("damaged"), std::string::npos) << again.trouble;
   EXPECT_EQ(again.field.samples, baked.samples);
-  EXPECT_TRUE(fieldOf(ball, options, &cache, progress).from_cache) << "it has taken the damaged one's place";
+  EXPECT_TRUE(fieldOf(ball, options, cache, progress).from_cache) << "it has taken the damaged one's place";
 }
 
 TEST(FieldCache, WhatCannotBeWrittenIsAnError) {

@@ -171,6 +171,16 @@ TEST_F(BallScene, HairThatStartsInTheBodyNeitherPopsNorSinksIn) {
   EXPECT_LT(worst.max_penetration, 1e-3);
 }
 
+TEST_F(BallScene, ADamagedFieldIsWarnedOf) {
+  EXPECT_TRUE(makeScene(options_).warnings.empty());
+  const std::filesystem::path file = std::filesystem::directory_iterator(folder_ / "fields")->path();
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  const Scene again = makeScene(options_);
+  ASSERT_EQ(again.warnings.size(), 1u);
+  EXPECT_NE(again.warnings[0].find(file.filename().string()), std::string::npos) << again.warnings[0];
+  EXPECT_EQ(again.bodies[0].primitives[0].kind, PrimitiveKind::kField) << "baked anew";
+}
+
 TEST_F(BallScene, TheFieldIsBakedOnceAndSpheresStandInForIt) {
   EXPECT_TRUE(noted(makeScene(options_), "MiB, baked"));
   EXPECT_TRUE(noted(makeScene(options_), "MiB, found in the cache"));

@@ -135,7 +135,7 @@ TEST_F(Faults, LostDatagramsAreRepairedByDds) {
   for (const char* rate : {"0.01", "0.05"}) {
     const PeerSetting loss("STRANDCAST_PEER_LOSS", rate);
     const int test = rate[3] == '1' ? 5 : 6;
-    Peer publisher({"cast", domain(test), "3.5"});
+    Peer publisher({"cast", domain(test), "60"});  // on a lossy network readers may take seconds to find it
     Peer reader({"read", domain(test), "3", "0"});
     const Results read = reader.finish();
     ASSERT_TRUE(read.contains("lost")) << reader.text();
@@ -167,7 +167,7 @@ TEST(LcmFaults, LostDatagramsCostOnlyTheirStrands) {
   for (const char* rate : {"0.01", "0.05"}) {
     const std::string domain = std::to_string(testDomain(rate[3] == '1' ? 7 : 8));
     const PeerSetting loss("STRANDCAST_PEER_LOSS", rate);
-    Peer publisher({"cast_lcm", domain, "4"});
+    Peer publisher({"cast_lcm", domain, "60"});
     Peer reader({"read_lcm", domain, "3", "0"});
     const Results read = reader.finish();
     if (reader.text().find("LCM cannot") != std::string::npos) GTEST_SKIP() << reader.text();
@@ -177,7 +177,7 @@ TEST(LcmFaults, LostDatagramsCostOnlyTheirStrands) {
 
 TEST_F(Faults, LostDatagramsCostABestEffortReaderOnlyTheirStrands) {
   const PeerSetting loss("STRANDCAST_PEER_LOSS", "0.05"), profile("STRANDCAST_PEER_PROFILE", "best-effort");
-  Peer publisher({"cast", domain(9), "4"});
+  Peer publisher({"cast", domain(9), "60"});
   Peer reader({"read", domain(9), "3", "0"});
   const Results read = reader.finish();
   expectConcealed("best-effort DDS", 0.05, read, reader.text());
