@@ -41,9 +41,7 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
   if (k >= 2) before = normalizeOrZero(previous - one_more);
   vec4 frame = k >= 1 ? transportFrame(before, tangent) : root;
   int bank = 0;
-  // Not known to compilers: see REPEATS in strand_threads.glsl.
-  int threads = settings.substeps > 0u ? THREADS : 0;
-  for (int stride = 1; stride < threads; stride *= 2) {
+  for (int stride = 1; stride < THREADS; stride *= 2) {
     shared_frame[bank][me] = frame;
     barrier();
     vec4 other = shared_frame[bank][k >= stride ? me - uint(stride) : me];
