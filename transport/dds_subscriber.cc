@@ -17,7 +17,7 @@ namespace {
 
 namespace dds = eprosima::fastdds::dds;
 
-constexpr std::chrono::milliseconds kPlainAnswerTime{2000}, kWatchPeriod{400};
+constexpr std::chrono::milliseconds kWatchPeriod{400};
 /// Fast DDS 2.9.1 repeats a message of a handshake that was lost only after a second.
 constexpr std::chrono::milliseconds kSecureAnswerTime{6000};
 constexpr int kPatience = 2;  // looks without a chunk; a daemon's status comes twice a second
@@ -58,7 +58,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
     const std::string where =
         "groom " + std::to_string(options_.groom_id) + " in DDS domain " + std::to_string(options_.domain);
     const char* const remedy = "start strandcastd, or check --domain and the groom id";
-    const auto answer_time = options_.keys.empty() ? kPlainAnswerTime : kSecureAnswerTime;
+    const auto answer_time = options_.keys.empty() ? kAnswerTime : kSecureAnswerTime;
     const auto deadline = std::chrono::steady_clock::now() + answer_time;
     // Its status is what it answers with.
     for (bool heard = daemons_.waitForMatch(answer_time); !heard || !status();
@@ -73,7 +73,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
     if (!command_writer_ || !command_writer_->write(&sample))
       throw Error("the command cannot be written", where, remedy);
     // So that a program may end right after it.
-    const eprosima::fastrtps::Duration_t patience{static_cast<int32_t>(kPlainAnswerTime.count() / 1000), 0};
+    const eprosima::fastrtps::Duration_t patience{static_cast<int32_t>(kAnswerTime.count() / 1000), 0};
     if (command_writer_->wait_for_acknowledgments(patience) !=
         eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
       throw Error("the daemon does not acknowledge the command", where, remedy);

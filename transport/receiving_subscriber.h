@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -34,6 +35,9 @@ class ReceivingSubscriber : public Subscriber {
   ReceiveStatistics statistics() const final;
 
  protected:
+  /// How long a daemon has to answer to a command, if nothing takes it longer.
+  static constexpr std::chrono::milliseconds kAnswerTime{2000};
+
   /// With `conceals`, frames that lack strands are not waited for: their strands are put where they probably
   /// are.
   ReceivingSubscriber(uint32_t groom_id, bool conceals)

@@ -139,7 +139,7 @@ TEST_F(Programs, ValidateWireMeasuresBetweenTwoProcesses) {
   EXPECT_LE(results[0]["value"], 4);
   EXPECT_GT(results[1]["value"], 0) << "what came is compared with what was sent";
   EXPECT_LE(results[1]["value"], 0.0100001);
-  EXPECT_LT(results[2]["value"], 120) << "of 240 frames";
+  EXPECT_LT(results[2]["value"], 60) << "of 240 frames";
   EXPECT_GT(results[3]["value"], 0);
   EXPECT_GE(results[4]["value"], results[3]["value"]);
   EXPECT_GT(results[5]["value"], 0);

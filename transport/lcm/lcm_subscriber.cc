@@ -19,7 +19,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kSignPeriod{1000}, kAskPeriod{200}, kWaitsForDaemon{2000};
+constexpr milliseconds kSignPeriod{1000}, kAskPeriod{200};
 
 /// Daemons have no writers here: their session names them.
 StatusBoard::WriterId writerId(const Status& status) {
@@ -67,7 +67,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
 
   void send(const Command& command) override {
     checkCommand(command, options_.groom_id);
-    const auto deadline = Clock::now() + kWaitsForDaemon;
+    const auto deadline = Clock::now() + kAnswerTime;
     while (!status()) {
       if (Clock::now() > deadline) {
         throw Error("no daemon answers",
