@@ -16,6 +16,7 @@ namespace kernels::counting {
 #include "kernels/strand.h"
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
+#include "kernels/surface_bend.h"
 #include "kernels/rod.h"
 #include "kernels/grooming.h"
 #include "kernels/end_lanes.inl"

@@ -29,7 +29,8 @@ struct SubstepBody {
   Scalar middle[3];       // of a ball around it and what it presses; not of planes
   Scalar ball;            // m: that ball's radius
   const uint32_t* words;  // of all shapes
-  uint32_t data, planes;  // its own in them
+  uint32_t data, extra;   // its own in them
+  Scalar time, part;      // of the step: what has passed, and what the substep is
   Scalar friction;
 };
 // `part`: of the step that a substep is; `substep`: s.
@@ -59,7 +60,9 @@ inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, doubl
   body.radius_b = p.radius_b;
   body.words = words;
   body.data = p.data;
-  body.planes = p.planes;
+  body.extra = p.extra;
+  body.time = static_cast<Scalar>(time);
+  body.part = static_cast<Scalar>(part);
   body.friction = p.friction;
   return body;
 }
@@ -75,7 +78,7 @@ struct SurfacePoint {
 inline real convexDistance(const SubstepBody& body, const real3& x, real3& normal) {
   real nearest = lit(-1e9);
   normal = makeReal3(lit(0), lit(1), lit(0));
-  for (uint32_t i = 0; i < body.planes; ++i) {
+  for (uint32_t i = 0; i < body.extra; ++i) {
     float plane[4];
     std::memcpy(plane, body.words + body.data + 4 * i, sizeof plane);
     convexPlane(x, fill3(plane), lit(plane[3]), nearest, normal);
@@ -195,6 +198,37 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
   return out;
 }
 
+// Whether it is a field whose surface is not as at rest.
+inline bool isBent(const SubstepBody& body) { return body.kind == PrimitiveKind::kField && body.extra != 0; }
+inline MovingBend movingBendOf(const SubstepBody& body) {
+  MovingBend moving;
+  std::memcpy(&moving, body.words + body.extra, sizeof moving);
+  return moving;
+}
+inline Bend bendAt(const MovingBend& moving, Scalar time) {
+  auto term = [&](int i) {
+    auto factor = [&](int c) {
+      const Scalar begin = moving.begin[i][c], end = moving.end[i][c];
+      return lit(begin + time * (end - begin));
+    };
+    return makeReal3(factor(0), factor(1), factor(2));
+  };
+  return {term(0), term(1), term(2), term(3), term(4), term(5), term(6), term(7), term(8), term(9), fill3(moving.reach)};
+}
+
+// In the body's frame, see surfaceAt.
+inline SurfacePoint bentSurfaceAt(const SubstepBody& body, const real3& x, const real& clear, const mask& lanes) {
+  const MovingBend moving = movingBendOf(body);
+  const Bend bend = bendAt(moving, body.time);
+  SurfacePoint out = fieldSurfaceAt(body, x + bendShift(bend, x), clear, lanes);
+  const real stretch = lit(moving.stretch);
+  out.least = out.least / stretch;
+  out.even = lit(0);
+  out.normal = bentGradient(bend, x, out.normal);
+  out.distance = bentDistance(out.distance, stretch, out.normal);
+  return out;
+}
+
 // Of kinds that turn. By itself, so that what sweeps over spheres and capsules stays small. See surfaceAt.
 [[gnu::noinline]] inline SurfacePoint turningSurfaceAt(const SubstepBody& body, const real3& x, const real& clear,
                                                        const mask& lanes) {
@@ -203,7 +237,7 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
   const quat back = {lit(0) - rotation.x, lit(0) - rotation.y, lit(0) - rotation.z, rotation.w};
   const real3 local = rotate(back, x - spread(body.a));
   if (body.kind == PrimitiveKind::kField) {
-    out = fieldSurfaceAt(body, local, clear, lanes);
+    out = isBent(body) ? bentSurfaceAt(body, local, clear, lanes) : fieldSurfaceAt(body, local, clear, lanes);
     out.normal = rotate(rotation, out.normal);
     return out;
   }
@@ -244,8 +278,11 @@ inline SurfacePoint surfaceAt(const SubstepBody& body, const real3& x, const rea
   if (body.kind == PrimitiveKind::kField) {
     const quat rotation = spread(body.rotation);
     const quat back = {lit(0) - rotation.x, lit(0) - rotation.y, lit(0) - rotation.z, rotation.w};
-    const FieldLook look = lookIntoField(body, rotate(back, x - spread(body.a)), all);
-    return leastByCorner(body, look, all);
+    const real3 local = rotate(back, x - spread(body.a));
+    if (!isBent(body)) return leastByCorner(body, lookIntoField(body, local, all), all);
+    const MovingBend moving = movingBendOf(body);
+    const FieldLook look = lookIntoField(body, local + bendShift(bendAt(moving, body.time), local), all);
+    return leastByCorner(body, look, all) / lit(moving.stretch);
   }
   if (body.kind == PrimitiveKind::kEllipsoid || body.kind == PrimitiveKind::kConvex)
     return length(x - spread(body.middle)) - lit(body.ball);

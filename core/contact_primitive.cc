@@ -135,8 +135,24 @@ uint32_t ShapeData::add(const ContactPrimitive& primitive) {
   return static_cast<uint32_t>(first);
 }
 
+uint32_t ShapeData::addBend() {
+  const size_t first = words.size();
+  if (first + kBendWords > std::numeric_limits<uint32_t>::max())
+    throw Error("the shapes of the bodies are too large together", std::to_string(first) + " words",
+                "bake their distance fields with larger cells");
+  words.resize(first + kBendWords);
+  bends.push_back(static_cast<uint32_t>(first));
+  revision = nextRevision();
+  return bends.back();
+}
+
+void ShapeData::setBend(uint32_t at, const MovingBend& bend) {
+  std::memcpy(words.data() + at, &bend, sizeof bend);
+}
+
 void ShapeData::clear() {
   words.clear();
+  bends.clear();
   known_.clear();
   revision = nextRevision();
 }
@@ -155,7 +171,7 @@ MovingPrimitive moved(const ContactPrimitive& primitive, const Pose& begin, cons
     const Turning turning = turningOf(primitive);
     out.radius = turning.radius;
     a += primitive.rotation * turning.middle;
-    if (primitive.convex) out.planes = static_cast<uint32_t>(primitive.convex->planes.size());
+    if (primitive.convex) out.extra = static_cast<uint32_t>(primitive.convex->planes.size());
   }
   put(out.rotation_begin, (begin.rotation * primitive.rotation).normalized());
   put(out.rotation_end, (end.rotation * primitive.rotation).normalized());
@@ -167,6 +183,18 @@ MovingPrimitive moved(const ContactPrimitive& primitive, const Pose& begin, cons
   const Eigen::AngleAxisf turn(Eigen::Quaternionf(end.rotation * begin.rotation.conjugate()));
   put(out.angular_velocity, turn.axis() * (turn.angle() / dt));
   return out;
+}
+
+MovingBend bendOf(const ContactPrimitive& field, const SurfaceBend& begin, const SurfaceBend& end) {
+  const FieldGrid& grid = field.field->grid;
+  const Vec3 middle = middleOf(grid);
+  return movingBend(begin, end, field.a + middle, middle - Vec3(grid.origin));
+}
+
+void bendWith(MovingPrimitive& field, const MovingBend& bend, uint32_t at) {
+  if (bend.stretch == 0) return;
+  field.extra = at;
+  field.radius += farthestShift(bend);
 }
 
 float signedDistance(const MovingPrimitive& primitive, const Vec3& point, std::span<const uint32_t> words) {

@@ -8,6 +8,7 @@
 #include "core/convex_body.h"
 #include "core/distance_field.h"
 #include "core/geometry.h"
+#include "core/surface_bend.h"
 
 namespace strandcast {
 
@@ -46,7 +47,7 @@ void checkPrimitive(const ContactPrimitive& primitive, const std::string& where)
 /// rotations as interpolateRotation does. Kinds with a rotation turn about a, which is the middle of them.
 struct alignas(16) MovingPrimitive {
   float a_begin[3];
-  float radius;  ///< of kinds with a rotation: of a ball about a that holds them
+  float radius;  ///< of kinds with a rotation: of a ball about a that holds them, however they are bent
   float a_end[3];
   uint32_t kind;  ///< PrimitiveKind
   float b_begin[3];
@@ -59,20 +60,25 @@ struct alignas(16) MovingPrimitive {
   float rotation_begin[4];  ///< x y z w
   float rotation_end[4];
   float extent[3];
-  uint32_t planes;  ///< convex: how many
+  uint32_t extra;  ///< convex: how many planes; field: first word of its MovingBend, 0 = it is as at rest
 };
 static_assert(sizeof(MovingPrimitive) == 128);
 
 /// What convex bodies and fields consist of, as every backend reads it: flat words of 32 bits. A convex body
 /// is the unit normal and distance of each plane as floats; a field its FieldGrid, index, samples and
-/// corners. Both are moved so that their middle is at their origin.
+/// corners. Both are moved so that their middle is at their origin. And the bends of fields, which change
+/// from step to step.
 struct ShapeData {
   std::vector<uint32_t> words;
-  uint64_t revision = 0;  ///< another one after every change, of all there are in the process
+  uint64_t revision = 0;  ///< another one after every change but of bends, of all there are in the process
+  std::vector<uint32_t> bends;  ///< first words of MovingBends
 
   /// Appends what the primitive needs, unless it is there; returns its first word. Throws Error when words
   /// cannot be numbered in 32 bits any more, or a field's samples take more than 2 GiB.
   uint32_t add(const ContactPrimitive& primitive);
+  /// Appends a bend that is none, for a field that was added before; returns its first word.
+  uint32_t addBend();
+  void setBend(uint32_t at, const MovingBend& bend);
   void clear();
 
  private:
@@ -83,6 +89,15 @@ struct ShapeData {
 /// seconds. `data`: of ShapeData::add.
 MovingPrimitive moved(const ContactPrimitive& primitive, const Pose& begin, const Pose& end, float dt,
                       uint32_t data = 0);
+
+/// The bend of a field, which may not be rotated in its body, from one of the body to another.
+MovingBend bendOf(const ContactPrimitive& field, const SurfaceBend& begin, const SurfaceBend& end);
+/// Bends a field as `bend` has it, which is in ShapeData::words from `at` on.
+void bendWith(MovingPrimitive& field, const MovingBend& bend, uint32_t at);
+
+inline bool isBent(const MovingPrimitive& p) {
+  return p.kind == static_cast<uint32_t>(PrimitiveKind::kField) && p.extra != 0;
+}
 
 /// Distance from `point` to the surface at the end of the step, metres; negative inside. Far from the surface
 /// of a field never farther from 0 than the true one. `words`: of the ShapeData.

@@ -281,6 +281,7 @@ class NearBodies {
     // Of the third order: what carriedBy() leaves out, and that interpolateRotation() is not even.
     const Scalar turn = std::sqrt(w2) * substeps;
     out.slack = turn * turn * turn / 60 * (std::sqrt(off2) + static_cast<Scalar>(radius_));
+    if (isBent(body)) out.slack += movingBendOf(body).shift * body.part;
     return out;
   }
   // How much farther one moves points than the other, at most.

@@ -127,9 +127,21 @@ Simulation::PlacedBody Simulation::placed(RigidBody body, const char* where) {
   PlacedBody out;
   out.id = next_body_++;
   if (!body.follows_head) out.begin = out.end = body.pose;
-  for (const ContactPrimitive& primitive : body.primitives) out.data.push_back(shapes_.add(primitive));
+  for (const ContactPrimitive& primitive : body.primitives)
+    if (body.bends && primitive.field && primitive.rotation.angularDistance(Quat::Identity()) > 1e-6f)
+      throw Error("a field that is to bend is rotated in its body", where, "rotate the body");
   out.body = std::move(body);
+  addShapes(out);
   return out;
+}
+
+void Simulation::addShapes(PlacedBody& body) {
+  body.data.clear();
+  body.bends.clear();
+  for (const ContactPrimitive& primitive : body.body.primitives) {
+    body.data.push_back(shapes_.add(primitive));
+    body.bends.push_back(body.body.bends && primitive.field ? shapes_.addBend() : 0);
+  }
 }
 
 const Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) const {
@@ -158,6 +170,18 @@ void Simulation::setBodyPose(BodyId body, const Pose& pose) {
   known.end = pose;
 }
 
+void Simulation::setBodyBend(BodyId body, const SurfaceBend& bend) {
+  PlacedBody& known = find(body, "Simulation::setBodyBend");
+  if (!known.body.bends)
+    throw Error("body " + std::to_string(body) + " does not bend", "Simulation::setBodyBend",
+                "add it with RigidBody::bends");
+  const bool finite =
+      std::all_of(bend.terms.begin(), bend.terms.end(), [](const Vec3& t) { return t.allFinite(); });
+  if (!finite || !bend.middle.allFinite())
+    throw Error("a bend is not finite", "Simulation::setBodyBend", "check its terms and middle");
+  known.bend_end = bend;
+}
+
 const Pose& Simulation::bodyPose(BodyId body) const {
   const PlacedBody& known = find(body, "Simulation::bodyPose");
   return known.body.follows_head ? bones_begin_[0] : known.begin;
@@ -175,8 +199,7 @@ void Simulation::removeBody(BodyId body) {
   find(body, "Simulation::removeBody");
   std::erase_if(bodies_, [&](const PlacedBody& known) { return known.id == body; });
   shapes_.clear();
-  for (PlacedBody& left : bodies_)
-    for (size_t i = 0; i < left.data.size(); ++i) left.data[i] = shapes_.add(left.body.primitives[i]);
+  for (PlacedBody& left : bodies_) addShapes(left);
   placePrimitives();
 }
 
@@ -193,9 +216,14 @@ void Simulation::placePrimitives() {
   for (const PlacedBody& placed : bodies_) {
     const bool head = placed.body.follows_head;
     const Pose &begin = head ? bones_begin_[0] : placed.begin, &end = head ? bones_end_[0] : placed.end;
-    for (size_t i = 0; i < placed.data.size(); ++i)
-      primitives_.push_back(
-          moved(placed.body.primitives[i], begin, end, parameters_.time_step, placed.data[i]));
+    for (size_t i = 0; i < placed.data.size(); ++i) {
+      const ContactPrimitive& primitive = placed.body.primitives[i];
+      primitives_.push_back(moved(primitive, begin, end, parameters_.time_step, placed.data[i]));
+      if (placed.bends[i] == 0) continue;
+      const MovingBend bend = bendOf(primitive, placed.bend_begin, placed.bend_end);
+      shapes_.setBend(placed.bends[i], bend);
+      bendWith(primitives_.back(), bend, placed.bends[i]);
+    }
   }
 }
 
@@ -228,7 +256,10 @@ void Simulation::step() {
   if (pull_) addPull(input);
   backend_->step(input);
   bones_begin_ = bones_end_;
-  for (PlacedBody& body : bodies_) body.begin = body.end;
+  for (PlacedBody& body : bodies_) {
+    body.begin = body.end;
+    body.bend_begin = body.bend_end;
+  }
   time_ += parameters_.time_step;
   ++steps_;
 }
@@ -282,7 +313,10 @@ StrandState Simulation::restNow() const {
 
 void Simulation::reset() {
   bones_end_ = bones_begin_;
-  for (PlacedBody& body : bodies_) body.end = body.begin;
+  for (PlacedBody& body : bodies_) {
+    body.end = body.begin;
+    body.bend_end = body.bend_begin;
+  }
   placePrimitives();
   backend_->upload(restNow());
   if (surroundings_) surroundings_->reset();

@@ -20,6 +20,8 @@ struct RigidBody {
   /// StrandModel::rest_distance). Only of the bodies that a Simulation is made with.
   bool holds_roots = false;
   Pose pose{};  ///< where it is; of a body that follows the head unused
+  /// Its fields may be bent, see Simulation::setBodyBend: then they are not rotated in it.
+  bool bends = false;
 };
 
 /// A body of a Simulation, as long as it is there. Never given to another one.
@@ -56,6 +58,10 @@ class Simulation {
   /// Where a body is to be at the end of the next step, from where it was told to be before. Error on an
   /// unknown body, on one that follows the head, and as checkPose.
   void setBodyPose(BodyId body, const Pose& pose);
+  /// How its surface differs from rest at the end of the next step, at its pose; so it stays until it is told
+  /// otherwise. It goes there evenly. What is bent pushes hair by where it is then, and takes it along. Error
+  /// on an unknown body, on one without `bends`, and where a number is not finite.
+  void setBodyBend(BodyId body, const SurfaceBend& bend);
   /// Where it is now. Error on an unknown body.
   const Pose& bodyPose(BodyId body) const;
   /// Error on an unknown body.
@@ -106,8 +112,10 @@ class Simulation {
   struct PlacedBody {
     BodyId id;
     RigidBody body;
-    Pose begin, end;             ///< of the next step; not of one that follows the head
-    std::vector<uint32_t> data;  ///< of its primitives, in shapes_
+    Pose begin, end;                   ///< of the next step; not of one that follows the head
+    SurfaceBend bend_begin, bend_end;  ///< the same
+    std::vector<uint32_t> data;        ///< of its primitives, in shapes_
+    std::vector<uint32_t> bends;       ///< the same, 0 of what does not bend
   };
 
   void placePrimitives();
@@ -117,6 +125,8 @@ class Simulation {
   void reserveForBodies();
   /// Fills near_ from where roots and bodies are in the next step.
   void findNearBodies();
+  /// Adds its shapes to shapes_; throws Error.
+  void addShapes(PlacedBody& body);
   /// What is kept of a new body; throws Error.
   PlacedBody placed(RigidBody body, const char* where);
   /// The rest shape where roots and bones are now, at rest.

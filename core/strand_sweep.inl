@@ -80,7 +80,14 @@ inline Touch chosen(const mask& first, const Touch& a, const Touch& b) {
 
 // Where a body takes a point of it in a substep.
 inline real3 carriedOf(const SubstepBody& body, const real3& point) {
-  return carriedBy(point, spread(body.a), spread(body.a_motion), spread(body.turn));
+  const real3 rigidly = carriedBy(point, spread(body.a), spread(body.a_motion), spread(body.turn));
+  if (!isBent(body)) return rigidly;
+  const MovingBend moving = movingBendOf(body);
+  const quat rotation = spread(body.rotation);
+  const quat back = {lit(0) - rotation.x, lit(0) - rotation.y, lit(0) - rotation.z, rotation.w};
+  const real3 local = rotate(back, rigidly - spread(body.a));
+  const real3 bent = carriedByBend(bendAt(moving, body.time - body.part), bendAt(moving, body.time), local);
+  return rigidly + rotate(rotation, bent - local);
 }
 
 // What this body is to a vertex that goes from x_start to x in the substep, in `touch`, which is left alone where the body is

@@ -12,13 +12,13 @@ class GaussSeidelStrands {
  public:
   explicit GaussSeidelStrands(const StrandModel& model);
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first of each kind compiles.
-  void step(bool groomed, bool accelerated, ProgramCache& programs);
+  void step(bool groomed, bool accelerated, bool bends, ProgramCache& programs);
 
  private:
   StrandGroups groups_;  ///< key: invocations per strand
   gl::Buffer order_, rest_edge_;
-  /// Of groups_, by grooming and acceleration; empty until first needed.
-  std::array<std::vector<const gl::Program*>, 4> programs_;
+  /// Of groups_, by grooming, acceleration and fields that bend; empty until first needed.
+  std::array<std::vector<const gl::Program*>, 8> programs_;
 };
 
 }  // namespace strandcast::gpu

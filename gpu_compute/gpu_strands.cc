@@ -191,7 +191,8 @@ void GpuStrands::bind() const {
 }
 
 void GpuStrands::takeShapes(const ShapeData* shapes) {
-  if (shapes == nullptr || shapes->words.empty() || shapes->revision == shapes_revision_) return;
+  if (shapes == nullptr || shapes->words.empty()) return;
+  if (shapes->revision == shapes_revision_) return takeBends(*shapes);
   GLint64 limit = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
   const size_t bytes = shapes->words.size() * sizeof(uint32_t);
@@ -204,6 +205,12 @@ void GpuStrands::takeShapes(const ShapeData* shapes) {
     throw Error("the shapes of the bodies do not fit the GPU's memory", fmt::format("{} bytes", bytes),
                 "bake their distance fields with larger cells, or use --backend simd");
   shapes_revision_ = shapes->revision;
+}
+
+void GpuStrands::takeBends(const ShapeData& shapes) const {
+  for (const uint32_t at : shapes.bends)
+    glNamedBufferSubData(shapes_.id(), static_cast<GLintptr>(at * sizeof(uint32_t)), sizeof(MovingBend),
+                         shapes.words.data() + at);
 }
 
 void GpuStrands::makeSights() {
@@ -248,6 +255,10 @@ void GpuStrands::step(const StepInput& input) {
   if (!input.accelerations.empty()) guides_.write(input.accelerations);
   const bool rod = input.parameters->solver == SolverKind::kRod;
   const bool pressing = rod && !input.primitives.empty();
+  const bool bends = input.shapes != nullptr && !input.shapes->bends.empty();
+  const int turning = bends                                                                  ? 2
+                      : std::any_of(input.primitives.begin(), input.primitives.end(), turns) ? 1
+                                                                                             : 0;
   bind();
   if (pressed_ && !pressing) glClearNamedBufferData(contacts_.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, nullptr);
   pressed_ = pressing;
@@ -255,14 +266,14 @@ void GpuStrands::step(const StepInput& input) {
   carryRoots();
   if (rod)
     rod_->step({.bodies = !input.primitives.empty(),
-                .turning = std::any_of(input.primitives.begin(), input.primitives.end(), turns),
+                .turning = turning,
                 .goal = goal,
                 .accelerated = accelerated,
                 .damping = input.parameters->damping_time > 0,
                 .same_bodies = seen_.holdsIn(input)},
                input.parameters->substeps, programs_);
   else
-    gauss_seidel_->step(groomed_ || goal, accelerated, programs_);
+    gauss_seidel_->step(groomed_ || goal, accelerated, turning > 1, programs_);
   timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   readback_.copyFrom(guides_);

@@ -50,6 +50,8 @@ class GpuStrands {
   void bind() const;
   /// Has the roots go with the bones that uploads_ has, before all that asks for them.
   void carryRoots();
+  /// Those of the shapes that are on the GPU already.
+  void takeBends(const ShapeData& shapes) const;
   void takeShapes(const ShapeData* shapes);
   void makeSights();
   void expectUploads(const UploadRing::Counts& wanted);

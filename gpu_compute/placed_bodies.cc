@@ -29,6 +29,7 @@ Eigen::Quaternionf turnOf(const MovingPrimitive& body) {
 // Whether in the step both move points that are within some metres of them by kAlike of
 // shaders/step_input.glsl of each other.
 bool movesAlike(const MovingPrimitive& p, const MovingPrimitive& q) {
+  if (isBent(p) || isBent(q)) return false;
   constexpr float kAlikePlace = 2e-5f, kAlikeTurn = 2e-5f;  // m, radians
   const Eigen::Quaternionf turn = turnOf(p);
   const Vec3 carried = Vec3(p.a_end) + turn * (Vec3(q.a_begin) - Vec3(p.a_begin));
@@ -61,7 +62,8 @@ PlacedBody placedBody(const MovingPrimitive& primitive, double time, double part
   if (at.kind >= PrimitiveKind::kEllipsoid) put(body.rotation, at.rotation);
   put(body.extent, at.extent);
   body.data = at.data;
-  body.planes = at.planes;
+  body.extra = at.extra;
+  body.time = at.time;
   return body;
 }
 
@@ -70,11 +72,15 @@ void placeBodies(const StepInput& input, PlacedBody* out) {
   const double part = 1.0 / p.substeps, seconds = static_cast<double>(p.time_step) / p.substeps;
   const auto bodies = static_cast<uint32_t>(input.primitives.size());
   for (uint32_t i = 0; i < bodies; ++i) {
+    const MovingPrimitive& primitive = input.primitives[i];
     const uint32_t leader = leaderOf(input.primitives, i);
+    MovingBend bend{};
+    if (isBent(primitive)) std::memcpy(&bend, input.shapes->words.data() + primitive.extra, sizeof bend);
     for (int substep = 0; substep < p.substeps; ++substep) {
       PlacedBody& placed = out[static_cast<size_t>(substep) * bodies + i];
-      placed = placedBody(input.primitives[i], (substep + 1) * part, part, seconds, p.hair_radius);
+      placed = placedBody(primitive, (substep + 1) * part, part, seconds, p.hair_radius);
       placed.leader = leader;
+      placed.bend_shift = bend.shift * static_cast<float>(part);
     }
   }
 }

@@ -22,8 +22,10 @@ struct alignas(16) PlacedBody {
   float rotation[4];  ///< x y z w
   float extent[3];
   uint32_t data;
-  uint32_t planes;
-  uint32_t leader;  ///< of placeBodies(): the first body that moves like it throughout the step
+  uint32_t extra;
+  uint32_t leader;   ///< of placeBodies(): the first body that moves like it throughout the step
+  float time;        ///< the part of the step that has passed, 0 to 1
+  float bend_shift;  ///< of placeBodies(): m, at most what its bend moves it by in the substep
 };
 static_assert(sizeof(PlacedBody) == 128);
 

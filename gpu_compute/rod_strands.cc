@@ -53,6 +53,10 @@ bool doesAstrayApart(const StrandGroup& group) { return group.count >= kAstrayAp
 constexpr float kUniform = 2e-5f;
 bool equal(float a, float b) { return std::fabs(a - b) <= kUniform * std::fabs(b); }
 
+// By Needs::turning.
+constexpr std::array<const char*, 3> kTurning = {"#define TURNING 0\n", "#define TURNING 1\n",
+                                                 "#define TURNING 2\n"};
+
 /// Of shaders/rod_strand.glsl.
 struct StrandRest {
   float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length;
@@ -190,11 +194,11 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
     return &programs.get(
         "rod.comp", shaders::kRodComp,
         fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n"
-                    "#define PINNED {:d}\n#define BODIES {:d}\n#define TURNING {:d}\n#define GROOMED {:d}\n"
+                    "#define PINNED {:d}\n#define BODIES {:d}\n#define TURNING {}\n#define GROOMED {:d}\n"
                     "#define DAMPED {:d}\n#define VIOLENT {:d}\n#define ASTRAY {:d}\n#define SHUFFLED {:d}\n"
                     "#define ACCELERATED {:d}\n",
                     spread.per_thread, spread.threads, edges_of_[g], (key & kGeneral) == 0 && !groomed,
-                    (key & kPinned) != 0, needs.bodies, needs.turning && astray, groomed, needs.damping,
+                    (key & kPinned) != 0, needs.bodies, astray ? needs.turning : 0, groomed, needs.damping,
                     violent, astray, shuffled_, needs.accelerated));
   };
   Programs out;
@@ -210,7 +214,7 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
 void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) {
   const int dispatches = needs.bodies ? substeps : 1;
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
-                             (needs.damping ? 8 : 0) + (needs.turning ? 16 : 0)];
+                             (needs.damping ? 8 : 0) + 16 * static_cast<size_t>(needs.turning)];
   if (mine.calm.empty()) mine = compile(needs, programs);
   if (needs.bodies) expectLooks();
   work_.bindStorage(5);
@@ -226,11 +230,12 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
     solve(mine, needs, 0, substeps);
     return;
   }
-  const char* const defines = needs.turning ? "#define TURNING 1\n" : "#define TURNING 0\n";
+  const auto turning = static_cast<size_t>(needs.turning);
+  const char* const defines = kTurning[turning];
   const gl::Program& look_due = look_due_.get(programs, "look_due.comp", shaders::kLookDueComp);
-  const gl::Program& look = look_[needs.turning].get(programs, "look.comp", shaders::kLookComp, defines);
+  const gl::Program& look = look_[turning].get(programs, "look.comp", shaders::kLookComp, defines);
   const gl::Program& keep_out =
-      keep_out_[needs.turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, defines);
+      keep_out_[turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, defines);
   const auto strands = static_cast<uint32_t>(groups_.order().size());
   for (int substep = 0; substep < substeps; ++substep) {
     const auto looks = static_cast<GLuint>(looksCount(substep));

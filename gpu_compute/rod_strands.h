@@ -19,7 +19,7 @@ class RodStrands {
   /// What the programs of a step are chosen by.
   struct Needs {
     bool bodies;       ///< there are some
-    bool turning;      ///< some of them of kinds with a rotation
+    int turning;       ///< 1: some of them are of kinds with a rotation; 2: fields that bend
     bool goal;         ///< all strands are pulled towards their goals
     bool accelerated;  ///< StepInput::accelerations
     bool damping;      ///< there is internal damping
@@ -65,9 +65,9 @@ class RodStrands {
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
   const size_t vertices_;
   const bool shuffled_;
-  std::array<Programs, 32> programs_;  ///< by needs; empty until first needed
+  std::array<Programs, 48> programs_;  ///< by needs; empty until first needed
   LazyProgram look_due_;
-  std::array<LazyProgram, 2> look_, keep_out_;  ///< with kinds of bodies that turn, or without
+  std::array<LazyProgram, 3> look_, keep_out_;  ///< by Needs::turning
 };
 
 }  // namespace strandcast::gpu

@@ -11,8 +11,10 @@ bool same(const float (&a)[n], const float (&b)[n]) {
 }
 
 bool goesOn(const MovingPrimitive& before, const MovingPrimitive& now) {
-  return before.kind == now.kind && before.radius == now.radius && before.radius_b == now.radius_b &&
-         before.data == now.data && before.planes == now.planes && same(before.extent, now.extent) &&
+  // A field goes on bending from where it was, and has a larger or smaller ball for it.
+  const bool bends = now.kind == static_cast<uint32_t>(PrimitiveKind::kField);
+  return before.kind == now.kind && (bends || (before.radius == now.radius && before.extra == now.extra)) &&
+         before.radius_b == now.radius_b && before.data == now.data && same(before.extent, now.extent) &&
          same(before.a_end, now.a_begin) && same(before.b_end, now.b_begin) &&
          same(before.rotation_end, now.rotation_begin);
 }

@@ -1,5 +1,6 @@
 #include "gpu_compute/wind_passes.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -129,6 +130,7 @@ void WindPasses::takeBodies(std::span<const MovingPrimitive> bodies, AirSettings
     bodies_room_ = 2 * bodies.size();
     bodies_ = zeros<PlacedBody>(bodies_room_);
   }
+  bends_ = std::any_of(bodies.begin(), bodies.end(), isBent);
   placed_.clear();
   for (const MovingPrimitive& body : bodies) placed_.push_back(placedBody(body, 1, 1, 1, 0));
   bodies_.write(std::span<const PlacedBody>(placed_));
@@ -187,7 +189,10 @@ void WindPasses::findSolids(const gl::Buffer& shapes) {
   solids_.bindStorage(0);
   bodies_.bindStorage(7);
   shapes.bindStorage(14);
-  solids_of_.get(programs_, "wind_solids.comp", shaders::kWindSolidsComp).use();
+  (bends_ ? bent_solids_of_ : solids_of_)
+      .get(programs_, "wind_solids.comp", shaders::kWindSolidsComp,
+           bends_ ? "#define TURNING 2\n" : "#define TURNING 1\n")
+      .use();
   dispatchCells();
 }
 

@@ -104,11 +104,12 @@ class WindPasses {
   gl::Buffer centres_, displacements_, onwards_, solids_, exchange_;
   gl::Buffer turbulence_, sources_, bodies_, body_settings_;
   size_t bodies_room_ = 0;
+  bool bends_ = false;              // some of them
   std::vector<PlacedBody> placed_;  // for bodies_; kept for its memory
   PressurePasses pressure_;
   std::unique_ptr<Reports> reports_;
-  LazyProgram carry_, centres_of_, displace_, displace_both_, advect_, correct_, solids_of_, exchange_of_,
-      exchange_hair_, diffuse_, diffuse_exchange_, close_, subtract_;
+  LazyProgram carry_, centres_of_, displace_, displace_both_, advect_, correct_, solids_of_, bent_solids_of_,
+      exchange_of_, exchange_hair_, diffuse_, diffuse_exchange_, close_, subtract_;
 };
 
 }  // namespace strandcast::gpu

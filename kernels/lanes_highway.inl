@@ -98,6 +98,7 @@ HWY_INLINE real highHalves(word words) { return {hn::ConvertTo(Tag(), hn::ShiftR
 #include "kernels/strand.h"
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
+#include "kernels/surface_bend.h"
 #include "kernels/rod.h"
 #include "kernels/grooming.h"
 #include "kernels/grid.h"

@@ -13,6 +13,7 @@ namespace strandcast::kernels::f32 {
 #include "kernels/strand.h"
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
+#include "kernels/surface_bend.h"
 #include "kernels/rod.h"
 #include "kernels/grooming.h"
 #include "kernels/grid.h"

@@ -180,10 +180,11 @@ void bakeParts(const SceneOptions& options, const Progress& progress, Scene& sce
     ContactPrimitive shape;
     shape.kind = PrimitiveKind::kField;
     shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
-    scene.bodies.push_back({{std::move(shape)}, false, true});
+    scene.bodies.push_back(
+        {.primitives = {std::move(shape)}, .holds_roots = true, .bends = !part.samples.empty()});
   }
   scene.notes.push_back(
-      fmt::format("the skinned body's distance fields: {} rigid parts, cells of {:.3g} mm, {:.1f} MiB, {} "
+      fmt::format("the skinned body's distance fields: {} parts, cells of {:.3g} mm, {:.1f} MiB, {} "
                   "found in the cache",
                   skinned->parts().size(), 1e3 * field.cell, static_cast<double>(bytes) / (1 << 20), found));
   scene.skinned = std::move(skinned);
@@ -198,13 +199,14 @@ void noteFollowing(Scene& scene) {
   float below = 0, above = 0;
   for (int look = 1; look <= kLooks; ++look) {
     const double seconds = kStartSeconds + skinned.duration() * look / kLooks;
-    std::vector<Pose> back = skinned.partPoses(seconds, Pose{});
-    for (Pose& pose : back) pose = pose.inverse();
+    std::vector<SkinnedBody::PlacedPart> parts = skinned.placedParts(seconds, Pose{});
+    for (SkinnedBody::PlacedPart& part : parts) part.pose = part.pose.inverse();
     for (const Vec3& p : skinned.surface(seconds, Pose{})) {
       float distance = std::numeric_limits<float>::max();
-      for (size_t i = 0; i < back.size(); ++i) {
+      for (size_t i = 0; i < parts.size(); ++i) {
         const ContactPrimitive& shape = scene.bodies[skinned.first_body + i].primitives[0];
-        distance = std::min(distance, shape.field->at(back[i].apply(p)).distance);
+        const Vec3 place = parts[i].pose.apply(p);
+        distance = std::min(distance, shape.field->at(place + parts[i].bend.shift(place)).distance);
       }
       sum += static_cast<double>(std::fabs(distance));
       below = std::max(below, distance);
@@ -213,7 +215,7 @@ void noteFollowing(Scene& scene) {
     }
   }
   scene.notes.push_back(fmt::format(
-      "the rigid parts are {:.2f} mm from the skin's vertices in the mean of {} moments of the clip, "
+      "the parts are {:.2f} mm from the skin's vertices in the mean of {} moments of the clip, "
       "{:.1f} mm at most below it, {:.1f} mm above",
       1e3 * sum / count, kLooks, 1e3 * static_cast<double>(below), 1e3 * static_cast<double>(above)));
 }

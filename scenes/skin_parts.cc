@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -52,8 +54,8 @@ Place placeOf(const SkinnedMesh& skin, const std::array<uint32_t, 3>& triangle) 
 
 class Cutter {
  public:
-  Cutter(const SkinnedMesh& skin, const SkinCut& cut)
-      : skin_(skin), cut_(cut), weld_(welded(skin.mesh.positions)) {
+  Cutter(const SkinnedMesh& skin, int between)
+      : skin_(skin), between_(between), weld_(welded(skin.mesh.positions)) {
     for (const auto& triangle : skin.mesh.triangles) places_.push_back(placeOf(skin, triangle));
     const std::vector<Placement> world = skin.skeleton.place(skin.skeleton.rest());
     const std::vector<Placement> rest = skin.bindingsAt(world);
@@ -68,10 +70,10 @@ class Cutter {
   }
 
   std::vector<SkinPart> run() {
-    for (;; --cut_.between) {
+    for (;; --between_) {
       assign();
       if (cores_.size() <= kMostSkinParts) break;
-      if (cut_.between == 0)
+      if (between_ == 0)
         throw Error(fmt::format("{} joints carry the mesh", cores_.size()), skin_.mesh.name,
                     fmt::format("export it with {} at most", kMostSkinParts));
     }
@@ -81,15 +83,24 @@ class Cutter {
   }
 
  private:
+  static constexpr float kOwn = 0.03f;  // share of another joint in a joint's own part, which is rigid
+
   std::string nameOf(uint32_t joint) const { return skin_.skeleton.joints[joint].name; }
-  int bins() const { return cut_.between + 2; }
+  int bins() const { return between_ + 2; }
   PartKey keyOf(const Place& place, int bin) const {
     if (bin <= 0) return {place.a, place.a, 0};
     if (bin >= bins() - 1) return {place.b, place.b, 0};
     return {place.a, place.b, static_cast<uint32_t>(bin)};
   }
+  /// Where a part between joints begins, by the share of the second.
+  float beginOf(int bin) const {
+    return kOwn + (1 - 2 * kOwn) * static_cast<float>(bin - 1) / static_cast<float>(between_);
+  }
   int binOf(const Place& place) const {
-    return std::clamp(static_cast<int>(place.share * static_cast<float>(bins())), 0, bins() - 1);
+    if (between_ == 0) return place.share < 0.5f ? 0 : 1;
+    int bin = 0;
+    while (bin < bins() - 1 && place.share >= beginOf(bin + 1)) ++bin;
+    return bin;
   }
 
   void assign() {
@@ -105,16 +116,11 @@ class Cutter {
         cores_[places_[t].share < 0.5f ? keyOf(places_[t], 0) : keyOf(places_[t], bins())].push_back(t);
       core = cores_.erase(core);
     }
-  }
-
-  /// Whether a part reaches as far as the triangle's weights.
-  bool reaches(const PartKey& key, const Place& place) const {
-    const auto width = 1 / static_cast<float>(bins());
-    if (key[2] == 0)
-      return (place.a == key[0] && place.share < width + cut_.overlap) ||
-             (place.b == key[0] && place.share > 1 - width - cut_.overlap);
-    return place.a == key[0] && place.b == key[1] &&
-           std::fabs(place.share - (static_cast<float>(key[2]) + 0.5f) * width) < 0.5f * width + cut_.overlap;
+    bends_.assign(places_.size(), false);
+    for (auto& [key, core] : cores_) {
+      std::sort(core.begin(), core.end());
+      for (const size_t t : core) bends_[t] = key[2] != 0;
+    }
   }
 
   SkinPart partOf(const PartKey& key, const std::vector<size_t>& core) const {
@@ -125,18 +131,39 @@ class Cutter {
     std::set<uint32_t> own;
     for (const size_t t : core)
       for (const uint32_t v : skin_.mesh.triangles[t]) own.insert(weld_[v]);
-    // What the weights say, and one ring at least.
+    // And a ring about them, so that nothing opens between parts; but a rigid part would stand out of one
+    // that bends.
     std::vector<std::array<uint32_t, 3>> triangles;
     for (size_t t = 0; t < places_.size(); ++t) {
       std::array<uint32_t, 3> triangle = skin_.mesh.triangles[t];
       for (uint32_t& v : triangle) v = weld_[v];
       const bool beside =
           std::any_of(triangle.begin(), triangle.end(), [&](uint32_t v) { return own.contains(v); });
-      if (beside || reaches(key, places_[t])) triangles.push_back(triangle);
+      if (std::binary_search(core.begin(), core.end(), t) || (beside && (key[2] != 0 || !bends_[t])))
+        triangles.push_back(triangle);
     }
+    if (key[2] != 0) sample(triangles, part);
     part.mesh = closed(std::move(triangles), part.mesh.name);
     fit(key, core, part);
     return part;
+  }
+
+  /// Vertices that are each as far as can be from those before.
+  void sample(const std::vector<std::array<uint32_t, 3>>& triangles, SkinPart& part) const {
+    constexpr size_t kSamples = 96;  // ten terms follow from them
+    std::set<uint32_t> all;
+    for (const auto& triangle : triangles) all.insert(triangle.begin(), triangle.end());
+    std::map<uint32_t, float> away;  // m^2, from the nearest sample
+    for (const uint32_t v : all) away[v] = std::numeric_limits<float>::max();
+    for (size_t n = 0; n < std::min(kSamples, all.size()); ++n) {
+      const auto farthest = std::max_element(
+          away.begin(), away.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+      const uint32_t next = farthest->first;
+      part.samples.push_back(
+          {skin_.mesh.positions[next], skin_.mesh.normals[next], skin_.stored[next], skin_.influences[next]});
+      for (auto& [v, distance] : away)
+        distance = std::min(distance, (skin_.mesh.positions[v] - skin_.mesh.positions[next]).squaredNorm());
+    }
   }
 
   /// The triangles and, about the middle of each of their open edges' rings, a fan that closes it.
@@ -242,9 +269,10 @@ class Cutter {
   }
 
   const SkinnedMesh& skin_;
-  SkinCut cut_;
+  int between_;
   std::vector<uint32_t> weld_;
   std::vector<Place> places_;          ///< per triangle
+  std::vector<bool> bends_;            ///< per triangle: it is of a part between joints
   std::vector<Eigen::Matrix3d> back_;  ///< per binding
   std::map<PartKey, std::vector<size_t>> cores_;
 };
@@ -258,7 +286,7 @@ Quat nearestRotation(const Eigen::Matrix3d& matrix) {
   return Eigen::Quaterniond(u * svd.matrixV().transpose()).normalized().cast<float>();
 }
 
-std::vector<SkinPart> cutSkin(const SkinnedMesh& skin, const SkinCut& cut) { return Cutter(skin, cut).run(); }
+std::vector<SkinPart> cutSkin(const SkinnedMesh& skin, int between) { return Cutter(skin, between).run(); }
 
 Pose partPose(const SkinPart& part, std::span<const Placement> bindings) {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
@@ -270,6 +298,50 @@ Pose partPose(const SkinPart& part, std::span<const Placement> bindings) {
   }
   const Quat rotation = nearestRotation(covariance);
   return {Vec3((middle - rotation.cast<double>() * part.middle).cast<float>()), rotation};
+}
+
+SurfaceBend partBend(const SkinPart& part, std::span<const Placement> bindings, const Pose& pose) {
+  using Products = Eigen::Matrix<double, 10, 1>;
+  constexpr double kLean = 1e-4;   // on no change, where samples do not tell
+  constexpr double kOff = 0.05;    // of the part's size: so far off the skin it is to go as the skin does
+  constexpr double kLeast = 1e-5;  // m
+  const Eigen::Vector3d middle = part.middle;
+  const Eigen::Quaterniond back = pose.rotation.cast<double>().conjugate();
+  double size = 0;
+  for (const SkinPart::Sample& sample : part.samples)
+    size = std::max(size, (sample.rest.cast<double>() - middle).norm());
+  if (!(size > 0)) return {};
+  Eigen::Matrix<double, 10, 10> squares = Eigen::Matrix<double, 10, 10>::Zero();
+  Eigen::Matrix<double, 10, 3> rights = Eigen::Matrix<double, 10, 3>::Zero();
+  double farthest = 0;
+  for (const SkinPart::Sample& sample : part.samples) {
+    Eigen::Vector3d blended = Eigen::Vector3d::Zero();
+    for (const auto& [binding, weight] : sample.influences)
+      if (weight > 0)
+        blended += static_cast<double>(weight) * (bindings[binding] * sample.stored.cast<double>());
+    const Eigen::Vector3d now = back * (blended - pose.position.cast<double>());
+    const Eigen::Vector3d shift = sample.rest.cast<double>() - now, q = (now - middle) / size;
+    Products products;
+    products << 1, q, q.cwiseAbs2(), q.x() * q.y(), q.y() * q.z(), q.z() * q.x();
+    squares.selfadjointView<Eigen::Lower>().rankUpdate(products);
+    rights += products * shift.transpose();
+    const Eigen::Vector3d n = kOff * sample.normal.cast<double>();
+    products << 0, n, 2 * n.cwiseProduct(q), n.x() * q.y() + n.y() * q.x(), n.y() * q.z() + n.z() * q.y(),
+        n.z() * q.x() + n.x() * q.z();
+    squares.selfadjointView<Eigen::Lower>().rankUpdate(products);
+    farthest = std::max(farthest, shift.norm());
+  }
+  SurfaceBend bend;
+  bend.middle = middle.cast<float>();
+  if (!(farthest > kLeast)) return bend;
+  for (int i = 1; i < 10; ++i) squares(i, i) += kLean * static_cast<double>(part.samples.size());
+  const Eigen::Matrix<double, 10, 3> terms = squares.selfadjointView<Eigen::Lower>().ldlt().solve(rights);
+  for (int i = 0; i < 10; ++i)
+    bend.terms[static_cast<size_t>(i)] = (terms.row(i).transpose() / std::pow(size, i == 0  ? 0
+                                                                                    : i < 4 ? 1
+                                                                                            : 2))
+                                             .cast<float>();
+  return bend;
 }
 
 }  // namespace strandcast

@@ -73,8 +73,8 @@ JointTransform between(const JointTransform& a, const JointTransform& b, double 
 
 }  // namespace
 
-SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion, const SkinCut& cut)
-    : skin_(std::move(skin)), joint_(jointNamed(skin_, motion.joint)), parts_(cutSkin(skin_, cut)) {
+SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion)
+    : skin_(std::move(skin)), joint_(jointNamed(skin_, motion.joint)), parts_(cutSkin(skin_)) {
   clip_ = clipNamed(skin_, motion.clip, notes_);
   skin_.clips.clear();
   rest_locals_ = skin_.skeleton.rest();
@@ -133,10 +133,13 @@ std::vector<Placement> SkinnedBody::placed(double seconds, const Pose& head) con
   return world;
 }
 
-std::vector<Pose> SkinnedBody::partPoses(double seconds, const Pose& head) const {
+std::vector<SkinnedBody::PlacedPart> SkinnedBody::placedParts(double seconds, const Pose& head) const {
   const std::vector<Placement> bindings = skin_.bindingsAt(placed(seconds, head));
-  std::vector<Pose> out;
-  for (const SkinPart& part : parts_) out.push_back(partPose(part, bindings));
+  std::vector<PlacedPart> out;
+  for (const SkinPart& part : parts_) {
+    const Pose pose = partPose(part, bindings);
+    out.push_back({pose, partBend(part, bindings, pose)});
+  }
   return out;
 }
 
@@ -150,7 +153,11 @@ void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulatio
   carried.rotation.normalize();
   simulation.setHeadPose(carried);
   BodyId id = body->first_body;
-  for (const Pose& pose : body->partPoses(seconds, head)) simulation.setBodyPose(id++, pose);
+  for (const SkinnedBody::PlacedPart& part : body->placedParts(seconds, head)) {
+    simulation.setBodyPose(id, part.pose);
+    if (simulation.body(id).bends) simulation.setBodyBend(id, part.bend);
+    ++id;
+  }
 }
 
 }  // namespace strandcast

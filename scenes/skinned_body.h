@@ -25,7 +25,7 @@ struct SkinnedMotion {
 class SkinnedBody {
  public:
   /// Throws Error on an unknown clip or joint, and as cutSkin and readBvh.
-  SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion, const SkinCut& cut = {});
+  SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion);
 
   const SkinnedMesh& skin() const { return skin_; }
   const std::vector<SkinPart>& parts() const { return parts_; }
@@ -40,8 +40,13 @@ class SkinnedBody {
 
   /// Where the clip has the joint, relative to rest.
   Pose carried(double seconds) const;
-  /// Where the parts are, relative to rest, and the skin, m, when the head's motion is at `head`.
-  std::vector<Pose> partPoses(double seconds, const Pose& head) const;
+  /// Where a part is, relative to rest, and how it is bent there.
+  struct PlacedPart {
+    Pose pose;
+    SurfaceBend bend;
+  };
+  /// The parts, and the skin, m, when the head's motion is at `head`.
+  std::vector<PlacedPart> placedParts(double seconds, const Pose& head) const;
   std::vector<Vec3> surface(double seconds, const Pose& head) const;
 
   /// The first of the parts' bodies in the simulation; the others follow it.

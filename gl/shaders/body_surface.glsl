@@ -1,6 +1,6 @@
 // How far points are from the surface of a body, by its kind: core/body_surface.inl has the same for the CPU. Needs
-// kernels/rotation.h, kernels/contact.h, kernels/distance_field.h and shape_words[], the words of ShapeData
-// (core/contact_primitive.h). TURNING: with kinds that have a rotation, whose text is long.
+// kernels/rotation.h, kernels/contact.h, kernels/distance_field.h, for bends kernels/surface_bend.h, and shape_words[], the words of ShapeData
+// (core/contact_primitive.h). TURNING: 1 with kinds that have a rotation, whose text is long; 2 with fields that bend too.
 
 const uint kSphere = 0u, kCapsule = 1u, kPlane = 2u, kTaperedCapsule = 3u, kEllipsoid = 4u, kBox = 5u, kConvex = 6u;
 const uint kBrickSide = 9u, kBrickWords = 365u, kOutsideBrick = 0xFFFFFFFFu, kInsideBrick = 0xFFFFFFFEu;
@@ -11,7 +11,10 @@ struct BodyShape {
   float radius, radius_b;
   vec4 rotation;
   vec3 extent;
-  uint data, planes;  // of its shape in shape_words
+  uint data, extra;  // of its shape in shape_words
+#if TURNING > 1
+  float time;  // the part of the step that has passed, 0 to 1
+#endif
 };
 
 #if TURNING
@@ -21,7 +24,7 @@ vec3 shapeVector(uint at) { return vec3(shapeNumber(at), shapeNumber(at + 1u), s
 float convexDistance(BodyShape body, vec3 x, out vec3 normal) {
   float nearest = -1e9;
   normal = vec3(0, 1, 0);
-  for (uint i = 0u; i < body.planes; ++i) {
+  for (uint i = 0u; i < body.extra; ++i) {
     uint at = body.data + 4u * i;
     convexPlane(x, shapeVector(at), shapeNumber(at + 3u), nearest, normal);
   }
@@ -35,6 +38,21 @@ float fieldNumber(bool stored, uint at, uint n) {
   uint word = shape_words[at + n / 2u];
   return float(bitfieldExtract(int(word), int(16u * (n & 1u)), 16));
 }
+
+#if TURNING > 1
+// The MovingBend (core/surface_bend.h) whose words start at `at`.
+vec3 bendTerm(uint at, float time, uint i) {
+  vec3 begin = shapeVector(at + 3u * i);
+  return begin + time * (shapeVector(at + 30u + 3u * i) - begin);
+}
+Bend bendAt(uint at, float time) {
+  return Bend(bendTerm(at, time, 0u), bendTerm(at, time, 1u), bendTerm(at, time, 2u), bendTerm(at, time, 3u),
+              bendTerm(at, time, 4u), bendTerm(at, time, 5u), bendTerm(at, time, 6u), bendTerm(at, time, 7u),
+              bendTerm(at, time, 8u), bendTerm(at, time, 9u), shapeVector(at + 60u));
+}
+float stretchOfBend(uint at) { return shapeNumber(at + 63u); }
+bool isBent(uint kind, uint extra) { return kind > kConvex && extra != 0u; }
+#endif
 
 // Of the field whose words start at `at`: core/body_surface.inl, fieldDistanceAt; core/distance_field.h has the layout.
 float fieldDistanceAt(uint at, vec3 x, float clear, out vec3 normal) {
@@ -74,10 +92,24 @@ float surfaceAt(BodyShape body, vec3 x, float clear, out vec3 normal) {
 #if TURNING
   if (body.kind >= kEllipsoid) {
     vec3 local = rotate(vec4(-body.rotation.xyz, body.rotation.w), x - body.a);
+#if TURNING > 1
+    vec3 bent = local;
+    Bend bend;
+    if (isBent(body.kind, body.extra)) {
+      bend = bendAt(body.extra, body.time);
+      local += bendShift(bend, local);
+    }
+#endif
     if (body.kind == kEllipsoid) distance = ellipsoidDistance(local, body.extent, normal);
     else if (body.kind == kBox) distance = boxDistance(local, body.extent, normal);
     else if (body.kind == kConvex) distance = convexDistance(body, local, normal);
     else distance = fieldDistanceAt(body.data, local, clear, normal);
+#if TURNING > 1
+    if (isBent(body.kind, body.extra)) {
+      normal = bentGradient(bend, bent, normal);
+      distance = bentDistance(distance, stretchOfBend(body.extra), normal);
+    }
+#endif
     normal = rotate(body.rotation, normal);
     return distance;
   }

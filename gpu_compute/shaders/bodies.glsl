@@ -1,5 +1,8 @@
 // Contact with the bodies of a step: core/near_bodies.inl and core/strand_sweep.inl have the same for the CPU. Needs
 // step_input.glsl, offsets[] and what gl/shaders/body_surface.glsl needs.
+#if TURNING > 1
+#include "kernels/surface_bend.h"
+#endif
 #include "gl/shaders/body_surface.glsl"
 
 // From and to: what nearBody() may be asked for, of the bodies that a strand may touch.
@@ -18,17 +21,34 @@ PlacedBody bodyAt(uint index, int substep) { return bodies[uint(substep) * setti
 
 float surfaceAt(PlacedBody body, vec3 x, float clear, out vec3 normal) {
   BodyShape shape = BodyShape(body.kind, body.a, body.b, body.radius, body.radius_b, body.rotation, body.extent, body.data,
-                              body.planes);
+                              body.extra
+#if TURNING > 1
+                              , body.time
+#endif
+  );
   return surfaceAt(shape, x, clear, normal);
 }
 
 #include "gpu_compute/shaders/touch.glsl"
 
+// Where a body takes a point of it in a substep.
+vec3 carriedOf(PlacedBody body, vec3 point) {
+  vec3 rigidly = carriedBy(point, body.a, body.a_motion, body.turn);
+#if TURNING > 1
+  if (isBent(body.kind, body.extra)) {
+    vec3 local = rotate(vec4(-body.rotation.xyz, body.rotation.w), rigidly - body.a);
+    vec3 bent = carriedByBend(bendAt(body.extra, body.time - 1.0 / float(settings.substeps)), bendAt(body.extra, body.time), local);
+    return rigidly + rotate(body.rotation, bent - local);
+  }
+#endif
+  return rigidly;
+}
+
 // What this body is to a vertex that goes from `start` to x in the substep; where it is farther than `reach` (m, plus the way),
 // untouched() with at most the gap; see core/strand_sweep.inl. `clear`: how far from the surface x must be, m.
 Touch meet(PlacedBody body, vec3 x, vec3 start, float clear, float reach) {
   const int kAdvances = 8;
-  vec3 carried = carriedBy(start, body.a, body.a_motion, body.turn);
+  vec3 carried = carriedOf(body, start);
   vec3 way = x - carried;
   float way2 = dot(way, way);
   vec3 off = x - body.middle;

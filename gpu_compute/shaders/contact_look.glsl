@@ -14,7 +14,7 @@ Sight sightFrom(uint strand, vec3 x, vec3 start, float clear, int substep) {
   float room = 1e8;  // less what is in reach
   for (uint i = range.x; i < range.y; ++i) {
     PlacedBody body = bodyAt(nearBody(i), substep);
-    float way = length(x - carriedBy(start, body.a, body.a_motion, body.turn));
+    float way = length(x - carriedOf(body, start));
     float reach = madd(way, 0.5, lookReach());
     Touch own = meet(body, x, start, clear, reach);
     room = min(room, own.gap - reach);

@@ -1,9 +1,9 @@
 #version 450
-// variants: THREADS=4 WORKGROUP=32 GROOMED=0 ACCELERATED=1 | THREADS=32 WORKGROUP=32 GROOMED=1 ACCELERATED=0 | THREADS=128 WORKGROUP=128 GROOMED=0 ACCELERATED=0
+// variants: THREADS=4 WORKGROUP=32 GROOMED=0 ACCELERATED=1 TURNING=1 | THREADS=32 WORKGROUP=32 GROOMED=1 ACCELERATED=0 TURNING=1 | THREADS=128 WORKGROUP=128 GROOMED=0 ACCELERATED=0 TURNING=2
 // One step of strands of up to THREADS vertices, all substeps in one dispatch: core/gauss_seidel_sweep.inl with a vertex
 // per invocation, WORKGROUP / THREADS strands per workgroup. Edge i, from vertex i to i + 1, belongs to invocation i.
 // GROOMED: there is a goal pull, or strands have tethers or factors that are not 1.
-// ACCELERATED: every vertex has an acceleration of its own.
+// ACCELERATED: every vertex has an acceleration of its own. TURNING: see bodies.glsl.
 layout(local_size_x = WORKGROUP) in;
 
 #include "kernels/lanes_glsl.h"
@@ -13,7 +13,6 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/strand_offsets.glsl"
-#define TURNING 1
 #include "gpu_compute/shaders/bodies.glsl"
 #if GROOMED
 #include "kernels/grooming.h"

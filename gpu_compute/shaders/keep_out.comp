@@ -1,5 +1,5 @@
 #version 450
-// variants: TURNING=0 | TURNING=1
+// variants: TURNING=0 | TURNING=1 | TURNING=2
 // Strands that exact lengths have placed in a body in this substep, or that have come too far from where they looked at
 // bodies: every vertex, from the root on, is held to the side of the bodies it was on. RodStep::keptOut in
 // core/rod_sweep.inl. A workgroup does a strand, an invocation a vertex: all look at once, then the first that is in a body is

@@ -1,5 +1,5 @@
 #version 450
-// variants: TURNING=0 | TURNING=1
+// variants: TURNING=0 | TURNING=1 | TURNING=2
 // The listed vertices look at the bodies of a substep. TURNING: see bodies.glsl.
 #define WORKGROUP 64
 layout(local_size_x = WORKGROUP) in;

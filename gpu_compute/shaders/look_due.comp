@@ -29,7 +29,7 @@ float wayAlong(uint strand, vec3 x, vec3 start) {
     leader = body.leader;
     body = bodyAt(leader, substep);
     float turn = length(body.turn);  // of the third order in it is what carriedBy() leaves out
-    float slack = madd(turn * turn * turn * 0.2, length(start - body.a), kAlike);
+    float slack = madd(turn * turn * turn * 0.2, length(start - body.a), kAlike) + body.bend_shift;
     most = max(most, length(x - carriedBy(start, body.a, body.a_motion, body.turn)) + slack);
   }
   return most;

@@ -15,8 +15,10 @@ struct PlacedBody {  // gpu_compute/placed_bodies.h
   vec4 rotation;
   vec3 extent;
   uint data;
-  uint planes;
+  uint extra;
   uint leader;
+  float time;
+  float bend_shift;
 };
 const float kAlike = 1e-4;  // m, by which bodies with one leader may move strands differently in a step
 layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h

@@ -1,4 +1,5 @@
 #version 450
+// variants: TURNING=1 | TURNING=2
 // Cells whose middle is in a body at the end of the step, and how they move.
 #include "kernels/lanes_glsl.h"
 #include "kernels/rotation.h"
@@ -8,7 +9,6 @@
 #define ACCELERATED 0
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/strand_offsets.glsl"
-#define TURNING 1
 #include "gpu_compute/shaders/bodies.glsl"
 #include "gpu_compute/shaders/air_settings.glsl"
 #include "gpu_compute/shaders/wind_grid.glsl"

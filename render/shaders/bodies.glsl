@@ -14,7 +14,7 @@ struct Body {
   vec4 rotation_begin;
   vec4 rotation;
   vec3 extent;
-  uint planes;
+  uint extra;
 };
 layout(std430, binding = 6) readonly buffer Bodies { Body body_list[]; };
 layout(std430, binding = 7) readonly buffer BodyWords { uint shape_words[]; };
@@ -30,7 +30,7 @@ float bodyDistance(vec3 x, out vec3 normal) {
     vec3 out_of;
     Body body = body_list[i];
     BodyShape shape = BodyShape(body.kind, body.a, body.b, body.a_begin_radius.w, body.radius_b, body.rotation, body.extent,
-                                body.data, body.planes);
+                                body.data, body.extra);
     float distance = surfaceAt(shape, x, growth.clearance, out_of);
     if (distance < nearest) {
       nearest = distance;

@@ -44,6 +44,9 @@ class ViewerWindowTest : public ProgramFixture {
     std::string digits;
     std::getline(std::ifstream(number) >> std::ws, digits);
     setenv("DISPLAY", (":" + digits).c_str(), 1);
+    ASSERT_TRUE(until(seconds(20), [] {
+      return std::system("xdotool getdisplaygeometry >/dev/null 2>&1") == 0;
+    })) << "a display that has its number may not be open yet";
   }
 
   static bool until(seconds patience, const std::function<bool()>& ready) {

@@ -36,7 +36,7 @@ TEST(EndToEnd, FollowsFramesIntoAnotherProcess) {
 TEST(WireBench, SaysSizesOfTheSuite) {
   if (!ddsAvailable()) GTEST_SKIP() << "this build has no DDS";
   const nlohmann::json report =
-      benchJson("wire --transports dds --strands 1000 --rates 60 --codecs float32,tangent 2>/dev/null");
+      benchJson("wire --transports dds --strands 1000 --rates 120 --codecs float32,tangent 2>/dev/null");
   ASSERT_TRUE(report.is_object());
   ASSERT_EQ(report["results"].size(), 2u);
   EXPECT_EQ(report["results"][0]["codec"], "float32");

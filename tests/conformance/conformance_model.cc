@@ -139,7 +139,18 @@ DistanceField sampledField(const std::function<float(const Vec3&)>& distance, co
   return field;
 }
 
+SurfaceBend bendOfRing() {
+  SurfaceBend bend;
+  bend.terms = {Vec3(0.005f, 0, -0.003f), Vec3(0, 0.1f, 0),     Vec3(-0.15f, 0.05f, 0),
+                Vec3(0, 0, 0.1f),         Vec3(0, 0.6f, 0.2f),  Vec3(0.5f, 0, 0),
+                Vec3(0, -0.5f, 0.1f),     Vec3(0.4f, 0, -0.3f), Vec3(0, 0.2f, 0.3f),
+                Vec3(-0.2f, 0.3f, 0.1f)};
+  return bend;
+}
+
 MovingPrimitive furtherBody(int kind, float dt, ShapeData& shapes) {
+  const bool bent = kind + 1 == kFurtherKinds;
+  if (bent) --kind;
   ContactPrimitive body;
   body.friction = 0.4f;
   body.rotation = Quat(Eigen::AngleAxisf(0.5f, Eigen::Vector3f(3, -1, 1).normalized()));
@@ -170,7 +181,18 @@ MovingPrimitive furtherBody(int kind, float dt, ShapeData& shapes) {
   auto pose = [](Vec3 position, float angle) {
     return Pose{position, Quat(Eigen::AngleAxisf(angle, Eigen::Vector3f(1, 2, 3).normalized()))};
   };
-  return moved(body, pose({0.02f, 0.02f, 0}, 0.1f), pose({0.01f, 0.03f, 0}, -0.1f), dt, data);
+  MovingPrimitive placed =
+      moved(body, pose({0.02f, 0.02f, 0}, 0.1f), pose({0.01f, 0.03f, 0}, -0.1f), dt, data);
+  if (bent) {
+    SurfaceBend begin, end = bendOfRing();
+    end.middle = body.a + Vec3(0, 0.03f, 0);
+    begin.terms[2] = Vec3(0.1f, -0.05f, 0);
+    const MovingBend bend = bendOf(body, begin, end);
+    const uint32_t at = shapes.addBend();
+    shapes.setBend(at, bend);
+    bendWith(placed, bend, at);
+  }
+  return placed;
 }
 
 Pose movedHead() {

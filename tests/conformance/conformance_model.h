@@ -29,10 +29,12 @@ StrandState disturbedState(const StrandModel& model, uint32_t seed);
 /// friction.
 std::vector<MovingPrimitive> movingBodies(float dt);
 
-/// One body of each kind that movingBodies has not (by number, 0 to kFurtherKinds - 1), moving and turning,
-/// that the hair of awkwardModel lies in. What it needs is added to `shapes`.
-constexpr int kFurtherKinds = 5;
+/// One body of each kind that movingBodies has not (by number, 0 to kFurtherKinds - 1; the last is the field
+/// bent), moving and turning, that the hair of awkwardModel lies in. What it needs is added to `shapes`.
+constexpr int kFurtherKinds = 6;
 MovingPrimitive furtherBody(int kind, float dt, ShapeData& shapes);
+/// That of the bent one at the end of the step, about the middle of its ring.
+SurfaceBend bendOfRing();
 
 /// StrandModel::rest_distance for which what is in a body at the start may stay a millimetre deeper. Hair
 /// that has to leave a body centimetres thick turns on the last bit of where it is.

@@ -41,6 +41,8 @@ enum Kernel {
   kBlurred,
   kLargestCrowding,
   kPushAlong,
+  kBend,
+  kBentDistance,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

@@ -34,14 +34,43 @@ namespace {
 
 constexpr size_t kItems = 1003;
 constexpr size_t kPadded = 1008;  // 16 lanes
-constexpr const char* kNames[kKernels] = {
-    "solveDistance",   "solveAngular",        "rotationBetween", "rotate",          "interpolateRotation",
-    "sphereDistance",  "capsuleDistance",     "planeDistance",   "resolveContact",  "predictPosition",
-    "normalizeOrZero", "carriedBy",           "multiply",        "fieldPlace",      "trilinear",
-    "farDistance",     "distanceOutsideGrid", "goalPull",        "drawnToGoal",     "tethered",
-    "gridPlace",       "interpolated",        "splatWeight",     "macCormack",      "crowding",
-    "dragNotFelt",     "heldCrowding",        "taperedCapsule",  "boxDistance",     "ellipsoid",
-    "convexPlane",     "fieldDistance",       "blurred",         "largestCrowding", "pushAlong"};
+constexpr const char* kNames[kKernels] = {"solveDistance",
+                                          "solveAngular",
+                                          "rotationBetween",
+                                          "rotate",
+                                          "interpolateRotation",
+                                          "sphereDistance",
+                                          "capsuleDistance",
+                                          "planeDistance",
+                                          "resolveContact",
+                                          "predictPosition",
+                                          "normalizeOrZero",
+                                          "carriedBy",
+                                          "multiply",
+                                          "fieldPlace",
+                                          "trilinear",
+                                          "farDistance",
+                                          "distanceOutsideGrid",
+                                          "goalPull",
+                                          "drawnToGoal",
+                                          "tethered",
+                                          "gridPlace",
+                                          "interpolated",
+                                          "splatWeight",
+                                          "macCormack",
+                                          "crowding",
+                                          "dragNotFelt",
+                                          "heldCrowding",
+                                          "taperedCapsule",
+                                          "boxDistance",
+                                          "ellipsoid",
+                                          "convexPlane",
+                                          "fieldDistance",
+                                          "blurred",
+                                          "largestCrowding",
+                                          "pushAlong",
+                                          "bend",
+                                          "bentDistance"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -204,6 +233,14 @@ class InputMaker {
         for (int c = 0; c < 5; ++c) v[c] = number(0, 5);
         v[5] = number(-1, 0);
         break;
+      case kBend:
+        vector(v, 0.2f), v[15] = number(0.05f, 0.3f);
+        for (int c = 3; c < 15; ++c) v[c] = number(-0.3f, 0.3f);
+        break;
+      case kBentDistance:
+        v[0] = number(-4e-3f, 4e-3f), v[1] = number(1, 2), unit(v + 2, 3);
+        for (int c = 2; c < 5; ++c) v[c] *= 1.5f;
+        break;
     }
     return item;
   }
@@ -313,6 +350,15 @@ Item nasty(int kernel, Item item, size_t way) {
     case kFieldDistance:
       if (way % 2 == 0) std::fill(v, v + 8, v[0]);                      // no way out
       if (way % 2 == 1) v[8 + way % 3] += way % 4 == 1 ? 1.0f : -1.0f;  // beyond the grid
+      break;
+    case kBend:  // beyond its box
+      v[way % 3] = way % 2 == 0 ? 1.0f : -1.0f;
+      break;
+    case kBentDistance:
+      if (way % 3 == 0) v[0] *= 2.5f;                   // far, or near
+      if (way % 3 == 1) std::fill(v + 2, v + 5, 0.0f);  // no way out
+      if (way % 3 == 2)
+        for (int c = 2; c < 5; ++c) v[c] *= 0.1f;
       break;
     default:
       break;

@@ -122,8 +122,8 @@ TEST(BodyShapes, ConvexBodiesAreExactInsideAndBeforeTheirFaces) {
   ShapeData shapes;
   const MovingPrimitive wedge = furtherBody(3, 0.01f, shapes);
   const Eigen::Map<const Eigen::Matrix<float, 4, Eigen::Dynamic>> planes(
-      reinterpret_cast<const float*>(shapes.words.data()), 4, wedge.planes);
-  EXPECT_EQ(wedge.planes, 5u) << "eight triangles on five planes";
+      reinterpret_cast<const float*>(shapes.words.data()), 4, wedge.extra);
+  EXPECT_EQ(wedge.extra, 5u) << "eight triangles on five planes";
   std::mt19937 random(6);
   std::uniform_real_distribution<float> range(-0.2f, 0.2f);
   const Pose place{Vec3(wedge.a_end), Quat(wedge.rotation_end[3], wedge.rotation_end[0],
@@ -183,6 +183,52 @@ TEST(BodyShapes, FieldsAreNearTheSurfaceWhatWasBakedAndNowhereFarther) {
   }
   EXPECT_GT(stored, 300);
   EXPECT_GT(deep, 100);
+}
+
+// Where the bent surface is: places whose rest is on the ring's. A bend of a third and more in 0.1 m.
+TEST(BodyShapes, ABentFieldIsWhereItsBendTakesTheSurface) {
+  ShapeData shapes;
+  const MovingPrimitive body = furtherBody(kFurtherKinds - 1, 0.01f, shapes);
+  const Pose place{Vec3(body.a_end), Quat(body.rotation_end[3], body.rotation_end[0], body.rotation_end[1],
+                                          body.rotation_end[2])};
+  const SurfaceBend bend = bendOfRing();
+  const auto rest = [](const Vec3& p) { return std::hypot(std::hypot(p.x(), p.z()) - 0.08f, p.y()) - 0.04f; };
+  const auto bentRing = [&](float around, float about) {  // radians
+    const float out = 0.08f + 0.04f * std::cos(about);
+    const Vec3 at_rest(out * std::cos(around), 0.04f * std::sin(about), out * std::sin(around));
+    Vec3 p = at_rest;
+    for (int step = 0; step < 30; ++step) p = at_rest - bend.shift(p);
+    return p;
+  };
+  std::vector<Vec3> surface;
+  for (int i = 0; i < 400; ++i)
+    for (int k = 0; k < 200; ++k) {
+      const float around = 0.01570796f * static_cast<float>(i), about = 0.0314159f * static_cast<float>(k);
+      surface.push_back(bentRing(around, about));
+      if (i % 13 != 0 || k % 7 != 0) continue;
+      const Vec3 along = bentRing(around + 1e-2f, about) - bentRing(around - 1e-2f, about);
+      const Vec3 across = bentRing(around, about + 1e-2f) - bentRing(around, about - 1e-2f);
+      const Vec3 normal = across.cross(along).normalized();
+      for (const float way : {-2e-3f, -1e-3f, 0.0f, 1e-3f, 2e-3f}) {
+        const Vec3 p = surface.back() + way * normal;
+        EXPECT_NEAR(signedDistance(body, place.apply(p), shapes.words), way, 6e-4f) << "a part of a cell";
+      }
+    }
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> range(-0.15f, 0.15f);
+  int beyond = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const Vec3 p(range(random), 0.6f * range(random), range(random));
+    float truth = 1e9f;
+    for (const Vec3& point : surface) truth = std::min(truth, (p - point).squaredNorm());
+    truth = std::copysign(std::sqrt(truth), rest(p + bend.shift(p)));
+    const float mine = signedDistance(body, place.apply(p), shapes.words);
+    if (std::fabs(truth) < 8e-3f) continue;
+    EXPECT_EQ(std::signbit(mine), std::signbit(truth));
+    EXPECT_LE(std::fabs(mine), std::fabs(truth) + 4e-4);
+    ++beyond;
+  }
+  EXPECT_GT(beyond, 500);
 }
 
 TEST(BodyShapes, AnyPointHasAnAnswer) {

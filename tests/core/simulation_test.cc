@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "tests/conformance/conformance_model.h"
 
 namespace strandcast {
 namespace {
@@ -153,6 +154,42 @@ TEST(Simulation, TeleportCarriesTheHairRigidlyWithoutMotionInBetween) {
   EXPECT_LT(largestDistance(simulation.state(), expected), 1e-5);
   for (int i = 0; i < 10; ++i) simulation.step();
   EXPECT_LT(largestDistance(simulation.state(), expected), 1e-4) << "no step sees the way in between";
+}
+
+TEST(Simulation, BodiesThatMayBendDoAndOthersAreRefused) {
+  const auto ball = [](const Vec3& p) { return p.norm() - 0.05f; };
+  ContactPrimitive shape;
+  shape.kind = PrimitiveKind::kField;
+  shape.field = std::make_shared<DistanceField>(sampledField(
+      ball, Box(Eigen::Vector3f::Constant(-0.05f), Eigen::Vector3f::Constant(0.05f)), 0.004f, 0.01f));
+  shape.a = Vec3(0, -0.4f, 0);
+  Simulation simulation = makeSimulation(Parameters());
+  const BodyId stiff = simulation.addBody({.primitives = {shape}});
+  const BodyId soft = simulation.addBody({.primitives = {shape}, .bends = true});
+  SurfaceBend bend;
+  bend.terms[0] = Vec3(0, 0.01f, 0);
+  EXPECT_THROW(simulation.setBodyBend(stiff, bend), Error);
+  EXPECT_THROW(simulation.setBodyBend(soft + 1, bend), Error);
+  bend.terms[4].x() = NAN;
+  EXPECT_THROW(simulation.setBodyBend(soft, bend), Error);
+  shape.rotation = Quat(Eigen::AngleAxisf(0.1f, Eigen::Vector3f::UnitX()));
+  EXPECT_THROW(simulation.addBody({.primitives = {shape}, .bends = true}), Error);
+
+  bend.terms[4].setZero();
+  simulation.removeBody(stiff);
+  simulation.setBodyBend(soft, bend);
+  const StepInput input = simulation.nextInput();
+  ASSERT_EQ(input.primitives.size(), 1u);
+  EXPECT_NEAR(signedDistance(input.primitives[0], Vec3(0, -0.36f, 0), input.shapes->words), 0, 5e-4)
+      << "what is there was a centimetre higher at rest, on the surface";
+  simulation.step();
+  simulation.step();
+  EXPECT_NEAR(signedDistance(simulation.nextInput().primitives[0], Vec3(0, -0.36f, 0), input.shapes->words),
+              0, 5e-4);
+  simulation.setBodyBend(soft, {});
+  simulation.step();
+  simulation.step();
+  EXPECT_FALSE(isBent(simulation.nextInput().primitives[0]));
 }
 
 TEST(Simulation, StandingBodiesStayWhereTheyAre) {

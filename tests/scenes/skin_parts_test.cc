@@ -1,4 +1,4 @@
-// How well rigid parts follow a skin that is blended.
+// How well parts follow a skin that is blended.
 #include "scenes/skin_parts.h"
 
 #include <gtest/gtest.h>
@@ -15,67 +15,51 @@
 namespace strandcast {
 namespace {
 
-/// Places of the parts and of the skin at a time of the first clip.
-struct Bent {
+/// The skin and its parts at a time of the first clip. The parts' meshes are at rest: what is asked about a
+/// place is asked about where it was then.
+struct Blended {
   TriangleMesh skin;
-  std::vector<TriangleMesh> parts;
+  std::vector<Pose> poses;
+  std::vector<SurfaceBend> bends;
 };
 
-Bent bentAt(const SkinnedMesh& skin, const std::vector<SkinPart>& parts, double seconds) {
+Blended blendedAt(const SkinnedMesh& skin, const std::vector<SkinPart>& parts, double seconds) {
   std::vector<JointTransform> locals = skin.skeleton.rest();
   skin.clips.at(0).pose(seconds, locals);
   const std::vector<Placement> world = skin.skeleton.place(locals);
-  Bent bent;
-  bent.skin = skin.mesh;
-  bent.skin.positions = skin.blended(world);
+  Blended out;
+  out.skin = skin.mesh;
+  out.skin.positions = skin.blended(world);
   for (const SkinPart& part : parts) {
-    const Pose pose = partPose(part, skin.bindingsAt(world));
-    bent.parts.push_back(part.mesh);
-    for (Vec3& p : bent.parts.back().positions) p = pose.apply(p);
+    out.poses.push_back(partPose(part, skin.bindingsAt(world)));
+    out.bends.push_back(partBend(part, skin.bindingsAt(world), out.poses.back()));
   }
-  return bent;
+  return out;
 }
 
 struct Apart {
   double mean = 0, most_below = 0, most_above = 0;  ///< m: of the parts' surface from the skin's
 };
 
-/// From the skin to the union of the parts, and from what of the parts lies outside all others to the skin.
-Apart apart(const Bent& bent) {
-  std::vector<MeshQuery> parts;
-  for (const TriangleMesh& part : bent.parts) parts.emplace_back(part);
-  TriangleMesh outer;
-  for (size_t i = 0; i < parts.size(); ++i)
-    for (const auto& t : bent.parts[i].triangles) {
-      const Vec3 middle =
-          (bent.parts[i].positions[t[0]] + bent.parts[i].positions[t[1]] + bent.parts[i].positions[t[2]]) / 3;
-      bool hidden = false;
-      for (size_t k = 0; k < parts.size() && !hidden; ++k)
-        hidden = k != i && parts[k].signedDistance(middle) < -2e-5f;
-      if (hidden) continue;
-      const auto first = static_cast<uint32_t>(outer.positions.size());
-      for (const uint32_t v : t) outer.positions.push_back(bent.parts[i].positions[v]);
-      outer.triangles.push_back({first, first + 1, first + 2});
-    }
-  const MeshQuery skin(bent.skin), surface(outer);
+/// At all vertices of the skin and in the middle of its triangles, in lengths at rest.
+Apart apart(const Blended& blended, const std::vector<SkinPart>& parts) {
+  std::vector<MeshQuery> queries;
+  for (const SkinPart& part : parts) queries.emplace_back(part.mesh);
+  std::vector<Vec3> places = blended.skin.positions;
+  for (const auto& t : blended.skin.triangles)
+    places.push_back((places[t[0]] + places[t[1]] + places[t[2]]) / 3);
   Apart out;
-  double count = 0;
-  const auto add = [&](float signed_distance) {
-    out.mean += std::fabs(static_cast<double>(signed_distance));
-    count += 1;
-    (signed_distance < 0 ? out.most_below : out.most_above) =
-        std::max(signed_distance < 0 ? out.most_below : out.most_above,
-                 std::fabs(static_cast<double>(signed_distance)));
-  };
-  for (const Vec3& p : bent.skin.positions) {
-    bool inside = false;
-    for (const MeshQuery& part : parts) inside = inside || part.signedDistance(p) < 0;
-    add(inside ? surface.distance(p) : -surface.distance(p));
+  for (const Vec3& place : places) {
+    float nearest = 1e9f;
+    for (size_t i = 0; i < parts.size(); ++i) {
+      const Vec3 p = blended.poses[i].inverse().apply(place);
+      nearest = std::min(nearest, queries[i].signedDistance(p + blended.bends[i].shift(p)));
+    }
+    const double off = static_cast<double>(nearest);
+    out.mean += std::fabs(off) / static_cast<double>(places.size());
+    out.most_below = std::max(out.most_below, off);
+    out.most_above = std::max(out.most_above, -off);
   }
-  for (size_t t = 0; t < outer.triangles.size(); ++t)
-    add(skin.signedDistance(
-        (outer.positions[3 * t] + outer.positions[3 * t + 1] + outer.positions[3 * t + 2]) / 3));
-  out.mean /= count;
   return out;
 }
 
@@ -87,7 +71,7 @@ samples::ArmOptions broadArm(float blend) {
 
 TEST(SkinParts, EveryPartIsClosedAndAtRestTheyAreTheMesh) {
   const SkinnedMesh skin = readGltfSkin(samples::armGlb(), "arm.glb");
-  const std::vector<SkinPart> parts = cutSkin(skin, {});
+  const std::vector<SkinPart> parts = cutSkin(skin);
   EXPECT_EQ(parts.size(), 7u) << "two joints and five parts between them";
   for (const SkinPart& part : parts) {
     std::map<std::pair<uint32_t, uint32_t>, int> edges;
@@ -98,13 +82,13 @@ TEST(SkinParts, EveryPartIsClosedAndAtRestTheyAreTheMesh) {
       }
     for (const auto& [edge, count] : edges) EXPECT_EQ(count, 0) << part.name;
   }
-  const Apart rest = apart(bentAt(skin, parts, 0));
+  const Apart rest = apart(blendedAt(skin, parts, 0), parts);
   EXPECT_LT(rest.mean + rest.most_below + rest.most_above, 1e-6);
 }
 
 TEST(SkinParts, AJointsOwnPartGoesWithIt) {
   const SkinnedMesh skin = readGltfSkin(samples::armGlb(), "arm.glb");
-  const std::vector<SkinPart> parts = cutSkin(skin, {});
+  const std::vector<SkinPart> parts = cutSkin(skin);
   std::vector<JointTransform> locals = skin.skeleton.rest();
   skin.clips.at(0).pose(0.7, locals);
   const std::vector<Placement> world = skin.skeleton.place(locals);
@@ -119,25 +103,65 @@ TEST(SkinParts, AJointsOwnPartGoesWithIt) {
   }
 }
 
-// docs/architecture.md, "Skinned bodies", has these numbers.
+// docs/architecture.md, "Skinned bodies", has these numbers. In the first of them at 60 degrees the skin
+// itself is nearly folded.
 TEST(SkinParts, FollowABentArm) {
-  for (const float blend : {0.03f, 0.06f, 0.1f})
-    for (const int between : {0, SkinCut{}.between}) {
-      const SkinnedMesh skin = readGltfSkin(samples::armGlb(broadArm(blend)), "arm.glb");
-      const std::vector<SkinPart> parts = cutSkin(skin, {between, SkinCut{}.overlap});
+  for (const float blend : {0.03f, 0.06f, 0.1f}) {
+    const SkinnedMesh skin = readGltfSkin(samples::armGlb(broadArm(blend)), "arm.glb");
+    for (const int between : {0, 5}) {
+      const std::vector<SkinPart> parts = cutSkin(skin, between);
       for (const double degrees : {15, 30, 45, 60}) {
-        const Apart a = apart(bentAt(skin, parts, degrees / 60));
+        const Apart a = apart(blendedAt(skin, parts, degrees / 60), parts);
         std::printf(
             "weights go over in %3.0f mm, %zu parts, bent by %2.0f degrees: mean %.2f mm, %.1f below, %.1f "
             "above\n",
             2e3 * static_cast<double>(blend), parts.size(), degrees, 1e3 * a.mean, 1e3 * a.most_below,
             1e3 * a.most_above);
         if (between == 0) continue;
-        EXPECT_LT(a.mean, 1e-3);
-        EXPECT_LT(a.most_below, 3.2e-3);
-        EXPECT_LT(a.most_above, 13e-3);
+        const bool folds = blend == 0.03f && degrees == 60;
+        EXPECT_LT(a.mean, 1e-4);
+        EXPECT_LT(a.most_below, folds ? 2e-3 : 1.3e-3);
+        EXPECT_LT(a.most_above, folds ? 3.5e-3 : 2e-3);
       }
     }
+  }
+}
+
+// What a bend says of places that are far from the vertices that it is found by must not put hair there into
+// a part.
+TEST(SkinParts, PlacesOffTheSkinAreInNoPart) {
+  for (const float blend : {0.03f, 0.06f, 0.1f}) {
+    const SkinnedMesh skin = readGltfSkin(samples::armGlb(broadArm(blend)), "arm.glb");
+    const std::vector<SkinPart> parts = cutSkin(skin);
+    const Blended blended = blendedAt(skin, parts, 1);
+    TriangleMesh surface = blended.skin;
+    computeNormals(surface);
+    const MeshQuery query(surface);
+    std::vector<MeshQuery> queries;
+    for (const SkinPart& part : parts) queries.emplace_back(part.mesh);
+    for (const float off : {0.003f, 0.01f, 0.03f}) {
+      float least = 1;
+      for (size_t v = 0; v < surface.positions.size(); ++v) {
+        const Vec3 place = surface.positions[v] + off * surface.normals[v];
+        const float truth = query.signedDistance(place);
+        if (truth < 0.5f * off) continue;  // in the crease
+        for (size_t i = 0; i < parts.size(); ++i) {
+          const Vec3 p = blended.poses[i].inverse().apply(place);
+          least = std::min(least, queries[i].signedDistance(p + blended.bends[i].shift(p)) / truth);
+        }
+      }
+      EXPECT_GT(least, 0.25f) << "weights go over in " << 2 * blend << " m, " << off << " m off";
+    }
+  }
+}
+
+TEST(SkinParts, AtRestNothingIsBent) {
+  const SkinnedMesh skin = readGltfSkin(samples::armGlb(), "arm.glb");
+  const std::vector<Placement> world = skin.skeleton.place(skin.skeleton.rest());
+  for (const SkinPart& part : cutSkin(skin)) {
+    const Pose pose = partPose(part, skin.bindingsAt(world));
+    EXPECT_TRUE(partBend(part, skin.bindingsAt(world), pose).isNone()) << part.name;
+  }
 }
 
 TEST(SkinParts, MoreJointsThanTheWireHasPlacesForGetFewerPartsBetween) {
@@ -147,9 +171,9 @@ TEST(SkinParts, MoreJointsThanTheWireHasPlacesForGetFewerPartsBetween) {
   options.bone = 0.05f;
   options.blend = 0.02f;
   options.sectors = 8;
-  EXPECT_LE(cutSkin(readGltfSkin(samples::armGlb(options), "worm.glb"), {}).size(), kMostSkinParts);
+  EXPECT_LE(cutSkin(readGltfSkin(samples::armGlb(options), "worm.glb")).size(), kMostSkinParts);
   for (int j = 40; j < 120; ++j) options.joints.push_back("joint" + std::to_string(j));
-  expectError([&] { cutSkin(readGltfSkin(samples::armGlb(options), "worm.glb"), {}); },
+  expectError([&] { cutSkin(readGltfSkin(samples::armGlb(options), "worm.glb")); },
               {"worm.glb", "120 joints carry the mesh", "100 at most"});
 }
 

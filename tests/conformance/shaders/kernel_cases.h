@@ -151,6 +151,28 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     o.v[0] = largestCrowding(i.v[0], i.v[1]);
   } else if (kernel == 34) {
     o.v[0] = pushAlong(i.v[0], i.v[1], i.v[2], i.v[3], i.v[4], i.v[5]);
+  } else if (kernel == 35) {
+    Bend bend;
+    bend.one = in3(i, 3) * lit(0.1);
+    bend.x = in3(i, 4);
+    bend.y = in3(i, 5);
+    bend.z = in3(i, 6);
+    bend.xx = in3(i, 7);
+    bend.yy = in3(i, 8);
+    bend.zz = in3(i, 9);
+    bend.xy = in3(i, 10);
+    bend.yz = in3(i, 11);
+    bend.zx = in3(i, 12);
+    bend.reach = makeReal3(i.v[15], i.v[15], i.v[15]);
+    Bend before = bend;
+    before.one = bend.x * lit(0.1);
+    out3(o, 0, bendShift(bend, in3(i, 0)));
+    out3(o, 3, bentGradient(bend, in3(i, 0), in3(i, 12)));
+    out3(o, 6, carriedByBend(before, bend, in3(i, 0)));
+  } else if (kernel == 36) {
+    real3 gradient = in3(i, 2);
+    o.v[0] = bentDistance(i.v[0], i.v[1], gradient);
+    out3(o, 1, gradient);
   }
   return o;
 }
