@@ -256,9 +256,8 @@ void GpuStrands::step(const StepInput& input) {
   const bool rod = input.parameters->solver == SolverKind::kRod;
   const bool pressing = rod && !input.primitives.empty();
   const bool bends = input.shapes != nullptr && !input.shapes->bends.empty();
-  const int turning = bends                                                                  ? 2
-                      : std::any_of(input.primitives.begin(), input.primitives.end(), turns) ? 1
-                                                                                             : 0;
+  const bool some_turn = std::any_of(input.primitives.begin(), input.primitives.end(), turns);
+  const int turning = bends ? 2 : some_turn ? 1 : 0;
   bind();
   if (pressed_ && !pressing) glClearNamedBufferData(contacts_.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, nullptr);
   pressed_ = pressing;

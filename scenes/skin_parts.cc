@@ -336,11 +336,10 @@ SurfaceBend partBend(const SkinPart& part, std::span<const Placement> bindings, 
   if (!(farthest > kLeast)) return bend;
   for (int i = 1; i < 10; ++i) squares(i, i) += kLean * static_cast<double>(part.samples.size());
   const Eigen::Matrix<double, 10, 3> terms = squares.selfadjointView<Eigen::Lower>().ldlt().solve(rights);
-  for (int i = 0; i < 10; ++i)
-    bend.terms[static_cast<size_t>(i)] = (terms.row(i).transpose() / std::pow(size, i == 0  ? 0
-                                                                                    : i < 4 ? 1
-                                                                                            : 2))
-                                             .cast<float>();
+  for (int i = 0; i < 10; ++i) {
+    const int degree = i == 0 ? 0 : i < 4 ? 1 : 2;
+    bend.terms[static_cast<size_t>(i)] = (terms.row(i).transpose() / std::pow(size, degree)).cast<float>();
+  }
   return bend;
 }
 

@@ -19,9 +19,9 @@ struct SkinnedMotion {
   std::string joint;
 };
 
-/// A body whose skin is blended from its joints, and its rigid parts. A clip starts from rest within half a
-/// second and is played in a loop: travel is taken out and the end returns to the start. The head's motion is
-/// relative to where the clip has the joint.
+/// A body whose skin is blended from its joints, and its parts, which follow it. A clip starts from rest
+/// within half a second and is played in a loop: travel is taken out and the end returns to the start. The
+/// head's motion is relative to where the clip has the joint.
 class SkinnedBody {
  public:
   /// Throws Error on an unknown clip or joint, and as cutSkin and readBvh.
