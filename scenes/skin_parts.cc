@@ -117,10 +117,8 @@ class Cutter {
       core = cores_.erase(core);
     }
     bends_.assign(places_.size(), false);
-    for (auto& [key, core] : cores_) {
-      std::sort(core.begin(), core.end());
+    for (const auto& [key, core] : cores_)
       for (const size_t t : core) bends_[t] = key[2] != 0;
-    }
   }
 
   SkinPart partOf(const PartKey& key, const std::vector<size_t>& core) const {
@@ -131,16 +129,15 @@ class Cutter {
     std::set<uint32_t> own;
     for (const size_t t : core)
       for (const uint32_t v : skin_.mesh.triangles[t]) own.insert(weld_[v]);
-    // And a ring about them, so that nothing opens between parts; but a rigid part would stand out of one
-    // that bends.
+    // Its own and a ring about them, so that nothing opens between parts; but a rigid part would stand out of
+    // one that bends.
     std::vector<std::array<uint32_t, 3>> triangles;
     for (size_t t = 0; t < places_.size(); ++t) {
       std::array<uint32_t, 3> triangle = skin_.mesh.triangles[t];
       for (uint32_t& v : triangle) v = weld_[v];
       const bool beside =
           std::any_of(triangle.begin(), triangle.end(), [&](uint32_t v) { return own.contains(v); });
-      if (std::binary_search(core.begin(), core.end(), t) || (beside && (key[2] != 0 || !bends_[t])))
-        triangles.push_back(triangle);
+      if (beside && (key[2] != 0 || !bends_[t])) triangles.push_back(triangle);
     }
     if (key[2] != 0) sample(triangles, part);
     part.mesh = closed(std::move(triangles), part.mesh.name);
