@@ -24,7 +24,7 @@ class StrandSurroundings final : public Surroundings, public AirFields {
 
   bool isNeeded(const Parameters& p) const override { return needsSurroundings(p) || !sources_.empty(); }
 
-  void configure(const StrandModel& model, const Parameters& p, Backend&) override {
+  void configure(const StrandModel& model, const Parameters& p, Backend& backend) override {
     if (offsets_.empty()) {
       offsets_ = model.offsets;
       box_ = restBox(model);
@@ -50,6 +50,7 @@ class StrandSurroundings final : public Surroundings, public AirFields {
     rate_ = dragRate(p, 1);
     rates_.clear();
     for (const float scale : model.air_drag_scale) rates_.push_back(dragRate(p, scale));
+    backend.expectAccelerations();
   }
 
   void reset() override {

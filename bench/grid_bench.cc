@@ -151,11 +151,11 @@ GridResult timeGpuGrids(const GridOptions& o, const Scene& scene, const StrandMo
   };
   run(5);
   PassTimes whole;
-  measured.measure(false);
+  measured.measure(false, o.steps);
   run(o.steps);
   for (const auto& [name, ms] : measured.takeTimes()) whole.add(name, ms);
   out.all = whole.median("all");
-  measured.measure(true);
+  measured.measure(true, o.steps);
   run(o.steps);
   for (const auto& [name, ms] : measured.takeTimes()) out.times.add(name, ms);
   const PressureReport pressure = measured.pressure();

@@ -71,7 +71,7 @@ nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& 
   TimedSimulation timed(make, benchMotion(scene, o.shake), o.steps);
   for (int step = 1; step < o.warmup; ++step) timed.step(false);
   auto* passes = dynamic_cast<MeasuredPasses*>(timed.simulation().surroundings());
-  if (passes != nullptr) passes->measure(false);
+  if (passes != nullptr) passes->measure(false, o.steps);
   for (int step = 0; step < o.steps; ++step) timed.step(true);
   const MeasuredRun result = timed.result();
 

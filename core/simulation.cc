@@ -96,7 +96,6 @@ bool Simulation::configureSurroundings(const Parameters& parameters) {
         "hair_friction",
         "Simulation", "leave them as they are by default");
   surroundings_->configure(*model_, parameters, *backend_);
-  backend_->expectAccelerations();
   return true;
 }
 

@@ -14,8 +14,8 @@ class Surroundings {
   /// time nor memory.
   virtual bool isNeeded(const Parameters& parameters) const = 0;
   /// Before the first step that needs it, and with new settings, which are in range. The model is the same
-  /// each time, `backend` has loaded it. May allocate; throws Error and leaves all as it was where they do
-  /// not fit.
+  /// each time, `backend` has loaded it; it is told to expect accelerations where step() gives
+  /// input.accelerations. May allocate; throws Error and leaves all as it was where they do not fit.
   virtual void configure(const StrandModel& model, const Parameters& parameters, Backend& backend) = 0;
   /// The air is as at the start again: after a reset or a teleport.
   virtual void reset() = 0;

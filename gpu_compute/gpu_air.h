@@ -16,8 +16,9 @@ AirMaker gpuAir();
 class MeasuredPasses {
  public:
   virtual ~MeasuredPasses() = default;
-  /// `each`: every pass of the steps that follow, one after the other; else only "all" of a step.
-  virtual void measure(bool each) = 0;
+  /// `each`: every pass of the steps that follow, one after the other; else only "all" of a step. There is
+  /// room for so many steps, so that they allocate nothing.
+  virtual void measure(bool each, int steps) = 0;
   /// Milliseconds by pass, of the steps since the last call. Waits for them.
   virtual std::vector<std::pair<std::string, double>> takeTimes() = 0;
   /// How the newest step's pressure went; its residual over the fastest component of velocity. Waits.

@@ -61,7 +61,6 @@ void GpuSurroundings::configure(const StrandModel& model, const Parameters& p, B
   if (!passes_) {
     passes_ = std::make_unique<Passes>();
     box_ = restBox(model);
-    read_.resize(model.vertices());
   }
   Passes& our = *passes_;
   image_.reset();  // it may be of other grids
@@ -87,6 +86,7 @@ void GpuSurroundings::configure(const StrandModel& model, const Parameters& p, B
   std::vector<float> rates;
   for (const float scale : model.air_drag_scale) rates.push_back(dragRate(p, scale));
   our.hair->takeRates(rates);
+  our.hair->takeVolumeTarget(p.volume_target);
 }
 
 void GpuSurroundings::reset() { restarts_ = true; }
@@ -258,9 +258,9 @@ AirSample GpuSurroundings::at(const Vec3& point) const {
   return out;
 }
 
-void GpuSurroundings::measure(bool each) {
+void GpuSurroundings::measure(bool each, int steps) {
   const gl::MakeCurrent current(device_->context());
-  passes_->timer.measure(each);
+  passes_->timer.measure(each, static_cast<size_t>(steps));
 }
 
 std::vector<std::pair<std::string, double>> GpuSurroundings::takeTimes() {

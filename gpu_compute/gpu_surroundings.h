@@ -33,7 +33,7 @@ class GpuSurroundings final : public Surroundings, public AirFields, public Meas
   float cell() const override;
   AirSample at(const Vec3& point) const override;
 
-  void measure(bool each) override;
+  void measure(bool each, int steps) override;
   std::vector<std::pair<std::string, double>> takeTimes() override;
   PressureReport pressure() override;
 

@@ -31,19 +31,20 @@ HairPasses::HairPasses(const StrandModel& model, const Box& box, int cells, AirB
   if (tiles_ > size_t{kWide} * 65535 / kTileSamples)
     throw Error(fmt::format("{} strands have too many pieces for a GPU's grid", model.strands()),
                 "grid_cells", "use fewer cells or --backend simd");
-  resting_host_.resize(tiles_ * kTileSamples);
+  const size_t places = tiles_ * kTileSamples;
+  std::vector<std::array<float, 2>> resting(places);
   for (size_t n = 0; n < samples.samples.size(); ++n) {
     mass_ += static_cast<double>(samples.samples[n].mass);
-    resting_host_[tiles.places[n]] = {samples.samples[n].mass, 0};
+    resting[tiles.places[n]] = {samples.samples[n].mass, 0};
   }
   sample_tiles_ = gl::Buffer(std::span<const SampleTile>(tiles.tiles));
   roots_ = gl::Buffer(std::span<const uint32_t>(tiles.roots));
   order_ = gl::Buffer(std::span<const uint32_t>(tiles.order));
   edge_masses_ = gl::Buffer(std::span<const float>(samples.edge_masses));
-  resting_ = gl::Buffer(std::span<const std::array<float, 2>>(resting_host_));
-  held_ = zeros<float>(resting_host_.size());
-  places_ = zeros<float>(3 * resting_host_.size());
-  motions_ = zeros<float>(3 * resting_host_.size());
+  resting_ = gl::Buffer(std::span<const std::array<float, 2>>(resting));
+  held_ = zeros<float>(places);
+  places_ = zeros<float>(3 * places);
+  motions_ = zeros<float>(3 * places);
   fastest_ = zeros<uint32_t>(2);
   sums_ = zeros<int32_t>(4 * nodes_count_);
   crowd_sums_ = zeros<int32_t>(nodes_count_);
@@ -75,19 +76,19 @@ void HairPasses::measureRest(const StrandModel& model, AirBlock& block) {
   densities_.bindStorage(11);
   rest_of_.get(programs_, "hair_crowd.comp", shaders::kHairCrowdComp, "#define MEASURE 1\n").use();
   dispatchTiles();
-  glMemoryBarrier(GL_ALL_BARRIER_BITS);
-  glGetNamedBufferSubData(resting_.id(), 0,
-                          static_cast<GLsizeiptr>(resting_host_.size() * sizeof(resting_host_[0])),
-                          resting_host_.data());
-  bound_target_ = 0;  // it was found without
+  finishPass();
   reset();
 }
 
-void HairPasses::boundCrowding(float volume_target) {
+void HairPasses::takeVolumeTarget(float volume_target) {
+  if (bound_target_ == volume_target) return;
+  std::vector<std::array<float, 2>> resting(tiles_ * kTileSamples);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glGetNamedBufferSubData(resting_.id(), 0, static_cast<GLsizeiptr>(resting_.bytes()), resting.data());
   const double alone = kDensityAlone / std::pow(static_cast<double>(layout_.cell), 3);
   bound_target_ = volume_target;
   crowding_bound_ = 0;
-  for (const auto& [mass, rest] : resting_host_) {
+  for (const auto& [mass, rest] : resting) {
     if (!(mass > 0)) continue;  // there is no sample
     const double m = static_cast<double>(mass),
                  r = static_cast<double>(rest) / static_cast<double>(volume_target);
@@ -104,7 +105,6 @@ void HairPasses::describe(AirSettings& s, const Pose& head, const Parameters& p,
     const auto row = static_cast<Eigen::Index>(r);
     s.turn[r] = {turn(row, 0), turn(row, 1), turn(row, 2), 0};
   }
-  if (bound_target_ != p.volume_target) boundCrowding(p.volume_target);
   const double cell = static_cast<double>(layout_.cell);
   const double stiffness =
       std::min(static_cast<double>(p.volume_stiffness), layout_.largestStiffness(seconds));

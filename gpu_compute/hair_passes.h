@@ -26,6 +26,8 @@ class HairPasses {
   void reset();
   /// Drags of their own, 1/s per vertex; empty: all have that of the settings.
   void takeRates(std::span<const float> rates);
+  /// Parameters::volume_target, which bounds what crowd() can sum. To be called before the first crowd().
+  void takeVolumeTarget(float volume_target);
 
   /// Where hair is and how fast, 4 numbers per vertex.
   struct Strands {
@@ -58,7 +60,6 @@ class HairPasses {
   void dispatchTiles() const;
   void dispatchNodes() const;
   void measureRest(const StrandModel& model, AirBlock& block);
-  void boundCrowding(float volume_target);
 
   ProgramCache& programs_;
   LazyProgram splat_, fastest_of_, density_of_, crowd_, rest_of_;
@@ -67,10 +68,9 @@ class HairPasses {
   HairLayout layout_;
   size_t tiles_ = 0, nodes_count_;
   double mass_ = 0;
-  std::vector<std::array<float, 2>> resting_host_;  ///< kg and rest density per sample, in SampleTiles
   double crowding_bound_ = 0;
-  float bound_target_ = 0;
-  bool measured_ = false;  ///< the fastest velocity before the next splat is known
+  float bound_target_ = 0;  ///< what it is for
+  bool measured_ = false;   ///< the fastest velocity before the next splat is known
   bool rated_ = false;
   bool clean_ = true;  ///< sums are 0
   gl::Buffer sample_tiles_, roots_, order_, edge_masses_, places_, motions_, fastest_, sums_, crowd_sums_,

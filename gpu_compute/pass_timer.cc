@@ -7,6 +7,8 @@ namespace {
 
 constexpr const char* kBegin = "";
 constexpr const char* kWhole = "all";
+constexpr size_t kMostPasses = 16;  // of a frame, its beginning among them
+constexpr size_t kQueriesAtOnce = 16;
 
 bool isSoftware() {
   const char* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
@@ -20,10 +22,12 @@ PassTimer::~PassTimer() {
   if (!free_.empty()) glDeleteQueries(static_cast<GLsizei>(free_.size()), free_.data());
 }
 
-void PassTimer::measure(bool each) {
+void PassTimer::measure(bool each, size_t frames) {
   on_ = true;
   each_ = each;
   by_clock_ = isSoftware();
+  marks_.reserve(frames * (each ? kMostPasses : 2));
+  free_.reserve(kQueriesAtOnce);
 }
 
 void PassTimer::mark(const char* name) {
@@ -33,8 +37,8 @@ void PassTimer::mark(const char* name) {
     made.when = std::chrono::steady_clock::now();
   } else {
     if (free_.empty()) {
-      free_.resize(16);
-      glCreateQueries(GL_TIMESTAMP, 16, free_.data());
+      free_.resize(kQueriesAtOnce);
+      glCreateQueries(GL_TIMESTAMP, kQueriesAtOnce, free_.data());
     }
     made.query = free_.back();
     free_.pop_back();

@@ -17,8 +17,9 @@ class PassTimer {
   PassTimer(const PassTimer&) = delete;
   PassTimer& operator=(const PassTimer&) = delete;
 
-  /// `each`: every pass for itself, one after the other; else only the whole frame.
-  void measure(bool each);
+  /// `each`: every pass for itself, one after the other; else only the whole frame. Allocates room for so
+  /// many frames; beyond them frames do.
+  void measure(bool each, size_t frames);
   void stop() { on_ = false; }
   void begin();                   ///< of a frame
   void passed(const char* name);  ///< all commands since the last call are of this pass

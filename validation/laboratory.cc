@@ -33,7 +33,6 @@ std::vector<Vec3> Laboratory::accelerations(const StrandModel& model, const Stra
   const std::unique_ptr<Surroundings> surroundings = air_(backend->name()).surroundings({});
   backend->load(model, state);
   surroundings->configure(model, parameters, *backend);
-  backend->expectAccelerations();
   StepInput input;
   input.parameters = &parameters;
   surroundings->step(input, *backend);

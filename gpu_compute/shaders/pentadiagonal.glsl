@@ -55,7 +55,7 @@ void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
     b = received_b(outer);
     e = received_c(outer);
     w = received_d(outer);
-    rendezvous();
+    release();
     vec4 up = hasAfter(distance) ? vec4(a.w, e.w, b.w, w) : vec4(0);
     from = timesSymmetric(up, a.xyz);
     d -= symmetricNT(from, up);
@@ -92,7 +92,7 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
   rendezvous();
   vec4 a = received_a(after(1)), b = received_b(after(1));
   float w = received_d(after(1));
-  rendezvous();
+  release();
   if (hasAfter(1)) {
     d -= vec3(a.w, b.w, w);
     f0 -= a.xyz;
@@ -109,7 +109,7 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
   rendezvous();
   before0 = received_a(before(1)).xyz;
   before1 = received_b(before(1)).xyz;
-  rendezvous();
+  release();
   if (!hasBefore(1)) before0 = before1 = vec3(0);
 #endif
   f[0] = y0 - (before0 * to_before.x + before1 * to_before.y) - (f[2] * to_outer.x + f[3] * to_outer.y);
@@ -128,7 +128,7 @@ void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float sec
   vec3 before0 = received_a(before(1)).xyz, before1 = received_b(before(1)).xyz;
   vec3 onto0 = vec3(received_a(after(1)).w, received_b(after(1)).w, received_c(after(1)).w);
   vec3 onto1 = received_c(after(1)).xyz;
-  rendezvous();
+  release();
   if (hasBefore(1)) {
     f[0] -= before0 * across.x + before1 * across.y;
     f[1] -= before1 * across.z;

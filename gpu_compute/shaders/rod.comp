@@ -137,7 +137,7 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
 #if DAMPED
   direction_in = vec3(b.w, c.w, received_d(before(1)));
 #endif
-  rendezvous();
+  release();
   tangent_in = b.xyz;
   vec3 unit_in = c.xyz;
   if (!hasBefore(1)) {
@@ -189,7 +189,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   rendezvous();
   vec3 a = received_a(after(1)).xyz;
   vec4 b = received_b(after(1)), c = received_c(after(1));
-  rendezvous();
+  release();
   vec3 tangent_out2 = c.xyz;
   tangent_out = b.xyz;
   if (!hasAfter(1)) {
@@ -254,7 +254,7 @@ void makeBending(RootMotion root) {
   rendezvous();
   vec4 a = received_a(after(1));
   vec3 b = received_b(after(1)).xyz;
-  rendezvous();
+  release();
   if (!hasAfter(1)) {
     a = vec4(0);
     b = vec3(0);
@@ -302,14 +302,20 @@ void makeBending(RootMotion root) {
 
 // What the forces move in the bending system.
 void solveBending(out vec3 moved[PER_THREAD]) {
-  moved = force;
-  solvePentadiagonal(diagonal, first, second, across, moved);
 #if PER_THREAD == 2 && THREADS > 8 || THREADS > 16
   // Over many invocations the reduction cancels stiffnesses down to a mass: its solution is refined once.
   vec3 left[PER_THREAD] = force;
-  residual(diagonal, first, second, across, moved, left);
-  solvePentadiagonal(diagonal, first, second, across, left);
-  for (int p = 0; p < PER_THREAD; ++p) moved[p] += left[p];
+  for (int p = 0; p < PER_THREAD; ++p) moved[p] = vec3(0);
+  for (int round = 0; round < REPEATS(2); ++round) {
+    solvePentadiagonal(diagonal, first, second, across, left);
+    for (int p = 0; p < PER_THREAD; ++p) moved[p] += left[p];
+    if (round == 1) break;
+    left = force;
+    residual(diagonal, first, second, across, moved, left);
+  }
+#else
+  moved = force;
+  solvePentadiagonal(diagonal, first, second, across, moved);
 #endif
 }
 
@@ -368,7 +374,7 @@ void solveLengths(RootMotion root) {
   normal_in = received_c(before(1)).xyz;
 #endif
   vec3 first_out = vec3(received_b(after(1)).w, received_c(after(1)).w, received_d(after(1)));
-  rendezvous();
+  release();
   if (!hasBefore(1)) {
     shift_in = root.position - x_in;
     softness_in = 0.0;
@@ -386,7 +392,7 @@ void solveLengths(RootMotion root) {
   send_d(pull[0]);
   rendezvous();
   pull_out = received_d(after(1));
-  rendezvous();
+  release();
   if (!hasAfter(1)) pull_out = 0.0;
 }
 
@@ -417,7 +423,7 @@ bool anyStrand(bool own) {
     send_d(strands);
     rendezvous();
     strands += received_d(me ^ distance);
-    rendezvous();
+    release();
   }
   return strands > 0.0;
 }
@@ -445,7 +451,7 @@ void pullThroughBending(bool violent) {
     send_d(pull[0]);
     rendezvous();
     pull_out = received_d(after(1));
-    rendezvous();
+    release();
     if (!hasAfter(1)) pull_out = 0.0;
     for (int p = 0; p < PER_THREAD; ++p) force[p] = isEdge(p) && weight(p) > 0.0 ? pushOn(p, 0.0) : vec3(0);
     vec3 moved[PER_THREAD];
@@ -455,7 +461,7 @@ void pullThroughBending(bool violent) {
     rendezvous();
     vec3 moved_in = received_a(before(1)).xyz;
     if (!hasBefore(1)) moved_in = vec3(0);
-    rendezvous();
+    release();
     float shortened[PER_THREAD];
     float curvature = 0.0;
     for (int p = 0; p < PER_THREAD; ++p) {
@@ -531,7 +537,7 @@ void finish() {
     send_a(vec4(sum, fixed_here ? 1 : 0));
     rendezvous();
     vec4 other = received_a(before(distance));
-    rendezvous();
+    release();
     if (hasBefore(distance) && !fixed_here) {
       sum += other.xyz;
       fixed_here = other.w > 0.5;
@@ -541,7 +547,7 @@ void finish() {
   send_a(vec4(sum, 0));
   rendezvous();
   vec3 last_before = received_a(before(1)).xyz;
-  rendezvous();
+  release();
   if (hasBefore(1)) {
     shift_in = last_before;
     for (int p = 0; p < kLast; ++p)
@@ -584,10 +590,10 @@ void store() {
 void stepStrands(uint list, uint first, uint count) {
   loadStrand(list, first, count);
   most = 0.0;
+  const int passes = settings.substeps > 0u ? 2 : 0;  // of lengths; compilers would unroll a 2
 #if BODIES
   astray = false;
   loadContacts();
-  const int passes = settings.substeps > 0u ? 2 : 0;  // of lengths; compilers would unroll a 2
   {
     const int substep = first_substep, ahead = 0;
 #else
@@ -605,29 +611,26 @@ void stepStrands(uint list, uint first, uint count) {
 #if BODIES
     vec3 checked[PER_THREAD];  // the shifts that contact leaves the vertices with
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
+#endif
     for (int pass = 0; pass < passes; ++pass) {
+#if BODIES
       collide(substep, moved);
       for (int p = 0; p < PER_THREAD; ++p) moved[p] = vec3(0);
+#endif
       solveLengths(root);
 #if VIOLENT
       if (pass == 0) pullIfViolent();
 #else
       if (pass == 0) most = max(most, mostViolence());
 #endif
+#if BODIES
       checked = shift;
+#endif
       moveByPulls();
     }
+#if BODIES
     finish(checked);
 #else
-    solveLengths(root);
-#if VIOLENT
-    pullIfViolent();
-#else
-    most = max(most, mostViolence());
-#endif
-    moveByPulls();
-    solveLengths(root);
-    moveByPulls();
     finish();
 #endif
   }

@@ -1,8 +1,7 @@
 // A strand spread over THREADS neighbouring invocations of a workgroup, PER_THREAD edges each, and how they pass values: send
-// own ones, rendezvous, receive those of another, rendezvous. All must do so together, and receive outside of conditions.
-// SHUFFLED: from register to register. Else through shared memory: with one bank of it and 32 invocations the second barrier
-// costs less than a second bank would. On NVIDIA a GL program gets some 64 KB of it per multiprocessor, so 4 KB per 32
-// invocations is what the whole shader may use before fewer of them run at once.
+// own ones, rendezvous, receive those of another, release. All must do so together, and receive outside of conditions.
+// SHUFFLED: from register to register. Else through shared memory, in two banks by turns, so that an exchange has one barrier: who
+// sends again has passed the barrier that all reach once they have received what stands there.
 const int kLast = PER_THREAD - 1;
 
 uint me;   // this invocation in its workgroup
@@ -20,36 +19,39 @@ vec4 received_b(uint from) { return subgroupShuffle(sent_b, from); }
 vec4 received_c(uint from) { return subgroupShuffle(sent_c, from); }
 float received_d(uint from) { return subgroupShuffle(sent_d, from); }
 void rendezvous() {}
+void release() {}
 #else
-shared vec4 exchange_a[WORKGROUP];
-shared vec4 exchange_b[WORKGROUP];
-shared vec4 exchange_c[WORKGROUP];
-shared float exchange_d[WORKGROUP];
-void send_a(vec4 value) { exchange_a[me] = value; }
-void send_b(vec4 value) { exchange_b[me] = value; }
-void send_c(vec4 value) { exchange_c[me] = value; }
-void send_d(float value) { exchange_d[me] = value; }
+shared vec4 exchange_a[2 * WORKGROUP];
+shared vec4 exchange_b[2 * WORKGROUP];
+shared vec4 exchange_c[2 * WORKGROUP];
+shared float exchange_d[2 * WORKGROUP];
+uint bank;  // where the one begins that is sent to next
+void send_a(vec4 value) { exchange_a[bank + me] = value; }
+void send_b(vec4 value) { exchange_b[bank + me] = value; }
+void send_c(vec4 value) { exchange_c[bank + me] = value; }
+void send_d(float value) { exchange_d[bank + me] = value; }
 // Through global variables: a local one that is used once Mesa may move, and with it the read, past the rendezvous after it
 // (opt_tree_grafting), where it reads what others send next.
 vec4 got_a, got_b, got_c;
 float got_d;
 vec4 received_a(uint from) {
-  got_a = exchange_a[from];
+  got_a = exchange_a[bank + from];
   return got_a;
 }
 vec4 received_b(uint from) {
-  got_b = exchange_b[from];
+  got_b = exchange_b[bank + from];
   return got_b;
 }
 vec4 received_c(uint from) {
-  got_c = exchange_c[from];
+  got_c = exchange_c[bank + from];
   return got_c;
 }
 float received_d(uint from) {
-  got_d = exchange_d[from];
+  got_d = exchange_d[bank + from];
   return got_d;
 }
 void rendezvous() { barrier(); }
+void release() { bank ^= uint(WORKGROUP); }
 #endif
 
 // Neighbours towards the root and the tip. Past the ends of the strand it is this invocation itself, so that nothing, not
@@ -66,6 +68,7 @@ void placeInvocation() {
   me = gl_SubgroupInvocationID;
 #else
   me = gl_LocalInvocationID.x;
+  bank = 0u;
 #endif
   rank = int(me) % THREADS;
   has_rootward = rank >= 1;
@@ -103,7 +106,7 @@ float strandSum(float value) {
     send_d(value);
     rendezvous();
     value += received_d(me ^ (1u << doubling));
-    rendezvous();
+    release();
   }
   return value;
 }

@@ -38,7 +38,7 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
   send_a(vec4(slack_before - abs(lower[0]), value_before, coupling, 0));
   rendezvous();
   vec3 folded = received_a(after(1)).xyz;
-  rendezvous();
+  release();
   if (!hasAfter(1)) folded = vec3(0);
   slack += folded.x;
   solved += folded.y;
@@ -51,7 +51,7 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
     rendezvous();
     vec4 inner = received_a(before(distance)), outer = received_a(after(distance));
     float inner_slack = received_d(before(distance)), outer_slack = received_d(after(distance));
-    rendezvous();
+    release();
     float from_inner = coupling * inner.z, from_outer = up * outer.z;
     slack += abs(coupling) * inner_slack + abs(up) * outer_slack;
     solved -= from_inner * inner.w + from_outer * outer.w;
@@ -62,7 +62,7 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
   send_d(solved);
   rendezvous();
   solved_before = received_d(before(1));
-  rendezvous();
+  release();
   if (!hasBefore(1)) solved_before = 0.0;
 #endif
   value[kLast] = solved;

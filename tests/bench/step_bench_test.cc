@@ -77,6 +77,16 @@ TEST(StepBench, AVertexTakesNoMoreMemoryThanItNeeds) {
   EXPECT_LE(bytes("gpu"), 160) << "some of it is the driver's";
 }
 
+// Nor do the measured passes of the air: their marks have room.
+TEST(StepBench, AGpuStepInAirAllocatesNothing) {
+  if (!gpuBackendInfo().available) GTEST_SKIP() << "there is no OpenGL 4.5";
+  const nlohmann::json report =
+      benchJson("step --backend gpu --strands 60 --vertices 12 --substeps 1 --steps 12 --air 16");
+  ASSERT_TRUE(report.is_object());
+  EXPECT_EQ(report["results"][0]["allocations"], 0);
+  EXPECT_GT(report["results"][0]["air_gpu_ms"], 0);
+}
+
 TEST(GridBench, SaysWhatItsStepsComputed) {
   const nlohmann::json report = benchJson("grid --strands 60 --vertices 12 --steps 2 --cells 16 --threads 1");
   ASSERT_TRUE(report.is_object());

@@ -127,7 +127,6 @@ Felt felt(const AirMaker& maker, Backend& backend, const Tuft& tuft, const Param
   const std::unique_ptr<Surroundings> surroundings = maker.surroundings(std::move(sources));
   backend.load(tuft.model, tuft.state);
   surroundings->configure(tuft.model, parameters, backend);
-  backend.expectAccelerations();
   const std::vector<Pose> bones{
       {Vec3(0.003f, 0, 0), Quat(Eigen::AngleAxisf(0.3f, Eigen::Vector3f::UnitX()))}};
   for (int step = 0; step < steps; ++step) {
