@@ -240,7 +240,7 @@ void Daemon::announceColliders() {
   for (const BodyId id : simulation_.bodyIds()) {
     const RigidBody& body = simulation_.body(id);
     if (body.primitives.empty()) continue;
-    if (!body.follows_head) frame_.colliders.push_back({static_cast<uint32_t>(id), body.pose});
+    if (!body.follows_head) frame_.colliders.push_back({static_cast<uint32_t>(id), body.pose, {}});
     set.colliders.push_back({static_cast<uint32_t>(id), body.follows_head, true, body.primitives});
   }
   publisher_.announceColliders(set);
@@ -275,7 +275,10 @@ void Daemon::advance() {
 }
 
 void Daemon::placeColliders() {
-  for (PlacedCollider& placed : frame_.colliders) placed.pose = simulation_.bodyPose(placed.id);
+  for (PlacedCollider& placed : frame_.colliders) {
+    placed.pose = simulation_.bodyPose(placed.id);
+    placed.bend = simulation_.bodyBend(placed.id);
+  }
 }
 
 void Daemon::publishFrame() {

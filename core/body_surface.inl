@@ -234,8 +234,7 @@ inline SurfacePoint bentSurfaceAt(const SubstepBody& body, const real3& x, const
                                                        const mask& lanes) {
   SurfacePoint out;
   const quat rotation = spread(body.rotation);
-  const quat back = {lit(0) - rotation.x, lit(0) - rotation.y, lit(0) - rotation.z, rotation.w};
-  const real3 local = rotate(back, x - spread(body.a));
+  const real3 local = rotateBack(rotation, x - spread(body.a));
   if (body.kind == PrimitiveKind::kField) {
     out = isBent(body) ? bentSurfaceAt(body, local, clear, lanes) : fieldSurfaceAt(body, local, clear, lanes);
     out.normal = rotate(rotation, out.normal);
@@ -276,9 +275,7 @@ inline SurfacePoint surfaceAt(const SubstepBody& body, const real3& x, const rea
 [[gnu::noinline]] inline real leastDistance(const SubstepBody& body, const real3& x) {
   const mask all = lit(0) < lit(1);
   if (body.kind == PrimitiveKind::kField) {
-    const quat rotation = spread(body.rotation);
-    const quat back = {lit(0) - rotation.x, lit(0) - rotation.y, lit(0) - rotation.z, rotation.w};
-    const real3 local = rotate(back, x - spread(body.a));
+    const real3 local = rotateBack(spread(body.rotation), x - spread(body.a));
     if (!isBent(body)) return leastByCorner(body, lookIntoField(body, local, all), all);
     const MovingBend moving = movingBendOf(body);
     const FieldLook look = lookIntoField(body, local + bendShift(bendAt(moving, body.time), local), all);

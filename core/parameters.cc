@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "core/error.h"
+#include "core/material.h"
 #include "core/nearest_name.h"
 
 namespace strandcast {
@@ -92,7 +93,10 @@ const Entry& entry(const std::string& name, const std::string& where) {
     if (e.info.name == name) return e;
   std::vector<std::string> names;
   for (const Entry& e : list) names.push_back(e.info.name);
-  throw Error("unknown parameter '" + name + "'", where, "did you mean '" + nearestName(name, names) + "'?");
+  std::string advice = "did you mean '" + nearestName(name, names) + "'?";
+  for (const MaterialSettingInfo& setting : materialSettingList())
+    if (setting.name == name) advice = "it is of the hair's material: --material all:" + name + "=VALUE";
+  throw Error("unknown parameter '" + name + "'", where, advice);
 }
 
 void checkRange(const Entry& e, const std::vector<double>& value, const std::string& where) {

@@ -186,6 +186,10 @@ const Pose& Simulation::bodyPose(BodyId body) const {
   return known.body.follows_head ? bones_begin_[0] : known.begin;
 }
 
+const SurfaceBend& Simulation::bodyBend(BodyId body) const {
+  return find(body, "Simulation::bodyBend").bend_begin;
+}
+
 std::vector<BodyId> Simulation::bodyIds() const {
   std::vector<BodyId> ids;
   for (const PlacedBody& known : bodies_) ids.push_back(known.id);

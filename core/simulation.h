@@ -62,8 +62,9 @@ class Simulation {
   /// otherwise. It goes there evenly. What is bent pushes hair by where it is then, and takes it along. Error
   /// on an unknown body, on one without `bends`, and where a number is not finite.
   void setBodyBend(BodyId body, const SurfaceBend& bend);
-  /// Where it is now. Error on an unknown body.
+  /// Where it is now, and how it is bent. Error on an unknown body.
   const Pose& bodyPose(BodyId body) const;
+  const SurfaceBend& bodyBend(BodyId body) const;
   /// Error on an unknown body.
   void removeBody(BodyId body);
   size_t bodies() const { return bodies_.size(); }

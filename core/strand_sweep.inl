@@ -84,8 +84,7 @@ inline real3 carriedOf(const SubstepBody& body, const real3& point) {
   if (!isBent(body)) return rigidly;
   const MovingBend moving = movingBendOf(body);
   const quat rotation = spread(body.rotation);
-  const quat back = {lit(0) - rotation.x, lit(0) - rotation.y, lit(0) - rotation.z, rotation.w};
-  const real3 local = rotate(back, rigidly - spread(body.a));
+  const real3 local = rotateBack(rotation, rigidly - spread(body.a));
   const real3 bent = carriedByBend(bendAt(moving, body.time - body.part), bendAt(moving, body.time), local);
   return rigidly + rotate(rotation, bent - local);
 }

@@ -1,46 +1,48 @@
 #include "core/surface_bend.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "kernels/scalar_float.h"
 
 namespace strandcast {
 namespace {
 
-using Matrix3 = Eigen::Matrix3f;
 using Terms = std::array<Vec3, 10>;
+using kernels::f32::real3;
 
-std::array<float, 10> products(const Vec3& p) {
-  return {1,
-          p.x(),
-          p.y(),
-          p.z(),
-          p.x() * p.x(),
-          p.y() * p.y(),
-          p.z() * p.z(),
-          p.x() * p.y(),
-          p.y() * p.z(),
-          p.z() * p.x()};
+real3 toKernel(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Vec3 fromKernel(const real3& v) { return {v.x, v.y, v.z}; }
+
+/// In a box that holds whatever is asked for.
+kernels::f32::Bend kernelBend(const Terms& t) {
+  constexpr float kEndless = 1e30f;
+  return {toKernel(t[0]),
+          toKernel(t[1]),
+          toKernel(t[2]),
+          toKernel(t[3]),
+          toKernel(t[4]),
+          toKernel(t[5]),
+          toKernel(t[6]),
+          toKernel(t[7]),
+          toKernel(t[8]),
+          toKernel(t[9]),
+          {kEndless, kEndless, kEndless}};
 }
 
-Vec3 shiftBy(const Terms& terms, const Vec3& p) {
-  const std::array<float, 10> of = products(p);
-  Vec3 sum = Vec3::Zero();
-  for (size_t i = 0; i < of.size(); ++i) sum += of[i] * terms[i];
-  return sum;
-}
-
-Matrix3 gradient(const Terms& t, const Vec3& p) {
-  Matrix3 columns;
-  columns.col(0) = t[1] + 2 * p.x() * t[4] + p.y() * t[7] + p.z() * t[9];
-  columns.col(1) = t[2] + 2 * p.y() * t[5] + p.z() * t[8] + p.x() * t[7];
-  columns.col(2) = t[3] + 2 * p.z() * t[6] + p.x() * t[9] + p.y() * t[8];
-  return columns;
+/// How the shift changes along each axis.
+std::array<Vec3, 3> rates(const Terms& terms, const Vec3& p) {
+  real3 by_x, by_y, by_z;
+  kernels::f32::bendRates(kernelBend(terms), toKernel(p), by_x, by_y, by_z);
+  return {fromKernel(by_x), fromKernel(by_y), fromKernel(by_z)};
 }
 
 /// Of what has these terms, in a box that reaches so far from its middle, by its terms one by one.
 float most(const Terms& terms, const Vec3& reach) {
-  const std::array<float, 10> of = products(reach);
+  const float x = reach.x(), y = reach.y(), z = reach.z();
+  const std::array<float, 10> products = {1, x, y, z, x * x, y * y, z * z, x * y, y * z, z * x};
   float sum = 0;
-  for (size_t i = 0; i < of.size(); ++i) sum += of[i] * terms[i].norm();
+  for (size_t i = 0; i < products.size(); ++i) sum += products[i] * terms[i].norm();
   return sum;
 }
 
@@ -49,7 +51,9 @@ float steepest(const Terms& terms, const Vec3& reach) {
   float found = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 sign(corner & 1 ? 1.0f : -1.0f, corner & 2 ? 1.0f : -1.0f, corner & 4 ? 1.0f : -1.0f);
-    found = std::max(found, gradient(terms, reach.cwiseProduct(sign)).norm());
+    float squared = 0;
+    for (const Vec3& rate : rates(terms, reach.cwiseProduct(sign))) squared += rate.squaredNorm();
+    found = std::max(found, std::sqrt(squared));
   }
   return found;
 }
@@ -70,15 +74,31 @@ bool SurfaceBend::isNone() const {
   return std::all_of(terms.begin(), terms.end(), [](const Vec3& term) { return term.isZero(0); });
 }
 
-Vec3 SurfaceBend::shift(const Vec3& p) const { return shiftBy(terms, p - middle); }
+Vec3 SurfaceBend::shift(const Vec3& p) const {
+  return fromKernel(kernels::f32::bendShift(kernelBend(terms), toKernel(p - middle)));
+}
+
+Vec3 SurfaceBend::placed(const Vec3& rest) const {
+  const real3 from_middle = toKernel(rest - middle);
+  return middle + fromKernel(kernels::f32::placedByBend(kernelBend(terms), from_middle, from_middle));
+}
+
+Vec3 SurfaceBend::normal(const Vec3& p, const Vec3& rest) const {
+  return fromKernel(kernels::f32::bentGradient(kernelBend(terms), toKernel(p - middle), toKernel(rest)));
+}
 
 SurfaceBend SurfaceBend::about(const Vec3& other) const {
-  const Vec3 d = other - middle;
   SurfaceBend out = *this;
   out.middle = other;
-  out.terms[0] = shiftBy(terms, d);
-  const Matrix3 linear = gradient(terms, d);
-  for (int c = 0; c < 3; ++c) out.terms[static_cast<size_t>(1 + c)] = linear.col(c);
+  out.terms[0] = shift(other);
+  const std::array<Vec3, 3> linear = rates(terms, other - middle);
+  std::copy(linear.begin(), linear.end(), out.terms.begin() + 1);
+  return out;
+}
+
+SurfaceBend interpolate(const SurfaceBend& a, const SurfaceBend& b, float t) {
+  SurfaceBend out = a.about(b.middle);
+  for (size_t i = 0; i < out.terms.size(); ++i) out.terms[i] += t * (b.terms[i] - out.terms[i]);
   return out;
 }
 

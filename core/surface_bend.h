@@ -15,6 +15,10 @@ struct SurfaceBend {
 
   bool isNone() const;
   Vec3 shift(const Vec3& p) const;  ///< w(p), m
+  /// Where what is at `rest` at rest is, m.
+  Vec3 placed(const Vec3& rest) const;
+  /// The normal at p, of any length, of a surface that had the unit normal `rest` there at rest.
+  Vec3 normal(const Vec3& p, const Vec3& rest) const;
   /// The same about another point.
   SurfaceBend about(const Vec3& other) const;
 
@@ -25,6 +29,9 @@ struct SurfaceBend {
     return none;
   }
 };
+
+/// Between two bends, t in [0, 1], about the middle of b.
+SurfaceBend interpolate(const SurfaceBend& a, const SurfaceBend& b, float t);
 
 /// The bend of a field over one step, as every backend reads it in ShapeData::words: floats. Terms are about
 /// the middle of the field's grid and go evenly from beginning to end.

@@ -37,8 +37,9 @@ class Buffer {
 
   /// Needs GL_DYNAMIC_STORAGE_BIT.
   template <class T>
-  void write(std::span<const T> data) {
-    glNamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(data.size_bytes()), data.data());
+  void write(std::span<const T> data, size_t first_byte = 0) {
+    glNamedBufferSubData(id_, static_cast<GLintptr>(first_byte), static_cast<GLsizeiptr>(data.size_bytes()),
+                         data.data());
   }
   void bindStorage(GLuint binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, id_); }
   GLuint id() const { return id_; }

@@ -7,8 +7,6 @@ FN real3 frameTangent(IN(quat) q) {
                    lit(1) - lit(2) * madd(q.x, q.x, q.y * q.y));
 }
 
-FN quat conjugate(IN(quat) q) { return makeQuat(lit(0) - q.x, lit(0) - q.y, lit(0) - q.z, q.w); }
-
 // Frame q of an edge moved with its tangent to the unit vector t, without twist.
 FN quat transportTo(IN(quat) q, IN(real3) t) { return multiply(rotationBetween(frameTangent(q), t), q); }
 

@@ -23,6 +23,11 @@ FN real3 rotate(IN(quat) q, IN(real3) v) {
   return madd(c, q.w, v) + cross(u, c);
 }
 
+FN quat conjugate(IN(quat) q) { return makeQuat(lit(0) - q.x, lit(0) - q.y, lit(0) - q.z, q.w); }
+
+// v turned back by the unit quaternion q.
+FN real3 rotateBack(IN(quat) q, IN(real3) v) { return rotate(conjugate(q), v); }
+
 // Hamilton product: first b, then a.
 FN quat multiply(IN(quat) a, IN(quat) b) {
   return makeQuat(madd(a.w, b.x, madd(a.x, b.w, madd(a.y, b.z, lit(0) - a.z * b.y))),

@@ -8,12 +8,13 @@ namespace strandcast {
 BodyBinding::BodyBinding(std::span<const Vec3> positions, std::span<const HairObstacle> obstacles) {
   std::vector<const DistanceField*> fields;
   for (const HairObstacle& obstacle : obstacles) {
-    if (obstacle.follows_head || obstacle.collider == kNoCollider || !obstacle.shape.field) continue;
+    if (!obstacle.canBend()) continue;
     colliders_.push_back(obstacle.collider);
     fields.push_back(obstacle.shape.field.get());
   }
   if (fields.empty()) return;
   poses_.resize(fields.size());
+  bends_.resize(fields.size());
   offsets_.push_back(0);
   std::vector<Share> near;
   for (const Vec3& point : positions) {
@@ -40,21 +41,27 @@ BodyBinding::BodyBinding(std::span<const Vec3> positions, std::span<const HairOb
 
 void BodyBinding::place(std::span<const PlacedCollider> colliders) {
   for (size_t i = 0; i < colliders_.size(); ++i)
-    for (const PlacedCollider& placed : colliders)
-      if (placed.id == colliders_[i]) poses_[i] = placed.pose;
+    for (const PlacedCollider& placed : colliders) {
+      if (placed.id != colliders_[i]) continue;
+      poses_[i] = placed.pose;
+      bends_[i] = placed.bend;
+    }
 }
 
 Vec3 BodyBinding::position(size_t vertex, const Vec3& rest) const {
   Vec3 sum = Vec3::Zero();
   for (size_t i = offsets_[vertex]; i < offsets_[vertex + 1]; ++i)
-    sum += shares_[i].weight * poses_[shares_[i].collider].apply(rest);
+    sum += shares_[i].weight * poses_[shares_[i].collider].apply(bends_[shares_[i].collider].placed(rest));
   return sum;
 }
 
-Vec3 BodyBinding::direction(size_t vertex, const Vec3& rest) const {
+Vec3 BodyBinding::normal(size_t vertex, const Vec3& rest, const Vec3& normal) const {
   Vec3 sum = Vec3::Zero();
-  for (size_t i = offsets_[vertex]; i < offsets_[vertex + 1]; ++i)
-    sum += shares_[i].weight * poses_[shares_[i].collider].rotate(rest);
+  for (size_t i = offsets_[vertex]; i < offsets_[vertex + 1]; ++i) {
+    const SurfaceBend& bend = bends_[shares_[i].collider];
+    const Vec3 bent = bend.normal(bend.placed(rest), normal).normalized();
+    sum += shares_[i].weight * poses_[shares_[i].collider].rotate(bent);
+  }
   return sum;
 }
 

@@ -7,9 +7,6 @@
 
 namespace strandcast {
 
-/// Of an obstacle that is no collider of a ColliderSet.
-constexpr uint32_t kNoCollider = 0xFFFFFFFF;
-
 /// Draws a body where its colliders are. The wire has no joints and weights; but a skinned body's parts are
 /// colliders with fields that do not follow the head, and a vertex lies on the surfaces of those that it
 /// moves with.
@@ -23,9 +20,10 @@ class BodyBinding {
   /// Whether the vertex moves with colliders at all.
   bool holds(size_t vertex) const { return !empty() && offsets_[vertex] < offsets_[vertex + 1]; }
   void place(std::span<const PlacedCollider> colliders);
-  /// Where a vertex that it holds is, and a direction there: the mean of its colliders'.
+  /// Where a vertex that it holds is, m, from where it is at rest: the mean of its colliders'. And its
+  /// normal, of any length.
   Vec3 position(size_t vertex, const Vec3& rest) const;
-  Vec3 direction(size_t vertex, const Vec3& rest) const;
+  Vec3 normal(size_t vertex, const Vec3& rest, const Vec3& normal) const;
 
  private:
   struct Share {
@@ -34,6 +32,7 @@ class BodyBinding {
   };
   std::vector<uint32_t> colliders_;  ///< their ids
   std::vector<Pose> poses_;
+  std::vector<SurfaceBend> bends_;
   std::vector<size_t> offsets_;  ///< per vertex, of its shares; one more than vertices
   std::vector<Share> shares_;
 };

@@ -112,8 +112,9 @@ void BodyPass::place(std::span<const PlacedCollider> colliders) {
   std::vector<Vertex> moved = rest_;
   for (size_t v = 0; v < moved.size(); ++v) {
     if (!binding_.holds(v)) continue;
-    const Vec3 position = binding_.position(v, Vec3(rest_[v].position));
-    const Vec3 normal = binding_.direction(v, Vec3(rest_[v].normal));
+    const Vec3 rest(rest_[v].position);
+    const Vec3 position = binding_.position(v, rest),
+               normal = binding_.normal(v, rest, Vec3(rest_[v].normal));
     std::copy(position.begin(), position.end(), moved[v].position);
     std::copy(normal.begin(), normal.end(), moved[v].normal);
     moved[v].head_weight = 0;

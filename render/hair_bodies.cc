@@ -10,6 +10,7 @@ namespace strandcast {
 namespace {
 
 constexpr size_t kBodyGroupSize = 64;  // as in hair_bodies.comp
+constexpr float kMostStretch = 1e6f;   // of a bend that is heeded: from there on it is damaged
 
 }  // namespace
 
@@ -24,7 +25,11 @@ void HairBodies::setObstacles(std::vector<HairObstacle> obstacles) {
   obstacles_ = std::move(obstacles);
   shapes_.clear();
   first_words_.clear();
-  for (const HairObstacle& obstacle : obstacles_) first_words_.push_back(shapes_.add(obstacle.shape));
+  bend_words_.clear();
+  for (const HairObstacle& obstacle : obstacles_) {
+    first_words_.push_back(shapes_.add(obstacle.shape));
+    bend_words_.push_back(obstacle.canBend() ? shapes_.addBend() : 0);
+  }
   word_buffer_ = gl::Buffer(std::span<const uint32_t>(shapes_.words));
   body_buffer_ = gl::Buffer(obstacles_.size() * sizeof(MovingPrimitive), nullptr, GL_DYNAMIC_STORAGE_BIT);
   place(Pose{});
@@ -34,10 +39,18 @@ void HairBodies::place(const Pose& head, std::span<const PlacedCollider> collide
   std::vector<MovingPrimitive> placed;
   for (size_t i = 0; i < obstacles_.size(); ++i) {
     HairObstacle& obstacle = obstacles_[i];
-    for (const PlacedCollider& collider : colliders)
-      if (collider.id == obstacle.collider && !obstacle.follows_head) obstacle.pose = collider.pose;
+    for (const PlacedCollider& collider : colliders) {
+      if (collider.id != obstacle.collider || obstacle.follows_head) continue;
+      obstacle.pose = collider.pose;
+      obstacle.bend = collider.bend;
+    }
     const Pose pose = obstacle.follows_head ? head : obstacle.pose;
-    placed.push_back(moved(obstacles_[i].shape, pose, pose, 1, first_words_[i]));
+    placed.push_back(moved(obstacle.shape, pose, pose, 1, first_words_[i]));
+    if (bend_words_[i] == 0) continue;
+    const MovingBend bend = bendOf(obstacle.shape, obstacle.bend, obstacle.bend);
+    if (!(bend.stretch < kMostStretch)) continue;
+    bendWith(placed.back(), bend, bend_words_[i]);
+    word_buffer_.write(std::span<const MovingBend>(&bend, 1), bend_words_[i] * sizeof(uint32_t));
   }
   if (!placed.empty()) body_buffer_.write(std::span<const MovingPrimitive>(placed));
 }

@@ -9,12 +9,19 @@
 
 namespace strandcast {
 
+/// Of an obstacle that is no collider of a ColliderSet.
+constexpr uint32_t kNoCollider = 0xFFFFFFFF;
+
 /// A body that grown hair is kept out of.
 struct HairObstacle {
   ContactPrimitive shape;    ///< m, of the head at rest; else in the obstacle's own frame
   bool follows_head = true;  ///< else it is where place() says, or stays
   uint32_t collider = 0;     ///< of a ColliderSet: what place() knows it by
   Pose pose{};               ///< of one that does not follow the head, at first
+  SurfaceBend bend{};        ///< the same, of a field
+
+  /// Whether place() may move, and bend, it.
+  bool canBend() const { return !follows_head && collider != kNoCollider && shape.field; }
 };
 
 /// Keeps grown hair out of bodies as guides are already. A hair that would go into one leaves its three
@@ -40,6 +47,7 @@ class HairBodies {
   std::vector<HairObstacle> obstacles_;
   ShapeData shapes_;
   std::vector<uint32_t> first_words_;  ///< per obstacle, in shapes_
+  std::vector<uint32_t> bend_words_;   ///< likewise of its bend; 0 = it cannot bend
   gl::Program program_;
   gl::Buffer body_buffer_, word_buffer_, hair_buffer_;
 };

@@ -160,6 +160,18 @@ bool isSoundPose(std::span<const float, 3> position, std::span<const float, 4> r
          std::abs(squared - 1) < 1e-3f;  // false for NaN
 }
 
+/// Ids in the order of the colliders they are of, no more than once each.
+bool hasSoundBends(const GuideChunk& chunk) {
+  auto next = chunk.colliders.begin();
+  for (const uint32_t id : chunk.bent_colliders) {
+    next = std::find(next, chunk.colliders.end(), id);
+    if (next++ == chunk.colliders.end()) return false;
+  }
+  return chunk.collider_bends.size() == kBendNumbers * chunk.bent_colliders.size() &&
+         std::all_of(chunk.collider_bends.begin(), chunk.collider_bends.end(),
+                     [](float v) { return std::abs(v) <= kMostBendNumber; });
+}
+
 bool hasSoundPoses(const GuideChunk& chunk) {
   const size_t placed = chunk.colliders.size();
   if (placed > (chunk.chunk_index == 0 ? kMaxPlacedColliders : 0) ||
@@ -169,16 +181,22 @@ bool hasSoundPoses(const GuideChunk& chunk) {
     const std::span<const float> pose(chunk.collider_poses.data() + 7 * i, 7);
     if (!isSoundPose(pose.first<3>(), pose.last<4>())) return false;
   }
-  return isSoundPose(chunk.head_position, chunk.head_rotation);
+  return hasSoundBends(chunk) && isSoundPose(chunk.head_position, chunk.head_rotation);
 }
 
 void placeColliders(const GuideChunk& chunk, GuideFrame& frame) {
   frame.colliders.resize(chunk.colliders.size());
+  size_t bent = 0;
   for (size_t i = 0; i < chunk.colliders.size(); ++i) {
     const float* const pose = chunk.collider_poses.data() + 7 * i;
-    frame.colliders[i].id = chunk.colliders[i];
-    frame.colliders[i].pose.position = Vec3(pose);
-    frame.colliders[i].pose.rotation.coeffs() = Eigen::Map<const Eigen::Vector4f>(pose + 3);
+    PlacedCollider& placed = frame.colliders[i];
+    placed.id = chunk.colliders[i];
+    placed.pose.position = Vec3(pose);
+    placed.pose.rotation.coeffs() = Eigen::Map<const Eigen::Vector4f>(pose + 3);
+    placed.bend = {};
+    if (bent == chunk.bent_colliders.size() || chunk.bent_colliders[bent] != placed.id) continue;
+    const float* number = chunk.collider_bends.data() + kBendNumbers * bent++;
+    bendNumbers(placed.bend, [&](float& into) { into = *number++; });
   }
 }
 

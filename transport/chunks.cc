@@ -216,12 +216,17 @@ void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, u
   for (int k = 0; k < 4; ++k) chunk.head_rotation[static_cast<size_t>(k)] = frame.head.rotation.coeffs()[k];
   chunk.colliders.clear();
   chunk.collider_poses.clear();
+  chunk.bent_colliders.clear();
+  chunk.collider_bends.clear();
   const size_t placed = index == 0 ? std::min(frame.colliders.size(), kMaxPlacedColliders) : 0;
   for (size_t i = 0; i < placed; ++i) {
-    const auto& [id, pose] = frame.colliders[i];
+    const auto& [id, pose, bend] = frame.colliders[i];
     chunk.colliders.push_back(id);
     for (int k = 0; k < 3; ++k) chunk.collider_poses.push_back(pose.position[k]);
     for (int k = 0; k < 4; ++k) chunk.collider_poses.push_back(pose.rotation.coeffs()[k]);
+    if (bend.isNone()) continue;
+    chunk.bent_colliders.push_back(id);
+    bendNumbers(bend, [&](float number) { chunk.collider_bends.push_back(number); });
   }
 }
 

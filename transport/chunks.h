@@ -78,6 +78,17 @@ struct ColliderChunk {
   std::vector<uint32_t> words;
 };
 
+inline constexpr size_t kBendNumbers = 33;      ///< floats of a collider's bend
+inline constexpr float kMostBendNumber = 1e7f;  ///< of all of them, either sign
+
+/// Goes through the kBendNumbers of a bend in the order of the wire: take(float&).
+template <class Bend, class Take>
+void bendNumbers(Bend& bend, const Take& take) {
+  for (int c = 0; c < 3; ++c) take(bend.middle[c]);
+  for (auto& term : bend.terms)
+    for (int c = 0; c < 3; ++c) take(term[c]);
+}
+
 struct GuideChunk {
   uint64_t session = 0, frame = 0, publish_time = 0;
   double simulation_time = 0;
@@ -87,8 +98,10 @@ struct GuideChunk {
   std::array<float, 4> head_rotation{0, 0, 0, 1};
   uint64_t key_frame = 0;  ///< that the payload is a difference to; 0 = it can be decoded alone
   Encoding encoding = Encoding::kFloat32;
-  std::vector<uint32_t> colliders;    ///< of chunk 0: that do not follow the head
-  std::vector<float> collider_poses;  ///< 7 each: position x y z, rotation x y z w
+  std::vector<uint32_t> colliders;       ///< of chunk 0: that do not follow the head
+  std::vector<float> collider_poses;     ///< 7 each: position x y z, rotation x y z w
+  std::vector<uint32_t> bent_colliders;  ///< those of them that are bent
+  std::vector<float> collider_bends;     ///< kBendNumbers each: middle and terms of a SurfaceBend
   std::vector<uint8_t> payload;
 };
 

@@ -9,7 +9,7 @@ DdsClaim::DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength)
     : groom_id_(groom_id),
       session_(session),
       strength_(strength),
-      listener_([this](v5::Claim& claim, const auto&) {
+      listener_([this](v6::Claim& claim, const auto&) {
         if (claim.groom_id() != groom_id_ || holder_.exchange(claim.session()) == claim.session()) return;
         if (claim.session() == session_) ++turns_;
       }) {}
@@ -35,7 +35,7 @@ void DdsClaim::stop() {
 }
 
 void DdsClaim::claim(eprosima::fastdds::dds::DataWriter* writer) {
-  v5::Claim sample;
+  v6::Claim sample;
   sample.groom_id(groom_id_);
   sample.session(session_);
   std::unique_lock lock(mutex_);

@@ -35,7 +35,7 @@ class DdsClaim {
   const uint32_t strength_;
   std::atomic<uint64_t> holder_{0}, turns_{0};
   std::chrono::steady_clock::time_point settled_;
-  TakingListener<v5::Claim> listener_;
+  TakingListener<v6::Claim> listener_;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;

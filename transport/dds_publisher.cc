@@ -23,8 +23,8 @@ class DdsPublisher final : public Publisher {
   explicit DdsPublisher(const DdsOptions& options)
       : options_(options),
         announced_(options.groom_id, options.session, options.codec),
-        command_listener_([this](v5::Command& wire, const auto&) { receive(wire); }),
-        status_listener_([this](v5::Status& wire, const auto& writer) { hear(wire, writer); },
+        command_listener_([this](v6::Command& wire, const auto&) { receive(wire); }),
+        status_listener_([this](v6::Status& wire, const auto& writer) { hear(wire, writer); },
                          [this](const auto& writer) { others_.remove(writer); }),
         participant_(DdsNetwork(options), options.groom_id) {
     participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
@@ -71,13 +71,15 @@ class DdsPublisher final : public Publisher {
       // Back: their memory serves the next chunk.
       std::swap(guide_sample_.colliders(), chunk.colliders);
       std::swap(guide_sample_.collider_poses(), chunk.collider_poses);
+      std::swap(guide_sample_.bent_colliders(), chunk.bent_colliders);
+      std::swap(guide_sample_.collider_bends(), chunk.collider_bends);
       std::swap(guide_sample_.payload(), chunk.payload);
     });
   }
 
   void publishStatus(const Status& status) override {
     if (claim_ && claim_->turn() == 0) return;
-    v5::Status sample;
+    v6::Status sample;
     toWire(status, sample);
     sample.groom_id(options_.groom_id);
     sample.session(options_.session);
@@ -95,12 +97,12 @@ class DdsPublisher final : public Publisher {
 
  private:
   void write(AnnouncedGroom::Chunks chunks) {
-    groom_chunks_ = replace<v5::GroomChunk>(*groom_writer_, std::move(chunks.groom), groom_chunks_);
-    body_chunks_ = replace<v5::BodyChunk>(*body_writer_, std::move(chunks.body), body_chunks_);
+    groom_chunks_ = replace<v6::GroomChunk>(*groom_writer_, std::move(chunks.groom), groom_chunks_);
+    body_chunks_ = replace<v6::BodyChunk>(*body_writer_, std::move(chunks.body), body_chunks_);
   }
 
   void write(std::vector<ColliderChunk> chunks) {
-    collider_chunks_ = replace<v5::ColliderChunk>(*collider_writer_, std::move(chunks), collider_chunks_);
+    collider_chunks_ = replace<v6::ColliderChunk>(*collider_writer_, std::move(chunks), collider_chunks_);
   }
 
   /// Of daemons that share a groom: whether it is this one's turn. Late readers are to find the groom of that
@@ -136,7 +138,7 @@ class DdsPublisher final : public Publisher {
     return count;
   }
 
-  void receive(const v5::Command& wire) {
+  void receive(const v6::Command& wire) {
     Command command;
     fromWire(wire, command);
     if (command.groom_id != options_.groom_id || wire.name().size() > kMaxTextBytes || !isSound(command))
@@ -144,7 +146,7 @@ class DdsPublisher final : public Publisher {
     commands_.push(std::move(command));
   }
 
-  void hear(const v5::Status& wire, const StatusBoard::WriterId& writer) {
+  void hear(const v6::Status& wire, const StatusBoard::WriterId& writer) {
     if (wire.groom_id() != options_.groom_id || wire.session() == options_.session) return;
     Status status;
     fromWire(wire, status);
@@ -159,11 +161,11 @@ class DdsPublisher final : public Publisher {
   AnnouncedGroom::Chunks shared_;  // for when it is this one's turn
   std::vector<ColliderChunk> shared_colliders_;
   uint64_t announced_turn_ = 0;  // of DdsClaim::turn()
-  v5::GuideChunk guide_sample_;
+  v6::GuideChunk guide_sample_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter readers_;
-  TakingListener<v5::Command> command_listener_;
-  TakingListener<v5::Status> status_listener_;
+  TakingListener<v6::Command> command_listener_;
+  TakingListener<v6::Status> status_listener_;
   std::optional<DdsClaim> claim_;
   DdsParticipant participant_;
   dds::DataWriter* status_writer_ = nullptr;

@@ -27,11 +27,11 @@ class DdsSubscriber final : public ReceivingSubscriber {
   explicit DdsSubscriber(const DdsOptions& options)
       : ReceivingSubscriber(options.groom_id, options.profile == DdsProfile::kBestEffort),
         options_(options),
-        groom_listener_([this](v5::GroomChunk& wire, const auto&) { receive(wire); }),
-        body_listener_([this](v5::BodyChunk& wire, const auto&) { receive(wire); }),
-        collider_listener_([this](v5::ColliderChunk& wire, const auto&) { receive(wire); }),
-        guide_listener_([this](v5::GuideChunk& wire, const auto&) { receive(wire); }),
-        status_listener_([this](v5::Status& wire, const auto& writer) { receive(wire, writer); },
+        groom_listener_([this](v6::GroomChunk& wire, const auto&) { receive(wire); }),
+        body_listener_([this](v6::BodyChunk& wire, const auto&) { receive(wire); }),
+        collider_listener_([this](v6::ColliderChunk& wire, const auto&) { receive(wire); }),
+        guide_listener_([this](v6::GuideChunk& wire, const auto&) { receive(wire); }),
+        status_listener_([this](v6::Status& wire, const auto& writer) { receive(wire, writer); },
                          [this](const auto& writer) { statuses_.remove(writer); }) {
     join(DdsNetwork(options));
     if (options.profile == DdsProfile::kLocal) watchdog_ = std::thread([this] { watch(); });
@@ -67,7 +67,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
         throw Error("no daemon answers", where, remedy);
     }
     const std::lock_guard lock(send_mutex_);
-    v5::Command sample;
+    v6::Command sample;
     toWire(command, sample);
     sample.groom_id(options_.groom_id);
     if (!command_writer_ || !command_writer_->write(&sample))
@@ -123,25 +123,25 @@ class DdsSubscriber final : public ReceivingSubscriber {
   }
 
   using ReceivingSubscriber::receive;
-  void receive(v5::GroomChunk& wire) {
+  void receive(v6::GroomChunk& wire) {
     GroomChunk chunk;
     fromWire(wire, chunk);
     receive(std::move(chunk));
   }
 
-  void receive(v5::BodyChunk& wire) {
+  void receive(v6::BodyChunk& wire) {
     BodyChunk chunk;
     fromWire(wire, chunk);
     receive(std::move(chunk));
   }
 
-  void receive(v5::ColliderChunk& wire) {
+  void receive(v6::ColliderChunk& wire) {
     ColliderChunk chunk;
     fromWire(wire, chunk);
     receive(std::move(chunk));
   }
 
-  void receive(v5::GuideChunk& wire) {
+  void receive(v6::GuideChunk& wire) {
     ++chunks_;
     receiveGuides([&](GuideChunk& chunk) {
       fromWire(wire, chunk);
@@ -149,7 +149,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
     });
   }
 
-  void receive(const v5::Status& wire, const StatusBoard::WriterId& writer) {
+  void receive(const v6::Status& wire, const StatusBoard::WriterId& writer) {
     Status status;
     fromWire(wire, status);
     receive(std::move(status), writer);
@@ -160,11 +160,11 @@ class DdsSubscriber final : public ReceivingSubscriber {
   std::mutex send_mutex_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter daemons_;
-  TakingListener<v5::GroomChunk> groom_listener_;
-  TakingListener<v5::BodyChunk> body_listener_;
-  TakingListener<v5::ColliderChunk> collider_listener_;
-  TakingListener<v5::GuideChunk> guide_listener_;
-  TakingListener<v5::Status> status_listener_;
+  TakingListener<v6::GroomChunk> groom_listener_;
+  TakingListener<v6::BodyChunk> body_listener_;
+  TakingListener<v6::ColliderChunk> collider_listener_;
+  TakingListener<v6::GuideChunk> guide_listener_;
+  TakingListener<v6::Status> status_listener_;
   std::optional<DdsParticipant> participant_;
   dds::DataWriter* command_writer_ = nullptr;
 

@@ -95,8 +95,12 @@ struct FramePlayer::State {
     mixed->simulation_time = time;
     mixed->head = interpolate(a.head, b.head, t);
     for (PlacedCollider& placed : mixed->colliders) {
-      for (const PlacedCollider& before : a.colliders)
-        if (before.id == placed.id) placed.pose = interpolate(before.pose, placed.pose, t);
+      for (const PlacedCollider& before : a.colliders) {
+        if (before.id != placed.id) continue;
+        placed.pose = interpolate(before.pose, placed.pose, t);
+        if (!before.bend.isNone() || !placed.bend.isNone())
+          placed.bend = interpolate(before.bend, placed.bend, t);
+      }
     }
     const HeadFrame from_a(a.head), from_b(b.head), to(mixed->head);
     for (size_t v = 0; v < mixed->positions.size(); ++v) {

@@ -65,8 +65,9 @@ void messageFields(Stream& s, auto& m, std::type_identity<ColliderChunk>) {
   s.array(m.words);
 }
 
-/// A guide chunk of version 3, which recordings of version 1 have.
+/// Guide chunks of versions 3 and 5, which recordings of versions 1 and 2 have.
 struct GuideChunk3 : GuideChunk {};
+struct GuideChunk5 : GuideChunk {};
 
 template <class Stream>
 void guideFields(Stream& s, auto& m) {
@@ -90,6 +91,16 @@ void guideFields(Stream& s, auto& m) {
 
 template <class Stream>
 void messageFields(Stream& s, auto& m, std::type_identity<GuideChunk>) {
+  guideFields(s, m);
+  s.array(m.colliders);
+  s.array(m.collider_poses);
+  s.array(m.bent_colliders);
+  s.array(m.collider_bends);
+  s.array(m.payload);
+}
+
+template <class Stream>
+void messageFields(Stream& s, auto& m, std::type_identity<GuideChunk5>) {
   guideFields(s, m);
   s.array(m.colliders);
   s.array(m.collider_poses);

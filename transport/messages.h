@@ -7,6 +7,7 @@
 #include "core/geometry.h"
 #include "core/parameters.h"
 #include "core/strand_set.h"
+#include "core/surface_bend.h"
 #include "core/triangle_mesh.h"
 
 namespace strandcast {
@@ -50,6 +51,7 @@ struct ColliderSet {
 struct PlacedCollider {
   uint32_t id = 0;
   Pose pose;
+  SurfaceBend bend;  ///< of its fields, in its own frame
 };
 inline constexpr size_t kMaxPlacedColliders = 128;  ///< in a frame
 

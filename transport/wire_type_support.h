@@ -20,12 +20,12 @@ class GuardedType final : public Generated {
   }
 };
 
-using GroomChunkType = GuardedType<v5::GroomChunkPubSubType>;
-using BodyChunkType = GuardedType<v5::BodyChunkPubSubType>;
-using ColliderChunkType = GuardedType<v5::ColliderChunkPubSubType>;
-using GuideChunkType = GuardedType<v5::GuideChunkPubSubType>;
-using CommandType = GuardedType<v5::CommandPubSubType>;
-using ClaimType = GuardedType<v5::ClaimPubSubType>;
-using StatusType = GuardedType<v5::StatusPubSubType>;
+using GroomChunkType = GuardedType<v6::GroomChunkPubSubType>;
+using BodyChunkType = GuardedType<v6::BodyChunkPubSubType>;
+using ColliderChunkType = GuardedType<v6::ColliderChunkPubSubType>;
+using GuideChunkType = GuardedType<v6::GuideChunkPubSubType>;
+using CommandType = GuardedType<v6::CommandPubSubType>;
+using ClaimType = GuardedType<v6::ClaimPubSubType>;
+using StatusType = GuardedType<v6::StatusPubSubType>;
 
 }  // namespace strandcast

@@ -108,6 +108,8 @@ void guideFields(auto copy, auto& own, auto& wire) {
   copy.value(own.encoding, wire.encoding());
   copy.array(own.colliders, wire.colliders());
   copy.array(own.collider_poses, wire.collider_poses());
+  copy.array(own.bent_colliders, wire.bent_colliders());
+  copy.array(own.collider_bends, wire.collider_bends());
   copy.array(own.payload, wire.payload());
 }
 
@@ -151,17 +153,17 @@ void statusFields(auto copy, auto& own, auto& wire) {
 
 }  // namespace
 
-void toWire(GroomChunk& chunk, v5::GroomChunk& wire) { groomFields(ToWire(), chunk, wire); }
-void fromWire(v5::GroomChunk& wire, GroomChunk& chunk) { groomFields(FromWire(), chunk, wire); }
-void toWire(BodyChunk& chunk, v5::BodyChunk& wire) { bodyFields(ToWire(), chunk, wire); }
-void fromWire(v5::BodyChunk& wire, BodyChunk& chunk) { bodyFields(FromWire(), chunk, wire); }
-void toWire(ColliderChunk& chunk, v5::ColliderChunk& wire) { colliderFields(ToWire(), chunk, wire); }
-void fromWire(v5::ColliderChunk& wire, ColliderChunk& chunk) { colliderFields(FromWire(), chunk, wire); }
-void toWire(GuideChunk& chunk, v5::GuideChunk& wire) { guideFields(ToWire(), chunk, wire); }
-void fromWire(v5::GuideChunk& wire, GuideChunk& chunk) { guideFields(FromWire(), chunk, wire); }
-void toWire(const Command& command, v5::Command& wire) { commandFields(ToWire(), command, wire); }
-void fromWire(const v5::Command& wire, Command& command) { commandFields(FromWire(), command, wire); }
-void toWire(const Status& status, v5::Status& wire) { statusFields(ToWire(), status, wire); }
-void fromWire(const v5::Status& wire, Status& status) { statusFields(FromWire(), status, wire); }
+void toWire(GroomChunk& chunk, v6::GroomChunk& wire) { groomFields(ToWire(), chunk, wire); }
+void fromWire(v6::GroomChunk& wire, GroomChunk& chunk) { groomFields(FromWire(), chunk, wire); }
+void toWire(BodyChunk& chunk, v6::BodyChunk& wire) { bodyFields(ToWire(), chunk, wire); }
+void fromWire(v6::BodyChunk& wire, BodyChunk& chunk) { bodyFields(FromWire(), chunk, wire); }
+void toWire(ColliderChunk& chunk, v6::ColliderChunk& wire) { colliderFields(ToWire(), chunk, wire); }
+void fromWire(v6::ColliderChunk& wire, ColliderChunk& chunk) { colliderFields(FromWire(), chunk, wire); }
+void toWire(GuideChunk& chunk, v6::GuideChunk& wire) { guideFields(ToWire(), chunk, wire); }
+void fromWire(v6::GuideChunk& wire, GuideChunk& chunk) { guideFields(FromWire(), chunk, wire); }
+void toWire(const Command& command, v6::Command& wire) { commandFields(ToWire(), command, wire); }
+void fromWire(const v6::Command& wire, Command& command) { commandFields(FromWire(), command, wire); }
+void toWire(const Status& status, v6::Status& wire) { statusFields(ToWire(), status, wire); }
+void fromWire(const v6::Status& wire, Status& status) { statusFields(FromWire(), status, wire); }
 
 }  // namespace strandcast

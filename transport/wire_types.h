@@ -7,17 +7,17 @@ namespace strandcast {
 /// Between the project's structs and the generated types. The large arrays are exchanged (swapped), not
 /// copied: both sides keep their memory for the next chunk. `fromWire` takes what was received unchecked;
 /// strings that are longer than kMaxTextBytes are cut.
-void toWire(GroomChunk& chunk, v5::GroomChunk& wire);
-void fromWire(v5::GroomChunk& wire, GroomChunk& chunk);
-void toWire(BodyChunk& chunk, v5::BodyChunk& wire);
-void fromWire(v5::BodyChunk& wire, BodyChunk& chunk);
-void toWire(ColliderChunk& chunk, v5::ColliderChunk& wire);
-void fromWire(v5::ColliderChunk& wire, ColliderChunk& chunk);
-void toWire(GuideChunk& chunk, v5::GuideChunk& wire);
-void fromWire(v5::GuideChunk& wire, GuideChunk& chunk);
-void toWire(const Command& command, v5::Command& wire);
-void fromWire(const v5::Command& wire, Command& command);
-void toWire(const Status& status, v5::Status& wire);
-void fromWire(const v5::Status& wire, Status& status);
+void toWire(GroomChunk& chunk, v6::GroomChunk& wire);
+void fromWire(v6::GroomChunk& wire, GroomChunk& chunk);
+void toWire(BodyChunk& chunk, v6::BodyChunk& wire);
+void fromWire(v6::BodyChunk& wire, BodyChunk& chunk);
+void toWire(ColliderChunk& chunk, v6::ColliderChunk& wire);
+void fromWire(v6::ColliderChunk& wire, ColliderChunk& chunk);
+void toWire(GuideChunk& chunk, v6::GuideChunk& wire);
+void fromWire(v6::GuideChunk& wire, GuideChunk& chunk);
+void toWire(const Command& command, v6::Command& wire);
+void fromWire(const v6::Command& wire, Command& command);
+void toWire(const Status& status, v6::Status& wire);
+void fromWire(const v6::Status& wire, Status& status);
 
 }  // namespace strandcast

@@ -91,7 +91,7 @@ float surfaceAt(BodyShape body, vec3 x, float clear, out vec3 normal) {
   float distance, along;
 #if TURNING
   if (body.kind >= kEllipsoid) {
-    vec3 local = rotate(vec4(-body.rotation.xyz, body.rotation.w), x - body.a);
+    vec3 local = rotateBack(body.rotation, x - body.a);
 #if TURNING > 1
     vec3 bent = local;
     Bend bend;

@@ -36,7 +36,7 @@ vec3 carriedOf(PlacedBody body, vec3 point) {
   vec3 rigidly = carriedBy(point, body.a, body.a_motion, body.turn);
 #if TURNING > 1
   if (isBent(body.kind, body.extra)) {
-    vec3 local = rotate(vec4(-body.rotation.xyz, body.rotation.w), rigidly - body.a);
+    vec3 local = rotateBack(body.rotation, rigidly - body.a);
     vec3 bent = carriedByBend(bendAt(body.extra, body.time - 1.0 / float(settings.substeps)), bendAt(body.extra, body.time), local);
     return rigidly + rotate(body.rotation, bent - local);
   }

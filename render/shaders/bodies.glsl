@@ -2,6 +2,7 @@
 // kernels/rotation.h.
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
+#include "kernels/surface_bend.h"
 struct Body {
   vec4 a_begin_radius;
   vec3 a;
@@ -19,7 +20,7 @@ struct Body {
 layout(std430, binding = 6) readonly buffer Bodies { Body body_list[]; };
 layout(std430, binding = 7) readonly buffer BodyWords { uint shape_words[]; };
 
-#define TURNING 1
+#define TURNING 2
 #include "gl/shaders/body_surface.glsl"
 
 // To the nearest body, negative inside; its normal.
@@ -30,7 +31,7 @@ float bodyDistance(vec3 x, out vec3 normal) {
     vec3 out_of;
     Body body = body_list[i];
     BodyShape shape = BodyShape(body.kind, body.a, body.b, body.a_begin_radius.w, body.radius_b, body.rotation, body.extent,
-                                body.data, body.extra);
+                                body.data, body.extra, 1.0);
     float distance = surfaceAt(shape, x, growth.clearance, out_of);
     if (distance < nearest) {
       nearest = distance;

@@ -37,6 +37,10 @@ TEST(Parameters, SettingOneChangesThatOneOnly) {
   EXPECT_EQ(parameters.gravity, Parameters().gravity);
 }
 
+TEST(Parameters, WhatIsOfTheMaterialIsSaidToBe) {
+  EXPECT_NE(errorOf("youngs_modulus", {1e9}).find("--material all:youngs_modulus=VALUE"), std::string::npos);
+}
+
 TEST(Parameters, TheLimitsOfTheRangeAreInIt) {
   EXPECT_EQ(errorOf("substeps", {1}), "");
   EXPECT_EQ(errorOf("substeps", {64}), "");

@@ -18,9 +18,9 @@
 
 enum { kMaxChunks = 4096, kTake = 64, kFramesUnderWay = 64 };
 
-typedef strandcast_v5_GroomChunk GroomChunk;
-typedef strandcast_v5_GuideChunk GuideChunk;
-typedef strandcast_v5_Status Status;
+typedef strandcast_v6_GroomChunk GroomChunk;
+typedef strandcast_v6_GuideChunk GuideChunk;
+typedef strandcast_v6_Status Status;
 
 static dds_entity_t checked(dds_entity_t entity, const char* what) {
   if (entity < 0) {
@@ -62,7 +62,7 @@ static dds_entity_t command_writer_in(dds_entity_t participant, const char* part
   const dds_entity_t publisher = checked(dds_create_publisher(participant, qos, NULL), "publisher");
   dds_delete_qos(qos);
   const dds_entity_t topic =
-      checked(dds_create_topic(participant, &strandcast_v5_Command_desc, "strandcast/command", NULL, NULL),
+      checked(dds_create_topic(participant, &strandcast_v6_Command_desc, "strandcast/command", NULL, NULL),
               "command");
   qos = reliable(64, true);
   const dds_entity_t writer = checked(dds_create_writer(publisher, topic, qos, NULL), "command");
@@ -95,7 +95,7 @@ static bool take_groom(dds_entity_t reader, uint32_t* strands, uint32_t* vertice
 }
 
 static bool is_as_sent(const GuideChunk* chunk) {
-  if (chunk->encoding != strandcast_v5_ENCODING_FLOAT32 || chunk->payload._length != 12 * chunk->vertex_count)
+  if (chunk->encoding != strandcast_v6_ENCODING_FLOAT32 || chunk->payload._length != 12 * chunk->vertex_count)
     return false;
   for (uint32_t v = 0; v < chunk->vertex_count; ++v) {
     float position[3];
@@ -124,9 +124,12 @@ static void take_guides(dds_entity_t reader, uint32_t groom_vertices) {
     if (!infos[i].valid_data) continue;
     wrong_chunks += is_as_sent(chunk) ? 0 : 1;
     if (chunk->chunk_index == 0)
-      wrong_chunks += chunk->colliders._length == 1 && chunk->colliders._buffer[0] == 7 &&
-                              chunk->collider_poses._length == 7 &&
-                              chunk->collider_poses._buffer[2] == (float)chunk->frame
+      wrong_chunks += chunk->colliders._length == 2 && chunk->colliders._buffer[0] == 7 &&
+                              chunk->collider_poses._length == 14 &&
+                              chunk->collider_poses._buffer[2] == (float)chunk->frame &&
+                              chunk->bent_colliders._length == 1 && chunk->bent_colliders._buffer[0] == 7 &&
+                              chunk->collider_bends._length == 33 &&
+                              chunk->collider_bends._buffer[3] == (float)chunk->frame + 1
                           ? 0
                           : 1;
     const size_t place = chunk->frame % kFramesUnderWay;
@@ -151,7 +154,7 @@ static void take_colliders(dds_entity_t reader) {
   dds_sample_info_t infos[kTake];
   const int count = dds_take(reader, samples, infos, kTake, kTake);
   for (int i = 0; i < count; ++i) {
-    const strandcast_v5_ColliderChunk* chunk = samples[i];
+    const strandcast_v6_ColliderChunk* chunk = samples[i];
     if (!infos[i].valid_data) continue;
     shapes += chunk->kinds._length;
     words += chunk->words._length;
@@ -203,13 +206,13 @@ int main(int argc, char** argv) {
       checked(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
   const dds_entity_t subscriber = subscriber_in(participant, "groom1");
   const dds_entity_t groom =
-      reader_of(participant, subscriber, &strandcast_v5_GroomChunk_desc, "strandcast/groom", 1, true);
+      reader_of(participant, subscriber, &strandcast_v6_GroomChunk_desc, "strandcast/groom", 1, true);
   const dds_entity_t colliders =
-      reader_of(participant, subscriber, &strandcast_v5_ColliderChunk_desc, "strandcast/colliders", 1, true);
+      reader_of(participant, subscriber, &strandcast_v6_ColliderChunk_desc, "strandcast/colliders", 1, true);
   const dds_entity_t guides =
-      reader_of(participant, subscriber, &strandcast_v5_GuideChunk_desc, "strandcast/guides", 4, false);
+      reader_of(participant, subscriber, &strandcast_v6_GuideChunk_desc, "strandcast/guides", 4, false);
   const dds_entity_t status =
-      reader_of(participant, participant, &strandcast_v5_Status_desc, "strandcast/status", 1, true);
+      reader_of(participant, participant, &strandcast_v6_Status_desc, "strandcast/status", 1, true);
   const dds_entity_t writer = command_writer_in(participant, "groom1");
 
   const dds_time_t start = dds_time(), end = start + DDS_SECS(15);
@@ -226,7 +229,7 @@ int main(int argc, char** argv) {
       if (dds_time() - asked > DDS_MSECS(500) && !has_answer) {
         asked = dds_time();
         double values[] = {3, 0, 0};
-        strandcast_v5_Command command = {.id = id, .groom_id = 1, .kind = 0, .name = "wind"};
+        strandcast_v6_Command command = {.id = id, .groom_id = 1, .kind = 0, .name = "wind"};
         command.values._buffer = values;
         command.values._length = command.values._maximum = 3;
         checked(dds_write(writer, &command), "write");

@@ -67,10 +67,17 @@ class HairAndBodies : public OffscreenTest {
     return path == GrowthPath::kCompute ? readComputed(pass, *nodes_, 1)
                                         : readTessellated(pass, *nodes_, detail);
   }
-  static int inside(const std::vector<GrownVertex>& grown, const ContactPrimitive& shape) {
+  static int inside(const std::vector<GrownVertex>& grown, const ContactPrimitive& shape,
+                    const SurfaceBend& bend = {}) {
     ShapeData data;
     const uint32_t words = data.add(shape);
-    const MovingPrimitive placed = moved(shape, Pose{}, Pose{}, 1, words);
+    MovingPrimitive placed = moved(shape, Pose{}, Pose{}, 1, words);
+    if (!bend.isNone()) {
+      const MovingBend moving = bendOf(shape, bend, bend);
+      const uint32_t at = data.addBend();
+      data.setBend(at, moving);
+      bendWith(placed, moving, at);
+    }
     int count = 0;
     for (const GrownVertex& v : grown) count += signedDistance(placed, v.position, data.words) < -1e-5f;
     return count;
@@ -91,6 +98,17 @@ TEST_F(HairAndBodies, NoVertexIsInAnyKindOfBody) {
     EXPECT_GT(inside(free, shape), 20) << static_cast<int>(kind);
     EXPECT_EQ(inside(grow(GrowthPath::kCompute, {{shape, false}}), shape), 0) << static_cast<int>(kind);
   }
+}
+
+TEST_F(HairAndBodies, NoVertexIsInABodyThatIsBent) {
+  const ContactPrimitive shape = shapeOf(PrimitiveKind::kField);
+  SurfaceBend bend;  // up to 8 mm to the side at the tips
+  bend.middle = shape.a;
+  bend.terms[5] = Vec3(9, 0, 0);
+  EXPECT_GT(inside(grow(GrowthPath::kCompute, {{shape, false, 1}}), shape, bend), 20);
+  const std::vector<GrownVertex> kept = grow(GrowthPath::kCompute, {{shape, false, 1, Pose{}, bend}});
+  EXPECT_EQ(inside(kept, shape, bend), 0);
+  EXPECT_GT(inside(kept, shape), 20);
 }
 
 TEST_F(HairAndBodies, TheTessellatorGrowsTheSameHair) {

@@ -106,6 +106,12 @@ GuideChunk readGuideChunk(Bytes& bytes) {
   chunk.vertex_count = bytes.number();
   chunk.encoding = static_cast<Encoding>(bytes.byte() / 255);
   if (bytes.byte() == 255) chunk.head_rotation[0] = bytes.real();
+  const auto number = [&] { return bytes.byte() > 250 ? bytes.real() : 0.5f; };  // a unit quaternion of four
+  const size_t placed = bytes.byte() / 64;
+  bytes.fill(chunk.colliders, placed, [&] { return bytes.number(); });
+  bytes.fill(chunk.collider_poses, 7 * placed, number);
+  bytes.fill(chunk.bent_colliders, bytes.byte() / 64, [&] { return bytes.number(); });
+  bytes.fill(chunk.collider_bends, kBendNumbers * chunk.bent_colliders.size(), number);
   bytes.fill(chunk.payload, std::min<uint32_t>(chunk.vertex_count, 80) * 12,
              [&] { return bytes.byte() / 16; });
   return chunk;

@@ -278,6 +278,8 @@ TEST(Chunks, FramesWhoseChunksOverlapAreRefused) {
   overlapping.chunk_index = 1;  // sound alone, but its strands came already
   overlapping.colliders.clear();
   overlapping.collider_poses.clear();
+  overlapping.bent_colliders.clear();
+  overlapping.collider_bends.clear();
   chunks[1] = overlapping;
   for (const GuideChunk& chunk : chunks) EXPECT_EQ(assembler.add(chunk), nullptr);
   EXPECT_EQ(assembler.chunksRejected(), chunks.size());

@@ -127,12 +127,19 @@ TEST(Colliders, FramesSayWhereTheyAre) {
   EXPECT_EQ(received->colliders[0].pose.rotation.coeffs(), frame.colliders[0].pose.rotation.coeffs());
   for (const auto& damage : std::vector<std::function<void(GuideChunk&)>>{
            [](GuideChunk& c) { c.collider_poses[5] = 2; }, [](GuideChunk& c) { c.collider_poses.pop_back(); },
-           [](GuideChunk& c) { c.colliders.assign(kMaxPlacedColliders + 1, 0); }}) {
+           [](GuideChunk& c) { c.colliders.assign(kMaxPlacedColliders + 1, 0); },
+           [](GuideChunk& c) { c.bent_colliders[0] = 9; }, [](GuideChunk& c) { c.collider_bends.pop_back(); },
+           [](GuideChunk& c) { c.collider_bends[20] = std::numeric_limits<float>::quiet_NaN(); },
+           [](GuideChunk& c) { c.collider_bends[20] = 2 * kMostBendNumber; },
+           [](GuideChunk& c) {
+             c.bent_colliders.push_back(c.bent_colliders[0]);
+             c.collider_bends.resize(2 * kBendNumbers);
+           }}) {
     chunks = splitFrame(*groom, sampleFrame(*groom, 5));
     damage(chunks[0]);
     EXPECT_FALSE(assembler.add(chunks[0]));
   }
-  EXPECT_EQ(assembler.statistics().chunks_rejected, 3u);
+  EXPECT_EQ(assembler.statistics().chunks_rejected, 8u);
 }
 
 TEST(Colliders, TheNewestOfTheGroomsSessionAreShown) {
@@ -172,9 +179,10 @@ TEST(Colliders, MoveBetweenFramesAsHairDoes) {
   for (int ms = 0; ms < 60; ++ms) {
     const auto frame = player.next(std::nullopt, start + std::chrono::milliseconds(ms));
     ASSERT_TRUE(frame);
-    ASSERT_EQ(frame->colliders.size(), 1u);
+    ASSERT_EQ(frame->colliders.size(), 2u);
     const double expected = frame->simulation_time * 60, z = frame->colliders[0].pose.position.z();
     EXPECT_NEAR(z, expected, 1e-4);
+    EXPECT_NEAR(frame->colliders[0].bend.terms[9].z(), sampleBend(0).terms[9].z() + z, 1e-3);
     between |= z > 1.1 && z < 1.9;
   }
   EXPECT_TRUE(between);

@@ -144,6 +144,26 @@ TEST_F(Dds, FramesThatBuildOnEachOtherReachEarlyAndLateReaders) {
   EXPECT_EQ(early->statistics().frames_received, 40u);
 }
 
+TEST_F(Dds, AFrameOfAsManyBentCollidersAsItHoldsArrives) {
+  const int domain = testDomain(7);
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
+  const GroomDescription groom = uniformGroom(1000, 10);  // more than a chunk
+  publisher->announce(groom, sampleBody(3));
+  ASSERT_TRUE(subscriber->waitForGroom(milliseconds(5000)));
+  ASSERT_TRUE(becomesTrue([&] { return publisher->matchedReaders() == 1; }));
+  GuideFrame sent = sampleFrame(groom, 1);
+  sent.colliders.clear();
+  for (uint32_t id = 0; id < kMaxPlacedColliders; ++id)
+    sent.colliders.push_back({id, Pose{}, sampleBend(id + 1)});
+  publisher->publish(sent);
+  const auto frame = subscriber->waitForFrame(0, milliseconds(2000));
+  ASSERT_TRUE(frame);
+  ASSERT_EQ(frame->colliders.size(), kMaxPlacedColliders);
+  for (uint32_t id = 0; id < kMaxPlacedColliders; ++id)
+    EXPECT_TRUE(areAlike(frame->colliders[id].bend, sampleBend(id + 1))) << id;
+}
+
 TEST_F(Dds, TheAnswerOfADaemonThatEndsAtOnceIsHeard) {
   const auto subscriber = makeDdsSubscriber({testDomain(0), 1, 0, {}});
   for (uint64_t id = 1; id <= 5; ++id) {

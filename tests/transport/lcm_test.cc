@@ -97,6 +97,25 @@ TEST(Lcm, GroomFramesStatusAndCommandsGoThrough) {
   expectEverything(*publisher, *subscriber);
 }
 
+TEST(Lcm, AFrameOfAsManyBentCollidersAsItHoldsArrives) {
+  const auto link = std::make_shared<LossyLink>();
+  const auto publisher = makeLcmPublisher(link, options(11, Codec::kFloat32));
+  const auto subscriber = makeLcmSubscriber(link, options(0));
+  const GroomDescription groom = uniformGroom(1000, 10);  // more than a chunk
+  publisher->announce(groom, sampleBody(3));
+  ASSERT_TRUE(subscriber->waitForGroom(kPatience));
+  GuideFrame sent = sampleFrame(groom, 1);
+  sent.colliders.clear();
+  for (uint32_t id = 0; id < kMaxPlacedColliders; ++id)
+    sent.colliders.push_back({id, Pose{}, sampleBend(id + 1)});
+  publisher->publish(sent);
+  const auto frame = subscriber->waitForFrame(0, kPatience);
+  ASSERT_TRUE(frame);
+  ASSERT_EQ(frame->colliders.size(), kMaxPlacedColliders);
+  for (uint32_t id = 0; id < kMaxPlacedColliders; ++id)
+    EXPECT_TRUE(areAlike(frame->colliders[id].bend, sampleBend(id + 1))) << id;
+}
+
 /// LCM's own threads hand messages over under locks of GLib, which is not instrumented: the thread sanitizer
 /// does not see their order and would report each message. Our handlers are watched behind LossyLink.
 #ifdef __SANITIZE_THREAD__

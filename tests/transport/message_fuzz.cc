@@ -62,7 +62,7 @@ std::vector<FuzzSeeds> messageSeeds() {
   add("colliders", splitColliders(sampleColliders())[1]);
   add("guides", splitFrame(groom, [&] {
         GuideFrame frame = hairFrame(groom, 1);
-        frame.colliders = {{3, Pose{}}};
+        frame.colliders = {{3, Pose{}, {}}, {4, Pose{}, sampleBend(1)}};
         return frame;
       }())[0]);
   for (const CodecInfo& info : codecList())

@@ -334,34 +334,36 @@ TEST(RecordingTest, WhatIsNoRecordingIsRefused) {
   EXPECT_THROW(Recording(folder / "text.rec"), Error);
   record(folder / "a.rec", 3);
   std::vector<uint8_t> bytes = bytesOf(folder / "a.rec");
-  bytes[sizeof kRecordingMagic + kRecordHeadBytes + 3] = 3;  // version
+  bytes[sizeof kRecordingMagic + kRecordHeadBytes + 3] = 4;  // version
   repairHashes(bytes);
   try {
     Recording(std::make_unique<RecordingInMemory>(bytes), "later.rec");
     FAIL();
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("version 3"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("version 4"), std::string::npos) << error.what();
   }
 }
 
-TEST(RecordingTest, OnesOfVersion1AreRead) {
+/// A recording as this version wrote it, from one of the present version. Its guide chunks are `OldChunk`s.
+template <class OldChunk>
+void expectOldVersionIsRead(uint32_t version) {
   const ScratchFolder folder;
   record(folder / "new.rec", 5, Codec::kOctahedral12);
   {
-    // Its guide chunks had no colliders. A file without index and end is read from the front.
+    // A file without index and end is read from the front.
     RecordReader reader(openRecordingFile(folder / "new.rec"));
     RecordWriter writer(folder / "old.rec");
     RecordReader::Record record;
     for (uint64_t at = sizeof kRecordingMagic; reader.read(at, record); at = record.next) {
       std::vector<uint8_t> bytes(record.bytes.begin(), record.bytes.end());
-      if (record.kind == RecordKind::kHead) storeBigEndian(uint32_t{1}, bytes.data());
+      if (record.kind == RecordKind::kHead) storeBigEndian(version, bytes.data());
       if (record.kind == RecordKind::kIndex || record.kind == RecordKind::kEnd) continue;
       if (record.kind == RecordKind::kGuides) {
         GuideChunk chunk;
         MessageReader message(record.bytes);
         messageFields(message, chunk, std::type_identity<GuideChunk>());
         MessageWriter old(bytes);
-        messageFields(old, chunk, std::type_identity<GuideChunk3>());
+        messageFields(old, chunk, std::type_identity<OldChunk>());
       }
       writer.write(record.kind, bytes);
     }
@@ -376,6 +378,9 @@ TEST(RecordingTest, OnesOfVersion1AreRead) {
     EXPECT_EQ(a.frame->positions, b.frame->positions);
   }
 }
+
+TEST(RecordingTest, OnesOfVersion1AreRead) { expectOldVersionIsRead<GuideChunk3>(1); }
+TEST(RecordingTest, OnesOfVersion2AreRead) { expectOldVersionIsRead<GuideChunk5>(2); }
 
 TEST(RecordingTest, AFullDiskIsSaidAndCastingGoesOn) {
   EXPECT_THROW(Recorder("/dev/full", {}), Error);

@@ -54,11 +54,11 @@ TEST(RogueWriter, BadSamplesOnEveryTopicDoNoHarm) {
   DdsParticipant rogue(DdsNetwork(domain), 1);
   MatchCounter matches[5];
   eprosima::fastdds::dds::DataWriter* writers[] = {
-      rogue.createWriter(kGroomTopic, new RawType("strandcast::v5::GroomChunk"), &matches[0]),
-      rogue.createWriter(kBodiesTopic, new RawType("strandcast::v5::BodyChunk"), &matches[1]),
-      rogue.createWriter(kGuidesTopic, new RawType("strandcast::v5::GuideChunk"), &matches[2]),
-      rogue.createWriter(kCommandTopic, new RawType("strandcast::v5::Command"), &matches[3]),
-      rogue.createWriter(kStatusTopic, new RawType("strandcast::v5::Status"), &matches[4])};
+      rogue.createWriter(kGroomTopic, new RawType("strandcast::v6::GroomChunk"), &matches[0]),
+      rogue.createWriter(kBodiesTopic, new RawType("strandcast::v6::BodyChunk"), &matches[1]),
+      rogue.createWriter(kGuidesTopic, new RawType("strandcast::v6::GuideChunk"), &matches[2]),
+      rogue.createWriter(kCommandTopic, new RawType("strandcast::v6::Command"), &matches[3]),
+      rogue.createWriter(kStatusTopic, new RawType("strandcast::v6::Status"), &matches[4])};
   for (MatchCounter& match : matches) ASSERT_TRUE(match.waitForMatch(std::chrono::milliseconds(5000)));
   std::mt19937 random(9);
   for (int i = 0; i < 400; ++i) {

@@ -134,6 +134,17 @@ inline bool areAlike(const ColliderSet& a, const ColliderSet& b) {
   return true;
 }
 
+/// Every number of it is another one.
+inline SurfaceBend sampleBend(uint64_t number) {
+  SurfaceBend bend;
+  float next = static_cast<float>(number);
+  bendNumbers(bend, [&](float& into) { into = next += 0.25f; });
+  return bend;
+}
+inline bool areAlike(const SurfaceBend& a, const SurfaceBend& b) {
+  return a.middle == b.middle && a.terms == b.terms;
+}
+
 /// Frame `number` of a groom: every position tells its vertex and frame.
 inline void fillSampleFrame(const GroomDescription& groom, uint64_t number, GuideFrame& frame) {
   frame.groom_id = groom.groom_id;
@@ -144,7 +155,8 @@ inline void fillSampleFrame(const GroomDescription& groom, uint64_t number, Guid
   frame.publish_time = systemTime();
   frame.head.position = Vec3(0, static_cast<float>(number), 0);
   frame.head.rotation = Quat(0.6f, 0, 0.8f, 0);
-  frame.colliders = {{7, {Vec3(0, 0, static_cast<float>(number)), Quat(0.6f, 0, 0.8f, 0)}}};
+  const Pose at(Vec3(0, 0, static_cast<float>(number)), Quat(0.6f, 0, 0.8f, 0));
+  frame.colliders = {{7, at, sampleBend(number)}, {8, at, {}}};
   frame.positions.resize(groom.guides.vertices());
   for (size_t v = 0; v < frame.positions.size(); ++v) {
     frame.positions[v] = Vec3(static_cast<float>(v), static_cast<float>(number), 1);
@@ -171,9 +183,11 @@ inline bool isSampleFrame(const GuideFrame& frame) {
   for (size_t v = 0; v < frame.positions.size(); ++v) {
     if (frame.positions[v] != Vec3(static_cast<float>(v), static_cast<float>(frame.frame), 1)) return false;
   }
-  if (frame.colliders.size() != 1 || frame.colliders[0].id != 7 ||
-      frame.colliders[0].pose.position != Vec3(0, 0, static_cast<float>(frame.frame)))
+  if (frame.colliders.size() != 2 || frame.colliders[0].id != 7 || frame.colliders[1].id != 8 ||
+      !areAlike(frame.colliders[0].bend, sampleBend(frame.frame)) || !frame.colliders[1].bend.isNone())
     return false;
+  for (const PlacedCollider& placed : frame.colliders)
+    if (placed.pose.position != Vec3(0, 0, static_cast<float>(frame.frame))) return false;
   return frame.head.position.y() == static_cast<float>(frame.frame) && !frame.positions.empty();
 }
 

@@ -67,7 +67,7 @@ TEST(Wire, ChunksSurviveTheWireFormat) {
   GroomAssembler assembler(1);
   std::shared_ptr<const GroomDescription> result;
   for (GroomChunk& chunk : splitGroom(groom)) {
-    v5::GroomChunk sent, received;
+    v6::GroomChunk sent, received;
     toWire(chunk, sent);
     const std::vector<uint8_t> bytes = serialized<GroomChunkType>(sent);
     EXPECT_LT(bytes.size(), 64u * 1024) << "does not fit a datagram";
@@ -83,9 +83,9 @@ TEST(Wire, ChunksSurviveTheWireFormat) {
 
 TEST(Wire, DamagedBytesAreRefusedOrCaught) {
   const auto groom = std::make_shared<GroomDescription>(uniformGroom(500, 16));
-  damageBytes<GroomChunkType, v5::GroomChunk>(
+  damageBytes<GroomChunkType, v6::GroomChunk>(
       splitGroom(*groom), [] { return GroomAssembler(1); }, 300);
-  damageBytes<BodyChunkType, v5::BodyChunk>(
+  damageBytes<BodyChunkType, v6::BodyChunk>(
       splitBody(sampleBody(60)), [] { return BodyAssembler(1); }, 300);
   const GuideFrame frame = sampleFrame(*groom, 1);
   const auto make = [&] {
@@ -94,17 +94,17 @@ TEST(Wire, DamagedBytesAreRefusedOrCaught) {
     return assembler;
   };
   for (const CodecInfo& info : codecList())
-    damageBytes<GuideChunkType, v5::GuideChunk>(splitFrame(*groom, frame, {info.codec}), make, 300);
+    damageBytes<GuideChunkType, v6::GuideChunk>(splitFrame(*groom, frame, {info.codec}), make, 300);
 }
 
 TEST(Wire, ADamagedStatusIsRefusedOrItsParametersAreCounted) {
   Status status;
   status.groom_name = "bob";
   status.parameters = parameterTable(Parameters());
-  v5::Status wire;
+  v6::Status wire;
   toWire(status, wire);
   const std::vector<uint8_t> sound = serialized<StatusType>(wire);
-  v5::Status received;
+  v6::Status received;
   ASSERT_TRUE(deserialize<StatusType>(sound, received));
   Status back;
   fromWire(received, back);
@@ -118,7 +118,7 @@ TEST(Wire, ADamagedStatusIsRefusedOrItsParametersAreCounted) {
     if (run % 4 == 0) bytes.resize(random() % bytes.size());
     for (uint32_t i = 0; !bytes.empty() && i < 1 + random() % 3; ++i)
       bytes[random() % bytes.size()] = static_cast<uint8_t>(random());
-    v5::Status damaged;
+    v6::Status damaged;
     if (!deserialize<StatusType>(bytes, damaged)) continue;
     ++readable;
     fromWire(damaged, back);

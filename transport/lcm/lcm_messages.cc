@@ -1,12 +1,12 @@
 #include "transport/lcm/lcm_messages.h"
 
-#include "strandcast_v5/body_chunk_t.hpp"
-#include "strandcast_v5/collider_chunk_t.hpp"
-#include "strandcast_v5/command_t.hpp"
-#include "strandcast_v5/groom_chunk_t.hpp"
-#include "strandcast_v5/guide_chunk_t.hpp"
-#include "strandcast_v5/reader_t.hpp"
-#include "strandcast_v5/status_t.hpp"
+#include "strandcast_v6/body_chunk_t.hpp"
+#include "strandcast_v6/collider_chunk_t.hpp"
+#include "strandcast_v6/command_t.hpp"
+#include "strandcast_v6/groom_chunk_t.hpp"
+#include "strandcast_v6/guide_chunk_t.hpp"
+#include "strandcast_v6/reader_t.hpp"
+#include "strandcast_v6/status_t.hpp"
 #include "transport/message_bytes.h"
 #include "transport/message_fields.h"
 
@@ -52,49 +52,49 @@ void shortenTexts(Status& s) {
 }  // namespace
 
 void toBytes(const GroomChunk& chunk, std::vector<uint8_t>& bytes) {
-  write<strandcast_v5::groom_chunk_t>(chunk, bytes);
+  write<strandcast_v6::groom_chunk_t>(chunk, bytes);
 }
 void toBytes(const BodyChunk& chunk, std::vector<uint8_t>& bytes) {
-  write<strandcast_v5::body_chunk_t>(chunk, bytes);
+  write<strandcast_v6::body_chunk_t>(chunk, bytes);
 }
 void toBytes(const ColliderChunk& chunk, std::vector<uint8_t>& bytes) {
-  write<strandcast_v5::collider_chunk_t>(chunk, bytes);
+  write<strandcast_v6::collider_chunk_t>(chunk, bytes);
 }
 void toBytes(const GuideChunk& chunk, std::vector<uint8_t>& bytes) {
-  write<strandcast_v5::guide_chunk_t>(chunk, bytes);
+  write<strandcast_v6::guide_chunk_t>(chunk, bytes);
 }
 void toBytes(const Command& command, std::vector<uint8_t>& bytes) {
-  write<strandcast_v5::command_t>(command, bytes);
+  write<strandcast_v6::command_t>(command, bytes);
 }
 void toBytes(const ReaderSign& sign, std::vector<uint8_t>& bytes) {
-  write<strandcast_v5::reader_t>(sign, bytes);
+  write<strandcast_v6::reader_t>(sign, bytes);
 }
 void toBytes(const Status& status, std::vector<uint8_t>& bytes) {
   Status own = status;
   shortenTexts(own);
-  write<strandcast_v5::status_t>(own, bytes);
+  write<strandcast_v6::status_t>(own, bytes);
 }
 
 bool fromBytes(std::span<const uint8_t> bytes, GroomChunk& chunk) {
-  return read<strandcast_v5::groom_chunk_t>(bytes, chunk);
+  return read<strandcast_v6::groom_chunk_t>(bytes, chunk);
 }
 bool fromBytes(std::span<const uint8_t> bytes, BodyChunk& chunk) {
-  return read<strandcast_v5::body_chunk_t>(bytes, chunk);
+  return read<strandcast_v6::body_chunk_t>(bytes, chunk);
 }
 bool fromBytes(std::span<const uint8_t> bytes, ColliderChunk& chunk) {
-  return read<strandcast_v5::collider_chunk_t>(bytes, chunk);
+  return read<strandcast_v6::collider_chunk_t>(bytes, chunk);
 }
 bool fromBytes(std::span<const uint8_t> bytes, GuideChunk& chunk) {
-  return read<strandcast_v5::guide_chunk_t>(bytes, chunk);
+  return read<strandcast_v6::guide_chunk_t>(bytes, chunk);
 }
 bool fromBytes(std::span<const uint8_t> bytes, Command& command) {
-  return read<strandcast_v5::command_t>(bytes, command);
+  return read<strandcast_v6::command_t>(bytes, command);
 }
 bool fromBytes(std::span<const uint8_t> bytes, ReaderSign& sign) {
-  return read<strandcast_v5::reader_t>(bytes, sign);
+  return read<strandcast_v6::reader_t>(bytes, sign);
 }
 bool fromBytes(std::span<const uint8_t> bytes, Status& status) {
-  if (!read<strandcast_v5::status_t>(bytes, status)) return false;
+  if (!read<strandcast_v6::status_t>(bytes, status)) return false;
   shortenTexts(status);
   return true;
 }

@@ -14,7 +14,7 @@ namespace {
 
 /// Kept in the file itself, for who finds one without this program.
 constexpr const char* kLayout =
-    "A recording of Strandcast, version 2. After the 8 bytes STRNDREC: records of uint32 kind, uint32 "
+    "A recording of Strandcast, version 3. After the 8 bytes STRNDREC: records of uint32 kind, uint32 "
     "length, "
     "uint64 hash (FNV-1a of the 4 bytes of kind and of what follows), length bytes. Numbers are big-endian, "
     "texts "
@@ -22,7 +22,7 @@ constexpr const char* kLayout =
     "groom id, "
     "float worst error in m, texts codec, layout, source); 2 groom, 3 body, 6 guides: the fields of "
     "groom_chunk_t, "
-    "body_chunk_t and guide_chunk_t of strandcast.lcm version 5 without their fingerprint; 4 input: "
+    "body_chunk_t and guide_chunk_t of strandcast.lcm version 6 without their fingerprint; 4 input: "
     "command_t, "
     "obeyed before the next frame; 5 frame (uint64 number from 0, double seconds, uint64 FNV-1a of all "
     "positions as "

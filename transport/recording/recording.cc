@@ -223,11 +223,14 @@ double Recording::timeOf(uint64_t number) {
 }
 
 bool Recording::parseGuides(std::span<const uint8_t> bytes) {
-  if (head_.version > 1) return parseMessage(bytes, chunk_);
-  GuideChunk3 old;
-  if (!parseMessage(bytes, old)) return false;
-  chunk_ = std::move(old);
-  return true;
+  const auto parseOld = [&](auto old) {
+    const bool sound = parseMessage(bytes, old);
+    if (sound) chunk_ = std::move(old);
+    return sound;
+  };
+  if (head_.version == 1) return parseOld(GuideChunk3());
+  if (head_.version == 2) return parseOld(GuideChunk5());
+  return parseMessage(bytes, chunk_);
 }
 
 bool Recording::readFrame(uint64_t number, RecordedFrame& out) {

@@ -7,8 +7,9 @@
 
 namespace strandcast {
 
-/// Version 1 has guide chunks of version 3 of the wire, without colliders.
-inline constexpr uint32_t kRecordingVersion = 2;
+/// Version 1 has guide chunks of version 3 of the wire, without colliders, version 2 of version 5, without
+/// their bends.
+inline constexpr uint32_t kRecordingVersion = 3;
 /// Frames that one index holds at most.
 inline constexpr size_t kIndexFrames = 1024;
 
