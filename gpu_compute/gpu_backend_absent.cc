@@ -11,7 +11,7 @@ constexpr const char* kReason =
 
 }  // namespace
 
-std::unique_ptr<Backend> makeGpuBackend() {
+std::unique_ptr<Backend> makeGpuBackend(std::optional<size_t>) {
   throw Error("no gpu backend", kReason, "install them and build again");
 }
 

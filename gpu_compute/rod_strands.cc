@@ -46,7 +46,10 @@ constexpr uint32_t sharedThreads(uint32_t threads) { return threads <= 8 ? 8 : k
 // So many strands have those astray done apart: that is one more dispatch to wait for, 0.03 ms of each
 // substep on an H100, and spares the others 1.1 ms a step of six in 100,000 strands.
 constexpr uint32_t kAstrayApart = 32768;
-bool doesAstrayApart(const StrandGroup& group) { return group.count >= kAstrayApart; }
+
+// Among bodies a strand takes more of a GPU, and it is full with this part of as many.
+constexpr size_t kFewAmongBodies = 6;
+constexpr GLuint kWholeGroup = 0xFFFFFFFF;  // as in shaders/rod_strand.glsl
 
 // Edges and masses that differ by less than this along a strand count as equal. Points in float, some metres
 // from the origin and millimetres apart, do not tell more.
@@ -148,8 +151,8 @@ bool canShuffle() {
 
 }  // namespace
 
-RodStrands::RodStrands(const StrandModel& model)
-    : model_(model), groups_(keysOf(model)), vertices_(model.vertices()), shuffled_(canShuffle()) {
+RodStrands::RodStrands(const StrandModel& model, size_t few)
+    : model_(model), groups_(keysOf(model)), vertices_(model.vertices()), few_(few), shuffled_(canShuffle()) {
   std::vector<Vec4> joints(model.vertices());
   std::vector<StrandRest> strands(model.strands());
   for (uint32_t s = 0; s < model.strands(); ++s) {
@@ -179,6 +182,14 @@ bool RodStrands::anyGroup(uint32_t bits) const {
   return std::any_of(groups.begin(), groups.end(), [=](const StrandGroup& g) { return (g.key & bits) != 0; });
 }
 
+bool RodStrands::isFew(const StrandGroup& group, bool bodies) const {
+  return group.count <= (bodies ? few_ / kFewAmongBodies : few_);
+}
+
+bool RodStrands::doesAstrayApart(const StrandGroup& group) const {
+  return !isFew(group, true) && group.count >= kAstrayApart;
+}
+
 bool RodStrands::holdsVertices() const { return anyGroup(kPinned | kGroomed); }
 
 void RodStrands::expect(bool goal, bool bodies) {
@@ -203,8 +214,9 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
   };
   Programs out;
   for (size_t g = 0; g < edges_of_.size(); ++g) {
-    out.calm.push_back(get(g, false, false));
-    const bool apart = doesAstrayApart(groups_.groups()[g]);
+    const StrandGroup& group = groups_.groups()[g];
+    out.calm.push_back(isFew(group, needs.bodies) ? nullptr : get(g, false, false));
+    const bool apart = doesAstrayApart(group);
     out.violent.push_back(get(g, true, needs.bodies && !apart));
     out.astray.push_back(needs.bodies && apart ? get(g, true, true) : nullptr);
   }
@@ -215,7 +227,7 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   const int dispatches = needs.bodies ? substeps : 1;
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
                              (needs.damping ? 8 : 0) + 16 * static_cast<size_t>(needs.turning)];
-  if (mine.calm.empty()) mine = compile(needs, programs);
+  if (mine.violent.empty()) mine = compile(needs, programs);
   if (needs.bodies) expectLooks();
   work_.bindStorage(5);
   joints_.bindStorage(10);
@@ -262,16 +274,21 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
 void RodStrands::solve(const Programs& programs, const Needs& needs, int first, int end) const {
   const std::span<const StrandGroup> groups = groups_.groups();
   for (size_t g = 0; g < groups.size(); ++g) {
-    placeWork(*programs.calm[g], needs, g, first, end);
-    dispatch(*programs.calm[g], groups[g].count, kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
+    const gl::Program& program = isFew(groups[g], needs.bodies) ? *programs.violent[g] : *programs.calm[g];
+    placeWork(program, needs, g, first, end);
+    dispatch(program, groups[g].count, kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
   }
+  if (std::all_of(groups.begin(), groups.end(),
+                  [&](const StrandGroup& group) { return isFew(group, needs.bodies); }))
+    return;
   auto doListed = [&](const gl::Program& program, size_t g, size_t at) {
     placeWork(program, needs, g, first, end);
     program.use();
     glDispatchComputeIndirect(static_cast<GLintptr>(at * sizeof(uint32_t)));
   };
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-  for (size_t g = 0; g < groups.size(); ++g) doListed(*programs.violent[g], g, violentAt(g, first));
+  for (size_t g = 0; g < groups.size(); ++g)
+    if (!isFew(groups[g], needs.bodies)) doListed(*programs.violent[g], g, violentAt(g, first));
   for (size_t g = 0; g < groups.size(); ++g) {
     if (programs.astray[g] == nullptr) continue;
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
@@ -298,20 +315,21 @@ void RodStrands::expectLooks() {
 
 void RodStrands::placeWork(const gl::Program& program, const Needs& needs, size_t group, int first,
                            int end) const {
-  glProgramUniform1ui(program.id(), 0, groups_.groups()[group].first);
-  glProgramUniform1ui(program.id(), 1, groups_.groups()[group].count);
-  glProgramUniform1ui(program.id(), 2, static_cast<GLuint>(violentAt(group, first)));
-  glProgramUniform1ui(program.id(), 3, static_cast<GLuint>(violentLists() + groups_.groups()[group].first));
+  const StrandGroup& own = groups_.groups()[group];
+  const bool few = isFew(own, needs.bodies), apart = doesAstrayApart(own);
+  const GLuint violent_at = few ? kWholeGroup : static_cast<GLuint>(violentAt(group, first));
+  const GLuint violent_list = few ? own.first : static_cast<GLuint>(violentLists() + own.first);
+  glProgramUniform1ui(program.id(), 0, own.first);
+  glProgramUniform1ui(program.id(), 1, own.count);
+  glProgramUniform1ui(program.id(), 2, violent_at);
+  glProgramUniform1ui(program.id(), 3, violent_list);
   glProgramUniform1i(program.id(), 4, first);
   glProgramUniform1i(program.id(), 5, end);
   if (!needs.bodies) return;
   glProgramUniform1ui(program.id(), 6, static_cast<GLuint>(lostCount(first)));
   glProgramUniform1ui(program.id(), 7, static_cast<GLuint>(lostList()));
-  const bool apart = doesAstrayApart(groups_.groups()[group]);
-  const size_t astray_at = apart ? astrayAt(group, first) : violentAt(group, first);
-  const size_t astray_lists = apart ? astrayLists() : violentLists();
-  glProgramUniform1ui(program.id(), 8, static_cast<GLuint>(astray_at));
-  glProgramUniform1ui(program.id(), 9, static_cast<GLuint>(astray_lists + groups_.groups()[group].first));
+  glProgramUniform1ui(program.id(), 8, apart ? static_cast<GLuint>(astrayAt(group, first)) : violent_at);
+  glProgramUniform1ui(program.id(), 9, apart ? static_cast<GLuint>(astrayLists() + own.first) : violent_list);
 }
 
 }  // namespace strandcast::gpu

@@ -10,8 +10,9 @@ namespace strandcast::gpu {
 /// What the rod needs of a model, and its dispatches: four edges per invocation (shaders/rod.comp).
 class RodStrands {
  public:
-  /// `model` outlives this.
-  explicit RodStrands(const StrandModel& model);
+  /// `model` outlives this. `few`: up to so many strands of like size, and a sixth of it among bodies, go in
+  /// one dispatch, as if all were violent.
+  RodStrands(const StrandModel& model, size_t few);
   /// Before the first step with a goal pull or bodies.
   void expect(bool goal, bool bodies);
   /// Whether a program may ask where vertices are in the rest shape, goal pull aside.
@@ -31,10 +32,13 @@ class RodStrands {
 
  private:
   using GroupPrograms = std::vector<const gl::Program*>;
-  /// Of each group; a strand that the first cannot do is left to the second, and so on.
+  /// Of each group; a strand that the first cannot do is left to the second, and so on. Null where the other
+  /// does these too: calm of few strands, astray of not very many.
   struct Programs {
-    GroupPrograms calm, violent, astray;  ///< astray: null where `violent` does these too
+    GroupPrograms calm, violent, astray;
   };
+  bool isFew(const StrandGroup& group, bool bodies) const;
+  bool doesAstrayApart(const StrandGroup& group) const;
   /// Whether the keys of some groups have one of these.
   bool anyGroup(uint32_t bits) const;
   Programs compile(const Needs& needs, ProgramCache& programs) const;
@@ -63,7 +67,7 @@ class RodStrands {
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
   gl::Buffer work_, joints_, strands_;
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
-  const size_t vertices_;
+  const size_t vertices_, few_;
   const bool shuffled_;
   std::array<Programs, 48> programs_;  ///< by needs; empty until first needed
   LazyProgram look_due_;

@@ -13,7 +13,7 @@
 // pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
 // DAMPED: there is internal damping.
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
-// strands and lists the others, 1 does the same substeps of those. ASTRAY: those among bodies whose vertices have to look at bodies
+// strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 #define WORKGROUP 32
@@ -654,17 +654,17 @@ void stepStrands(uint list, uint first, uint count) {
 }
 
 void main() {
+  const uint workgroup = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
 #if ASTRAY
   const uint own = astray_dispatch, list = astray_list;
 #elif VIOLENT
   const uint own = violent_dispatch, list = violent_list;
 #endif
 #if VIOLENT
-  const uint count = work[own + 3u];
-  for (uint first = gl_WorkGroupID.x * kStrands; first < count; first += gl_NumWorkGroups.x * kStrands)
-    stepStrands(list, first, count);
+  const uint count = own == kWholeGroup ? strands_in_group : work[own + 3u];
+  const uint workgroups = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
+  for (uint first = workgroup * kStrands; first < count; first += workgroups * kStrands) stepStrands(list, first, count);
 #else
-  uint workgroup = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   stepStrands(first_strand, workgroup * kStrands, strands_in_group);
 #endif
 }

@@ -34,6 +34,7 @@ layout(location = 7) uniform uint lost_list;
 layout(location = 8) uniform uint astray_dispatch;
 layout(location = 9) uniform uint astray_list;
 #endif
+const uint kWholeGroup = 0xFFFFFFFFu;             // in place of a dispatch: of all its strands
 const uint kStrands = uint(WORKGROUP / THREADS);  // of a workgroup
 const uint kMostWorkgroups = 65535u;              // in x, that every driver takes
 

@@ -277,5 +277,21 @@ TEST_F(GpuRod, GroomedGroupsAgreeWithTheReference) {
   }
 }
 
+// A GPU that they do not fill does them in one turn.
+TEST_F(GpuRod, FewStrandsComeOutAlikeInOneTurnAndInTwo) {
+  StrandModel model = arcs(600, {32}, 0.2f, false);
+  const StrandState from = disturbedState(model, 7);
+  const std::vector<MovingPrimitive> bodies = movingBodies(parameters_.time_step);
+  model.rest_distance = leftWhereTheyStart(from, bodies);
+  const auto in_one_turn = makeGpuBackend(3600), in_two = makeGpuBackend(599);
+  for (const std::vector<MovingPrimitive>& among : {std::vector<MovingPrimitive>(), bodies}) {
+    const StrandState one = run(*in_one_turn, model, from, 2, among),
+                      two = run(*in_two, model, from, 2, among);
+    EXPECT_EQ(one.positions, two.positions);
+    EXPECT_EQ(one.contacts, two.contacts);
+    EXPECT_EQ(one.tensions, two.tensions);
+  }
+}
+
 }  // namespace
 }  // namespace strandcast
