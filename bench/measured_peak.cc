@@ -15,11 +15,14 @@ HWY_BEFORE_NAMESPACE();
 namespace strandcast::peak::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Operations done in `rounds` rounds; `sink` keeps the compiler from dropping them.
+/// Operations done in `rounds` rounds; `sink` keeps the compiler from dropping them. Ten chains hide the latency of
+/// two units; each starts from a number of its own, or compilers make one of them all.
 double multiplyAdds(long rounds, float* sink) {
   const hn::ScalableTag<float> tag;
   const auto by = hn::Set(tag, 0.999f), plus = hn::Set(tag, 1e-3f);
-  auto a = plus, b = plus, c = plus, d = plus, e = plus, f = plus, g = plus, h = plus, i = plus, j = plus;
+  auto a = hn::Set(tag, 0.1f), b = hn::Set(tag, 0.2f), c = hn::Set(tag, 0.3f), d = hn::Set(tag, 0.4f),
+       e = hn::Set(tag, 0.5f), f = hn::Set(tag, 0.6f), g = hn::Set(tag, 0.7f), h = hn::Set(tag, 0.8f),
+       i = hn::Set(tag, 0.9f), j = hn::Set(tag, 1.1f);
   for (long round = 0; round < rounds; ++round) {
     a = hn::MulAdd(a, by, plus);
     b = hn::MulAdd(b, by, plus);

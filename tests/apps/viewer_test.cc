@@ -37,7 +37,7 @@ class ViewerWindowTest : public ProgramFixture {
     ProgramFixture::SetUp();
     // A display that nobody has; Xvfb says which by writing its number.
     const auto number = folder_ / "display";
-    start({"sh", "-c", "exec Xvfb -displayfd 1 -screen 0 1000x700x24 2>/dev/null"}, "display");
+    start({"sh", "-c", "exec Xvfb -displayfd 1 -noreset -screen 0 1000x700x24 2>/dev/null"}, "display");
     ASSERT_TRUE(until(seconds(20), [&] {
       return std::filesystem::exists(number) && std::filesystem::file_size(number) > 1;
     }));
