@@ -165,7 +165,8 @@ bool hasSoundBends(const GuideChunk& chunk) {
   auto next = chunk.colliders.begin();
   for (const uint32_t id : chunk.bent_colliders) {
     next = std::find(next, chunk.colliders.end(), id);
-    if (next++ == chunk.colliders.end()) return false;
+    if (next == chunk.colliders.end()) return false;
+    ++next;
   }
   return chunk.collider_bends.size() == kBendNumbers * chunk.bent_colliders.size() &&
          std::all_of(chunk.collider_bends.begin(), chunk.collider_bends.end(),

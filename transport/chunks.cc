@@ -78,6 +78,8 @@ void checkBody(const BodyDescription& body, const std::string& where) {
 constexpr size_t kGroomBytesPerStrand = 4 + 8 + 2;
 constexpr size_t kGroomBytesPerVertex = 12 + 1 + 4;
 constexpr size_t kGuideBytesPerVertex = 12;
+/// In the first chunk of a frame, at most: ids and poses, then ids and bends.
+constexpr size_t kColliderBytes = kMaxPlacedColliders * (4 + 4 * 7 + 4 + 4 * kBendNumbers);
 constexpr size_t kPositionsPerBodyChunk = kMaxChunkBytes / (12 + 12 + 4);
 constexpr size_t kTrianglesPerBodyChunk = kMaxChunkBytes / 12;
 
@@ -103,15 +105,15 @@ void checkSuccession(const GroomDescription* last, const GroomDescription& next)
 }
 
 std::vector<StrandRun> divideStrands(std::span<const uint32_t> offsets, size_t bytes_per_strand,
-                                     size_t bytes_per_vertex) {
+                                     size_t bytes_per_vertex, size_t bytes_before) {
   std::vector<StrandRun> runs;
   size_t bytes = kMaxChunkBytes + 1;  // no room: the first strand opens a run
   for (uint32_t s = 0; s + 1 < offsets.size(); ++s) {
     const uint32_t vertices = offsets[s + 1] - offsets[s];
     const size_t needed = bytes_per_strand + bytes_per_vertex * vertices;
     if (bytes + needed > kMaxChunkBytes) {
+      bytes = runs.empty() ? bytes_before : 0;
       runs.push_back({s, 0, offsets[s], 0});
-      bytes = 0;
     }
     bytes += needed;
     ++runs.back().strand_count;
@@ -121,7 +123,7 @@ std::vector<StrandRun> divideStrands(std::span<const uint32_t> offsets, size_t b
 }
 
 std::vector<StrandRun> divideGuides(const StrandSet& guides) {
-  return divideStrands(guides.offsets, 0, kGuideBytesPerVertex);
+  return divideStrands(guides.offsets, 0, kGuideBytesPerVertex, kColliderBytes);
 }
 
 std::vector<GroomChunk> splitGroom(const GroomDescription& groom) {

@@ -118,9 +118,10 @@ void checkAnnouncement(const GroomDescription& groom, const BodyDescription& bod
 void checkSuccession(const GroomDescription* last, const GroomDescription& next);
 
 /// Consecutive runs of strands that each take no more than kMaxChunkBytes, at so many bytes per strand and
-/// per vertex. `offsets` as in StrandSet, no strand longer than kMaxWireVertices.
+/// per vertex, in the first chunk beside `bytes_before`; a strand that is longer has a chunk of its own.
+/// `offsets` as in StrandSet, no strand longer than kMaxWireVertices.
 std::vector<StrandRun> divideStrands(std::span<const uint32_t> offsets, size_t bytes_per_strand,
-                                     size_t bytes_per_vertex);
+                                     size_t bytes_per_vertex, size_t bytes_before = 0);
 
 /// The runs of a guide frame of this groom.
 std::vector<StrandRun> divideGuides(const StrandSet& guides);

@@ -123,6 +123,29 @@ TEST(Chunks, FramesComeBack) {
   }
 }
 
+TEST(Chunks, AFramesFirstChunkHasRoomForItsColliders) {
+  for (const size_t vertices : {size_t{2}, size_t{16}, size_t{2000}, kMaxWireVertices}) {
+    const GroomDescription groom = uniformGroom(100, vertices);
+    GuideFrame frame = sampleFrame(groom, 5);
+    SurfaceBend bend;
+    bend.terms[0].x() = 0.01f;
+    frame.colliders.clear();
+    for (uint32_t id = 1; id <= kMaxPlacedColliders; ++id) frame.colliders.push_back({id, Pose{}, bend});
+    const std::vector<GuideChunk> chunks = splitFrame(groom, frame);
+    const GuideChunk& first = chunks[0];
+    EXPECT_EQ(first.bent_colliders.size(), kMaxPlacedColliders);
+    EXPECT_LE(12 * size_t{first.vertex_count} +
+                  bytesOf(first.colliders, first.collider_poses, first.bent_colliders, first.collider_bends),
+              vertices < kMaxWireVertices ? kMaxChunkBytes : 65000)
+        << "a datagram";
+    GuideAssembler assembler;
+    assembler.setGroom(std::make_shared<GroomDescription>(groom));
+    const auto result = assembleShuffled(assembler, chunks);
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->positions, frame.positions);
+  }
+}
+
 TEST(Chunks, AnnouncementRefusesWhatReceiversWould) {
   const auto expect_refusal = [](const char* why,
                                  const std::function<void(GroomDescription&, BodyDescription&)>& spoil) {
