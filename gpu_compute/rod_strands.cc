@@ -182,12 +182,12 @@ bool RodStrands::anyGroup(uint32_t bits) const {
   return std::any_of(groups.begin(), groups.end(), [=](const StrandGroup& g) { return (g.key & bits) != 0; });
 }
 
-bool RodStrands::isFew(const StrandGroup& group, bool bodies) const {
-  return group.count <= (bodies ? few_ / kFewAmongBodies : few_);
+bool RodStrands::areFew(bool bodies) const {
+  return groups_.order().size() <= (bodies ? few_ / kFewAmongBodies : few_);
 }
 
 bool RodStrands::doesAstrayApart(const StrandGroup& group) const {
-  return !isFew(group, true) && group.count >= kAstrayApart;
+  return !areFew(true) && group.count >= kAstrayApart;
 }
 
 bool RodStrands::holdsVertices() const { return anyGroup(kPinned | kGroomed); }
@@ -215,7 +215,7 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
   Programs out;
   for (size_t g = 0; g < edges_of_.size(); ++g) {
     const StrandGroup& group = groups_.groups()[g];
-    out.calm.push_back(isFew(group, needs.bodies) ? nullptr : get(g, false, false));
+    out.calm.push_back(areFew(needs.bodies) ? nullptr : get(g, false, false));
     const bool apart = doesAstrayApart(group);
     out.violent.push_back(get(g, true, needs.bodies && !apart));
     out.astray.push_back(needs.bodies && apart ? get(g, true, true) : nullptr);
@@ -273,22 +273,20 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
 
 void RodStrands::solve(const Programs& programs, const Needs& needs, int first, int end) const {
   const std::span<const StrandGroup> groups = groups_.groups();
+  const bool few = areFew(needs.bodies);
   for (size_t g = 0; g < groups.size(); ++g) {
-    const gl::Program& program = isFew(groups[g], needs.bodies) ? *programs.violent[g] : *programs.calm[g];
+    const gl::Program& program = few ? *programs.violent[g] : *programs.calm[g];
     placeWork(program, needs, g, first, end);
     dispatch(program, groups[g].count, kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
   }
-  if (std::all_of(groups.begin(), groups.end(),
-                  [&](const StrandGroup& group) { return isFew(group, needs.bodies); }))
-    return;
+  if (few) return;
   auto doListed = [&](const gl::Program& program, size_t g, size_t at) {
     placeWork(program, needs, g, first, end);
     program.use();
     glDispatchComputeIndirect(static_cast<GLintptr>(at * sizeof(uint32_t)));
   };
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-  for (size_t g = 0; g < groups.size(); ++g)
-    if (!isFew(groups[g], needs.bodies)) doListed(*programs.violent[g], g, violentAt(g, first));
+  for (size_t g = 0; g < groups.size(); ++g) doListed(*programs.violent[g], g, violentAt(g, first));
   for (size_t g = 0; g < groups.size(); ++g) {
     if (programs.astray[g] == nullptr) continue;
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
@@ -316,7 +314,7 @@ void RodStrands::expectLooks() {
 void RodStrands::placeWork(const gl::Program& program, const Needs& needs, size_t group, int first,
                            int end) const {
   const StrandGroup& own = groups_.groups()[group];
-  const bool few = isFew(own, needs.bodies), apart = doesAstrayApart(own);
+  const bool few = areFew(needs.bodies), apart = doesAstrayApart(own);
   const GLuint violent_at = few ? kWholeGroup : static_cast<GLuint>(violentAt(group, first));
   const GLuint violent_list = few ? own.first : static_cast<GLuint>(violentLists() + own.first);
   glProgramUniform1ui(program.id(), 0, own.first);

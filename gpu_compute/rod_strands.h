@@ -10,8 +10,8 @@ namespace strandcast::gpu {
 /// What the rod needs of a model, and its dispatches: four edges per invocation (shaders/rod.comp).
 class RodStrands {
  public:
-  /// `model` outlives this. `few`: up to so many strands of like size, and a sixth of it among bodies, go in
-  /// one dispatch, as if all were violent.
+  /// `model` outlives this. `few`: up to so many strands, and a sixth of it among bodies, go in
+  /// one turn, as if all were violent.
   RodStrands(const StrandModel& model, size_t few);
   /// Before the first step with a goal pull or bodies.
   void expect(bool goal, bool bodies);
@@ -27,7 +27,8 @@ class RodStrands {
     bool same_bodies;  ///< what vertices have seen of bodies in the step before holds on
   };
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs
-  /// compiles. Without bodies it is one dispatch, with them a few for each substep.
+  /// compiles. Without bodies it is one dispatch of each group of few strands, two of
+  /// many; with them some for each substep.
   void step(const Needs& needs, int substeps, ProgramCache& programs);
 
  private:
@@ -37,7 +38,7 @@ class RodStrands {
   struct Programs {
     GroupPrograms calm, violent, astray;
   };
-  bool isFew(const StrandGroup& group, bool bodies) const;
+  bool areFew(bool bodies) const;
   bool doesAstrayApart(const StrandGroup& group) const;
   /// Whether the keys of some groups have one of these.
   bool anyGroup(uint32_t bits) const;

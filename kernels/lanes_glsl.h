@@ -18,3 +18,4 @@ float madd(float a, float b, float c) { return fma(a, b, c); }
 vec3 madd(vec3 a, float s, vec3 c) { return fma(a, vec3(s), c); }
 float select(bool m, float a, float b) { return m ? a : b; }
 vec3 select(bool m, vec3 a, vec3 b) { return m ? a : b; }
+vec4 select(bool m, vec4 a, vec4 b) { return m ? a : b; }

@@ -13,7 +13,7 @@ FN real3 normalizeOrZero(IN(real3) a) {
 FN real3 directionOr(IN(real3) edge, IN(real3) otherwise) {
   real l2 = dot(edge, edge);
   mask tiny = l2 < lit(1e-18);
-  return select(tiny, otherwise, edge * (inverseSqrt(select(tiny, lit(1), l2))));
+  return select(tiny, otherwise, edge * inverseSqrt(max(l2, lit(1e-18))));
 }
 
 // v turned by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), u = q.xyz.

@@ -7,9 +7,9 @@
 // By pivots and not by the determinant: a stiff strand's blocks are nearly singular, and the rounding of a determinant would
 // act on all entries. Blocks are positive definite; the bounds hold where rounding says otherwise.
 vec3 inverseOf(vec3 s) {
-  float first = 1.0 / max(s.x, 1e-30);
+  float first = inverse(max(s.x, 1e-30));
   float factor = s.y * first;
-  float second = 1.0 / max(s.z - s.y * factor, max(1e-7 * s.z, 1e-30));
+  float second = inverse(max(s.z - s.y * factor, max(1e-7 * s.z, 1e-30)));
   return vec3(first + factor * factor * second, -factor * second, second);
 }
 vec4 symmetricTimes(vec3 s, vec4 m) {
@@ -56,7 +56,7 @@ void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
     e = received_c(outer);
     w = received_d(outer);
     release();
-    vec4 up = hasAfter(distance) ? vec4(a.w, e.w, b.w, w) : vec4(0);
+    vec4 up = select(hasAfter(distance), vec4(a.w, e.w, b.w, w), vec4(0));
     from = timesSymmetric(up, a.xyz);
     d -= symmetricNT(from, up);
     f0 -= b.xyz * from.x + e.xyz * from.y;
@@ -69,7 +69,7 @@ void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
 // last but one and to the last row of the invocation before, and row 1 to its last.
 void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD], vec3 across,
                         inout vec3 f[PER_THREAD]) {
-  vec4 coupling = hasBefore(1) ? vec4(across.x, across.y, 0, across.z) : vec4(0);
+  vec4 coupling = select(hasBefore(1), vec4(across.x, across.y, 0, across.z), vec4(0));
 #if PER_THREAD == 2
   vec3 d = vec3(diagonal[0], first[0], diagonal[1]), f0 = f[0], f1 = f[1];
   reduceBlocks(d, coupling, f0, f1);
@@ -93,11 +93,9 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
   vec4 a = received_a(after(1)), b = received_b(after(1));
   float w = received_d(after(1));
   release();
-  if (hasAfter(1)) {
-    d -= vec3(a.w, b.w, w);
-    f0 -= a.xyz;
-    f1 -= b.xyz;
-  }
+  d -= select(hasAfter(1), vec3(a.w, b.w, w), vec3(0));
+  f0 -= select(hasAfter(1), a.xyz, vec3(0));
+  f1 -= select(hasAfter(1), b.xyz, vec3(0));
   reduceBlocks(d, -transposedTimes(right, to_before), f0, f1);
 #endif
   inverse = inverseOf(d);
@@ -107,10 +105,9 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
   send_a(vec4(f[2], 0));
   send_b(vec4(f[3], 0));
   rendezvous();
-  before0 = received_a(before(1)).xyz;
-  before1 = received_b(before(1)).xyz;
+  before0 = select(hasBefore(1), received_a(before(1)).xyz, vec3(0));
+  before1 = select(hasBefore(1), received_b(before(1)).xyz, vec3(0));
   release();
-  if (!hasBefore(1)) before0 = before1 = vec3(0);
 #endif
   f[0] = y0 - (before0 * to_before.x + before1 * to_before.y) - (f[2] * to_outer.x + f[3] * to_outer.y);
   f[1] = y1 - (before0 * to_before.z + before1 * to_before.w) - (f[2] * to_outer.z + f[3] * to_outer.w);

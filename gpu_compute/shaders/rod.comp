@@ -17,6 +17,8 @@
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 #define WORKGROUP 32
+// Calm strands have a program of their own where they are many.
+#define MANY (!VIOLENT && !BODIES)
 layout(local_size_x = WORKGROUP) in;
 
 #include "kernels/lanes_glsl.h"
@@ -118,7 +120,7 @@ float predictEdge(int p, vec3 unit_in) {
 // Inertial points and what follows from them for each edge. Returns the frame before slot 0.
 vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
   uint vertex = root_vertex + uint(min(rank * PER_THREAD, edges));
-  shift_in = rank > 0 ? inertialShift(x_in, v_in, KEEP_IN, weight_in, vertex, root) : root.position - x_in;
+  shift_in = select(rank > 0, inertialShift(x_in, v_in, KEEP_IN, weight_in, vertex, root), root.position - x_in);
   for (int p = 0; p < PER_THREAD; ++p) {
     vertex = root_vertex + uint(min(rank * PER_THREAD + p + 1, edges));
     shift[p] = inertialShift(x[p], v[p], KEEP(p), weight(p), vertex, root);
@@ -140,10 +142,10 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
   release();
   tangent_in = b.xyz;
   vec3 unit_in = c.xyz;
-  if (!hasBefore(1)) {
-    frame_in = root.inner_frame;
-    tangent_in = unit_in = direction_in = root.tangent_old;
-  }
+  frame_in = select(hasBefore(1), frame_in, root.inner_frame);
+  tangent_in = select(hasBefore(1), tangent_in, root.tangent_old);
+  unit_in = select(hasBefore(1), unit_in, root.tangent_old);
+  direction_in = select(hasBefore(1), direction_in, root.tangent_old);
   blend[0] = predictEdge(0, unit_in);
   return frame_in;
 }
@@ -167,7 +169,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     float coupling = twistOfBending(strain[p], excess, bend(p)), shear = torqueDifference(strain[p], excess, bend(p));
     float own = twist(p) + coupling, torque = madd(twist(p), excess.z, shear);
     float less = 2.0 * min(coupling, twist(p));  // own less the absolute coupling, without its rounding
-    slack[p] = p > 0 || hasBefore(1) ? less : own;
+    slack[p] = select(p > 0 || hasBefore(1), less, own);
     lower[p] = coupling - twist(p);
     turn[p] = shear - twist(p) * excess.z;
     pivot[p] = 1e-30;
@@ -181,39 +183,34 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     inner = frame[p];
     t_in = tangent[p];
   }
-  if (!hasBefore(1)) lower[0] = 0.0;
+  lower[0] = select(hasBefore(1), lower[0], 0.0);
 
   send_a(vec4(stiffness[0], stiffness[1], margin[0], 0));
   send_b(vec4(tangent[0], own_first));
   send_c(vec4(tangent[1], torque_first));
   rendezvous();
-  vec3 a = received_a(after(1)).xyz;
+  vec3 a = select(hasAfter(1), received_a(after(1)).xyz, vec3(0));
   vec4 b = received_b(after(1)), c = received_c(after(1));
   release();
   vec3 tangent_out2 = c.xyz;
   tangent_out = b.xyz;
-  if (!hasAfter(1)) {
-    a = vec3(0);
-    b.w = c.w = 0.0;
-  }
   stiffness[PER_THREAD] = a.x;
   stiffness[PER_THREAD + 1] = a.y;
   margin[PER_THREAD] = a.z;
-  slack[kLast] += b.w;
-  turn[kLast] += c.w;
+  slack[kLast] += select(hasAfter(1), b.w, 0.0);
+  turn[kLast] += select(hasAfter(1), c.w, 0.0);
   for (int p = 0; p < PER_THREAD; ++p) {
     float il = inverseLength(p);
     edge_stiffness[p] = edgeMatrixStiffness(margin[p] + margin[p + 1], il, tension[p], blend[p]);
-    vec3 t_in2 = p > 0 ? tangent[max(p - 1, 0)] : hasBefore(1) ? tangent_in : tangent[0];
+    vec3 t_in2 = p > 0 ? tangent[max(p - 1, 0)] : select(hasBefore(1), tangent_in, tangent[0]);
     vec3 t_out = p < kLast ? tangent[min(p + 1, kLast)] : tangent_out;
     vec3 t_out2 = p < kLast - 1 ? tangent[min(p + 2, kLast)] : p < kLast ? tangent_out : tangent_out2;
-    if (isLast(p, 2)) t_out2 = t_out;
+    t_out2 = select(isLast(p, 2), t_out, t_out2);
     float soft = curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2);
-    softness[p] = isLast(p, 1) ? 0.0 : soft;
-    if (!isEdge(p)) {
-      slack[p] = 1.0;
-      lower[p] = turn[p] = 0.0;
-    }
+    softness[p] = select(isLast(p, 1), 0.0, soft);
+    slack[p] = select(isEdge(p), slack[p], 1.0);
+    lower[p] = select(isEdge(p), lower[p], 0.0);
+    turn[p] = select(isEdge(p), turn[p], 0.0);
   }
 
   float turn_in = clamp(solveTridiagonal(slack, lower, pivot, turn), -1.0, 1.0);
@@ -226,7 +223,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     turn_in = turn[p];
   }
 #if DAMPED
-  t_in = hasBefore(1) ? tangent_in : vec3(0);
+  t_in = select(hasBefore(1), tangent_in, vec3(0));
   vec3 inner_direction = direction_in;
   for (int p = 0; p < PER_THREAD; ++p) {
     vec3 direction = forceDirection(p);
@@ -242,7 +239,7 @@ vec3 edgeForce(int p, RootMotion root) {
   const float dt2 = settings.substep * settings.substep;
   float il = inverseLength(p);
   vec3 pushed = cross(moment[p + 1] - moment[p], tangent[p]) * (il * dt2) - tangent[p] * tension[p];
-  if (p == 0 && rank == 0) pushed += root.swing * (stiffness[0] * il);
+  if (p == 0) pushed += select(rank == 0, root.swing * (stiffness[0] * il), vec3(0));
   return pushed;
 }
 
@@ -252,13 +249,9 @@ void makeBending(RootMotion root) {
   send_a(vec4(force[0], edge_stiffness[0]));
   send_b(vec4(moment[0], 0));
   rendezvous();
-  vec4 a = received_a(after(1));
-  vec3 b = received_b(after(1)).xyz;
+  vec4 a = select(hasAfter(1), received_a(after(1)), vec4(0));
+  vec3 b = select(hasAfter(1), received_b(after(1)).xyz, vec3(0));
   release();
-  if (!hasAfter(1)) {
-    a = vec4(0);
-    b = vec3(0);
-  }
   force_out = a.xyz;
   edge_stiffness[PER_THREAD] = a.w;
   moment[PER_THREAD] = b;
@@ -283,14 +276,14 @@ void makeBending(RootMotion root) {
     vec3 total = force[p] - outer;
     if (weight(p) > 0.0) total += goalPull(way, mass(p), goal_stiffness[p], (goal - x[p]) - shift[p]);
 #else
-    vec3 total = madd(pulled, weight(p) > 0.0 ? mass(p) : 0.0, force[p] - outer);
+    vec3 total = madd(pulled, select(weight(p) > 0.0, mass(p), 0.0), force[p] - outer);
 #endif
 #if BODIES
     total += pressing[p];
 #endif
-    force[p] = isEdge(p) ? total : vec3(0);
+    force[p] = select(isEdge(p), total, vec3(0));
     float own = mass(p) + bendOwn(stiffness[p], stiffness[p + 1], stiffness[p + 2], il[p], il[p + 1]);
-    diagonal[p] = isEdge(p) ? own + edge_stiffness[p] + edge_stiffness[p + 1] : 1.0;
+    diagonal[p] = select(isEdge(p), own + edge_stiffness[p] + edge_stiffness[p + 1], 1.0);
   }
   for (int p = 0; p < PER_THREAD - 1; ++p)
     first[p] = bendAcross(stiffness[p + 1], stiffness[p + 2], il[p], il[p + 1], il[p + 2]) - edge_stiffness[p + 1];
@@ -337,15 +330,15 @@ void moveByForces(out vec3 moved[PER_THREAD]) {
 void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD], out float pivot[PER_THREAD],
                 out float excess[PER_THREAD]) {
   vec3 t_in = tangent_in, n_in = NORMAL_IN;
-  float w_in = hasBefore(1) ? weight_in : 0.0, soft_in = softness_in, c_in = dot(t_in, tangent[0]);
+  float w_in = select(hasBefore(1), weight_in, 0.0), soft_in = softness_in, c_in = dot(t_in, tangent[0]);
   for (int p = 0; p < PER_THREAD; ++p) {
     float c = dot(tangent[p], p < kLast ? tangent[min(p + 1, kLast)] : tangent_out);
     float own = weightAlong(tangent[p], n_in, w_in, soft_in, c_in) +
                 weightAlong(tangent[p], NORMAL(p), weight(p), softness[p], c);
-    own_diagonal[p] = isEdge(p) ? own : 1.0;
-    lower[p] = isEdge(p) && (p > 0 || hasBefore(1)) ? lengthAcross(tangent[p], t_in, n_in, w_in, soft_in, c_in) : 0.0;
+    own_diagonal[p] = select(isEdge(p), own, 1.0);
+    lower[p] = select(isEdge(p) && (p > 0 || hasBefore(1)), lengthAcross(tangent[p], t_in, n_in, w_in, soft_in, c_in), 0.0);
     pivot[p] = lengthPivot(w_in, weight(p));
-    excess[p] = isEdge(p) ? lengthExcess(newEdge(p), tangent[p], restLength(p), w_in, weight(p)) : 0.0;
+    excess[p] = select(isEdge(p), lengthExcess(newEdge(p), tangent[p], restLength(p), w_in, weight(p)), 0.0);
     t_in = tangent[p];
     n_in = NORMAL(p);
     w_in = weight(p);
@@ -375,15 +368,13 @@ void solveLengths(RootMotion root) {
 #endif
   vec3 first_out = vec3(received_b(after(1)).w, received_c(after(1)).w, received_d(after(1)));
   release();
-  if (!hasBefore(1)) {
-    shift_in = root.position - x_in;
-    softness_in = 0.0;
+  shift_in = select(hasBefore(1), shift_in, root.position - x_in);
+  softness_in = select(hasBefore(1), softness_in, 0.0);
 #if BODIES
-    normal_in = vec3(0);
+  normal_in = select(hasBefore(1), normal_in, vec3(0));
 #endif
-  }
   tangent[0] = directionOr(newEdge(0), tangent[0]);
-  tangent_out = hasAfter(1) ? directionOr(first_out - shift[kLast], tangent[kLast]) : tangent[kLast];
+  tangent_out = select(hasAfter(1), directionOr(first_out - shift[kLast], tangent[kLast]), tangent[kLast]);
 
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
   lengthRows(slack, lower, pivot, pull);
@@ -391,16 +382,15 @@ void solveLengths(RootMotion root) {
   pull_in = solveTridiagonal(slack, lower, pivot, pull);
   send_d(pull[0]);
   rendezvous();
-  pull_out = received_d(after(1));
+  pull_out = select(hasAfter(1), received_d(after(1)), 0.0);
   release();
-  if (!hasAfter(1)) pull_out = 0.0;
 }
 
 // How violent the most violent of this invocation's pulls is.
 float mostViolence() {
-  float greatest = 0.0, w_in = hasBefore(1) ? weight_in : 0.0;
+  float greatest = 0.0, w_in = select(hasBefore(1), weight_in, 0.0);
   for (int p = 0; p < PER_THREAD; ++p) {
-    if (isEdge(p)) greatest = max(greatest, violence(pull[p], w_in, weight(p), inverseLength(p)));
+    greatest = max(greatest, select(isEdge(p), violence(pull[p], w_in, weight(p), inverseLength(p)), 0.0));
     w_in = weight(p);
   }
   return greatest;
@@ -504,9 +494,8 @@ void moveByPulls() {
     shift[p] = madd(pushOn(p, softness[p]), weight(p), shift[p]);
   }
   // The same for the vertex before slot 0, which saves an exchange.
-  if (hasBefore(1))
-    shift_in =
-        madd(pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], NORMAL_IN, softness_in), weight_in, shift_in);
+  const vec3 push_in = pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], NORMAL_IN, softness_in);
+  shift_in = select(hasBefore(1), madd(push_in, weight_in, shift_in), shift_in);
 }
 
 // Exact lengths along the directions found, from the root or the last pinned vertex on: a scan. Then velocities.
@@ -518,10 +507,10 @@ void finish() {
 #endif
   vec3 along[PER_THREAD];  // shifts, less that of the vertex before slot 0 where that is no root
   bool anchored[PER_THREAD];
-  vec3 sum = hasBefore(1) ? vec3(0) : shift_in;
+  vec3 sum = select(hasBefore(1), vec3(0), shift_in);
   bool fixed_here = false;
   for (int p = 0; p < PER_THREAD; ++p) {
-    if (isEdge(p)) sum += edgeShift(p) + missingLength(newEdge(p), tangent[p], restLength(p));
+    sum += select(isEdge(p), edgeShift(p) + missingLength(newEdge(p), tangent[p], restLength(p)), vec3(0));
 #if PINNED
     if (weight(p) == 0.0) {
       sum = shift[p];
@@ -538,21 +527,17 @@ void finish() {
     rendezvous();
     vec4 other = received_a(before(distance));
     release();
-    if (hasBefore(distance) && !fixed_here) {
-      sum += other.xyz;
-      fixed_here = other.w > 0.5;
-    }
+    const bool follows = hasBefore(distance) && !fixed_here;
+    sum += select(follows, other.xyz, vec3(0));
+    fixed_here = fixed_here || (follows && other.w > 0.5);
   }
   // Exactly as the invocation before has it: both add it to the same position.
   send_a(vec4(sum, 0));
   rendezvous();
   vec3 last_before = received_a(before(1)).xyz;
   release();
-  if (hasBefore(1)) {
-    shift_in = last_before;
-    for (int p = 0; p < kLast; ++p)
-      if (!anchored[p]) along[p] += last_before;
-  }
+  shift_in = select(hasBefore(1), last_before, shift_in);
+  for (int p = 0; p < kLast; ++p) along[p] += select(hasBefore(1) && !anchored[p], last_before, vec3(0));
 #endif
   shift = along;
   shift[kLast] = sum;
@@ -651,6 +636,7 @@ void stepStrands(uint list, uint first, uint count) {
   if (ofStrand(lost) && stays && rank == 0) listStrand(lost_count, lost_list);
 #endif
   if (stays) store();
+  storeGuides(stays);
 }
 
 void main() {

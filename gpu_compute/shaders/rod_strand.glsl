@@ -207,16 +207,10 @@ void loadStrand(uint list, uint first, uint count) {
 #endif
 }
 
-// Guides are what the whole step gives; until then they may be accelerations.
-void storeGuideAtEnd(uint vertex, vec3 position) {
-  if (end_substep == int(settings.substeps)) storeGuide(vertex, position);
-}
-
 void storeStrand() {
   if (rank == 0) {
     positions[root_vertex].xyz = x_in;
     velocities[root_vertex].xyz = v_in;
-    storeGuideAtEnd(root_vertex, x_in);
   }
   for (int p = 0; p < PER_THREAD; ++p) {
     if (!isEdge(p)) continue;
@@ -224,6 +218,42 @@ void storeStrand() {
     positions[at + 1u] = vec4(x[p], tension[p] * settings.per_substep * settings.per_substep);
     velocities[at + 1u].xyz = v[p];
     frames[at] = frame[p];
-    storeGuideAtEnd(at + 1u, x[p]);
   }
 }
+
+// Guides are what the whole step gives.
+#if BODIES
+// Until then they may be accelerations. `stays`: the strand has been stored.
+void storeGuides(bool stays) {
+  if (!stays || end_substep != int(settings.substeps)) return;
+  if (rank == 0) storeGuide(root_vertex, x_in);
+  for (int p = 0; p < PER_THREAD; ++p)
+    if (isEdge(p)) storeGuide(root_vertex + uint(rank * PER_THREAD + p) + 1u, x[p]);
+}
+#else
+// Invocations that wrote their own would each touch every sector of the strand's again and again. So they put them together,
+// and the workgroup writes strand by strand. To be called by all invocations.
+const uint kGuideRow = uint(THREADS * PER_THREAD + 1) * 3u;
+shared float together[kStrands * kGuideRow];
+shared uint guides_from[kStrands], guide_numbers[kStrands];
+
+void putTogether(uint slot, vec3 position) {
+  const uint at = me / uint(THREADS) * kGuideRow + 3u * slot;
+  together[at] = position.x;
+  together[at + 1u] = position.y;
+  together[at + 2u] = position.z;
+}
+void storeGuides(bool stays) {
+  const uint own = me / uint(THREADS);
+  if (rank == 0) {
+    guides_from[own] = 3u * root_vertex;
+    guide_numbers[own] = stays ? 3u * uint(edges + 1) : 0u;
+    putTogether(0u, x_in);
+  }
+  for (int p = 0; p < PER_THREAD; ++p) putTogether(uint(rank * PER_THREAD + p) + 1u, x[p]);
+  barrier();
+  for (uint s = 0u; s < kStrands; ++s)
+    for (uint i = me; i < guide_numbers[s]; i += uint(WORKGROUP)) guides[guides_from[s] + i] = together[s * kGuideRow + i];
+  barrier();
+}
+#endif
