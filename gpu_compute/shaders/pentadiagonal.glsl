@@ -7,9 +7,9 @@
 // By pivots and not by the determinant: a stiff strand's blocks are nearly singular, and the rounding of a determinant would
 // act on all entries. Blocks are positive definite; the bounds hold where rounding says otherwise.
 vec3 inverseOf(vec3 s) {
-  float first = inverse(max(s.x, 1e-30));
+  float first = 1.0 / max(s.x, 1e-30);
   float factor = s.y * first;
-  float second = inverse(max(s.z - s.y * factor, max(1e-7 * s.z, 1e-30)));
+  float second = 1.0 / max(s.z - s.y * factor, max(1e-7 * s.z, 1e-30));
   return vec3(first + factor * factor * second, -factor * second, second);
 }
 vec4 symmetricTimes(vec3 s, vec4 m) {

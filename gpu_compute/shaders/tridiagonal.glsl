@@ -20,10 +20,10 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
   float coupling = lower[0], slack = slacks[0];
   float slack_before = 0.0, value_before = 0.0;  // what elimination adds to the row before row 0
   for (int p = 0; p < kLast; ++p) {
-    float by = inverse(max(slack + abs(coupling) + abs(lower[p + 1]), pivot[p]));
-    to_before[p] = coupling * by;
-    to_after[p] = lower[p + 1] * by;
-    value[p] *= by;
+    float inverse = 1.0 / max(slack + abs(coupling) + abs(lower[p + 1]), pivot[p]);
+    to_before[p] = coupling * inverse;
+    to_after[p] = lower[p + 1] * inverse;
+    value[p] *= inverse;
     slack_before += abs(to_before[p]) * slack;
     value_before -= coupling * value[p];
     slack = abs(to_after[p]) * slack + slacks[p + 1];
@@ -32,7 +32,7 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
   }
   float solved = value[kLast], solved_before = 0.0;
 #if THREADS == 1
-  solved *= inverse(max(slack + abs(coupling), pivot[kLast]));
+  solved /= max(slack + abs(coupling), pivot[kLast]);
 #else
   const float least = 0.1 * pivot[kLast];
   send_a(vec4(slack_before - abs(lower[0]), value_before, coupling, 0));
@@ -44,9 +44,9 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
   float up = folded.z;  // what couples this row to the one after
   for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
     int distance = 1 << doubling;
-    float by = inverse(max(slack + abs(coupling) + abs(up), least));
-    send_a(vec4(coupling, up, by, solved));
-    send_d(slack * by);
+    float inverse = 1.0 / max(slack + abs(coupling) + abs(up), least);
+    send_a(vec4(coupling, up, inverse, solved));
+    send_d(slack * inverse);
     rendezvous();
     vec4 inner = received_a(before(distance)), outer = received_a(after(distance));
     float inner_slack = received_d(before(distance)), outer_slack = received_d(after(distance));
@@ -57,7 +57,7 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
     coupling = -from_inner * inner.x;
     up = -from_outer * outer.y;
   }
-  solved *= inverse(max(slack, least));
+  solved /= max(slack, least);
   send_d(solved);
   rendezvous();
   solved_before = select(hasBefore(1), received_d(before(1)), 0.0);
