@@ -16,6 +16,7 @@
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
+// What differs between invocations is chosen by select() rather than branched to, which NVIDIA's compiler would do.
 #define WORKGROUP 32
 // Calm strands have a program of their own where they are many.
 #define MANY (!VIOLENT && !BODIES)
