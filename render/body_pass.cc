@@ -115,7 +115,7 @@ void BodyPass::place(std::span<const PlacedCollider> colliders) {
     const Vec3 rest(rest_[v].position);
     const Vec3 position = binding_.position(v, rest),
                normal = binding_.normal(v, rest, Vec3(rest_[v].normal));
-    if (!position.allFinite() || !normal.allFinite()) continue;  // a damaged bend: see kMostBendNumber
+    if (!position.allFinite() || !normal.allFinite()) continue;  // of a damaged frame
     std::copy(position.begin(), position.end(), moved[v].position);
     std::copy(normal.begin(), normal.end(), moved[v].normal);
     moved[v].head_weight = 0;

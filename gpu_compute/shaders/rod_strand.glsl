@@ -254,6 +254,6 @@ void storeGuides(bool stays) {
   barrier();
   for (uint s = 0u; s < kStrands; ++s)
     for (uint i = me; i < guide_numbers[s]; i += uint(WORKGROUP)) guides[guides_from[s] + i] = together[s * kGuideRow + i];
-  barrier();
+  barrier();  // before the workgroup's next strands put theirs there
 }
 #endif
