@@ -237,12 +237,6 @@ void GpuStrands::expectUploads(const UploadRing::Counts& wanted) {
                    UploadRing::Counts{std::max(has.bodies, wanted.bodies), std::max(has.near, wanted.near)});
 }
 
-void GpuStrands::carryRoots() {
-  const gl::Program& program = root_poses_.get(programs_, "root_poses.comp", shaders::kRootPosesComp);
-  dispatch(program, static_cast<uint32_t>(model_.strands()), 64);
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-}
-
 void GpuStrands::step(const StepInput& input) {
   uploaded_ = std::vector<Vec3>();  // {} would keep its memory
   if (vertices_ == 0) return;
@@ -263,7 +257,6 @@ void GpuStrands::step(const StepInput& input) {
   if (pressed_ && !pressing) glClearNamedBufferData(contacts_.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, nullptr);
   pressed_ = pressing;
   timer_.begin();
-  carryRoots();
   if (rod)
     rod_->step({.bodies = !input.primitives.empty(),
                 .turning = turning,

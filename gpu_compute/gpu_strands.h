@@ -49,8 +49,6 @@ class GpuStrands {
 
  private:
   void bind() const;
-  /// Has the roots go with the bones that uploads_ has, before all that asks for them.
-  void carryRoots();
   /// Those of the shapes that are on the GPU already.
   void takeBends(const ShapeData& shapes) const;
   void takeShapes(const ShapeData* shapes);
@@ -81,7 +79,6 @@ class GpuStrands {
   std::array<bool, 8> expected_{};  ///< by solver, goal pull and bodies
   SeenBodies seen_;
   std::optional<UploadRing> uploads_;  ///< never empty
-  LazyProgram root_poses_;
   Readback readback_;
   StepTimer timer_;
   std::vector<std::array<float, 4>> velocities_packed_;

@@ -54,14 +54,13 @@ UploadRing::UploadRing(const StrandModel& model, const Counts& capacity)
       near_at_(bodies_at_ + aligned(std::max<size_t>(capacity.bodies, 1) * sizeof(PlacedBody))),
       poses_at_(near_at_ + aligned(std::max<size_t>(capacity.near, 1) * sizeof(uint32_t))),
       bones_bytes_(2 * model.bones.size() * sizeof(Pose)),
-      roots_bytes_(2 * model.strands() * sizeof(Pose)),
-      on_gpu_(poses_at_ + roots_bytes_ + bones_bytes_ + roots_bytes_ / 2, nullptr, GL_DYNAMIC_STORAGE_BIT) {
+      on_gpu_(poses_at_ + bones_bytes_ + model.strands() * sizeof(Pose), nullptr, GL_DYNAMIC_STORAGE_BIT) {
   for (size_t i = 0; i < kSlots; ++i) {
     buffers_[i] = gl::Buffer(poses_at_ + bones_bytes_, nullptr, kWritten);
     memory_[i] = static_cast<char*>(map(buffers_[i], kWritten));
   }
-  glNamedBufferSubData(on_gpu_.id(), static_cast<GLintptr>(poses_at_ + roots_bytes_ + bones_bytes_),
-                       static_cast<GLsizeiptr>(roots_bytes_ / 2), model.rest_roots.data());
+  glNamedBufferSubData(on_gpu_.id(), static_cast<GLintptr>(poses_at_ + bones_bytes_),
+                       static_cast<GLsizeiptr>(model.strands() * sizeof(Pose)), model.rest_roots.data());
 }
 
 void UploadRing::write(const StepInput& input) {
@@ -83,11 +82,7 @@ void UploadRing::write(const StepInput& input) {
   for (size_t bone = 0; bone < model_.bones.size(); ++bone) *poses++ = input.boneAtEnd(bone);
 
   const GLuint id = on_gpu_.id();
-  const auto bones_from = static_cast<GLintptr>(poses_at_),
-             bones_to = static_cast<GLintptr>(poses_at_ + roots_bytes_);
-  glCopyNamedBufferSubData(buffers_[slot_].id(), id, 0, 0, bones_from);
-  glCopyNamedBufferSubData(buffers_[slot_].id(), id, bones_from, bones_to,
-                           static_cast<GLsizeiptr>(bones_bytes_));
+  glCopyNamedBufferSubData(buffers_[slot_].id(), id, 0, 0, static_cast<GLsizeiptr>(poses_at_ + bones_bytes_));
   fences_[slot_].set();
   constexpr GLsizeiptr kBlock = (sizeof(Settings) + 15) / 16 * 16;  // as std140 rounds it up
   glBindBufferRange(GL_UNIFORM_BUFFER, 0, id, 0, kBlock);

@@ -22,8 +22,7 @@ class Fence {
 };
 
 /// What a step is told (settings, bodies, lists of near bodies, bones): the CPU writes the next while the GPU
-/// still copies the last to its own memory, from which the shaders read it. There the roots lie too, at rest
-/// and as shaders/root_poses.comp carries them.
+/// still copies the last to its own memory, from which the shaders read it. There the roots at rest lie too.
 class UploadRing {
  public:
   /// What differs from step to step.
@@ -48,7 +47,7 @@ class UploadRing {
   const StrandModel& model_;
   Counts capacity_;
   size_t bodies_at_, near_at_, poses_at_;  ///< bytes from the start of a slot, which bones end
-  size_t bones_bytes_, roots_bytes_;  ///< at both ends of the step; on the GPU roots are before the bones
+  size_t bones_bytes_;                     ///< at both ends of the step
   gl::Buffer on_gpu_;
   std::array<gl::Buffer, kSlots> buffers_;
   std::array<char*, kSlots> memory_{};

@@ -13,6 +13,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/strand_offsets.glsl"
+#include "gpu_compute/shaders/root_poses.glsl"
 #include "gpu_compute/shaders/bodies.glsl"
 #if GROOMED
 #include "kernels/grooming.h"
@@ -87,7 +88,8 @@ void main() {
 #else
   const float keep = settings.keep, friction_scale = 1.0;
 #endif
-  Pose root_begin = rootPose(strand), root_end = rootPose(settings.strand_count + strand);
+  const RootPoses root_poses = rootPoses(strand);
+  const Pose root_begin = root_poses.begin, root_end = root_poses.end;
   float along = vertices > 2 ? float(k) / float(vertices - 2) : 0.0;
   float strength = settings.strength_root + along * (settings.strength_tip - settings.strength_root);
 

@@ -13,6 +13,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/bodies.glsl"
 #include "gpu_compute/shaders/contact_sights.glsl"
 #include "gpu_compute/shaders/contact_look.glsl"
+#include "gpu_compute/shaders/root_poses.glsl"
 #include "gpu_compute/shaders/look_ahead.glsl"
 
 void main() {

@@ -13,6 +13,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/strand_offsets.glsl"
 #include "gpu_compute/shaders/bodies.glsl"
 #include "gpu_compute/shaders/contact_sights.glsl"
+#include "gpu_compute/shaders/root_poses.glsl"
 #include "gpu_compute/shaders/look_ahead.glsl"
 layout(location = 2) uniform bool everyone;  // what vertices have seen is of other bodies
 

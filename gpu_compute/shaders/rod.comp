@@ -35,6 +35,7 @@ layout(local_size_x = WORKGROUP) in;
 #endif
 #include "gpu_compute/shaders/strand_threads.glsl"
 #include "gpu_compute/shaders/rod_strand.glsl"
+#include "gpu_compute/shaders/root_poses.glsl"
 #include "gpu_compute/shaders/root_motion.glsl"
 #include "gpu_compute/shaders/tridiagonal.glsl"
 #include "gpu_compute/shaders/pentadiagonal.glsl"

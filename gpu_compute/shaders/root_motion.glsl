@@ -1,5 +1,6 @@
 // How a strand's root moves in each substep. The invocations of a strand work out THREADS substeps at once, one each, and
-// share them. Needs rod_strand.glsl.
+// share them. Needs rod_strand.glsl and
+// root_poses.glsl.
 
 struct RootMotion {
   vec3 position;     // m, at the end of the substep
@@ -32,7 +33,8 @@ void placeRoots(int first) {
   barrier();  // nobody reads those before any more
   int substep = first + rank;
   if (substep < end_substep) {
-    Pose begin = rootPose(strand), end = rootPose(settings.strand_count + strand);
+    const RootPoses poses = rootPoses(strand);
+    const Pose begin = poses.begin, end = poses.end;
     vec3 way = end.position - begin.position, start = positions[root_vertex].xyz;
     vec3 position = madd(way, timeAfter(substep), begin.position);
     int done = substep - first_substep;  // in this dispatch

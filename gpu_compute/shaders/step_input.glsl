@@ -44,12 +44,8 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
 // The part of the step that has passed at the end of a substep.
 float timeAfter(int substep) { return float(substep + 1) / float(settings.substeps); }
 
-// 7 per pose: of strands at the beginning, then at the end (root_poses.comp); of bones at the beginning, then at the end; of
-// strands at rest, in the groom's frame.
-#ifndef ROOTS_ACCESS
-#define ROOTS_ACCESS readonly
-#endif
-layout(std430, binding = 6) ROOTS_ACCESS buffer Roots { float roots[]; };
+// 7 per pose: of bones at the beginning of the step, then at its end; of the strands' roots at rest, in the groom's frame.
+layout(std430, binding = 6) readonly buffer Poses { float poses[]; };
 // body_count at the end of the first substep, then of the next, and so on.
 layout(std430, binding = 7) readonly buffer Bodies { PlacedBody bodies[]; };
 layout(std430, binding = 14) readonly buffer Shapes { uint shape_words[]; };
@@ -75,17 +71,17 @@ struct Pose {
   vec4 rotation;
 };
 
-Pose rootPose(uint index) {
+Pose poseAt(uint index) {
   uint at = index * 7u;
-  return Pose(vec3(roots[at], roots[at + 1u], roots[at + 2u]),
-              vec4(roots[at + 3u], roots[at + 4u], roots[at + 5u], roots[at + 6u]));
+  return Pose(vec3(poses[at], poses[at + 1u], poses[at + 2u]),
+              vec4(poses[at + 3u], poses[at + 4u], poses[at + 5u], poses[at + 6u]));
 }
 
 // Where its bone holds a vertex at `time`, the part of the step that has passed; of a rest_local entry with w < 0:
 // minus 1 minus the bone's number, and the position in the groom's frame.
 vec3 bonePoint(vec4 local, float time) {
-  uint bone = 2u * settings.strand_count + uint(-local.w) - 1u;
-  Pose from = rootPose(bone), to = rootPose(bone + settings.bone_count);
+  uint bone = uint(-local.w) - 1u;
+  Pose from = poseAt(bone), to = poseAt(bone + settings.bone_count);
   vec3 begin = rotate(from.rotation, local.xyz) + from.position, end = rotate(to.rotation, local.xyz) + to.position;
   return madd(end - begin, time, begin);
 }

@@ -1,0 +1,13 @@
+// Where the bones take the strands' roots. Needs step_input.glsl and strand_offsets.glsl.
+struct RootPoses {
+  Pose begin, end;  // of the step
+};
+
+Pose carriedRoot(Pose rest, Pose bone) {
+  return Pose(rotate(bone.rotation, rest.position) + bone.position, multiply(bone.rotation, rest.rotation));
+}
+RootPoses rootPoses(uint strand) {
+  const uint bones = settings.bone_count, bone = offsets[2u * settings.strand_count + 1u + strand];
+  const Pose rest = poseAt(2u * bones + strand);
+  return RootPoses(carriedRoot(rest, poseAt(bone)), carriedRoot(rest, poseAt(bone + bones)));
+}
