@@ -1,6 +1,5 @@
 // How a strand's root moves in each substep. The invocations of a strand work out THREADS substeps at once, one each, and
-// share them. Needs rod_strand.glsl and
-// root_poses.glsl.
+// share them. Needs rod_strand.glsl and root_poses.glsl.
 
 struct RootMotion {
   vec3 position;     // m, at the end of the substep
