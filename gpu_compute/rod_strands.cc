@@ -233,11 +233,11 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   joints_.bindStorage(10);
   if (edges_.bytes() > 0) edges_.bindStorage(11);
   strands_.bindStorage(12);
-  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
   if (!needs.bodies && areFew(false)) {  // nothing is listed
     solve(mine, needs, 0, substeps);
     return;
   }
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
   glClearNamedBufferSubData(
       work_.id(), GL_RGBA32UI, static_cast<GLintptr>(violentAt(0, 0) * sizeof(uint32_t)),
       static_cast<GLsizeiptr>((violentAt(0, dispatches) - violentAt(0, 0)) * sizeof(uint32_t)),
