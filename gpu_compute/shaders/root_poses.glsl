@@ -4,7 +4,7 @@ struct RootPoses {
 };
 
 Pose carriedRoot(Pose rest, Pose bone) {
-  return Pose(rotate(bone.rotation, rest.position) + bone.position, multiply(bone.rotation, rest.rotation));
+  return Pose(apply(bone, rest.position), multiply(bone.rotation, rest.rotation));
 }
 RootPoses rootPoses(uint strand) {
   const uint bones = settings.bone_count, bone = offsets[2u * settings.strand_count + 1u + strand];

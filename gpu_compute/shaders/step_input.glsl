@@ -77,11 +77,13 @@ Pose poseAt(uint index) {
               vec4(poses[at + 3u], poses[at + 4u], poses[at + 5u], poses[at + 6u]));
 }
 
+// As Pose::apply() of core/geometry.h.
+vec3 apply(Pose pose, vec3 point) { return rotate(pose.rotation, point) + pose.position; }
+
 // Where its bone holds a vertex at `time`, the part of the step that has passed; of a rest_local entry with w < 0:
 // minus 1 minus the bone's number, and the position in the groom's frame.
 vec3 bonePoint(vec4 local, float time) {
   uint bone = uint(-local.w) - 1u;
-  Pose from = poseAt(bone), to = poseAt(bone + settings.bone_count);
-  vec3 begin = rotate(from.rotation, local.xyz) + from.position, end = rotate(to.rotation, local.xyz) + to.position;
+  vec3 begin = apply(poseAt(bone), local.xyz), end = apply(poseAt(bone + settings.bone_count), local.xyz);
   return madd(end - begin, time, begin);
 }
