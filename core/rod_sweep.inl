@@ -406,12 +406,14 @@ class RodStep::Pulls {
 template <class Shift>
 void RodStep::moveAndEliminateLengths(Shift shift) {
   real3 old_in = state3(b.position, 0), shift_in = get3(kShift, 0);
-  real3 t_in = makeReal3(lit(0), lit(0), lit(0)), normal_in = t_in;
+  real3 t_in = makeReal3(lit(0), lit(0), lit(0)), normal_in = t_in, normal_in2 = t_in;
   real w_in = lit(0), w_in2 = lit(0);
   real own = lit(0), excess = lit(0), lower = lit(0), right = lit(0), factor = lit(0);
   // Row e with `own_out`, what its outer vertex has on its diagonal; gives its inverse pivot.
   auto eliminate = [&](int e, const real& own_out) {
-    const real pivot = inverse(max(own + own_out - lower * factor, lengthPivot(w_in2, w_in)));
+    real diagonal = own + own_out;
+    if (near_.size() > 0) diagonal = diagonal + lengthHeld(t_in, normal_in2, w_in2, normal_in, w_in);
+    const real pivot = inverse(max(diagonal - lower * factor, lengthPivot(w_in2, w_in)));
     right = (excess - lower * right) * pivot;
     set(kRight, e, right);
     set(kLengthPivot, e, pivot);
@@ -440,6 +442,7 @@ void RodStep::moveAndEliminateLengths(Shift shift) {
     old_in = old;
     shift_in = shifted;
     t_in = t;
+    normal_in2 = normal_in;
     normal_in = normalAt(e + 1);
   }
   eliminate(ne - 1, weightAlong(t_in, normal_in, w_in, lit(0), lit(1)));

@@ -126,8 +126,14 @@ FN real weightAlong(IN(real3) t, IN(real3) normal, IN(real) weight, IN(real) sof
   real a = dot(t, normal);
   return weight * (lit(1) - a * a - lit(0.5) * softness * (lit(1) - c));
 }
-// The length system has one unknown (m, pull x weight) per edge and on its diagonal the weights of both ends along it; this
-// couples the edges t and t_other that meet at a vertex.
+// The length system has one unknown (m, pull x weight) per edge and on its diagonal the weights of both ends along it, and what
+// this adds: contact leaves a tenth of them at least. An edge along the normals at its ends would get a pull without bound, and
+// throw sideways whatever is not upright to the last digit.
+FN real lengthHeld(IN(real3) t, IN(real3) normal_in, IN(real) weight_in, IN(real3) normal, IN(real) weight) {
+  real a_in = dot(t, normal_in), a = dot(t, normal);
+  return max(weight_in * (a_in * a_in - lit(0.9)) + weight * (a * a - lit(0.9)), lit(0));
+}
+// This couples the edges t and t_other that meet at a vertex.
 FN real lengthAcross(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) weight, IN(real) softness, IN(real) c) {
   return lit(0) - weight * (c - dot(t, normal) * dot(t_other, normal) + lit(0.5) * softness * (lit(1) - c));
 }

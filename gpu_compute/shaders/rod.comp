@@ -339,6 +339,9 @@ void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD],
     float c = dot(tangent[p], p < kLast ? tangent[min(p + 1, kLast)] : tangent_out);
     float own = weightAlong(tangent[p], n_in, w_in, soft_in, c_in) +
                 weightAlong(tangent[p], NORMAL(p), weight(p), softness[p], c);
+#if BODIES
+    own += lengthHeld(tangent[p], n_in, w_in, NORMAL(p), weight(p));
+#endif
     own_diagonal[p] = select(isEdge(p), own, 1.0);
     lower[p] = select(isEdge(p) && (p > 0 || hasBefore(1)), lengthAcross(tangent[p], t_in, n_in, w_in, soft_in, c_in), 0.0);
     pivot[p] = lengthPivot(w_in, weight(p));

@@ -52,10 +52,10 @@ constexpr double kOneStepTolerance = 5e-6;
 constexpr double kRodOneStepTolerance = 4e-5, kGoalTolerance = 6e-5;
 constexpr double kDensestRod = 3000;
 // A vertex that grazes a body may touch it in one precision and not in the other; the length solve then holds
-// it or does not. With bodies, one strand of the rod in a hundred may differ by this instead.
+// it or does not. Of the rod's strands among bodies, how many may differ from the oracle by more than a
+// rounding explains, and by more than kGrazingTolerance: 0.2 to 0.5 % and 0 to 0.11 % do, on CPUs and on
+// llvmpipe alike.
 constexpr double kGrazingTolerance = 5e-3;
-// Of strands among bodies, how many may differ from the oracle by more than a rounding explains, and by more
-// than kGrazingTolerance. On the CPU 0.3 % and 0.02 % do at most, on llvmpipe 0.5 % and 0.1 %.
 constexpr double kMostOff = 0.0075, kMostFar = 0.0015;
 constexpr double kSensitivityFactor = 10;
 constexpr uint32_t kNudges = 8;  // by which that is found, the largest counts
@@ -276,13 +276,9 @@ std::vector<StepAmongBodies> stepsAmongBodies(const Parameters& common) {
 
 // Strands of the rod that are thrown at bodies may touch them or not by a rounding, which no few nudges of
 // the oracle's input foresee. So these are counted, over states that nobody has chosen.
-TEST_P(Conformance, NearlyAllStrandsAmongBodiesAgreeWithTheOracle) {
-  if (parameters_.solver != SolverKind::kRod) return;
-  static const std::vector<StepAmongBodies> steps = stepsAmongBodies(parameters_);
+struct Disagreement {
   size_t compared = 0, off = 0, far = 0;
-  for (const StepAmongBodies& step : steps) {
-    const StrandState mine = stepped(step.model, step.from, step.input());
-    const std::vector<double> error = errors(step.model, mine, step.truth, step.substep());
+  void add(const StepAmongBodies& step, const std::vector<double>& error) {
     for (size_t s = 0; s < error.size(); ++s) {
       if (tooDense(step.model, s, step.substep())) continue;
       ++compared;
@@ -290,9 +286,21 @@ TEST_P(Conformance, NearlyAllStrandsAmongBodiesAgreeWithTheOracle) {
       far += error[s] >= kGrazingTolerance;
     }
   }
-  std::printf("             of %zu strands %zu are off, %zu of them far\n", compared, off, far);
-  EXPECT_LT(static_cast<double>(off), kMostOff * static_cast<double>(compared));
-  EXPECT_LT(static_cast<double>(far), kMostFar * static_cast<double>(compared));
+  void expectLittle() const {
+    std::printf("             of %zu strands %zu are off, %zu of them far\n", compared, off, far);
+    EXPECT_LT(static_cast<double>(off), kMostOff * static_cast<double>(compared));
+    EXPECT_LT(static_cast<double>(far), kMostFar * static_cast<double>(compared));
+  }
+};
+
+TEST_P(Conformance, NearlyAllStrandsAmongBodiesAgreeWithTheOracle) {
+  if (parameters_.solver != SolverKind::kRod) return;
+  static const std::vector<StepAmongBodies> steps = stepsAmongBodies(parameters_);
+  Disagreement all;
+  for (const StepAmongBodies& step : steps)
+    all.add(step,
+            errors(step.model, stepped(step.model, step.from, step.input()), step.truth, step.substep()));
+  all.expectLittle();
 }
 
 TEST_P(Conformance, AStepUnderAccelerationsAgreesWithTheOracle) {
@@ -322,54 +330,55 @@ TEST_P(Conformance, AStepUnderAccelerationsAgreesWithTheOracle) {
   }
 }
 
-// Bodies of every kind, each alone, so that every strand that differs is the doing of one kind.
-std::vector<StepAmongBodies> stepsByKind(const Parameters& common) {
-  std::vector<StepAmongBodies> out;
-  for (int kind = 0; kind < kFurtherKinds; ++kind) {
-    StepAmongBodies step;
-    step.model = awkwardModel(65, 17);
-    step.from = disturbedState(step.model, 18);
-    step.parameters = common;
-    step.bodies = {furtherBody(kind, common.time_step, step.shapes)};
-    step.bones_end = {movedHead()};
-    step.askTheOracle();
-    out.push_back(std::move(step));
-  }
+// Bodies of every kind, each alone, so that every strand that differs is the doing of one kind; the rod from
+// several states, for its strands are counted.
+using StepsOfKind = std::vector<StepAmongBodies>;
+std::vector<StepsOfKind> stepsOfEachKind(const Parameters& common) {
+  std::vector<StepsOfKind> out(kFurtherKinds);
+  const uint32_t states = common.solver == SolverKind::kRod ? 8 : 1;
+  for (int kind = 0; kind < kFurtherKinds; ++kind)
+    for (uint32_t state = 0; state < states; ++state) {
+      StepAmongBodies& step = out[static_cast<size_t>(kind)].emplace_back();
+      step.model = awkwardModel(65, 17);
+      step.from = disturbedState(step.model, 18 + state);
+      step.parameters = common;
+      step.bodies = {furtherBody(kind, common.time_step, step.shapes)};
+      step.bones_end = {movedHead()};
+      step.askTheOracle();
+    }
   return out;
 }
 TEST_P(Conformance, OneStepWithEveryKindOfBodyAgreesWithTheOracle) {
-  static std::map<SolverKind, std::vector<StepAmongBodies>> known;
-  std::vector<StepAmongBodies>& steps = known[parameters_.solver];
-  if (steps.empty()) steps = stepsByKind(parameters_);
+  static std::map<SolverKind, std::vector<StepsOfKind>> known;
+  std::vector<StepsOfKind>& kinds = known[parameters_.solver];
+  if (kinds.empty()) kinds = stepsOfEachKind(parameters_);
   const bool rod = parameters_.solver == SolverKind::kRod;
-  const double tolerance = rod ? kRodOneStepTolerance : kOneStepTolerance;
-  const StrandModel& model = steps[0].model;
-  const StrandState untouched = oracleStep(model, steps[0].from, {&parameters_, {}, steps[0].bones_end});
-  size_t grazing = 0;
-  for (int kind = 0; kind < kFurtherKinds; ++kind) {
-    const StepAmongBodies& step = steps[static_cast<size_t>(kind)];
-    const StrandState mine = stepped(step.model, step.from, step.input());
-    const std::vector<double> error = errors(model, mine, step.truth, step.substep());
-    const std::vector<double> touched = errors(model, step.truth, untouched, step.substep());
-    size_t moved_by_body = 0;
+  Disagreement all;
+  for (const StepsOfKind& steps : kinds) {
+    const auto kind = &steps - kinds.data();
+    size_t strands = 0, moved_by_body = 0;
     double worst = 0;
-    for (size_t s = 0; s < model.strands(); ++s) {
-      if (rod && tooDense(model, s, step.substep())) continue;
-      moved_by_body += touched[s] > 1e-3;
-      const double limit = tolerance + kSensitivityFactor * step.sensitivity[s];
-      if (rod && error[s] >= limit && error[s] < kGrazingTolerance) {
-        ++grazing;
-        std::printf("             strand %zu grazes kind %d: %.1e, beyond %.1e\n", s, kind, error[s], limit);
-        continue;
+    for (const StepAmongBodies& step : steps) {
+      const StrandState untouched = oracleStep(step.model, step.from, {&step.parameters, {}, step.bones_end});
+      const std::vector<double> touched = errors(step.model, step.truth, untouched, step.substep());
+      const std::vector<double> error =
+          errors(step.model, stepped(step.model, step.from, step.input()), step.truth, step.substep());
+      strands += step.model.strands();
+      for (size_t s = 0; s < error.size(); ++s) {
+        if (rod && tooDense(step.model, s, step.substep())) continue;
+        moved_by_body += touched[s] > 1e-3;
+        worst = std::max(worst, error[s]);
+        if (!rod)
+          EXPECT_LT(error[s], kOneStepTolerance + kSensitivityFactor * step.sensitivity[s])
+              << "strand " << s << ", kind " << kind;
       }
-      worst = std::max(worst, error[s]);
-      EXPECT_LT(error[s], limit) << "strand " << s << ", kind " << kind;
+      if (rod) all.add(step, error);
     }
-    std::printf("             kind %d moves %zu strands: %.1e of a strand's length\n", kind, moved_by_body,
-                worst);
-    EXPECT_GT(moved_by_body, model.strands() / 8);
+    std::printf("             kind %td moves %zu strands of %zu: %.1e of a strand's length\n", kind,
+                moved_by_body, strands, worst);
+    EXPECT_GT(moved_by_body, strands / 8);
   }
-  EXPECT_LE(grazing, kFurtherKinds * model.strands() / 100);
+  if (rod) all.expectLittle();
 }
 
 // Sixty balls about the head and in the hair, most of them out of a strand's reach; the head moves. Only
