@@ -35,9 +35,9 @@ double operationsPerVertexSubstep(const StrandModel& model, const StrandState& s
   kernels::counting::operations = 0;
   size_t vertices = 0;
   for (size_t b = 0; b < store.blocks(); b += apart) {
-    store.setInput(b, input);
-    kernels::counting::stepBlock(store.block(b), input, scratch.data());
-    vertices += static_cast<size_t>(store.block(b).vertices);
+    const BlockView<float> block = store.block(b, input, scratch.data());
+    kernels::counting::stepBlock(block, input, scratch.data());
+    vertices += static_cast<size_t>(block.vertices);
   }
   return static_cast<double>(kernels::counting::operations) /
          (static_cast<double>(vertices) * input.parameters->substeps);

@@ -134,7 +134,7 @@ class NearBodies {
   }
 
  private:
-  static constexpr size_t kMost = 64, kMostLanes = 64;
+  static constexpr size_t kMost = 64;
   static constexpr double kFarOff = 0.01;       // m, more than most vertices go in a step
   static_assert(kPlacedBodies % kLanes == 0);  // limits are read by vectors
 

@@ -48,18 +48,13 @@ class ScalarBackend final : public Backend {
 
   void step(const StepInput& input) override {
     expect(*input.parameters, !input.primitives.empty());
-    for (size_t b = 0; b < store_.blocks(); ++b) {
-      store_.setInput(b, input);
-      sweep(store_.block(b), input, scratch_.data());
-    }
+    for (size_t b = 0; b < store_.blocks(); ++b)
+      sweep(store_.block(b, input, scratch_.data()), input, scratch_.data());
     readGuides();
   }
   std::span<const Vec3> guides() override { return guides_; }
   bool takesAccelerations() const override { return true; }
-  void expectAccelerations() override {
-    store_.expectAccelerations();
-    velocities_.resize(guides_.size());
-  }
+  void expectAccelerations() override { velocities_.resize(guides_.size()); }
   std::span<const Vec3> velocities() override {
     velocities_.resize(guides_.size());
     for (size_t b = 0; b < store_.blocks(); ++b) store_.readVelocities(b, velocities_);

@@ -87,7 +87,7 @@ void BlockStore<Scalar>::layOut() {
   pins_.clear();
   max_vertices_ = 0;
   rows_ = 0;
-  for (Table* table : {&rest_local_, &course_, &contacts_, &accelerations_}) table->numbers = Memory();
+  for (Table* table : {&rest_local_, &course_, &contacts_}) table->numbers = Memory();
   StrandOrder order = strandOrder(*model_);
   order_ = std::move(order.strands);
   size_t memory = 0;
@@ -296,8 +296,7 @@ void BlockStore<Scalar>::forgetContacts(Block& block) {
 }
 
 template <class Scalar>
-void BlockStore<Scalar>::setInput(size_t b, const StepInput& input) {
-  Block& block = blocks_[b];
+void BlockStore<Scalar>::setInput(Block& block, const StepInput& input) {
   const bool pressing = input.parameters->solver == SolverKind::kRod && !input.primitives.empty();
   if (!pressing && block.pressed) forgetContacts(block);
   block.pressed = pressing;
@@ -323,19 +322,27 @@ void BlockStore<Scalar>::setInput(size_t b, const StepInput& input) {
       row[static_cast<size_t>(kHeldEnd + c) * lanes_] = static_cast<Scalar>(end[c]);
     }
   }
-  block.accelerated = !input.accelerations.empty() && !accelerations_.numbers.empty();
-  if (!block.accelerated) return;
-  for (int lane = 0; lane < lanes_; ++lane) {
-    const Vec3* in = input.accelerations.data() + model_->offsets[strandOf(block, lane)];
-    Scalar* out = rows(accelerations_, block) + lane;
-    for (int i = 0; i < block.vertices; ++i)
-      for (int c = 0; c < 3; ++c, out += lanes_) *out = static_cast<Scalar>(in[i][c]);
-  }
 }
 
 template <class Scalar>
-BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
-  const Block& block = blocks_[b];
+void BlockStore<Scalar>::setAccelerations(const Block& block, const StepInput& input, Scalar* out) const {
+  const Vec3* strands[kMostLanes];
+  for (int lane = 0; lane < lanes_; ++lane)
+    strands[lane] = input.accelerations.data() + model_->offsets[strandOf(block, lane)];
+  for (int i = 0; i < block.vertices; ++i)
+    for (int c = 0; c < 3; ++c, out += lanes_)
+      for (int lane = 0; lane < lanes_; ++lane) out[lane] = static_cast<Scalar>(strands[lane][i][c]);
+}
+
+template <class Scalar>
+BlockView<Scalar> BlockStore<Scalar>::block(size_t b, const StepInput& input, Scalar* scratch) {
+  Block& block = blocks_[b];
+  setInput(block, input);
+  Scalar* accelerations = nullptr;
+  if (!input.accelerations.empty()) {
+    accelerations = scratch + blockScratch(block.vertices, lanes_) - accelerationScratch(block.vertices, lanes_);
+    setAccelerations(block, input, accelerations);
+  }
   return {block.vertices,
           block.pinned,
           block.uniform,
@@ -358,7 +365,7 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b) {
           {rows(rest_local_, block)},
           rows(course_, block),
           {rows(contacts_, block)},
-          {block.accelerated ? rows(accelerations_, block) : nullptr},
+          {accelerations},
           block.neighbourhood};
 }
 

@@ -95,12 +95,15 @@ enum GroomingPlane : int {
 constexpr float kPinnedMass = 1e6f;    ///< of a vertex that the rod's bending solve must not move
 constexpr float kShortestEdge = 0.1f;  ///< of the strand's mean: shorter edges bend as if they were this long
 
+constexpr int kMostLanes = 64;  ///< strands of a block, at most
+
 constexpr int kSolverPlanes = 22;   ///< scratch numbers per vertex of a solver,
 constexpr int kGroomingRows = 5;    ///< of core/grooming.inl
 constexpr int kContactPlanes = 21;  ///< and of core/near_bodies.inl,
 constexpr int kPlacedBodies = 16;   ///< which has one for each of so many bodies too, whatever the lanes
 
-/// Scalars of scratch memory that a step of a block needs: those of its solver, of grooming, of contact.
+/// Scalars of scratch memory that a step of a block needs: those of its solver, of grooming, of contact, and its strands'
+/// accelerations.
 constexpr size_t solverScratch(int vertices, int lanes) {
   return static_cast<size_t>(kSolverPlanes) * (vertices + 2) * lanes;
 }
@@ -110,8 +113,12 @@ constexpr size_t groomingScratch(int vertices, int lanes) {
 constexpr size_t contactScratch(int vertices, int lanes) {
   return static_cast<size_t>(kContactPlanes * lanes + kPlacedBodies) * vertices;
 }
+constexpr size_t accelerationScratch(int vertices, int lanes) {
+  return static_cast<size_t>(3) * vertices * lanes;
+}
 constexpr size_t blockScratch(int vertices, int lanes) {
-  return solverScratch(vertices, lanes) + groomingScratch(vertices, lanes) + contactScratch(vertices, lanes);
+  return solverScratch(vertices, lanes) + groomingScratch(vertices, lanes) + contactScratch(vertices, lanes) +
+         accelerationScratch(vertices, lanes);
 }
 
 /// The working store of the CPU backends: strands in the order of StrandOrder, cut into blocks of `lanes`
@@ -120,7 +127,7 @@ constexpr size_t blockScratch(int vertices, int lanes) {
 template <class Scalar>
 class BlockStore {
  public:
-  /// `model` is to outlive its use here.
+  /// `model` is to outlive its use here; `lanes`: 1 to kMostLanes.
   void load(const StrandModel& model, int lanes);
   /// Makes room for what steps with such settings need, and with bodies where there are some. To be called
   /// before the first of them; where there is room, it costs nothing.
@@ -131,12 +138,10 @@ class BlockStore {
   size_t blocks() const { return blocks_.size(); }
   int lanes() const { return lanes_; }
   int maxVertices() const { return max_vertices_; }
-  BlockView<Scalar> block(size_t b);
-  /// Copies what the step gives block b's strands into its planes: roots, where bones hold vertices,
-  /// accelerations. Contact forces of bodies that are gone are forgotten.
-  void setInput(size_t b, const StepInput& input);
-  /// Room for accelerations, before the first setInput() with some.
-  void expectAccelerations() { makeRoom(accelerations_); }
+  /// Block b for a step: what the step gives its strands is copied into its planes, roots and where bones hold
+  /// vertices, and accelerations into the end of `scratch`, which has room for blockScratch() numbers. Contact
+  /// forces of bodies that are gone are forgotten.
+  BlockView<Scalar> block(size_t b, const StepInput& input, Scalar* scratch);
   /// Copies the positions of block b's strands out, natural order.
   void readPositions(size_t b, std::span<Vec3> positions) const { read(b, 0, positions); }
   /// The same of velocities.
@@ -158,7 +163,6 @@ class BlockStore {
     size_t row;                        ///< its first in tables
     uint32_t neighbourhood;            ///< of StrandOrder
     uint32_t first_pin = 0, pins = 0;  ///< in pins_
-    bool accelerated = false;
     bool pressed = false;  ///< bodies may have left contact forces on it
   };
   static bool groomed(const Block& block) { return block.factors || block.tethers; }
@@ -190,6 +194,8 @@ class BlockStore {
   Scalar* grooming(const Block& block) const;
   Scalar* bonePins(const Block& block) const;
   void read(size_t b, int plane, std::span<Vec3> out) const;
+  void setInput(Block& block, const StepInput& input);
+  void setAccelerations(const Block& block, const StepInput& input, Scalar* out) const;
   void forgetContacts(Block& block);
   Scalar* restDistance(const Block& block) const;
 
@@ -202,7 +208,7 @@ class BlockStore {
   std::vector<uint32_t> order_;  ///< strands, as StrandOrder has them
   mutable Memory memory_;
   size_t rows_ = 0;  ///< of each table
-  Table rest_local_{3}, course_{kCoursePlanes}, contacts_{3}, accelerations_{3};
+  Table rest_local_{3}, course_{kCoursePlanes}, contacts_{3};
 };
 
 extern template class BlockStore<float>;

@@ -56,26 +56,28 @@ class SimdBackend final : public Backend {
   void upload(const StrandState& state) override {
     store_.upload(state);
     for (size_t b = 0; b < store_.blocks(); ++b) store_.readPositions(b, guides_);
+    velocities_are_newest_ = false;
   }
   void download(StrandState& state) override { store_.download(state); }
 
   void step(const StepInput& input) override {
     expect(*input.parameters, !input.primitives.empty());
+    velocities_are_newest_ = !input.accelerations.empty();
+    if (velocities_are_newest_) velocities_.resize(guides_.size());
     forBlocks([&](size_t begin, size_t end, int thread) {
       stepBlocks(begin, end, input, scratch_.data() + thread * scratch_stride_);
     });
   }
   std::span<const Vec3> guides() override { return guides_; }
   bool takesAccelerations() const override { return true; }
-  void expectAccelerations() override {
-    store_.expectAccelerations();
-    velocities_.resize(guides_.size());
-  }
+  void expectAccelerations() override { velocities_.resize(guides_.size()); }
   std::span<const Vec3> velocities() override {
+    if (velocities_are_newest_) return velocities_;
     velocities_.resize(guides_.size());
     forBlocks([&](size_t begin, size_t end, int) {
       for (size_t b = begin; b < end; ++b) store_.readVelocities(b, velocities_);
     });
+    velocities_are_newest_ = true;
     return velocities_;
   }
 
@@ -93,9 +95,10 @@ class SimdBackend final : public Backend {
   }
   void stepBlocks(size_t begin, size_t end, const StepInput& input, float* scratch) {
     for (size_t b = begin; b < end; ++b) {
-      store_.setInput(b, input);
-      target_.kernel.step_block(store_.block(b), input, scratch);
+      target_.kernel.step_block(store_.block(b, input, scratch), input, scratch);
       store_.readPositions(b, guides_);
+      // What gives accelerations asks for velocities; they are at hand now, and far when it does.
+      if (velocities_are_newest_) store_.readVelocities(b, velocities_);
     }
   }
 
@@ -106,6 +109,7 @@ class SimdBackend final : public Backend {
   size_t scratch_stride_ = 0;                              ///< floats per thread
   std::vector<float, CacheLineAllocator<float>> scratch_;  ///< threads x scratch_stride_
   std::vector<Vec3> guides_, velocities_;  ///< velocities: empty until accelerations are expected
+  bool velocities_are_newest_ = false;
 };
 
 }  // namespace

@@ -32,8 +32,7 @@ void stepOfBlock(benchmark::State& state, const simd::SimdTarget& target, Solver
   const StepInput input{&parameters};
   store.expect(parameters, false);
   for (auto _ : state) {
-    store.setInput(0, input);
-    target.kernel.step_block(store.block(0), input, scratch.data());
+    target.kernel.step_block(store.block(0, input, scratch.data()), input, scratch.data());
     benchmark::ClobberMemory();
   }
   state.SetItemsProcessed(state.iterations() * vertices * target.kernel.lanes * parameters.substeps);
