@@ -340,7 +340,8 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b, const StepInput& input, Sc
   setInput(block, input);
   Scalar* accelerations = nullptr;
   if (!input.accelerations.empty()) {
-    accelerations = scratch + blockScratch(block.vertices, lanes_) - accelerationScratch(block.vertices, lanes_);
+    accelerations =
+        scratch + blockScratch(block.vertices, lanes_) - accelerationScratch(block.vertices, lanes_);
     setAccelerations(block, input, accelerations);
   }
   return {block.vertices,

@@ -102,8 +102,8 @@ constexpr int kGroomingRows = 5;    ///< of core/grooming.inl
 constexpr int kContactPlanes = 21;  ///< and of core/near_bodies.inl,
 constexpr int kPlacedBodies = 16;   ///< which has one for each of so many bodies too, whatever the lanes
 
-/// Scalars of scratch memory that a step of a block needs: those of its solver, of grooming, of contact, and its strands'
-/// accelerations.
+/// Scalars of scratch memory that a step of a block needs: those of its solver, of grooming, of contact, and
+/// its strands' accelerations.
 constexpr size_t solverScratch(int vertices, int lanes) {
   return static_cast<size_t>(kSolverPlanes) * (vertices + 2) * lanes;
 }
@@ -138,9 +138,9 @@ class BlockStore {
   size_t blocks() const { return blocks_.size(); }
   int lanes() const { return lanes_; }
   int maxVertices() const { return max_vertices_; }
-  /// Block b for a step: what the step gives its strands is copied into its planes, roots and where bones hold
-  /// vertices, and accelerations into the end of `scratch`, which has room for blockScratch() numbers. Contact
-  /// forces of bodies that are gone are forgotten.
+  /// Block b for a step: what the step gives its strands is copied into its planes, roots and where bones
+  /// hold vertices, and accelerations into the end of `scratch`, which has room for blockScratch() numbers.
+  /// Contact forces of bodies that are gone are forgotten.
   BlockView<Scalar> block(size_t b, const StepInput& input, Scalar* scratch);
   /// Copies the positions of block b's strands out, natural order.
   void readPositions(size_t b, std::span<Vec3> positions) const { read(b, 0, positions); }
@@ -163,7 +163,7 @@ class BlockStore {
     size_t row;                        ///< its first in tables
     uint32_t neighbourhood;            ///< of StrandOrder
     uint32_t first_pin = 0, pins = 0;  ///< in pins_
-    bool pressed = false;  ///< bodies may have left contact forces on it
+    bool pressed = false;              ///< bodies may have left contact forces on it
   };
   static bool groomed(const Block& block) { return block.factors || block.tethers; }
   /// A vertex that is pinned to another bone than its root frame.

@@ -53,8 +53,8 @@ constexpr double kRodOneStepTolerance = 4e-5, kGoalTolerance = 6e-5;
 constexpr double kDensestRod = 3000;
 // A vertex that grazes a body may touch it in one precision and not in the other; the length solve then holds
 // it or does not. Of the rod's strands among bodies, how many may differ from the oracle by more than a
-// rounding explains, and by more than kGrazingTolerance: 0.2 to 0.6 % and 0 to 0.15 % do, on CPUs, llvmpipe and
-// an H100 alike.
+// rounding explains, and by more than kGrazingTolerance: 0.2 to 0.6 % and 0 to 0.15 % do, on CPUs, llvmpipe
+// and an H100 alike.
 constexpr double kGrazingTolerance = 5e-3;
 constexpr double kMostOff = 0.0075, kMostFar = 0.0015;
 constexpr double kSensitivityFactor = 10;
