@@ -109,7 +109,7 @@ class SimdBackend final : public Backend {
   size_t scratch_stride_ = 0;                              ///< floats per thread
   std::vector<float, CacheLineAllocator<float>> scratch_;  ///< threads x scratch_stride_
   std::vector<Vec3> guides_, velocities_;  ///< velocities: empty until accelerations are expected
-  bool velocities_are_newest_ = false;
+  bool velocities_are_newest_ = false;     ///< or to be, of a step that has accelerations
 };
 
 }  // namespace
