@@ -134,9 +134,9 @@ std::vector<uint32_t> keysOf(const StrandModel& model) {
 constexpr std::array<GLuint, 4> kNobody = {0, 1, 1, 0};
 constexpr size_t kMostSubsteps = 64;
 
-constexpr uint32_t kStrandsLookingUp = 16;  // of a workgroup of shaders/look_due.comp
+constexpr uint32_t kStrandsLooking = 8;  // of a workgroup of shaders/look.comp
 // Workgroups that go through a list as long as it is; so many keep every GPU busy.
-constexpr uint32_t kMostLooking = 2048;
+constexpr uint32_t kMostKeptOut = 2048;
 
 // Whether a workgroup is one subgroup whose invocations can read each other's registers.
 bool canShuffle() {
@@ -152,7 +152,7 @@ bool canShuffle() {
 }  // namespace
 
 RodStrands::RodStrands(const StrandModel& model, size_t few)
-    : model_(model), groups_(keysOf(model)), vertices_(model.vertices()), few_(few), shuffled_(canShuffle()) {
+    : model_(model), groups_(keysOf(model)), few_(few), shuffled_(canShuffle()) {
   std::vector<Vec4> joints(model.vertices());
   std::vector<StrandRest> strands(model.strands());
   for (uint32_t s = 0; s < model.strands(); ++s) {
@@ -162,7 +162,7 @@ RodStrands::RodStrands(const StrandModel& model, size_t few)
       joints[v] = {strain.x(), strain.y(), strain.z(), model.bend[v]};
     }
   }
-  std::vector<uint32_t> work(looksList());
+  std::vector<uint32_t> work(lostList() + model.strands());
   std::copy(groups_.order().begin(), groups_.order().end(), work.begin());
   work_ = gl::Buffer(std::span<const uint32_t>(work));
   joints_ = gl::Buffer(std::span<const Vec4>(joints));
@@ -228,7 +228,6 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
                              (needs.damping ? 8 : 0) + 16 * static_cast<size_t>(needs.turning)];
   if (mine.violent.empty()) mine = compile(needs, programs);
-  if (needs.bodies) expectLooks();
   work_.bindStorage(5);
   joints_.bindStorage(10);
   if (edges_.bytes() > 0) edges_.bindStorage(11);
@@ -248,29 +247,21 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   }
   const auto turning = static_cast<size_t>(needs.turning);
   const char* const defines = kTurning[turning];
-  const gl::Program& look_due = look_due_.get(programs, "look_due.comp", shaders::kLookDueComp);
   const gl::Program& look = look_[turning].get(programs, "look.comp", shaders::kLookComp, defines);
   const gl::Program& keep_out =
       keep_out_[turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, defines);
   const auto strands = static_cast<uint32_t>(groups_.order().size());
   for (int substep = 0; substep < substeps; ++substep) {
-    const auto looks = static_cast<GLuint>(looksCount(substep));
-    for (const gl::Program* program : {&look_due, &look}) {
-      glProgramUniform1ui(program->id(), 0, looks);
-      glProgramUniform1ui(program->id(), 1, static_cast<GLuint>(looksList()));
-      glProgramUniform1i(program->id(), 4, substep);
-    }
-    glProgramUniform1i(look_due.id(), 2, substep == 0 && !needs.same_bodies);
-    dispatch(look_due, strands, kStrandsLookingUp);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    dispatch(look, std::min(kMostLooking, static_cast<uint32_t>((vertices_ + 63) / 64)), 1);
+    glProgramUniform1i(look.id(), 0, substep);
+    glProgramUniform1i(look.id(), 1, substep == 0 && !needs.same_bodies);
+    dispatch(look, strands, kStrandsLooking);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     solve(mine, needs, substep, substep + 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glProgramUniform1ui(keep_out.id(), 2, static_cast<GLuint>(lostCount(substep)));
     glProgramUniform1ui(keep_out.id(), 3, static_cast<GLuint>(lostList()));
     glProgramUniform1i(keep_out.id(), 4, substep);
-    dispatch(keep_out, std::min(kMostLooking, strands), 1);
+    dispatch(keep_out, std::min(kMostKeptOut, strands), 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   }
 }
@@ -305,15 +296,6 @@ size_t RodStrands::violentAt(size_t group, int substep) const {
 size_t RodStrands::violentLists() const { return violentAt(0, kMostSubsteps); }
 size_t RodStrands::astrayLists() const { return violentLists() + groups_.order().size(); }
 size_t RodStrands::lostList() const { return astrayLists() + groups_.order().size(); }
-size_t RodStrands::looksList() const { return lostList() + groups_.order().size(); }
-
-void RodStrands::expectLooks() {
-  const size_t before = looksList() * sizeof(uint32_t), bytes = before + vertices_ * sizeof(uint32_t);
-  if (work_.bytes() == bytes) return;
-  gl::Buffer all(bytes, nullptr, GL_DYNAMIC_STORAGE_BIT);
-  glCopyNamedBufferSubData(work_.id(), all.id(), 0, 0, static_cast<GLsizeiptr>(before));
-  work_ = std::move(all);
-}
 
 void RodStrands::placeWork(const gl::Program& program, const Needs& needs, size_t group, int first,
                            int end) const {

@@ -46,20 +46,15 @@ class RodStrands {
   /// The substeps from `first` until before `end`.
   void solve(const Programs& programs, const Needs& needs, int first, int end) const;
   // Places in work_, in 4 bytes: the dispatch of a group's violent strands in a substep, after those of all
-  // groups that of its strands astray, then how many strands are lost and how many vertices look; and where
-  // lists start.
+  // groups that of its strands astray, then how many strands are lost; and where lists start.
   size_t violentAt(size_t group, int substep) const;
   size_t astrayAt(size_t group, int substep) const {
     return violentAt(groups_.groups().size() + group, substep);
   }
   size_t lostCount(int substep) const { return violentAt(2 * groups_.groups().size(), substep); }
-  size_t looksCount(int substep) const { return lostCount(substep) + 3; }
   size_t violentLists() const;
   size_t astrayLists() const;
   size_t lostList() const;
-  size_t looksList() const;
-  /// Room in work_ for a list of all vertices, before the first look.
-  void expectLooks();
   /// Tells the program what to do and where in work_ it lists the group's strands.
   void placeWork(const gl::Program& program, const Needs& needs, size_t group, int first, int end) const;
 
@@ -68,10 +63,9 @@ class RodStrands {
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
   gl::Buffer work_, joints_, strands_;
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
-  const size_t vertices_, few_;
+  const size_t few_;
   const bool shuffled_;
-  std::array<Programs, 48> programs_;  ///< by needs; empty until first needed
-  LazyProgram look_due_;
+  std::array<Programs, 48> programs_;           ///< by needs; empty until first needed
   std::array<LazyProgram, 3> look_, keep_out_;  ///< by Needs::turning
 };
 

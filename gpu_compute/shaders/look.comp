@@ -1,7 +1,11 @@
 #version 450
 // variants: TURNING=0 | TURNING=1 | TURNING=2
-// The listed vertices look at the bodies of a substep. TURNING: see bodies.glsl.
+// The vertices that have to look at bodies at the start of a substep do so: all but those that cannot have come near one since they
+// last saw none. A workgroup finds those of STRANDS strands, 32 invocations going over one, and then they look together, for few
+// of a strand do. TURNING: see bodies.glsl.
 #define WORKGROUP 64
+#define STRANDS 8  // kStrandsLooking of gpu_compute/rod_strands.cc
+#define MOST_VERTICES 128  // of a strand
 layout(local_size_x = WORKGROUP) in;
 
 #include "kernels/lanes_glsl.h"
@@ -14,12 +18,71 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/contact_sights.glsl"
 #include "gpu_compute/shaders/contact_look.glsl"
 #include "gpu_compute/shaders/root_poses.glsl"
-#include "gpu_compute/shaders/look_ahead.glsl"
+layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    // xyz, m
+layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // xyz, m/s; w: rest distance from bodies, m
+layout(location = 0) uniform int substep;
+layout(location = 1) uniform bool everyone;  // what vertices have seen is of other bodies
+
+shared vec3 jumps[STRANDS];
+shared uint due_count, due[STRANDS * MOST_VERTICES];  // strand of the workgroup x MOST_VERTICES + number in it
+
+// Unexpected motion of the strand's root in the substep, m: its vertices go along with it.
+vec3 jumpOf(uint strand) {
+  uint root = offsets[strand];
+  const RootPoses poses = rootPoses(strand);
+  const vec3 from = poses.begin.position;
+  vec3 root_position = madd(poses.end.position - from, timeAfter(substep), from);
+  return root_position - madd(velocities[root].xyz, settings.substep, positions[root].xyz);
+}
+// Where it would go by itself.
+vec3 aheadOf(uint vertex, vec3 jump) {
+  return madd(velocities[vertex].xyz, settings.substep * settings.keep, positions[vertex].xyz) + jump;
+}
+
+// At most how far it is from start to x, seen from any of the bodies that the strand may touch.
+float wayAlong(uint strand, vec3 x, vec3 start) {
+  uvec2 range = nearRange(strand);
+  uint leader = ~0u;
+  float most = 0.0;
+  for (uint i = range.x; i < range.y; ++i) {
+    PlacedBody body = bodyAt(nearBody(i), substep);
+    if (body.leader == leader) continue;
+    leader = body.leader;
+    body = bodyAt(leader, substep);
+    float turn = length(body.turn);  // of the third order in it is what carriedBy() leaves out
+    float slack = madd(turn * turn * turn * 0.2, length(start - body.a), kAlike) + body.bend_shift;
+    most = max(most, length(x - carriedBy(start, body.a, body.a_motion, body.turn)) + slack);
+  }
+  return most;
+}
+
+bool isDue(uint strand, uint vertex, vec3 jump) {
+  uint sight = sightAt(vertex, kLooked);
+  vec4 looked = contacts[sight];
+  if (everyone || seesPlanes(looked)) return true;
+  vec3 start = positions[vertex].xyz, ahead = aheadOf(vertex, jump);
+  // Its reach grows by half of its way.
+  float room = looked.w - length(start - looked.xyz) - 1.5 * wayAlong(strand, ahead, start);
+  if (!(room >= 0.0)) return true;
+  contacts[sight] = vec4(ahead, room);
+  return false;
+}
 
 void main() {
-  const uint count = work[looks_count];
-  for (uint at = gl_GlobalInvocationID.x; at < count; at += gl_NumWorkGroups.x * uint(WORKGROUP)) {
-    uint entry = work[looks_list + at], strand = strandOf(entry), vertex = offsets[strand] + numberOf(entry);
-    look(strand, vertex, aheadOf(vertex, jumpOf(strand)), positions[vertex].xyz, clearance(velocities[vertex]), substep);
+  const uint me = gl_LocalInvocationID.x;
+  const uint first = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * uint(STRANDS);
+  if (me == 0u) due_count = 0u;
+  barrier();
+  for (uint own = me / 32u; own < uint(STRANDS) && first + own < settings.strand_count; own += uint(WORKGROUP) / 32u) {
+    const uint strand = first + own, root = offsets[strand], end = offsets[strand + 1u];
+    const vec3 jump = jumpOf(strand);
+    if (me % 32u == 0u) jumps[own] = jump;
+    for (uint number = 1u + me % 32u; root + number < end; number += 32u)
+      if (isDue(strand, root + number, jump)) due[atomicAdd(due_count, 1u)] = own * uint(MOST_VERTICES) + number;
+  }
+  barrier();
+  for (uint at = me; at < due_count; at += uint(WORKGROUP)) {
+    const uint own = due[at] / uint(MOST_VERTICES), vertex = offsets[first + own] + due[at] % uint(MOST_VERTICES);
+    look(first + own, vertex, aheadOf(vertex, jumps[own]), positions[vertex].xyz, clearance(velocities[vertex]), substep);
   }
 }
