@@ -77,7 +77,7 @@ struct BackendInfo {
   std::string reason;  ///< the device when available, else why not and what to do
   int score = 0;       ///< `auto` takes the highest available
   std::function<std::unique_ptr<Backend>(int threads)> create;  ///< threads: 0 = all; may throw Error
-  std::vector<SolverKind> solvers{SolverKind::kGaussSeidel};    ///< that it has
+  std::vector<SolverKind> solvers{SolverKind::kRod};            ///< that it has
 };
 
 /// The reference backend: float, scalar, one thread. Simple enough to read; the others are held against it.

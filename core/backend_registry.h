@@ -11,6 +11,6 @@ namespace strandcast {
 /// falls to the next when creation fails or it lacks the solver. A named backend that cannot run it is an
 /// Error: nothing is replaced silently.
 std::unique_ptr<Backend> createBackend(const std::vector<BackendInfo>& known, const std::string& name,
-                                       int threads, SolverKind solver = SolverKind::kGaussSeidel);
+                                       int threads, SolverKind solver = SolverKind::kRod);
 
 }  // namespace strandcast

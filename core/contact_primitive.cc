@@ -65,6 +65,8 @@ uint64_t nextRevision() {
 }  // namespace
 
 void checkPrimitive(const ContactPrimitive& p, const std::string& where) {
+  if (static_cast<uint32_t>(p.kind) > static_cast<uint32_t>(PrimitiveKind::kField))
+    throw Error("a body's shape is of no known kind", where, "give a PrimitiveKind");
   if (!p.a.allFinite() || !p.b.allFinite() || !std::isfinite(p.radius) || !std::isfinite(p.friction) ||
       !std::isfinite(p.radius_b) || !p.extent.allFinite() || !p.rotation.coeffs().allFinite())
     throw Error("a body's shape is not finite", where, "check its points, sizes, rotation and friction");

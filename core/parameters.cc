@@ -51,8 +51,8 @@ const std::vector<Entry>& entries() {
       scalar("goal_rate", "1/s", 0, 1000, "0 to 1000",
              "pull towards the rest shape as the root carries it: acceleration this^2 x distance; 0 = off",
              &P::goal_rate),
-      scalar("hair_radius", "m", 0, 0.01, "0 to 0.01", "distance kept between a hair's axis and every body",
-             &P::hair_radius),
+      scalar("hair_radius", "m", 0, static_cast<double>(kThickestHair), "0 to 0.01",
+             "distance kept between a hair's axis and every body", &P::hair_radius),
       scalar("grid_cells", "", 16, 128, "16 to 128, a multiple of 16",
              "cells per axis of the grids of air and of hair", &P::grid_cells, 16),
       scalar("wind_grid", "", 0, 1, "0 or 1",
@@ -150,6 +150,8 @@ void setParameter(Parameters& parameters, const std::string& name, const std::ve
 }
 
 void checkParameters(const Parameters& parameters, const std::string& where) {
+  if (parameters.solver != SolverKind::kGaussSeidel && parameters.solver != SolverKind::kRod)
+    throw Error("unknown solver", where, "choose kGaussSeidel or kRod");
   for (const Entry& e : entries()) checkRange(e, valueOf(e, parameters), where);
 }
 

@@ -15,21 +15,28 @@ enum class SolverKind {
 /// as that takes. In longer ones the tensions of violent motion are forgotten too slowly.
 constexpr float kLongestSubstep = 1.0f / 60.0f;
 
-/// Everything that may change while a simulation runs. SI units.
+constexpr float kThickestHair = 0.01f;  ///< m, Parameters::hair_radius at most
+
+/// Everything that may change while a simulation runs, but for the solver. SI units; parameterList() has the
+/// range of each, beyond which checkParameters() throws.
 struct Parameters {
-  float time_step = 1.0f / 60.0f;                ///< s, fixed; 1e-5 to 1/30
-  int substeps = 4;                              ///< per step, 1 to 64; see kLongestSubstep
-  int iterations = 6;                            ///< of {angular, distance, contact} per substep, 1 to 64
-  SolverKind solver = SolverKind::kGaussSeidel;  ///< of a simulation's whole life
-  Vec3 gravity{0, -9.81f, 0};                    ///< m/s^2
-  Vec3 wind = Vec3::Zero();                      ///< m/s, uniform air velocity
-  float air_drag = 1.0f;          ///< 1/s, rate at which hair takes on the velocity of the air; 0 or more
-  float shape_rate = 400.0f;      ///< 1/s, rate at which the local shape is restored at the root; 0 or more
+  float time_step = 1.0f / 60.0f;  ///< s, fixed; 1e-5 to 1/30
+  int substeps = 4;                ///< per step, 1 to 64; see kLongestSubstep
+  /// Of a simulation's whole life. The rod is what a Material is for; gauss_seidel knows no stiffness but the
+  /// shape rates, and stretches.
+  SolverKind solver = SolverKind::kRod;
+  int iterations = 6;          ///< of gauss_seidel: of {angular, distance, contact} per substep, 1 to 64
+  Vec3 gravity{0, -9.81f, 0};  ///< m/s^2, each component within 10,000
+  Vec3 wind = Vec3::Zero();    ///< m/s, uniform air velocity, each component within 100
+  float air_drag = 1.0f;       ///< 1/s, rate at which hair takes on the velocity of the air; 0 to 1000
+  /// 1/s, of gauss_seidel: rate at which the local shape is restored at the root; 0 to 1e6.
+  float shape_rate = 400.0f;
   float shape_rate_tip = 100.0f;  ///< 1/s, the same at the tip; linear in between
-  float damping_time = 0;  ///< s, internal (Kelvin-Voigt) damping of the rod: zeta = omega damping_time / 2
-  float goal_rate =
-      0;  ///< 1/s, pull towards the rest shape as the root carries it: goal_rate^2 (goal - x); 0 = off
-  float hair_radius = 40e-6f;  ///< m, kept between the hair's axis and every body
+  /// s, internal (Kelvin-Voigt) damping of the rod: zeta = omega damping_time / 2; 0 to 1.
+  float damping_time = 0;
+  /// 1/s, pull towards the rest shape as the root carries it: goal_rate^2 (goal - x); 0 = off, to 1000.
+  float goal_rate = 0;
+  float hair_radius = 40e-6f;  ///< m, kept between the hair's axis and every body; 0 to kThickestHair
 
   // Surroundings (air/, docs/air.md).
   int grid_cells = 32;             ///< per axis, of the grids of air and of hair; 16 to 128, a multiple of 16

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <thread>
 
+#include "core/error.h"
 #include "core/joint_law.h"
 
 namespace strandcast {
@@ -102,6 +103,8 @@ bool Strand::stable(double factor) {
 }  // namespace
 
 SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity) {
+  if (!gravity.allFinite())
+    throw Error("gravity is not finite", "makeSagFree", "give three numbers in m/s^2");
   constexpr double kGrowth = 1.5;  // of the factor from one trial to the next
   std::vector<float> factors(model.strands());
   auto work = [&](size_t begin, size_t end) {

@@ -44,14 +44,24 @@ Parameters inShortSubsteps(Parameters parameters) {
   return parameters;
 }
 
+// Before anything is made of them.
+std::unique_ptr<StrandModel> checked(StrandModel model) {
+  checkModel(model, "Simulation");
+  return std::make_unique<StrandModel>(std::move(model));
+}
+std::unique_ptr<Backend> checked(std::unique_ptr<Backend> backend) {
+  if (backend == nullptr) throw Error("there is no backend", "Simulation", "make one with createBackend()");
+  return backend;
+}
+
 }  // namespace
 
 Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
                        std::unique_ptr<Backend> backend, std::unique_ptr<Surroundings> surroundings,
                        std::unique_ptr<BroadPhase> broad_phase)
-    : model_(std::make_unique<StrandModel>(std::move(model))),
+    : model_(checked(std::move(model))),
       parameters_(parameters),
-      backend_(std::move(backend)),
+      backend_(checked(std::move(backend))),
       surroundings_(std::move(surroundings)),
       bones_begin_(model_->bones.size()),
       bones_end_(model_->bones.size()),
@@ -104,10 +114,19 @@ void Simulation::setHeadPose(const Pose& head) {
   bones_end_[0] = head;
 }
 
-void Simulation::setBonePose(size_t bone, const Pose& pose) {
+void Simulation::checkBone(size_t bone, const char* where) const {
   if (bone >= bones_end_.size())
-    throw Error("there is no bone " + std::to_string(bone), "Simulation::setBonePose",
+    throw Error("there is no bone " + std::to_string(bone), where,
                 "the model has " + std::to_string(bones_end_.size()));
+}
+
+const Pose& Simulation::bonePose(size_t bone) const {
+  checkBone(bone, "Simulation::bonePose");
+  return bones_begin_[bone];
+}
+
+void Simulation::setBonePose(size_t bone, const Pose& pose) {
+  checkBone(bone, "Simulation::setBonePose");
   checkPose(pose, "Simulation::setBonePose");
   bones_end_[bone] = pose;
 }
@@ -208,6 +227,9 @@ void Simulation::removeBody(BodyId body) {
 
 void Simulation::setParameters(const Parameters& parameters) {
   checkParameters(parameters, "Simulation::setParameters");
+  if (parameters.solver != parameters_.solver)
+    throw Error("the solver of a simulation does not change", "Simulation::setParameters",
+                "make another simulation");
   backend_->expect(parameters, !primitives_.empty());
   surrounded_ = configureSurroundings(parameters);
   parameters_ = parameters;
@@ -268,11 +290,12 @@ void Simulation::step() {
 }
 
 void Simulation::pullHair(const Vec3& from, float radius, const Vec3& to, float rate) {
-  const bool sound =
-      from.allFinite() && to.allFinite() && radius >= 0 && radius <= 10 && rate >= 0 && rate <= 1000;
+  const auto is_place = [](const Vec3& place) { return place.cwiseAbs().maxCoeff() <= kFarthestHand; };
+  const bool sound = from.allFinite() && to.allFinite() && is_place(from) && is_place(to) && radius >= 0 &&
+                     radius <= 10 && rate >= 0 && rate <= 1000;
   if (!sound)
     throw Error("hair cannot be pulled so", "Simulation::pullHair",
-                "give finite places, a radius of 0 to 10 m and a rate of 0 to 1000 1/s");
+                "give places within 1000 m, a radius of 0 to 10 m and a rate of 0 to 1000 1/s");
   if (!backend_->takesAccelerations())
     throw Error("hair cannot be pulled on this backend", backend_->name(), "choose simd, gpu or reference");
   if (!pull_ || !pull_->closedAt(from, radius)) pull_.emplace(*model_, guides(), from, radius);

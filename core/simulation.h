@@ -24,18 +24,23 @@ struct RigidBody {
   bool bends = false;
 };
 
+/// m, on each axis: see Simulation::pullHair.
+constexpr float kFarthestHand = 1000;
+
 /// A body of a Simulation, as long as it is there. Never given to another one.
 using BodyId = uint64_t;
 
 /// Runs one groom on one backend: fixed steps, prescribed head motion, bodies, parameters.
 /// The groom's roots and the bodies that follow the head move rigidly with the head pose, what the model has
 /// pinned to other bones with theirs.
-/// What is not finite is refused at the door: setHeadPose, setBonePose, addBody, setBodyPose, teleport,
-/// setParameters and the constructor throw Error on it and leave the simulation as it was.
+/// What is not finite, or does not fit, is refused at the door: setHeadPose, setBonePose, addBody,
+/// setBodyPose, teleport, setParameters and the constructor throw Error on it and leave the simulation as it
+/// was.
 class Simulation {
  public:
-  /// `backend` and `surroundings` are empty-handed: the simulation loads the model into them. Error where the
-  /// parameters ask for surroundings and there are none, or the backend does not take them. `broad_phase`:
+  /// `backend` and `surroundings` are empty-handed: the simulation loads the model into them. Error as
+  /// checkModel(), checkParameters() and addBody(), without a backend, and where the parameters ask for
+  /// surroundings and there are none, or the backend does not take them. `broad_phase`:
   /// null = makeAllPairs().
   Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
              std::unique_ptr<Backend> backend, std::unique_ptr<Surroundings> surroundings = nullptr,
@@ -49,7 +54,8 @@ class Simulation {
   /// unknown bone too. Strands that are taken farther than resetBroken() allows are put back by it.
   void setBonePose(size_t bone, const Pose& pose);
   void setBonePose(const std::string& bone, const Pose& pose);
-  const Pose& bonePose(size_t bone) const { return bones_begin_[bone]; }
+  /// Error on an unknown bone.
+  const Pose& bonePose(size_t bone) const;
   /// Where the bones have the strands' roots now, natural order.
   std::vector<Pose> rootPoses() const;
   /// Another body from the next step on, at its pose; hair that is in it then is pushed out. Error: see
@@ -74,13 +80,14 @@ class Simulation {
   const RigidBody& body(BodyId body) const;
 
   /// Draws hair to a hand that closes at `from` and is at `to` from the next step on (HairPull). The same
-  /// `from` and `radius` as before move the hand; others close it anew. `radius` 0 to 10 m, `rate` 0 to 1000
-  /// 1/s. Error where a number is out of range or not finite, or on a backend that takes no accelerations.
+  /// `from` and `radius` as before move the hand; others close it anew. Both places within kFarthestHand of
+  /// the origin, `radius` 0 to 10 m, `rate` 0 to 1000 1/s. Error where a number is out of range or not
+  /// finite, or on a backend that takes no accelerations.
   void pullHair(const Vec3& from, float radius, const Vec3& to, float rate);
   void letGo() { pull_.reset(); }
   size_t pulledVertices() const { return pull_ ? pull_->vertices() : 0; }
 
-  /// Error: see checkParameters and the constructor.
+  /// Error: see checkParameters and the constructor; on another solver too, which stays what it was.
   void setParameters(const Parameters& parameters);
   const Parameters& parameters() const { return parameters_; }
 
@@ -120,6 +127,7 @@ class Simulation {
   };
 
   void placePrimitives();
+  void checkBone(size_t bone, const char* where) const;
   const PlacedBody& find(BodyId body, const char* where) const;
   PlacedBody& find(BodyId body, const char* where);
   /// So that steps need not allocate.

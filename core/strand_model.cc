@@ -8,6 +8,7 @@
 #include "core/content_hash.h"
 #include "core/error.h"
 #include "core/joint_law.h"
+#include "core/pose_check.h"
 
 namespace strandcast {
 namespace {
@@ -21,7 +22,8 @@ void checkStrand(std::span<const Vec3> points, size_t strand) {
                             kMinVerticesPerStrand, kMaxVerticesPerStrand),
                 where, "resample the groom (--vertices)");
   for (size_t i = 0; i < points.size(); ++i) {
-    if (!points[i].allFinite()) throw Error("a vertex is not a finite point", where, "clean the groom");
+    if (!(points[i].cwiseAbs().maxCoeff() <= kFarthestPose))
+      throw Error("a vertex is farther from the origin than 10 km", where, "give the groom in metres");
     if (i > 0 && !((points[i] - points[i - 1]).norm() > 0))
       throw Error("two neighbouring vertices coincide", where, "clean the groom");
   }
@@ -141,6 +143,8 @@ bool StrandModel::hasFactors(size_t strand) const {
 }
 
 StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials) {
+  checkStrandSet(rest, "makeStrandModel");
+  if (materials.empty()) throw Error("there is no material", "makeStrandModel", "give one at least");
   for (const Material& material : materials) checkMaterial(material, "material");
   StrandModel model;
   model.offsets = rest.offsets;
@@ -180,8 +184,58 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
   return model;
 }
 
+void checkModel(const StrandModel& model, const std::string& where) {
+  const size_t vertices = model.vertices(), strands = model.offsets.empty() ? 0 : model.strands();
+  const std::vector<uint32_t>& offsets = model.offsets;
+  if (offsets.empty() || offsets.front() != 0 || offsets.back() != vertices)
+    throw Error("the model's offsets do not fit rest_local", where, "make it with makeStrandModel()");
+  for (size_t s = 0; s < strands; ++s)
+    if (offsets[s + 1] < offsets[s] + kMinVerticesPerStrand ||
+        offsets[s + 1] > offsets[s] + kMaxVerticesPerStrand)
+      throw Error(
+          fmt::format("a strand has not {} to {} vertices", kMinVerticesPerStrand, kMaxVerticesPerStrand),
+          fmt::format("{}, strand {}", where, s), "make the model with makeStrandModel()");
+  const auto check = [&](const char* name, const auto& values, size_t count, bool may_be_empty, auto sound) {
+    if (!(may_be_empty && values.empty()) && values.size() != count)
+      throw Error(fmt::format("the model's {} has {} entries, not {}", name, values.size(), count), where,
+                  "make it with makeStrandModel()");
+    if (!std::all_of(values.begin(), values.end(), sound))
+      throw Error(fmt::format("the model's {} has a number that is not finite or out of range", name), where,
+                  "make it with makeStrandModel()");
+  };
+  const auto is_vector = [](const Vec3& v) { return v.allFinite(); };
+  const auto is_rotation = [](const Quat& q) { return std::fabs(q.norm() - 1) < kUnitTolerance; };
+  const auto is_factor = [](float f) { return f >= 0 && std::isfinite(f); };
+  const auto is_mass = [](float m) { return m > 0 && std::isfinite(m); };
+  const auto is_number = [](float f) { return std::isfinite(f); };
+  const auto any = [](const auto&) { return true; };
+  const auto is_bone = [&](uint16_t bone) { return bone < model.bones.size(); };
+  check("rest_local", model.rest_local, vertices, false, is_vector);
+  check("rest_roots", model.rest_roots, strands, false,
+        [&](const Pose& p) { return is_vector(p.position) && is_rotation(p.rotation); });
+  check("rest_frames", model.rest_frames, vertices, false, is_rotation);
+  check("rest_strain", model.rest_strain, vertices, false, is_vector);
+  check("bend", model.bend, vertices, false, is_factor);
+  check("twist", model.twist, vertices, false, is_factor);
+  check("mass", model.mass, vertices, false, is_mass);
+  check("rest_tension", model.rest_tension, vertices, false, is_number);
+  check("reference_mass", model.reference_mass, strands, false, is_mass);
+  check("pinned", model.pinned, vertices, true, any);
+  check("air_drag_scale", model.air_drag_scale, vertices, true, is_factor);
+  check("goal_scale", model.goal_scale, vertices, true, is_factor);
+  check("damping_scale", model.damping_scale, strands, true, is_factor);
+  check("friction_scale", model.friction_scale, strands, true, is_factor);
+  check("tether", model.tether, vertices, true, is_factor);
+  check("rest_distance", model.rest_distance, vertices, true, is_number);
+  if (model.bones.empty()) throw Error("the model has no bone", where, "the head is its first");
+  check("root_bones", model.root_bones, strands, true, is_bone);
+  check("pin_bones", model.pin_bones, vertices, true, is_bone);
+}
+
 void pinToBone(StrandModel& model, size_t strand, float from, float to, const std::string& bone) {
   const std::string where = fmt::format("bone '{}', strand {}", bone, strand);
+  if (strand >= model.strands())
+    throw Error("there is no such strand", where, fmt::format("the model has {}", model.strands()));
   if (!(from >= 0 && from <= to && to <= 1))
     throw Error(fmt::format("{:g} to {:g} is no part of a strand", from, to), where,
                 "give 0 (root) to 1 (tip), in order");
@@ -228,6 +282,9 @@ std::vector<float> strandLengths(const StrandModel& model) {
 }
 
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots) {
+  if (roots.size() != model.strands())
+    throw Error(fmt::format("there are {} roots for {} strands", roots.size(), model.strands()), "restState",
+                "give one for each");
   StrandState state;
   state.positions.resize(model.vertices());
   state.frames.resize(model.vertices());

@@ -79,23 +79,32 @@ struct StrandModel {
 struct StrandState {
   std::vector<Vec3> positions;   ///< per vertex, metres, world
   std::vector<Vec3> velocities;  ///< per vertex, m/s, world
-  std::vector<Quat> frames;      ///< per edge (i, i + 1), world; z is the edge's direction
+  /// Per edge (i, i + 1), world; z is the edge's direction. Of the rod, whose elastic energy in J is, per
+  /// joint, reference_mass / 2 x (bend |k_xy - rest k_xy|^2 + twist (k_z - rest k_z)^2), k as rest_strain: in
+  /// the frame before the joint, 2 tan(angle / 2) along the axis of the turn to the frame after it.
+  std::vector<Quat> frames;
   std::vector<float>
       tensions;  ///< per edge, tension / reference mass, m/s^2; what the next substep starts from
   std::vector<Vec3> contacts;  ///< per vertex, force of the bodies / reference mass, m/s^2, world; likewise
 };
 
-/// Builds a model from rest strands. Strands must have 2 to 128 vertices and edges of positive length
-/// (groom/ cleans them); throws Error naming the strand otherwise.
-/// `materials` by StrandSet::parts, the last one for all further parts.
+/// Builds a model from rest strands. Strands must have 2 to 128 vertices within kFarthestPose of the origin
+/// and edges of positive length (groom/ cleans them); throws Error naming the strand otherwise, and as
+/// checkStrandSet() and checkMaterial().
+/// `materials` by StrandSet::parts, the last one for all further parts; at least one.
 StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials = {Material{}});
 
+/// Throws Error, naming `where` and the array, when arrays of a model do not fit each other, are missing, or
+/// have a number that is not finite or out of range. What makeStrandModel() gives passes.
+void checkModel(const StrandModel& model, const std::string& where);
+
 /// Pins to a bone what of a strand lies from `from` to `to`, parts of its arc length from the root (0) to the
-/// tip (1); at 0 its root frame too. A bone of a new name is added. Throws Error, naming the bone, on a range
-/// that is none, or in which no vertex lies, and on more than 65,535 bones. To be called before makeSagFree.
+/// tip (1); at 0 its root frame too. A bone of a new name is added. Throws Error, naming the bone, on an
+/// unknown strand, a range that is none, or in which no vertex lies, and on more than 65,535 bones. To be
+/// called before makeSagFree.
 void pinToBone(StrandModel& model, size_t strand, float from, float to, const std::string& bone);
 
-/// The rest shape carried rigidly by its roots, at rest.
+/// The rest shape carried rigidly by its roots (one per strand, else Error), at rest.
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots);
 
 /// Of every strand at rest, m.

@@ -17,7 +17,9 @@ struct StrandSet {
       0};                       ///< strands + 1; vertices of strand s are offsets[s] .. offsets[s + 1] - 1
   std::vector<Vec3> positions;  ///< per vertex, metres
   std::vector<uint8_t> pinned;  ///< per vertex, 1 = moves with the root; empty = only the root vertex is
-  std::vector<float> radii;     ///< per vertex, metres; empty = the material's radius
+  /// Per vertex, metres, 0 or more; may be empty. Carried with the groom for those who draw it: the
+  /// simulation and the renderer of this project take Material::radius and its taper.
+  std::vector<float> radii;
   std::vector<Vec2> uvs;        ///< per strand, on the scalp; may be empty
   std::vector<uint16_t> parts;  ///< per strand, index of the file or group it came from; may be empty
 
@@ -32,6 +34,10 @@ struct StrandSet {
   /// Appends one strand; `points` has 1 or more entries.
   void append(std::span<const Vec3> points);
 };
+
+/// Throws Error, naming `where`, when arrays do not fit each other (no strand at all fits), or a number is
+/// not finite, or a radius is negative.
+void checkStrandSet(const StrandSet& strands, const std::string& where);
 
 /// Length along the strand, metres.
 float arcLength(std::span<const Vec3> points);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/pose_check.h"
 
 namespace strandcast {
 
@@ -27,11 +28,10 @@ void turnZUp(std::span<Vec3> points) {
 }
 
 void scaleToMeters(std::span<Vec3> points, float unit_meters, const std::string& name) {
-  constexpr float kFarthest = 1e6f;
   for (size_t i = 0; i < points.size(); ++i) {
     points[i] *= unit_meters;
-    if (!(points[i].cwiseAbs().maxCoeff() <= kFarthest))
-      throw Error("a vertex lies further than 1000 km from the origin", fmt::format("{}, vertex {}", name, i),
+    if (!(points[i].cwiseAbs().maxCoeff() <= kFarthestPose))
+      throw Error("a vertex lies further than 10 km from the origin", fmt::format("{}, vertex {}", name, i),
                   "give the file's unit (--unit-meters)");
   }
 }

@@ -17,8 +17,8 @@ void turnYUp(std::span<Vec3> points, UpAxis up);
 /// The way back from turnYUp's Y up to Z up, bit for bit: (x, y, z) -> (x, -z, y).
 void turnZUp(std::span<Vec3> points);
 
-/// Multiplies points by `unit_meters`. Throws Error naming `name` when one then lies further than 1000 km
-/// from the origin: no hair is there, and squares of such lengths would soon leave the range of float.
+/// Multiplies points by `unit_meters`. Throws Error naming `name` when one then lies further than
+/// kFarthestPose from the origin: no hair is there.
 void scaleToMeters(std::span<Vec3> points, float unit_meters, const std::string& name);
 
 }  // namespace strandcast

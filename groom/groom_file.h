@@ -57,7 +57,7 @@ void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpA
 /// `parts` says which file each strand came from. One unit holds for all files, the up axis is each file's
 /// own unless given. A pin of vertex 1 is dropped where vertex 0 is pinned and vertex 2 free: the root's
 /// frame is clamped instead. Throws Error as readRawGroom, and when a unit is not positive, a vertex lies
-/// 1000 km away, or no strand is left.
+/// 10 km away, or no strand is left.
 Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options);
 
 /// Metres per unit guessed from a groom's bounding box in file units: 1, 0.1, 0.01, 0.001 or the 0.0025 of

@@ -102,7 +102,17 @@ TEST(HairPull, WhatIsNotSoundIsRefused) {
   EXPECT_THROW(simulation.pullHair(Vec3::Zero(), -1, Vec3::Zero(), 10), Error);
   EXPECT_THROW(simulation.pullHair(Vec3::Zero(), 0.1f, nowhere, 10), Error);
   EXPECT_THROW(simulation.pullHair(Vec3::Zero(), 0.1f, Vec3::Zero(), 1e9f), Error);
+  EXPECT_THROW(simulation.pullHair(Vec3::Zero(), 0.1f, Vec3(0, 2 * kFarthestHand, 0), 10), Error);
   EXPECT_EQ(simulation.pulledVertices(), 0u);
+}
+
+TEST(HairPull, AHandAsFarAndAsHardAsItMayBreaksNothing) {
+  Simulation simulation = hanging(SolverKind::kRod);
+  simulation.pullHair(Vec3::Zero(), 10, Vec3::Constant(kFarthestHand), 1000);
+  for (int i = 0; i < 60; ++i) {
+    simulation.step();
+    EXPECT_EQ(simulation.resetBroken(), 0u) << i;
+  }
 }
 
 }  // namespace

@@ -27,6 +27,12 @@ StrandModel smallModel() {
   return makeStrandModel(set);
 }
 
+Parameters gaussSeidel() {
+  Parameters parameters;
+  parameters.solver = SolverKind::kGaussSeidel;
+  return parameters;
+}
+
 Simulation makeSimulation(const Parameters& parameters, std::vector<RigidBody> bodies = {}) {
   return Simulation(smallModel(), std::move(bodies), parameters, makeReferenceBackend());
 }
@@ -47,7 +53,7 @@ TEST(Simulation, StartsAtTheRestShape) {
 }
 
 TEST(Simulation, AStrandAtRestWithoutGravityStaysAtRest) {
-  Parameters parameters;
+  Parameters parameters = gaussSeidel();
   parameters.gravity.setZero();
   Simulation simulation = makeSimulation(parameters);
   const StrandState before = simulation.state();
@@ -61,7 +67,7 @@ TEST(Simulation, AStrandAtRestWithoutGravityStaysAtRest) {
 }
 
 TEST(Simulation, ALimpStrandSwingsLikeAPendulum) {
-  Parameters parameters;
+  Parameters parameters = gaussSeidel();
   parameters.shape_rate = parameters.shape_rate_tip = 0;
   parameters.air_drag = 0;
   parameters.substeps = 16;
@@ -207,7 +213,7 @@ TEST(Simulation, StandingBodiesStayWhereTheyAre) {
 // say so in the change log.
 TEST(Simulation, TheReferenceBackendKeepsItsGoldenHash) {
   RigidBody head{{{PrimitiveKind::kSphere, Vec3(0.08f, -0.06f, 0), Vec3::UnitY(), 0.05f, 0.3f}}, true};
-  Parameters parameters;
+  Parameters parameters = gaussSeidel();
   parameters.wind = Vec3(0.5f, 0, 1);
   Simulation simulation = makeSimulation(parameters, {head});
   for (int i = 1; i <= 60; ++i) {
@@ -293,9 +299,17 @@ TEST(Simulation, ParametersOutOfRangeAreRefused) {
   EXPECT_NE(wind.find("Simulation::setParameters"), std::string::npos) << wind;
   EXPECT_NE(with([&](Parameters& p) { p.time_step = nan; }).find("'time_step'"), std::string::npos);
   EXPECT_NE(with([](Parameters& p) { p.substeps = 0; }).find("'substeps'"), std::string::npos);
+  EXPECT_NE(with([](Parameters& p) { p.solver = SolverKind::kGaussSeidel; }).find("does not change"),
+            std::string::npos);
+  EXPECT_NE(with([](Parameters& p) { p.solver = static_cast<SolverKind>(7); }).find("unknown solver"),
+            std::string::npos);
   Parameters bad;
   bad.gravity.x() = nan;
   EXPECT_THROW(makeSimulation(bad), Error);
+  StrandModel broken = smallModel();
+  broken.rest_local[3].y() = nan;
+  EXPECT_THROW(Simulation(broken, {}, Parameters(), makeReferenceBackend()), Error);
+  EXPECT_THROW(Simulation(smallModel(), {}, Parameters(), nullptr), Error);
   const ContactPrimitive ball{PrimitiveKind::kSphere, Vec3(0, nan, 0), Vec3::UnitY(), 0.1f, 0.3f};
   EXPECT_THROW(makeSimulation(Parameters(), {{{ball}, true}}), Error);
 }

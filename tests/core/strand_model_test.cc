@@ -132,5 +132,56 @@ TEST(ContactPrimitive, MovesWithItsBody) {
       << "-q is the same rotation as q";
 }
 
+TEST(StrandModel, ASetWhoseArraysDoNotFitIsRefused) {
+  const auto complaint = [](auto spoil) {
+    StrandSet set = oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 2, 0}});
+    set.append(std::vector<Vec3>{{1, 0, 0}, {1, 1, 0}});
+    set.pinned = {1, 0, 0, 1, 0};
+    set.radii.assign(5, 1e-4f);
+    set.uvs.assign(2, Vec2::Zero());
+    set.parts = {0, 1};
+    EXPECT_EQ(errorOfModel(set), "");
+    spoil(set);
+    return errorOfModel(set);
+  };
+  for (const std::vector<uint32_t>& offsets :
+       {std::vector<uint32_t>{}, {1, 5}, {0, 3}, {0, 50}, {0, 3, 3, 5}})
+    EXPECT_NE(complaint([&](StrandSet& set) { set.offsets = offsets; }).find("offsets"), std::string::npos);
+  EXPECT_NE(complaint([](StrandSet& set) { set.pinned.pop_back(); }).find("wrong length"), std::string::npos);
+  EXPECT_NE(complaint([](StrandSet& set) { set.radii.push_back(0); }).find("wrong length"),
+            std::string::npos);
+  EXPECT_NE(complaint([](StrandSet& set) { set.parts.pop_back(); }).find("wrong length"), std::string::npos);
+  EXPECT_NE(complaint([](StrandSet& set) { set.radii[2] = -1e-4f; }).find("negative radius"),
+            std::string::npos);
+  EXPECT_NE(complaint([](StrandSet& set) { set.positions[2].y() = 1e20f; }).find("10 km"), std::string::npos);
+  EXPECT_NE(errorOf([] {
+              makeStrandModel(oneStrand({{0, 0, 0}, {0, 1, 0}}), {});
+            }).find("material"),
+            std::string::npos);
+}
+
+TEST(StrandModel, AModelThatIsNotSoundIsRefused) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const auto complaint = [](auto spoil) {
+    StrandModel model = makeStrandModel(oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 2, 0}}));
+    EXPECT_NO_THROW(checkModel(model, "here"));
+    spoil(model);
+    return errorOf([&] { checkModel(model, "here"); });
+  };
+  EXPECT_NE(complaint([](StrandModel& m) { m.offsets.back() = 7; }).find("offsets"), std::string::npos);
+  EXPECT_NE(complaint([](StrandModel& m) { m.offsets = {0, 1, 3}; }).find("2 to 128"), std::string::npos);
+  EXPECT_NE(complaint([](StrandModel& m) { m.bend.clear(); }).find("bend has 0 entries, not 3"),
+            std::string::npos);
+  EXPECT_NE(complaint([&](StrandModel& m) { m.bend[1] = nan; }).find("bend"), std::string::npos);
+  EXPECT_NE(complaint([&](StrandModel& m) { m.rest_local[2].x() = nan; }).find("rest_local"),
+            std::string::npos);
+  EXPECT_NE(complaint([&](StrandModel& m) { m.rest_roots[0].position.x() = nan; }).find("rest_roots"),
+            std::string::npos);
+  EXPECT_NE(complaint([](StrandModel& m) { m.mass[1] = 0; }).find("mass"), std::string::npos);
+  EXPECT_NE(complaint([](StrandModel& m) { m.root_bones = {1}; }).find("root_bones"), std::string::npos);
+  const StrandModel model = makeStrandModel(oneStrand({{0, 0, 0}, {0, 1, 0}}));
+  EXPECT_NE(errorOf([&] { restState(model, {}); }).find("0 roots for 1 strands"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace strandcast

@@ -334,7 +334,7 @@ TEST(LoadGroom, BadOptionsAndGroomsWithoutHairAreRefused) {
       [&] {
         loadGroom({folder / "a.tfx"}, {1e30f, UpAxis::kAuto});
       },
-      {"a.tfx", "vertex 0", "1000 km"});
+      {"a.tfx", "vertex 0", "10 km"});
   writeFileBytes(folder / "b.obj", samples::fromText("v 1 2 3\nv 1 2 3\nl 1 2\n"));
   expectError([&] { loadGroom({folder / "b.obj"}, {}); }, {"b.obj", "no strand"});
 }
