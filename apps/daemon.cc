@@ -42,10 +42,11 @@ HeadMotion rampTo(const Pose& from, const Pose& to) {
 /// Position x y z, rotation x y z w.
 Pose poseOf(const std::vector<double>& values, size_t first, const std::string& where) {
   const double* const v = values.data() + first;
-  if (!std::all_of(v, v + 7, [](double x) { return std::isfinite(x) && std::fabs(x) < 1e3; }))
-    throw Error("a pose takes 7 finite numbers", where, "position, rotation x y z w");
+  if (!std::all_of(v, v + 3, [](double x) { return std::fabs(x) <= kFarthestHand; }))
+    throw Error("a pose is too far away", where, "give x y z in metres, each within 1000");
   const Quat rotation(Eigen::Quaterniond(v[6], v[3], v[4], v[5]).cast<float>());
-  if (!(rotation.norm() > 0.5f)) throw Error("a rotation is not a unit quaternion", where, "");
+  if (!(std::fabs(rotation.norm() - 1) < 0.5f))
+    throw Error("a rotation is not a unit quaternion", where, "give x y z w, with squares that add up to 1");
   return {Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()), rotation.normalized()};
 }
 
@@ -147,7 +148,7 @@ void Daemon::apply(const Command& command) {
     case CommandKind::kHeadPose:
       return moveHead(command, where);
     case CommandKind::kHeadMotion: {
-      motion_ = headMotion(command.name, head_pivot_);
+      motion_ = proceduralMotion(command.name, head_pivot_);  // files are this machine's own
       motion_start_ = simulation_.time();
       return;
     }
@@ -196,7 +197,8 @@ void Daemon::moveHead(const Command& command, const std::string& where) {
 }
 
 void Daemon::addCollider(const Command& command, const std::string& where) {
-  if (command.name.empty() || named_.contains(command.name))
+  if (command.name.empty()) throw Error("a collider has no name", where, "give it one of its own");
+  if (named_.contains(command.name))
     throw Error("there is a collider '" + command.name + "'", where, "give it a name of its own");
   RigidBody body;
   body.primitives = {commandedShape(command.values, where)};

@@ -49,20 +49,20 @@ bool FrameCapture::keep(CapturedFrame frame) {
 
 void FrameCapture::run() {
   Subscriber& subscriber = stream_.subscriber();
-  uint64_t newest = 0;
+  std::shared_ptr<const GuideFrame> last;
   int captured = 0;
   double due = -1;
   auto heard = std::chrono::steady_clock::now();
   while (captured < plan_.frames && !stop_ && !g_interrupted) {
-    const auto frame = subscriber.waitForFrame(newest, std::chrono::milliseconds(100));
+    const auto frame = subscriber.waitForNext(last.get(), std::chrono::milliseconds(100));
     const auto now = std::chrono::steady_clock::now();
     if (!frame) {
       if (std::chrono::duration<double>(now - heard).count() > plan_.timeout) break;
       continue;
     }
     heard = now;
-    if (frame->frame < newest) due = -1;  // another daemon took over
-    newest = frame->frame;
+    if (last && last->session != frame->session) due = -1;  // another daemon took over
+    last = frame;
     const StreamScene scene = StreamScene::of(subscriber);
     if (!scene.fits(*frame)) continue;  // its body is still to come
     if (due < 0) due = frame->simulation_time + plan_.skip;

@@ -13,11 +13,11 @@ bool StreamRecording::describe(const GuideFrame& frame) {
 }
 
 bool StreamRecording::take(std::chrono::milliseconds timeout) {
-  const auto frame = subscriber_.waitForFrame(newest_, timeout);
+  const auto frame = subscriber_.waitForNext(last_.get(), timeout);
   if (!frame) return false;
   const bool is_new = frame->session != session_ || frame->revision != revision_;
-  if (!is_new && frame->frame > newest_ + 1) skipped_ += frame->frame - newest_ - 1;
-  newest_ = frame->frame;
+  if (!is_new && frame->frame > last_->frame + 1) skipped_ += frame->frame - last_->frame - 1;
+  last_ = frame;
   if (is_new && !describe(*frame)) return true;
   session_ = frame->session;
   revision_ = frame->revision;

@@ -28,7 +28,8 @@ class StreamRecording {
 
   Subscriber& subscriber_;
   Recorder recorder_;
-  uint64_t session_ = 0, newest_ = 0, skipped_ = 0;
+  uint64_t session_ = 0, skipped_ = 0;
+  std::shared_ptr<const GuideFrame> last_;
   uint32_t revision_ = 0;
 };
 

@@ -48,6 +48,8 @@ RecordingOptions recordingOptions(const Settings& settings) {
   RecordingOptions options;
   options.groom_id = settings.groom_id;
   options.codec = settings.codec;
+  if (settings.codec.codec == Codec::kTemporal)
+    spdlog::warn("a recording's frames stand alone: it is written with --codec oct12, not temporal");
   return options;
 }
 

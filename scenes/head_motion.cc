@@ -98,7 +98,8 @@ HeadMotion proceduralMotion(const std::string& name, const Vec3& pivot) {
         std::find_if(std::begin(kSwings), std::end(kSwings), [&](const Swing& s) { return part == s.name; });
     if (found == std::end(kSwings))
       throw Error("unknown motion", "'" + part + "'",
-                  "choose still, nod, shake, turn, some of them joined by '+', or a .bvh file");
+                  "choose still, nod, shake, turn, some of them joined by '+'; a daemon takes a .bvh file at "
+                  "its start");
     chosen.push_back(*found);
     begin = end + 1;
   }

@@ -65,8 +65,10 @@ bool isSoundAlone(const GroomChunk& chunk) {
          hasLength(chunk.pinned, has(GroomChunk::kPinned), vertices) &&
          hasLength(chunk.radii, has(GroomChunk::kRadii), vertices) &&
          hasLength(chunk.uvs, has(GroomChunk::kUvs), 2 * strands) &&
-         hasLength(chunk.parts, has(GroomChunk::kParts), strands) && std::isfinite(chunk.hair_radius) &&
-         allFinite(chunk.positions) && allFinite(chunk.radii) && allFinite(chunk.uvs);
+         hasLength(chunk.parts, has(GroomChunk::kParts), strands) && isHairRadius(chunk.hair_radius) &&
+         allFinite(chunk.positions) && allFinite(chunk.radii) &&
+         std::all_of(chunk.radii.begin(), chunk.radii.end(), [](float r) { return r >= 0; }) &&
+         allFinite(chunk.uvs);
 }
 
 bool agree(const GroomChunk& a, const GroomChunk& b) {

@@ -38,12 +38,9 @@ void require(bool holds, const char* what, const std::string& where, const char*
 
 void checkGroom(const GroomDescription& groom, const std::string& where) {
   const StrandSet& guides = groom.guides;
-  const auto fits = [](size_t size, size_t expected) { return size == 0 || size == expected; };
+  checkStrandSet(guides, where);
   require(guides.strands() > 0, "the groom has no strands", where, "load a groom with at least one strand");
-  require(guides.offsets.front() == 0 && guides.offsets.back() == guides.vertices(),
-          "the groom's offsets do not fit its positions", where, "");
   for (size_t s = 0; s < guides.strands(); ++s) {
-    require(guides.offsets[s] < guides.offsets[s + 1], "the groom's offsets do not increase", where, "");
     if (guides.verticesOf(s) > kMaxWireVertices) {
       throw Error("strand " + std::to_string(s) + " has " + std::to_string(guides.verticesOf(s)) +
                       " vertices, more than the " + std::to_string(kMaxWireVertices) +
@@ -51,12 +48,8 @@ void checkGroom(const GroomDescription& groom, const std::string& where) {
                   where, "resample it to fewer vertices");
     }
   }
-  require(fits(guides.pinned.size(), guides.vertices()) && fits(guides.radii.size(), guides.vertices()) &&
-              fits(guides.uvs.size(), guides.strands()) && fits(guides.parts.size(), guides.strands()),
-          "an array of the groom has the wrong length", where, "");
-  require(allFinite(guides.positions) && allFinite(guides.radii) && allFinite(guides.uvs) &&
-              std::isfinite(groom.hair_radius),
-          "the groom has a number that is not finite", where, "clean the groom up first");
+  require(isHairRadius(groom.hair_radius), "the hair's radius is not in 0 to 0.01 m", where,
+          "give it in metres");
 }
 
 void checkBody(const BodyDescription& body, const std::string& where) {
@@ -233,17 +226,23 @@ void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, u
 }
 
 bool isSound(const Command& command) {
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   return command.id != 0 && command.kind <= CommandKind::kRemoveCollider &&
-         command.name.size() <= kMaxTextBytes && command.values.size() <= 64 &&
+         command.name.size() <= kMaxTextBytes &&
+         std::none_of(command.name.begin(), command.name.end(), is_control) && command.values.size() <= 64 &&
          std::all_of(command.values.begin(), command.values.end(), [](double v) { return std::isfinite(v); });
 }
 
 void checkCommand(const Command& command, uint32_t groom_id) {
   const std::string where = "command to groom " + std::to_string(groom_id);
   require(isSound(command), "the command does not fit the wire", where,
-          "give it an id other than 0, a known kind, a short name and at most 64 finite values");
+          "give it an id other than 0, a known kind, a short name of one line and at most 64 finite values");
   require(command.groom_id == 0 || command.groom_id == groom_id, "the command is for another groom", where,
           "use a subscriber of that groom");
+}
+
+void checkGroomId(uint32_t groom_id, const char* where) {
+  require(groom_id != 0, "the groom id is 0", where, "choose 1 or more");
 }
 
 }  // namespace strandcast

@@ -135,9 +135,12 @@ std::vector<BodyChunk> splitBody(const BodyDescription& body);
 void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, uint32_t index,
                      GuideChunk& chunk);
 
-/// A command that fits the wire: known kind, id not 0, finite values, at most 64 of them, short name.
+/// A command that fits the wire: known kind, id not 0, finite values, at most 64 of them, a short name of one
+/// line.
 bool isSound(const Command& command);
 /// Throws Error when `command` is not sound or is for another groom than `groom_id` (0 stands for it).
 void checkCommand(const Command& command, uint32_t groom_id);
+/// Throws Error on 0, which stands for a subscriber's own groom.
+void checkGroomId(uint32_t groom_id, const char* where);
 
 }  // namespace strandcast

@@ -183,6 +183,7 @@ bool ddsAvailable(std::string* reason) {
 }
 
 std::unique_ptr<Publisher> makeDdsPublisher(const DdsOptions& options) {
+  checkGroomId(options.groom_id, "DDS options");
   if (options.session == 0)
     throw Error("a publisher needs a session", "DDS options", "choose one at random, not 0");
   checkCodecOptions(options.codec, "DDS options");

@@ -178,6 +178,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
 }  // namespace
 
 std::unique_ptr<Subscriber> makeDdsSubscriber(const DdsOptions& options) {
+  checkGroomId(options.groom_id, "DDS options");
   return std::make_unique<DdsSubscriber>(options);
 }
 

@@ -58,8 +58,8 @@ struct FramePlayer::State {
 
   void fetch() {
     for (;;) {
-      const Frame frame =
-          subscriber.waitForFrame(frames.empty() ? 0 : frames.back()->frame, std::chrono::milliseconds(0));
+      const Frame frame = subscriber.waitForNext(frames.empty() ? nullptr : frames.back().get(),
+                                                 std::chrono::milliseconds(0));
       if (!frame) break;
       const bool is_new = !frames.empty() && (frame->session != frames.back()->session ||
                                               frame->revision != frames.back()->revision);

@@ -85,19 +85,32 @@ std::shared_ptr<const GuideFrame> FrameQueue::frame() const {
   return frames_.empty() ? nullptr : frames_.back();
 }
 
-std::shared_ptr<const GuideFrame> FrameQueue::waitForFrame(uint64_t after,
-                                                           std::chrono::milliseconds timeout) {
+template <class Reached>
+std::shared_ptr<const GuideFrame> FrameQueue::waitBeyond(std::chrono::milliseconds timeout,
+                                                         const Reached& reached) {
   std::unique_lock lock(mutex_);
   std::shared_ptr<const GuideFrame> found;
   changed_.wait_for(lock, timeout, [&] {
     if (frames_.empty()) return false;
-    const uint64_t reached = after > frames_.back()->frame ? 0 : after;
-    const auto newer = std::find_if(frames_.begin(), frames_.end(),
-                                    [&](const auto& frame) { return frame->frame > reached; });
+    const uint64_t after = reached(*frames_.back());
+    const auto newer =
+        std::find_if(frames_.begin(), frames_.end(), [&](const auto& frame) { return frame->frame > after; });
     if (newer != frames_.end()) found = *newer;
     return found != nullptr;
   });
   return found;
+}
+
+std::shared_ptr<const GuideFrame> FrameQueue::waitForFrame(uint64_t after,
+                                                           std::chrono::milliseconds timeout) {
+  return waitBeyond(timeout, [=](const GuideFrame& newest) { return after > newest.frame ? 0 : after; });
+}
+
+std::shared_ptr<const GuideFrame> FrameQueue::waitForNext(const GuideFrame* last,
+                                                          std::chrono::milliseconds timeout) {
+  return waitBeyond(timeout, [=](const GuideFrame& newest) {
+    return last != nullptr && last->session == newest.session ? last->frame : 0;
+  });
 }
 
 bool FrameQueue::waitForGroom(std::chrono::milliseconds timeout) {

@@ -49,12 +49,16 @@ class FrameQueue {
   std::shared_ptr<const GuideFrame> frame() const;
   /// As Subscriber's.
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout);
+  std::shared_ptr<const GuideFrame> waitForNext(const GuideFrame* last, std::chrono::milliseconds timeout);
   bool waitForGroom(std::chrono::milliseconds timeout);
   /// Sets the latency fields.
   void addLatencies(ReceiveStatistics& statistics) const;
 
  private:
   bool bodyFits() const;
+  /// The oldest frame that is newer than `reached(newest frame)`.
+  template <class Reached>
+  std::shared_ptr<const GuideFrame> waitBeyond(std::chrono::milliseconds timeout, const Reached& reached);
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::shared_ptr<const GroomDescription> groom_;

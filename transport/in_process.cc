@@ -116,6 +116,10 @@ class InProcessSubscriber final : public Subscriber {
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout) override {
     return channel_->queue.waitForFrame(after, timeout);
   }
+  std::shared_ptr<const GuideFrame> waitForNext(const GuideFrame* last,
+                                                std::chrono::milliseconds timeout) override {
+    return channel_->queue.waitForNext(last, timeout);
+  }
   bool waitForGroom(std::chrono::milliseconds timeout) override {
     return channel_->queue.waitForGroom(timeout);
   }
@@ -162,6 +166,7 @@ class InProcessSubscriber final : public Subscriber {
 }  // namespace
 
 std::pair<std::unique_ptr<Publisher>, std::unique_ptr<Subscriber>> makeInProcessChannel(uint32_t groom_id) {
+  checkGroomId(groom_id, "makeInProcessChannel");
   auto channel = std::make_shared<Channel>(groom_id);
   return {std::make_unique<InProcessPublisher>(channel), std::make_unique<InProcessSubscriber>(channel)};
 }

@@ -18,9 +18,11 @@ struct GroomDescription {
   uint64_t session = 0;   ///< of the daemon's start; another session means everything is new
   uint32_t revision = 0;  ///< of the topology; frames name the revision they fit
   std::string name;
-  float hair_radius = 40e-6f;  ///< m
+  float hair_radius = 40e-6f;  ///< m, see isHairRadius()
   StrandSet guides;            ///< rest shape, metres, groom frame
 };
+
+inline bool isHairRadius(float radius) { return radius >= 0 && radius <= kThickestHair; }
 
 /// The surface that the hair grows on and falls over.
 struct BodyDescription {

@@ -26,6 +26,10 @@ class ReceivingSubscriber : public Subscriber {
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout) final {
     return queue_.waitForFrame(after, timeout);
   }
+  std::shared_ptr<const GuideFrame> waitForNext(const GuideFrame* last,
+                                                std::chrono::milliseconds timeout) final {
+    return queue_.waitForNext(last, timeout);
+  }
   bool waitForGroom(std::chrono::milliseconds timeout) final { return queue_.waitForGroom(timeout); }
   std::optional<Status> status() const override;
   std::vector<Status> allStatuses() const override { return statuses_.all(); }

@@ -31,8 +31,12 @@ struct ReceiveStatistics {
 
 inline constexpr size_t kFrameQueueLength = 8;
 
-/// The renderer's end of a channel: the one thing a renderer programmer needs. Receives in its own thread;
-/// every call is thread-safe.
+/// The renderer's end of a channel: the one thing a renderer programmer needs, made by makeDdsSubscriber()
+/// (transport/dds.h), makeLcmSubscriber() (transport/lcm.h) or makeInProcessChannel()
+/// (transport/in_process.h). docs/client.md has a whole reader. Receives in its own thread; every call is
+/// thread-safe.
+///
+/// A daemon that has gone is told by status() alone: groom() and frame() stay what they were.
 class Subscriber {
  public:
   virtual ~Subscriber() = default;
@@ -49,13 +53,18 @@ class Subscriber {
   /// The OLDEST of the last kFrameQueueLength complete frames that is newer than `after`, waiting for one
   /// when there is none yet; null on timeout. 0 takes any. A reader that passes the number of the frame it
   /// got last sees every frame in order while it stays less than kFrameQueueLength frames behind, and skips
-  /// the oldest when it does not. Frame numbers start again with a session: an `after` beyond the newest
-  /// frame is of an earlier session and counts as 0.
+  /// the oldest when it does not. Frame numbers start again with a session, that is when a daemon is
+  /// started anew: an `after` beyond the newest frame is of an earlier session and counts as 0, but one that
+  /// is not cannot be told from this session's. Who reads on through that uses waitForNext().
   virtual std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after,
                                                          std::chrono::milliseconds timeout) = 0;
+  /// The same after the frame `last`; null, or a frame of another session, stands for none.
+  virtual std::shared_ptr<const GuideFrame> waitForNext(const GuideFrame* last,
+                                                        std::chrono::milliseconds timeout) = 0;
   /// Waits for groom and body, of one session and revision; false on timeout.
   virtual bool waitForGroom(std::chrono::milliseconds timeout) = 0;
-  /// Newest status of this subscriber's groom.
+  /// Newest status of this subscriber's groom; `strands` is 0 while its daemon does not cast yet. None before
+  /// the first, and once its daemon is gone: at once when it says so (DDS), else after 3 s of silence.
   virtual std::optional<Status> status() const = 0;
   /// Newest status of every live daemon on the network.
   virtual std::vector<Status> allStatuses() const = 0;

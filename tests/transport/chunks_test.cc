@@ -161,10 +161,23 @@ TEST(Chunks, AnnouncementRefusesWhatReceiversWould) {
                  [](auto& g, auto&) { std::swap(g.guides.offsets[1], g.guides.offsets[2]); });
   expect_refusal("NaN", [](auto& g, auto&) { g.guides.positions[1].x() = kNan; });
   expect_refusal("short radii", [](auto& g, auto&) { g.guides.radii.pop_back(); });
+  expect_refusal("negative radius", [](auto& g, auto&) { g.guides.radii[0] = -1e-4f; });
+  expect_refusal("negative hair radius", [](auto& g, auto&) { g.hair_radius = -1; });
   expect_refusal("long strand", [](auto& g, auto&) { g = uniformGroom(1, kMaxWireVertices + 1); });
   expect_refusal("triangle out of range", [](auto&, auto& b) { b.mesh.triangles[0][2] = 9; });
   expect_refusal("weight out of range", [](auto&, auto& b) { b.head_weights[0] = 1.5f; });
   expect_refusal("NaN in the body", [](auto&, auto& b) { b.mesh.positions[0].z() = kNan; });
+}
+
+TEST(Chunks, CommandsThatDoNotFitTheWireAreRefused) {
+  Command command;
+  command.id = 1;
+  command.name = "wind";
+  EXPECT_NO_THROW(checkCommand(command, 1));
+  for (const char* name : {"a\nb", "\x1b[2J", "a\x7f"}) {
+    command.name = name;
+    EXPECT_THROW(checkCommand(command, 1), Error) << "its name may forge a line of a log";
+  }
 }
 
 // ---- damage: every damaged chunk is refused, counted, and does no harm to the message it claims to belong
@@ -223,7 +236,9 @@ TEST(Chunks, DamagedGroomChunksAreRefused) {
                     {"NaN position", [](C& c) { c.positions[7] = kNan; }},
                     {"infinite radius", [](C& c) { c.radii[7] = INFINITY; }},
                     {"NaN uv", [](C& c) { c.uvs[0] = kNan; }},
+                    {"negative radius", [](C& c) { c.radii[7] = -1e-4f; }},
                     {"NaN hair radius", [](C& c) { c.hair_radius = kNan; }},
+                    {"negative hair radius", [](C& c) { c.hair_radius = -1; }},
                     {"long name", [](C& c) { c.name.assign(kMaxTextBytes + 1, 'x'); }},
                     {"another name", [](C& c) { c.name = "other"; }},
                 });

@@ -34,6 +34,9 @@ class ScriptedSubscriber final : public Subscriber {
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, milliseconds timeout) override {
     return queue_.waitForFrame(after, timeout);
   }
+  std::shared_ptr<const GuideFrame> waitForNext(const GuideFrame* last, milliseconds timeout) override {
+    return queue_.waitForNext(last, timeout);
+  }
   bool waitForGroom(milliseconds) override { return true; }
   std::optional<Status> status() const override { return std::nullopt; }
   std::vector<Status> allStatuses() const override { return {}; }

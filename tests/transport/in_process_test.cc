@@ -62,6 +62,25 @@ TEST(InProcess, FrameNumbersOfAnEarlierSessionDoNotHideNewFrames) {
   EXPECT_EQ(subscriber->waitForFrame(500, milliseconds(0))->frame, 1u);
 }
 
+TEST(InProcess, AReaderThatKeepsItsLastFrameMissesNoneOfTheNextSession) {
+  auto [publisher, subscriber] = makeInProcessChannel(1);
+  GroomDescription groom = uniformGroom(10, 4);
+  publisher->announce(groom, sampleBody(4));
+  for (uint64_t number = 1; number <= 3; ++number) publisher->publish(sampleFrame(groom, number));
+  std::shared_ptr<const GuideFrame> last;
+  while (const auto frame = subscriber->waitForNext(last.get(), milliseconds(0))) last = frame;
+  EXPECT_EQ(last->frame, 3u);
+  groom.session = 99;
+  publisher->announce(groom, sampleBody(4));
+  for (uint64_t number = 1; number <= 5; ++number) publisher->publish(sampleFrame(groom, number));
+  for (uint64_t number = 1; number <= 5; ++number) {
+    last = subscriber->waitForNext(last.get(), milliseconds(0));
+    ASSERT_TRUE(last);
+    EXPECT_EQ(last->frame, number);
+  }
+  EXPECT_EQ(subscriber->waitForNext(last.get(), milliseconds(0)), nullptr);
+}
+
 TEST(InProcess, FramesOfAnotherTopologyAreDropped) {
   auto [publisher, subscriber] = makeInProcessChannel(1);
   GroomDescription groom = uniformGroom(10, 4);

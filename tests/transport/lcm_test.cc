@@ -154,10 +154,13 @@ TEST_F(LcmItself, ALogFileIsReplayed) {
     publisher->announce(groom, sampleBody(10));
     for (uint64_t number = 1; number <= 5; ++number) publisher->publish(hairFrame(groom, number));
   }
-  const auto subscriber = makeLcmSubscriber({"file://" + file.string() + "?mode=r&speed=0", 1, 0, {}});
-  ASSERT_TRUE(becomesTrue([&] { return subscriber->frame() && subscriber->frame()->frame == 5; }));
-  EXPECT_EQ(subscriber->groom()->guides.positions, groom.guides.positions);
-  EXPECT_EQ(subscriber->statistics().frames_received, 5u);
+  for (int again = 0; again < 20;
+       ++again) {  // one that begins before all channels are listened to loses the groom
+    const auto subscriber = makeLcmSubscriber({"file://" + file.string() + "?mode=r&speed=0", 1, 0, {}});
+    ASSERT_TRUE(becomesTrue([&] { return subscriber->frame() && subscriber->frame()->frame == 5; })) << again;
+    EXPECT_EQ(subscriber->groom()->guides.positions, groom.guides.positions);
+    EXPECT_EQ(subscriber->statistics().frames_received, 5u);
+  }
   std::filesystem::remove(file);
 }
 

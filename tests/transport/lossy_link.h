@@ -32,11 +32,15 @@ class LossyLink final : public MessageLink {
     changed_.notify_all();
     thread_.join();
   }
-  Listening listen(const std::string& channel, Handler handler) override {
+  std::vector<Listening> listen(std::vector<Channel> channels) override {
     const std::lock_guard lock(mutex_);
-    auto ear = std::make_shared<Ear>(std::move(handler));
-    ears_.emplace(channel, ear);
-    return listening(std::move(ear));
+    std::vector<Listening> out;
+    for (Channel& channel : channels) {
+      auto ear = std::make_shared<Ear>(std::move(channel.handler));
+      ears_.emplace(channel.name, ear);
+      out.push_back(listening(std::move(ear)));
+    }
+    return out;
   }
   void send(const std::string& channel, std::span<const uint8_t> message) override {
     const std::lock_guard lock(mutex_);

@@ -43,6 +43,8 @@ void checkCodecOptions(const CodecOptions& options, const std::string& where) {
   if (options.key_interval < 1 || options.key_interval > kMaxKeyInterval) {
     throw Error("the interval of key frames is out of range", where, "give 1 to 1000 frames");
   }
+  if (options.threads < 0)
+    throw Error("the number of encoding threads is negative", where, "give 0, for all, or more");
 }
 
 }  // namespace strandcast

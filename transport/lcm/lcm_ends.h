@@ -14,4 +14,7 @@ inline constexpr std::chrono::milliseconds kLcmSilence{3000};
 std::unique_ptr<Publisher> makeLcmPublisher(std::shared_ptr<MessageLink> link, const LcmOptions& options);
 std::unique_ptr<Subscriber> makeLcmSubscriber(std::shared_ptr<MessageLink> link, const LcmOptions& options);
 
+/// Throws Error on a url both of whose ends are in one LCM instance.
+void checkOneEnd(const LcmOptions& options);
+
 }  // namespace strandcast

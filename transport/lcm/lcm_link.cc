@@ -42,17 +42,21 @@ LcmLink::~LcmLink() {
   lcm_destroy(lcm_);
 }
 
-MessageLink::Listening LcmLink::listen(const std::string& channel, Handler handler) {
-  const std::lock_guard lock(mutex_);
-  ears_.push_back(std::make_shared<Ear>(std::move(handler)));
+std::vector<MessageLink::Listening> LcmLink::listen(std::vector<Channel> channels) {
   const auto receive = [](const lcm_recv_buf_t* message, const char*, void* ear) {
     static_cast<Ear*>(ear)->hear({static_cast<const uint8_t*>(message->data), message->data_size});
   };
-  lcm_subscription_t* subscription = lcm_subscribe(lcm_, channel.c_str(), receive, ears_.back().get());
-  if (subscription == nullptr) fail(url_);
-  lcm_subscription_set_queue_capacity(subscription, kQueued);
+  const std::lock_guard lock(mutex_);
+  std::vector<Listening> out;
+  for (Channel& channel : channels) {
+    ears_.push_back(std::make_shared<Ear>(std::move(channel.handler)));
+    lcm_subscription_t* subscription = lcm_subscribe(lcm_, channel.name.c_str(), receive, ears_.back().get());
+    if (subscription == nullptr) fail(url_);
+    lcm_subscription_set_queue_capacity(subscription, kQueued);
+    out.push_back(listening(ears_.back()));
+  }
   if (!drain_.joinable()) drain_ = std::thread([this] { drain(); });
-  return listening(ears_.back());
+  return out;
 }
 
 void LcmLink::send(const std::string& channel, std::span<const uint8_t> message) {

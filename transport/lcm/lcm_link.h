@@ -18,7 +18,7 @@ class LcmLink final : public MessageLink {
   /// Throws Error.
   explicit LcmLink(const std::string& url);
   ~LcmLink() override;
-  Listening listen(const std::string& channel, Handler handler) override;
+  std::vector<Listening> listen(std::vector<Channel> channels) override;
   void send(const std::string& channel, std::span<const uint8_t> message) override;
 
  private:

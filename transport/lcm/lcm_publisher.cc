@@ -36,9 +36,9 @@ class LcmPublisher final : public Publisher {
         channels_(options.groom_id),
         announced_(options.groom_id, options.session, options.codec),
         link_(std::move(link)) {
-    ears_.push_back(link_->listen(channels_.command, [this](auto message) { receiveCommand(message); }));
-    ears_.push_back(link_->listen(channels_.reader, [this](auto message) { receiveSign(message); }));
-    ears_.push_back(link_->listen(channels_.status, [this](auto message) { receiveStatus(message); }));
+    ears_ = link_->listen({{channels_.command, [this](auto message) { receiveCommand(message); }},
+                           {channels_.reader, [this](auto message) { receiveSign(message); }},
+                           {channels_.status, [this](auto message) { receiveStatus(message); }}});
     publishStatus({});      // so that rivals hear of this session at once
     announceColliders({});  // so that readers do not wait for any
     service_ = std::thread([this] { serve(); });
@@ -234,6 +234,7 @@ class LcmPublisher final : public Publisher {
 };
 
 void checkPublisher(const LcmOptions& options) {
+  checkGroomId(options.groom_id, "LCM options");
   if (options.session == 0)
     throw Error("a publisher needs a session", "LCM options", "choose one at random, not 0");
   checkCodecOptions(options.codec, "LCM options");
@@ -244,6 +245,12 @@ void checkPublisher(const LcmOptions& options) {
 }
 
 }  // namespace
+
+void checkOneEnd(const LcmOptions& options) {
+  if (options.url.starts_with("memq://"))
+    throw Error("memq:// has both its ends in one LCM instance", "LCM options",
+                "make them with makeLcmChannel()");
+}
 
 bool lcmAvailable(std::string* reason) {
   if (reason) reason->clear();
@@ -257,6 +264,7 @@ std::unique_ptr<Publisher> makeLcmPublisher(std::shared_ptr<MessageLink> link, c
 
 std::unique_ptr<Publisher> makeLcmPublisher(const LcmOptions& options) {
   checkPublisher(options);
+  checkOneEnd(options);
   return makeLcmPublisher(std::make_shared<LcmLink>(options.url), options);
 }
 

@@ -38,11 +38,11 @@ class LcmSubscriber final : public ReceivingSubscriber {
         link_(std::move(link)) {
     sign_.reader = std::random_device()() | static_cast<uint64_t>(std::random_device()()) << 32;
     sign_.groom_id = options.groom_id;
-    ears_.push_back(link_->listen(channels_.groom, [this](auto message) { receiveGroom(message); }));
-    ears_.push_back(link_->listen(channels_.bodies, [this](auto message) { receiveBody(message); }));
-    ears_.push_back(link_->listen(channels_.colliders, [this](auto message) { receiveColliders(message); }));
-    ears_.push_back(link_->listen(channels_.guides, [this](auto message) { receiveGuides(message); }));
-    ears_.push_back(link_->listen(channels_.status, [this](auto message) { receiveStatus(message); }));
+    ears_ = link_->listen({{channels_.groom, [this](auto message) { receiveGroom(message); }},
+                           {channels_.bodies, [this](auto message) { receiveBody(message); }},
+                           {channels_.colliders, [this](auto message) { receiveColliders(message); }},
+                           {channels_.guides, [this](auto message) { receiveGuides(message); }},
+                           {channels_.status, [this](auto message) { receiveStatus(message); }}});
     signs_ = std::thread([this] { giveSigns(); });
   }
 
@@ -178,10 +178,12 @@ class LcmSubscriber final : public ReceivingSubscriber {
 }  // namespace
 
 std::unique_ptr<Subscriber> makeLcmSubscriber(std::shared_ptr<MessageLink> link, const LcmOptions& options) {
+  checkGroomId(options.groom_id, "LCM options");
   return std::make_unique<LcmSubscriber>(std::move(link), options);
 }
 
 std::unique_ptr<Subscriber> makeLcmSubscriber(const LcmOptions& options) {
+  checkOneEnd(options);
   return makeLcmSubscriber(std::make_shared<LcmLink>(options.url), options);
 }
 

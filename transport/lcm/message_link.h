@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace strandcast {
 
@@ -39,10 +40,16 @@ class MessageLink {
     return {open, [ear = std::move(ear)](Ear*) { ear->close(); }};
   }
 
+  struct Channel {
+    std::string name;
+    Handler handler;
+  };
+
   virtual ~MessageLink() = default;
-  /// `handler` runs in a thread of the link's, one message at a time of all channels, until the Listening is
-  /// gone. Throws Error.
-  [[nodiscard]] virtual Listening listen(const std::string& channel, Handler handler) = 0;
+  /// The handlers run in a thread of the link's, one message at a time of all channels, until their
+  /// Listenings are gone. None runs before all can: a log file is read from then on, and only once. Throws
+  /// Error.
+  [[nodiscard]] virtual std::vector<Listening> listen(std::vector<Channel> channels) = 0;
   /// Thread-safe, also within a handler; neither waits for readers nor throws.
   virtual void send(const std::string& channel, std::span<const uint8_t> message) = 0;
 };
