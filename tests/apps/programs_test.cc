@@ -305,6 +305,19 @@ TEST_F(Programs, DaemonCastsToARendererAndObeys) {
   const Outcome refused = run(program_ + " ctl set air_drag -5" + network);
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("air_drag"), std::string::npos) << refused.err;
+  const Outcome far = run(program_ + " ctl head 2000 0 0" + network);
+  EXPECT_EQ(far.exit_code, 2);
+  EXPECT_NE(far.err.find("within 1000"), std::string::npos) << far.err;
+  // Nobody on the network has the daemon open its files.
+  const Outcome file = run(program_ + " ctl motion " + write("walk.bvh", "HIERARCHY").string() + network);
+  EXPECT_EQ(file.exit_code, 2);
+  EXPECT_NE(file.err.find("still"), std::string::npos) << file.err;
+#ifdef STRANDCAST_EXAMPLE_READER
+  const Outcome read = run(std::string(STRANDCAST_EXAMPLE_READER) + " " + domain_ + " 5");
+  EXPECT_EQ(read.exit_code, 0) << read.err;
+  EXPECT_NE(read.out.find("200 strands"), std::string::npos) << read.out;
+  EXPECT_NE(read.out.find("0 lost"), std::string::npos) << read.out;
+#endif
   const Outcome told = run(program_ + " ctl status --json" + network);
   ASSERT_EQ(told.exit_code, 0) << told.err;
   const nlohmann::json parameters = nlohmann::json::parse(told.out)["parameters"];

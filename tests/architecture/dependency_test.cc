@@ -28,6 +28,7 @@ const std::map<std::string, Folders> kAllowed = {
     {"validation", {"core", "kernels", "air", "collision"}},
     {"transport", {"core", "kernels"}},
     {"render", {"core", "kernels", "groom", "transport", "gl"}},
+    {"examples", {"core", "kernels", "transport"}},
 };
 const Folders kAnything = {"apps", "bench", "tests"};
 
