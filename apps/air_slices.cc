@@ -28,6 +28,8 @@ double valueOf(const AirSample& sample, AirQuantity quantity) {
   return static_cast<double>(sample.divergence);
 }
 
+constexpr const char* kQuantities[] = {"density", "wind", "pressure", "divergence"};  // by AirQuantity
+
 const char* unitOf(AirQuantity quantity) {
   constexpr const char* kUnits[] = {"kg/m^3", "m/s", "Pa", "1/s"};
   return kUnits[static_cast<int>(quantity)];
@@ -93,9 +95,8 @@ class Canvas {
 }  // namespace
 
 AirQuantity airQuantity(const std::string& name) {
-  constexpr const char* kNames[] = {"density", "wind", "pressure", "divergence"};
   for (int i = 0; i < 4; ++i)
-    if (name == kNames[i]) return static_cast<AirQuantity>(i);
+    if (name == kQuantities[i]) return static_cast<AirQuantity>(i);
   throw Error("there is no such quantity of the air", name, "choose density, wind, pressure or divergence");
 }
 
@@ -103,7 +104,8 @@ void checkHas(const AirFields& fields, AirQuantity quantity) {
   if (quantity == AirQuantity::kDensity && !fields.hasDensity())
     throw Error("the hair is not on a grid", "density", "give --set volume_stiffness=1 or --set wind_grid=1");
   if (quantity != AirQuantity::kDensity && !fields.hasWind())
-    throw Error("the wind is not on a grid", unitOf(quantity), "give --set wind_grid=1");
+    throw Error("the wind is not on a grid", kQuantities[static_cast<int>(quantity)],
+                "give --set wind_grid=1");
 }
 
 AirSlice airSlice(const AirFields& fields, AirQuantity quantity, int axis, std::span<const Vec3> hair,

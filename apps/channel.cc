@@ -51,7 +51,8 @@ std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session
     throw Error("daemons cannot share a groom over LCM", "--claim", "use --transport dds");
   std::unique_ptr<Publisher> publisher = usesLcm(settings) ? makeLcmPublisher(lcmOptions(settings, session))
                                                            : makeDdsPublisher(ddsOptions(settings, session));
-  const auto listen_time = settings.keys.empty() ? kRivalListenTime : kSecureRivalListenTime;
+  const auto listen_time = (settings.keys.empty() ? kRivalListenTime : kSecureRivalListenTime) *
+                           (settings.claim ? kSharedListens : 1);
   const auto start = std::chrono::steady_clock::now();
   for (;;) {
     const auto listened = std::chrono::steady_clock::now() - start;

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <strings.h>
 
 #include <algorithm>
 #include <cmath>
@@ -231,6 +232,8 @@ PinRule readPin(Section& section) {
   section.number("from", 0, 1, [&](double v) { rule.from = static_cast<float>(v); });
   section.number("to", 0, 1, [&](double v) { rule.to = static_cast<float>(v); });
   rule.where = section.place();
+  if (rule.bone != "head" && strcasecmp(rule.bone.c_str(), "head") == 0)
+    throw Error("a pin's bone is '" + rule.bone + "'", rule.where, "did you mean 'head'? Others stand still");
   if (rule.from > rule.to) throw Error("a pin's from is beyond its to", rule.where, "give them in order");
   return rule;
 }
@@ -350,9 +353,9 @@ std::string configText(const std::filesystem::path& file) {
   const uintmax_t bytes = std::filesystem::file_size(file, failed);
   std::ifstream stream(file, std::ios::binary);
   if (failed || !stream)
-    throw Error("the configuration file cannot be read", file.string(), "check the path given to --config");
+    throw Error("the settings file cannot be read", file.string(), "check its path (--config, --preset)");
   if (bytes > kMaxBytes)
-    throw Error("the configuration file is larger than 1 MiB", file.string(), "is it the right file?");
+    throw Error("the settings file is larger than 1 MiB", file.string(), "is it the right file?");
   std::stringstream text;
   text << stream.rdbuf();
   return text.str();

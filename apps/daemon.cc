@@ -72,7 +72,7 @@ BodyId namedCollider(const std::map<std::string, BodyId>& named, const std::stri
   const auto known = named.find(name);
   if (known == named.end())
     throw Error("there is no collider '" + name + "'", where,
-                "only those that were added by command can be moved");
+                "only those that were added by command can be moved or removed");
   return known->second;
 }
 

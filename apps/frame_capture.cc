@@ -60,7 +60,10 @@ void FrameCapture::run() {
       if (std::chrono::duration<double>(now - heard).count() > plan_.timeout) break;
       continue;
     }
-    heard = now;
+    // A daemon that is paused sends the same moment again and again.
+    if (!last || last->session != frame->session || last->simulation_time != frame->simulation_time)
+      heard = now;
+    if (std::chrono::duration<double>(now - heard).count() > plan_.timeout) break;
     if (last && last->session != frame->session) due = -1;  // another daemon took over
     last = frame;
     const StreamScene scene = StreamScene::of(subscriber);

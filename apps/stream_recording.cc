@@ -17,7 +17,9 @@ bool StreamRecording::take(std::chrono::milliseconds timeout) {
   if (!frame) return false;
   const bool is_new = frame->session != session_ || frame->revision != revision_;
   if (!is_new && frame->frame > last_->frame + 1) skipped_ += frame->frame - last_->frame - 1;
+  const bool is_same = !is_new && frame->simulation_time == last_->simulation_time;  // of a paused daemon
   last_ = frame;
+  if (is_same) return false;
   if (is_new && !describe(*frame)) return true;
   session_ = frame->session;
   revision_ = frame->revision;

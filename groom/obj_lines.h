@@ -19,7 +19,9 @@ namespace strandcast {
 class ObjLines {
  public:
   ObjLines(std::span<const std::byte> bytes, std::string name)
-      : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()), name_(std::move(name)) {}
+      : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()), name_(std::move(name)) {
+    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);  // UTF-8's mark
+  }
 
   /// Moves to the next statement that has a word in it; false at the end of the text.
   bool next();

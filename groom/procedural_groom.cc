@@ -329,13 +329,16 @@ HairStyle hairStyle(const std::string& name) {
   throw Error("unknown hair style", name, "choose straight, wavy, curly or ponytail");
 }
 
-Groom makeProceduralGroom(const ProceduralGroomOptions& options) {
+Groom makeProceduralGroom(const ProceduralGroomOptions& options,
+                          const std::function<void(double part)>& growing) {
+  constexpr int kToldEvery = 256;  // strands
   check(options);
   Groom groom;
   groom.name = "procedural";
   Scalp scalp(options.seed);
   std::vector<Vec3> points;
   for (int s = 0; s < options.strands; ++s) {
+    if (growing && s % kToldEvery == 0) growing(s / static_cast<double>(options.strands));
     const Root root = scalp.next();
     Random random(options.seed ^ 0x57a9d, static_cast<uint64_t>(s));
     const Character character = characterOf(root, options, random);

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "core/triangle_mesh.h"
@@ -20,7 +21,9 @@ struct ProceduralGroomOptions {
 
 /// Grows a groom on the procedural body's scalp. Every strand has vertices at equal distances, starts on the
 /// skin and stays outside it. A ponytail's vertices at the tie are pinned. The same options give the same
-/// bits. Throws Error on an option out of range.
-Groom makeProceduralGroom(const ProceduralGroomOptions& options);
+/// bits. Throws Error on an option out of range. `growing` is told now and then what part has grown, 0 to 1;
+/// what it throws ends it.
+Groom makeProceduralGroom(const ProceduralGroomOptions& options,
+                          const std::function<void(double part)>& growing = {});
 
 }  // namespace strandcast

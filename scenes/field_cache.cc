@@ -17,7 +17,7 @@ std::filesystem::path defaultFieldCache() {
     return std::filesystem::path(cache) / "strandcast";
   if (home == nullptr || *home == 0)
     throw Error("there is no folder for the cache", "HOME and XDG_CACHE_HOME are not set",
-                "name one with --cache");
+                "set XDG_CACHE_HOME to a folder, or HOME");
   return std::filesystem::path(home) / ".cache" / "strandcast";
 }
 

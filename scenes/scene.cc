@@ -84,8 +84,9 @@ Scene makeProceduralScene(const SceneOptions& options, const Progress& progress)
   if (options.strands > 0) groom.strands = options.strands;
   if (options.vertices > 0) groom.vertices = options.vertices;
   if (options.length > 0) groom.length = options.length;
-  report(progress, "growing hair", 0.5);
-  scene.groom = makeProceduralGroom(groom);
+  constexpr double kFrom = 0.15, kTo = 0.45;  // of the scene's progress
+  scene.groom = makeProceduralGroom(
+      groom, [&](double part) { report(progress, "growing hair", kFrom + part * (kTo - kFrom)); });
   scene.body = std::move(body.mesh);
   scene.head_weights = std::move(body.head_weight);
   scene.bodies.push_back({std::move(body.head), true});

@@ -3,6 +3,7 @@
 namespace strandcast {
 namespace {
 constexpr std::chrono::milliseconds kClaimPeriod{40};
+constexpr std::chrono::milliseconds kFallsSilent{1000};  // in which every claimant has heard of a new holder
 }  // namespace
 
 DdsClaim::DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength)
@@ -11,11 +12,17 @@ DdsClaim::DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength)
       strength_(strength),
       listener_([this](v6::Claim& claim, const auto&) {
         if (claim.groom_id() != groom_id_ || holder_.exchange(claim.session()) == claim.session()) return;
+        changed_ = std::chrono::steady_clock::now().time_since_epoch();
         if (claim.session() == session_) ++turns_;
       }) {}
 
 uint64_t DdsClaim::turn() const {
   return holder_ == session_ && std::chrono::steady_clock::now() >= settled_ ? turns_.load() : 0;
+}
+
+bool DdsClaim::isSettled() const {
+  const auto now = std::chrono::steady_clock::now();
+  return holder_ != 0 && now >= settled_ && now.time_since_epoch() - changed_.load() >= kFallsSilent;
 }
 
 void DdsClaim::start(DdsParticipant& participant, std::chrono::milliseconds settles) {

@@ -26,6 +26,9 @@ class DdsClaim {
   uint64_t turn() const;
   /// Session of the daemon whose turn it is; 0 while that is not known.
   uint64_t holder() const { return holder_; }
+  /// Whether a status of another session than the holder's must be of a daemon that does not share the groom:
+  /// one that does sends none once it knows whose turn it is.
+  bool isSettled() const;
 
  private:
   void claim(eprosima::fastdds::dds::DataWriter* writer);
@@ -34,6 +37,7 @@ class DdsClaim {
   const uint64_t session_;
   const uint32_t strength_;
   std::atomic<uint64_t> holder_{0}, turns_{0};
+  std::atomic<std::chrono::steady_clock::duration> changed_{};  ///< since the clock's start: of the holder
   std::chrono::steady_clock::time_point settled_;
   TakingListener<v6::Claim> listener_;
   std::mutex mutex_;

@@ -90,10 +90,7 @@ class DdsPublisher final : public Publisher {
 
   uint32_t matchedReaders() const override { return readers_.matched(); }
   EncodingReport encoding() const override { return announced_.encoding(); }
-  std::optional<Rival> rival() const override {
-    const std::optional<Rival> rival = others_.rivalOf(options_.groom_id, options_.session);
-    return claim_ && rival && rival->session == claim_->holder() ? std::nullopt : rival;
-  }
+  std::optional<Rival> rival() const override { return others_.rivalOf(options_.groom_id, options_.session); }
 
  private:
   void write(AnnouncedGroom::Chunks chunks) {
@@ -148,6 +145,8 @@ class DdsPublisher final : public Publisher {
 
   void hear(const v6::Status& wire, const StatusBoard::WriterId& writer) {
     if (wire.groom_id() != options_.groom_id || wire.session() == options_.session) return;
+    if (claim_ && (wire.session() == claim_->holder() || !claim_->isSettled()))
+      return;  // it may share the groom
     Status status;
     fromWire(wire, status);
     others_.post(writer, std::move(status));

@@ -38,7 +38,7 @@ const Suite& validationSuite(const std::string& name) {
     if (suite.name == name) return suite;
     names += (names.empty() ? "" : ", ") + suite.name;
   }
-  throw Error("unknown suite", name, "choose one of " + names);
+  throw Error("unknown suite", name, "choose one of " + names + ", or see `strandcast validate --help`");
 }
 
 std::vector<Case> runSuite(const Suite& suite, const Laboratory& laboratory, const std::string& only,

@@ -72,6 +72,7 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
         program_ + " convert " + (folder_ / "empty.tfx").string() + " " + (folder_ / "x.hair").string(),
         daemon_ + " --config " + (folder_ / "bad.toml").string(),
         program_ + " keys " + folder_.string(),
+        program_ + " keys ''",
         program_ + " ctl stop --keys " + folder_.string(),
         program_ + " ctl stop --profile secure",
         program_ + " ctl stop --profile secure --transport lcm",
@@ -81,6 +82,8 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
         daemon_ + " --set air_drag=fast",
         daemon_ + " --set air_darg=1",
         daemon_ + " --motion moonwalk --duration 1",
+        program_ + " render --transport lcm --lcm-url 'file://" + (folder_ / "empty.tfx").string() +
+            "?mode=w'",
         daemon_ + " --scene straight --strands 20 --record '' --record-grids 1 --duration 1"}) {
     const Outcome r = run(command);
     EXPECT_EQ(r.exit_code, 2) << command << "\n" << r.err;
@@ -341,11 +344,42 @@ TEST_F(Programs, DaemonCastsToARendererAndObeys) {
     EXPECT_EQ(report["strands"], 200);
     EXPECT_TRUE(std::filesystem::exists(folder_ / "pictures" / "frame_0002.png"));
   }
+  // Of a daemon that is paused there is one moment to record, not a film of it.
+  EXPECT_EQ(run(program_ + " ctl pause" + network).exit_code, 0);
+  const Outcome paused =
+      run(program_ + " record " + (folder_ / "paused.rec").string() + " --timeout 2 --json" + network);
+  ASSERT_EQ(paused.exit_code, 0) << paused.err;
+  EXPECT_LE(nlohmann::json::parse(paused.out)["frames"], 2);
   EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
   EXPECT_EQ(wait(first), 0);
   const nlohmann::json summary = nlohmann::json::parse(contents(folder_ / "daemon.json"));
   EXPECT_GT(summary["frames_published"], 10);
   EXPECT_EQ(summary["non_finite"], 0);
+}
+
+TEST_F(Programs, AStrongerDaemonJoinsOneThatCastsTheirGroomAndLeavesItAgain) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const auto claims = [&](const char* strength, const char* strands) {
+    return start({daemon_, "--scene", "straight", "--strands", strands, "--domain", domain_, "--quiet",
+                  "--duration", "120", "--body-contact", "spheres", "--claim", strength},
+                 std::string("daemon") + strength);
+  };
+  const auto becomes = [&](int strands) {  // who casts
+    for (int i = 0; i < 60; ++i) {
+      const Outcome told = run(program_ + " ctl status --json --timeout 30 --domain " + domain_);
+      if (told.exit_code == 0 && nlohmann::json::parse(told.out)["strands"] == strands) return true;
+    }
+    return false;
+  };
+  const pid_t weaker = claims("1", "20");
+  ASSERT_TRUE(becomes(20));
+  const pid_t stronger = claims("2", "30");
+  ASSERT_TRUE(becomes(30));
+  kill(stronger, SIGKILL);
+  wait(stronger);
+  EXPECT_TRUE(becomes(20)) << "the standby takes over";
+  EXPECT_EQ(run(program_ + " ctl stop --domain " + domain_).exit_code, 0);
+  EXPECT_EQ(wait(weaker), 0);
 }
 
 TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {

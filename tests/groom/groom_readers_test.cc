@@ -211,6 +211,12 @@ TEST(ObjStrands, AVertexMayFollowThePolylineThatUsesIt) {
   EXPECT_EQ(readObjStrands(samples::fromText("l 1 2\nv 0 0 0\nv 0 1 0"), "wig.obj").strands.vertices(), 2u);
 }
 
+TEST(ObjStrands, AMarkOfUtf8BeforeTheFirstLineIsNoPartOfIt) {
+  EXPECT_EQ(
+      readObjStrands(samples::fromText("\xEF\xBB\xBFv 0 0 0\nv 0 1 0\nl 1 2"), "wig.obj").strands.positions,
+      (std::vector<Vec3>{{0, 0, 0}, {0, 1, 0}}));
+}
+
 TEST(ObjStrands, BadLinesAreRefusedWithTheirNumber) {
   expectObjError("", "line 1");
   expectObjError("# nothing\n", "no polylines");

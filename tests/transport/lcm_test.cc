@@ -338,6 +338,15 @@ TEST(Lcm, BadOptionsAreRefused) {
               makeLcmSubscriber({"file:///no/such/file?mode=r", 1, 0, {}});
             }).find("log file"),
             std::string::npos);
+  EXPECT_NE(errorOf([] {
+              makeLcmSubscriber({"file:///no/such/file?mode=w", 1, 0, {}});
+            }).find("would replace the log"),
+            std::string::npos);
+  EXPECT_NE(errorOf([] {
+              makeLcmSubscriber({"memq://", 1, 0, {}});
+            }).find("makeLcmChannel"),
+            std::string::npos);
+  EXPECT_NE(errorOf([] { makeLcmSubscriber({lcmUrl(0), 0, 0, {}}); }).find("groom id"), std::string::npos);
   EXPECT_NE(errorOf([] { lcmUrl(233); }), "");
 }
 

@@ -184,6 +184,8 @@ std::unique_ptr<Subscriber> makeLcmSubscriber(std::shared_ptr<MessageLink> link,
 
 std::unique_ptr<Subscriber> makeLcmSubscriber(const LcmOptions& options) {
   checkOneEnd(options);
+  if (options.url.starts_with("file://") && options.url.find("mode=w") != std::string::npos)
+    throw Error("a reader would replace the log", options.url, "give mode=r");
   return makeLcmSubscriber(std::make_shared<LcmLink>(options.url), options);
 }
 

@@ -106,6 +106,7 @@ void writeSigned(const std::filesystem::path& file, const std::string& document,
 }  // namespace
 
 std::vector<TestIdentity> makeTestKeys(const std::filesystem::path& folder, int days) {
+  if (folder.empty()) throw Error("no folder is named for the keys", "''", "name a new one");
   std::error_code failure;
   if (std::filesystem::exists(folder, failure))
     throw Error("there is something already", folder.string(), "name a new folder; nothing is replaced");
