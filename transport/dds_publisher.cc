@@ -35,6 +35,7 @@ class DdsPublisher final : public Publisher {
     collider_writer_ = participant_.createWriter(kCollidersTopic, new ColliderChunkType, nullptr);
     guide_writer_ = participant_.createWriter(kGuidesTopic, new GuideChunkType, &readers_);
     if (options.claim) {
+      relay_ = participant_.createWriterIfPermitted(kCommandTopic, new CommandType, nullptr);
       claim_.emplace(options.groom_id, options.session, *options.claim);
       claim_->start(participant_, options.keys.empty() ? kSettles : kSecureRivalListenTime);
     }
@@ -86,7 +87,16 @@ class DdsPublisher final : public Publisher {
     status_writer_->write(&sample);
   }
 
-  std::optional<Command> takeCommand() override { return commands_.take(); }
+  std::optional<Command> takeCommand() override {
+    std::optional<Command> command = commands_.take();
+    // Who sent it may have met this daemon alone, and be gone before the others could hear of it.
+    if (command && claim_ && claim_->turn() != 0 && relay_ != nullptr) {
+      v6::Command sample;
+      toWire(*command, sample);
+      relay_->write(&sample);
+    }
+    return command;
+  }
 
   uint32_t matchedReaders() const override { return readers_.matched(); }
   EncodingReport encoding() const override { return announced_.encoding(); }
@@ -172,6 +182,7 @@ class DdsPublisher final : public Publisher {
   dds::DataWriter* body_writer_ = nullptr;
   dds::DataWriter* collider_writer_ = nullptr;
   dds::DataWriter* guide_writer_ = nullptr;
+  dds::DataWriter* relay_ = nullptr;  ///< of commands, to those that share the groom
 };
 
 }  // namespace

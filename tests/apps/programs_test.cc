@@ -375,9 +375,19 @@ TEST_F(Programs, AStrongerDaemonJoinsOneThatCastsTheirGroomAndLeavesItAgain) {
   ASSERT_TRUE(becomes(20));
   const pid_t stronger = claims("2", "30");
   ASSERT_TRUE(becomes(30));
+  // What a sender tells who casts, the standby obeys too.
+  const std::string network = " --domain " + domain_;
+  for (int i = 0; i < 4; ++i) {
+    const std::string place = " 0 " + std::to_string(i) + " 1 0.05";
+    EXPECT_EQ(
+        run(program_ + " ctl collider add ball" + std::to_string(i) + " sphere" + place + network).exit_code,
+        0);
+  }
   kill(stronger, SIGKILL);
   wait(stronger);
   EXPECT_TRUE(becomes(20)) << "the standby takes over";
+  for (int i = 0; i < 4; ++i)
+    EXPECT_EQ(run(program_ + " ctl collider remove ball" + std::to_string(i) + network).exit_code, 0) << i;
   EXPECT_EQ(run(program_ + " ctl stop --domain " + domain_).exit_code, 0);
   EXPECT_EQ(wait(weaker), 0);
 }
