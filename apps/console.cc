@@ -33,9 +33,12 @@ void ProgressBar::show(const std::string& what, double part) {
   shown_ = true;
 }
 
+std::string jsonText(const nlohmann::json& value) {
+  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 void Report::add(const std::string& key, const std::string& label, const std::string& text) {
-  rows_.push_back({key, label, text,
-                   nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)});
+  rows_.push_back({key, label, text, jsonText(text)});
 }
 
 void Report::add(const std::string& key, const std::string& label, double value, const std::string& unit,

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,9 @@ namespace strandcast {
 constexpr int kExitCheckFailed = 1;
 constexpr int kExitBadInput = 2;
 constexpr int kExitInterrupted = 130;
+
+/// In one line. Bytes of names that are no UTF-8, as those of files may be, become U+FFFD.
+std::string jsonText(const nlohmann::json& value);
 
 /// A progress bar on standard error; quiet when that is not a terminal.
 class ProgressBar {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/channel.h"
+#include "apps/console.h"
 #include "apps/daemon.h"
 #include "core/error.h"
 #include "transport/recording/recorder.h"
@@ -119,12 +120,11 @@ class RecordedInputs final : public Publisher {
 std::string simulationSource(const std::vector<std::string>& words, const SettingsOptions& options,
                              const std::string& backend, const std::string& device) {
   const std::string config = options.config().empty() ? "" : configText(options.config());
-  return nlohmann::json{{"arguments", words},
-                        {"folder", std::filesystem::current_path().string()},
-                        {"config", config},
-                        {"backend", backend},
-                        {"device", device}}
-      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return jsonText({{"arguments", words},
+                   {"folder", std::filesystem::current_path().string()},
+                   {"config", config},
+                   {"backend", backend},
+                   {"device", device}});
 }
 
 ResimulationReport resimulate(Recording& recording, const std::string& name, const std::atomic<bool>& stop,

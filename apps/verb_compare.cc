@@ -137,19 +137,18 @@ void report(const CompareOptions& o, const Scene& scene, std::deque<ShakeTrial>&
   }
   nlohmann::json list = nlohmann::json::array();
   for (size_t i = 0; i < results.size(); ++i) list.push_back(toJson(o.solvers[i], results[i]));
-  fmt::print("{}\n", nlohmann::json({{"groom", scene.name},
-                                     {"strands", model.strands()},
-                                     {"vertices", model.vertices()},
-                                     {"shake_s", o.shake},
-                                     {"rest_s", o.rest},
-                                     {"backend", backend},
-                                     {"device", device},
-                                     {"time_step_s", parameters.time_step},
-                                     {"substeps", parameters.substeps},
-                                     {"iterations", parameters.iterations},
-                                     {"pictures", pictures},
-                                     {"solvers", list}})
-                         .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  fmt::print("{}\n", jsonText({{"groom", scene.name},
+                               {"strands", model.strands()},
+                               {"vertices", model.vertices()},
+                               {"shake_s", o.shake},
+                               {"rest_s", o.rest},
+                               {"backend", backend},
+                               {"device", device},
+                               {"time_step_s", parameters.time_step},
+                               {"substeps", parameters.substeps},
+                               {"iterations", parameters.iterations},
+                               {"pictures", pictures},
+                               {"solvers", list}}));
 }
 
 int compare(const CompareOptions& o) {

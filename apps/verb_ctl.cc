@@ -57,7 +57,7 @@ int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
                 fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
                 "see `strandcast ctl list`");
   if (!refusal->empty()) throw Error("the daemon refused", *refusal, "");
-  if (o.json) fmt::print("{}\n", nlohmann::json({{"command", command.id}, {"accepted", true}}).dump());
+  if (o.json) fmt::print("{}\n", jsonText({{"command", command.id}, {"accepted", true}}));
   return 0;
 }
 
@@ -113,25 +113,33 @@ int list(const CtlOptions& o) {
   if (o.json) {
     nlohmann::json out = nlohmann::json::array();
     for (const Status& s : all) out.push_back(toJson(s));
-    fmt::print("{}\n", nlohmann::json({{"daemons", out}}).dump());
+    fmt::print("{}\n", jsonText({{"daemons", out}}));
     return 0;
   }
   if (all.empty()) fmt::print("no daemon on {}\n", networkName(o.network));
-  for (const Status& s : all)
+  for (const Status& s : all) {
+    if (s.strands == 0) {
+      fmt::print("  groom {:<4} is starting\n", s.groom_id);
+      continue;
+    }
     fmt::print("  groom {:<4} {:<16} {:<10} {} strands, {} vertices, step {:.2f} ms, {} readers\n",
                s.groom_id, s.groom_name, s.backend, s.strands, s.vertices, s.step_ms_median, s.readers);
+  }
   return 0;
 }
 
 int printStatus(const CtlOptions& o) {
   const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
   std::optional<Status> status;
-  if (!waitUntil(o.timeout, [&] { return (status = subscriber->status()).has_value(); }))
-    throw Error("no daemon", fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
+  // A daemon that starts has named itself before it knows its hair.
+  const auto casts = [&] { return (status = subscriber->status()).has_value() && status->strands > 0; };
+  if (!waitUntil(o.timeout, casts))
+    throw Error(status ? "the daemon is still starting" : "no daemon",
+                fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
                 "see `strandcast ctl list`");
   nlohmann::json object = toJson(*status);
   if (o.json) {
-    fmt::print("{}\n", object.dump());
+    fmt::print("{}\n", jsonText(object));
     return 0;
   }
   object.erase("parameters");

@@ -41,7 +41,7 @@ int printBackends(bool json) {
                  info.reason);
   }
   if (json) {
-    fmt::print("{}\n", nlohmann::json({{"backends", list}, {"dds", dds}, {"lcm", lcm}}).dump());
+    fmt::print("{}\n", jsonText({{"backends", list}, {"dds", dds}, {"lcm", lcm}}));
     return 0;
   }
   fmt::print("  {:<10} {:<4}            {}\n", "dds", dds ? "yes" : "no", dds ? "Fast DDS" : why_no_dds);
@@ -66,22 +66,21 @@ int printGroom(const InfoOptions& options) {
   const GroomSummary s = summarize(meters);
   const std::optional<uint64_t> cast = bytesPerFrame(groom.strands);
   if (options.json) {
-    fmt::print("{}\n", nlohmann::json({{"file", options.file},
-                                       {"format", raw.format},
-                                       {"strands", s.strands},
-                                       {"vertices", s.vertices},
-                                       {"vertices_min", s.min_vertices},
-                                       {"vertices_max", s.max_vertices},
-                                       {"unit_meters", unit},
-                                       {"bounds_min", toJson(s.bounds.min())},
-                                       {"bounds_max", toJson(s.bounds.max())},
-                                       {"length_min", s.min_length},
-                                       {"length_median", s.median_length},
-                                       {"length_max", s.max_length},
-                                       {"degenerate_strands", s.degenerate_strands},
-                                       {"bytes_per_frame", cast ? nlohmann::json(*cast) : nlohmann::json()},
-                                       {"warnings", groom.report.warnings}})
-                           .dump());
+    fmt::print("{}\n", jsonText({{"file", options.file},
+                                 {"format", raw.format},
+                                 {"strands", s.strands},
+                                 {"vertices", s.vertices},
+                                 {"vertices_min", s.min_vertices},
+                                 {"vertices_max", s.max_vertices},
+                                 {"unit_meters", unit},
+                                 {"bounds_min", toJson(s.bounds.min())},
+                                 {"bounds_max", toJson(s.bounds.max())},
+                                 {"length_min", s.min_length},
+                                 {"length_median", s.median_length},
+                                 {"length_max", s.max_length},
+                                 {"degenerate_strands", s.degenerate_strands},
+                                 {"bytes_per_frame", cast ? nlohmann::json(*cast) : nlohmann::json()},
+                                 {"warnings", groom.report.warnings}}));
     return 0;
   }
   Report out;

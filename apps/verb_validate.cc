@@ -118,7 +118,7 @@ int validate(const ValidateOptions& o) {
                        {"passed", passed},
                        {"failed", failed}};
     if (!name.empty()) out.update({{"backend", name}, {"device", device}, {"solver", solverName(solver)}});
-    fmt::print("{}\n", out.dump());
+    fmt::print("{}\n", jsonText(out));
   } else {
     // A suite that scores no backend makes none.
     fmt::print("{}: {}{}\n", suite.name, suite.about,
