@@ -268,7 +268,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   root.text("scene", [&](const std::string& v) { s.scene.name = v; });
   root.text("motion",
             [&](const std::string& v) { s.scene.motion = v.ends_with(".bvh") ? path(v).string() : v; });
-  root.number("seed", 0, 1e15, [&](double v) { s.scene.seed = static_cast<uint64_t>(v); });
+  root.number("seed", 0, kLargestSeed, [&](double v) { s.scene.seed = static_cast<uint64_t>(v); });
   root.section("groom", [&](Section& groom) {
     groom.texts("files", [&](const std::string& v) { s.scene.groom.push_back(path(v)); });
     groom.number("unit_meters", 1e-6, 1000,

@@ -25,7 +25,8 @@ constexpr size_t kStepWindow = 1200;     // steps that the timing statistics loo
 constexpr double kStatusInterval = 0.5;  // s
 constexpr double kPullSeconds = 1;       // of simulation, after which a hand lets go that nobody moves
 constexpr int kMostStepsAsked = 1000;
-constexpr double kRampSeconds = 0.2;  // a commanded pose is reached in this time, smoothly
+constexpr double kFarthestPlace = 1000;  // m, on each axis, of a commanded pose
+constexpr double kRampSeconds = 0.2;     // a commanded pose is reached in this time, smoothly
 
 double milliseconds(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
 
@@ -42,8 +43,9 @@ HeadMotion rampTo(const Pose& from, const Pose& to) {
 /// Position x y z, rotation x y z w.
 Pose poseOf(const std::vector<double>& values, size_t first, const std::string& where) {
   const double* const v = values.data() + first;
-  if (!std::all_of(v, v + 3, [](double x) { return std::fabs(x) <= kFarthestHand; }))
-    throw Error("a pose is too far away", where, "give x y z in metres, each within 1000");
+  if (!std::all_of(v, v + 3, [](double x) { return std::fabs(x) <= kFarthestPlace; }))
+    throw Error("a pose is too far away", where,
+                fmt::format("give x y z in metres, each within {}", kFarthestPlace));
   const Quat rotation(Eigen::Quaterniond(v[6], v[3], v[4], v[5]).cast<float>());
   if (!(std::fabs(rotation.norm() - 1) < 0.5f))
     throw Error("a rotation is not a unit quaternion", where, "give x y z w, with squares that add up to 1");

@@ -56,15 +56,12 @@ void FrameCapture::run() {
   while (captured < plan_.frames && !stop_ && !g_interrupted) {
     const auto frame = subscriber.waitForNext(last.get(), std::chrono::milliseconds(100));
     const auto now = std::chrono::steady_clock::now();
-    if (!frame) {
-      if (std::chrono::duration<double>(now - heard).count() > plan_.timeout) break;
-      continue;
-    }
+    const bool is_other = frame && last && last->session != frame->session;  // another daemon took over
     // A daemon that is paused sends the same moment again and again.
-    if (!last || last->session != frame->session || last->simulation_time != frame->simulation_time)
-      heard = now;
+    if (frame && (!last || is_other || last->simulation_time != frame->simulation_time)) heard = now;
     if (std::chrono::duration<double>(now - heard).count() > plan_.timeout) break;
-    if (last && last->session != frame->session) due = -1;  // another daemon took over
+    if (!frame) continue;
+    if (is_other) due = -1;
     last = frame;
     const StreamScene scene = StreamScene::of(subscriber);
     if (!scene.fits(*frame)) continue;  // its body is still to come

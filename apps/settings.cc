@@ -189,7 +189,7 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   scene->add_option("--length", given_.scene.length, "length of procedural hair, m")
       ->check(finiteRange(0.01, 2.0));
   scene->add_option("--seed", given_.scene.seed, "of everything random")
-      ->check(CLI::Range(0.0, 1e15))
+      ->check(CLI::Range(0.0, kLargestSeed))
       ->capture_default_str();
 
   scene->add_option("--material", material_, materialHelp());

@@ -17,6 +17,9 @@ class App;
 
 namespace strandcast {
 
+/// A seed at most: beyond it a number of a TOML file is no longer whole.
+constexpr double kLargestSeed = 1e15;
+
 /// All that a daemon (or a viewer with the simulation inside) is told, by a TOML file and by options; options
 /// win.
 struct Settings {

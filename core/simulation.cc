@@ -290,9 +290,11 @@ void Simulation::step() {
 }
 
 void Simulation::pullHair(const Vec3& from, float radius, const Vec3& to, float rate) {
-  const auto is_place = [](const Vec3& place) { return place.cwiseAbs().maxCoeff() <= kFarthestHand; };
-  const bool sound = from.allFinite() && to.allFinite() && is_place(from) && is_place(to) && radius >= 0 &&
-                     radius <= 10 && rate >= 0 && rate <= 1000;
+  const auto is_place = [](const Vec3& place) {
+    return place.allFinite() && place.cwiseAbs().maxCoeff() <= kFarthestHand;
+  };
+  const bool sound =
+      is_place(from) && is_place(to) && radius >= 0 && radius <= 10 && rate >= 0 && rate <= 1000;
   if (!sound)
     throw Error("hair cannot be pulled so", "Simulation::pullHair",
                 "give places within 1000 m, a radius of 0 to 10 m and a rate of 0 to 1000 1/s");
