@@ -99,6 +99,7 @@ uint64_t newSession() {
 Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint64_t session)
     : settings_(settings),
       publisher_(publisher),
+      rival_warning_(settings.groom_id),
       skinned_(scene.skinned),
       motion_(scene.motion),
       head_pivot_(scene.head_pivot),
@@ -312,6 +313,7 @@ void Daemon::publishStatus() {
   status_.readers = publisher_.matchedReaders();
   status_.encoding = publisher_.encoding();
   publisher_.publishStatus(status_);
+  rival_warning_.look(publisher_);
 }
 
 bool Daemon::castFrame(const std::atomic<bool>& stop) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "apps/rival_warning.h"
 #include "apps/settings.h"
 #include "core/simulation.h"
 #include "transport/publisher.h"
@@ -53,6 +54,7 @@ class Daemon {
 
   Settings settings_;
   Publisher& publisher_;
+  RivalWarning rival_warning_;
   GroomDescription groom_;  ///< until announce()
   BodyDescription body_;
   /// Of a collider that a command has moved, until it is there.

@@ -41,7 +41,7 @@ double numberOf(const Command& command, double low, double high) {
 
 Replay::Replay(Recording& recording, Publisher& publisher, uint32_t groom_id, uint64_t session,
                const ReplayOptions& options)
-    : recording_(recording), publisher_(publisher), options_(options) {
+    : recording_(recording), publisher_(publisher), rival_warning_(groom_id), options_(options) {
   frame_.groom_id = status_.groom_id = groom_id;
   frame_.session = status_.session = session;
   status_.backend = "replay";
@@ -133,6 +133,7 @@ void Replay::publishStatus() {
   status_.encoding = publisher_.encoding();
   tellParameters();
   publisher_.publishStatus(status_);
+  rival_warning_.look(publisher_);
 }
 
 ReplaySummary Replay::run(const std::atomic<bool>& stop) {

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "apps/rival_warning.h"
 #include "transport/publisher.h"
 #include "transport/recording/recording.h"
 
@@ -43,6 +44,7 @@ class Replay {
 
   Recording& recording_;
   Publisher& publisher_;
+  RivalWarning rival_warning_;
   ReplayOptions options_;
   RecordedFrame read_;
   GuideFrame frame_;

@@ -1,5 +1,14 @@
 // The daemon's loop over the in-process channel.
 #include "tests/apps/daemon_fixture.h"
+
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+
 #include "transport/parameter_table.h"
 
 namespace strandcast {
@@ -72,6 +81,40 @@ TEST_F(DaemonTest, TheObserverSeesEveryFrame) {
   });
   cast(3);
   EXPECT_EQ(seen, 3);
+}
+
+/// A channel on which there is `heard`.
+class RivalChannel final : public Publisher {
+ public:
+  std::optional<Rival> heard;
+  std::optional<Rival> rival() const override { return heard; }
+  void announce(const GroomDescription&, const BodyDescription&) override {}
+  void announceColliders(const ColliderSet&) override {}
+  void publish(const GuideFrame&) override {}
+  void publishStatus(const Status&) override {}
+  std::optional<Command> takeCommand() override { return std::nullopt; }
+  uint32_t matchedReaders() const override { return 0; }
+  EncodingReport encoding() const override { return {}; }
+};
+
+TEST(RivalWarningTest, TellsOnceOfEachThatCasts) {
+  RivalChannel channel;
+  RivalWarning warning(7);
+  const auto said = [&](std::optional<Rival> heard) {
+    channel.heard = heard;
+    std::ostringstream text;
+    const auto logger = spdlog::default_logger();
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_st>(text)));
+    warning.look(channel);
+    spdlog::set_default_logger(logger);
+    return text.str();
+  };
+  EXPECT_EQ(said(std::nullopt), "");
+  EXPECT_EQ(said(Rival{0xab, false}), "") << "it starts, hears of this one and goes";
+  EXPECT_NE(said(Rival{0xab, true}).find("session 00000000000000ab, casts groom 7 too"), std::string::npos);
+  EXPECT_EQ(said(Rival{0xab, true}), "");
+  EXPECT_NE(said(Rival{0xcd, true}).find("session 00000000000000cd"), std::string::npos);
 }
 
 }  // namespace
