@@ -17,6 +17,8 @@ namespace strandcast {
 namespace {
 
 DdsOptions ddsOptions(const Settings& settings, uint64_t session) {
+  if (!settings.lcm_url.empty())
+    throw Error("DDS has no URL", "--lcm-url " + settings.lcm_url, "add --transport lcm");
   return {settings.domain, settings.groom_id,
           session,         settings.codec,
           settings.claim,  ddsProfileNamed(settings.profile, "--profile"),
@@ -28,6 +30,9 @@ LcmOptions lcmOptions(const Settings& settings, uint64_t session) {
   if (ddsProfileNamed(settings.profile, "--profile") == DdsProfile::kSecure || !settings.keys.empty())
     throw Error("LCM has no security", "--transport lcm with --profile secure or --keys",
                 "use --transport dds");
+  if (!settings.peers.empty() || !settings.discovery_server.empty())
+    throw Error("LCM looks for nobody", "--transport lcm with --peers or --discovery-server",
+                "say with --lcm-url where frames go, or use --transport dds");
   return {settings.lcm_url.empty() ? lcmUrl(settings.domain) : settings.lcm_url, settings.groom_id, session,
           settings.codec};
 }

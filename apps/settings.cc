@@ -248,6 +248,26 @@ Settings SettingsOptions::resolve(const std::string& config_text) const {
   return over(std::move(config));
 }
 
+void SettingsOptions::refuseWhatIsIgnored(const Settings& out) const {
+  const bool has_files = !out.scene.groom.empty(), has_body = !has_files || !out.scene.body.empty();
+  const struct {
+    const char* option;
+    bool ignored;
+    const char *reason, *remedy;
+  } options[] = {
+      {"--config", config_.empty(), "the configuration file has no name", "name a TOML file"},
+      {"--motion", given_.scene.motion.empty(), "the motion has no name", "e.g. --motion shake"},
+      {"--unit-meters", !has_files, "procedural hair is in metres", "leave it out, or give a --groom"},
+      {"--up", !has_files, "of procedural hair Y is up", "leave it out, or give a --groom"},
+      {"--body-contact", !has_body, "there is no body", "give a --body"},
+      {"--body-cell", !has_body, "there is no body", "give a --body"},
+      {"--body-cell", out.scene.body_contact == BodyContact::kSpheres, "spheres have no cells",
+       "leave it out, or --body-contact field"},
+  };
+  for (const auto& [option, ignored, reason, remedy] : options)
+    if (ignored && app_.count(option) > 0) throw Error(reason, option, remedy);
+}
+
 Settings SettingsOptions::over(Settings out) const {
   auto lay = [&](const char* option, auto& to, const auto& from) {
     const CLI::Option* known = app_.get_option_no_throw(option);
@@ -265,6 +285,12 @@ Settings SettingsOptions::over(Settings out) const {
   if (app_.count("--groom") > 0) {  // in place of the file's scene
     out.scene.groom.assign(groom_.begin(), groom_.end());
     out.scene.length = 0;
+  }
+  const CLI::Option* transport = app_.get_option_no_throw("--transport");
+  if (transport != nullptr && transport->count() > 0) {  // in place of where the file's goes
+    out.peers.clear();
+    out.discovery_server.clear();
+    out.lcm_url.clear();
   }
   lay("--body", out.scene.body, given_.scene.body);
   if (!body_contact_.empty()) out.scene.body_contact = bodyContactOf(body_contact_);
@@ -300,6 +326,7 @@ Settings SettingsOptions::over(Settings out) const {
   lay("--zstd", out.codec.zstd, given_.codec.zstd);
   lay("--key-interval", out.codec.key_interval, given_.codec.key_interval);
   out.codec.threads = out.threads;
+  refuseWhatIsIgnored(out);
   for (const std::string& text : material_) out.scene.materials.push_back(parseMaterial(text));
   for (const std::string& text : set_) {
     out.parameters.push_back(parseAssignment(text));

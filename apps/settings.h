@@ -66,6 +66,8 @@ class SettingsOptions {
 
  private:
   Settings over(Settings config) const;
+  /// Options that change nothing beside the others.
+  void refuseWhatIsIgnored(const Settings& settings) const;
 
   CLI::App& app_;
   std::filesystem::path config_;

@@ -167,7 +167,8 @@ Verb addBake(CLI::App& app) {
                                "folder of fields by content; XDG_CACHE_HOME/strandcast if not given");
   app.add_flag("--no-cache", o->no_cache, "neither look there nor keep it")->excludes(cache);
 #ifdef STRANDCAST_HAS_RENDER
-  app.add_option("--slices", o->slices, "folder for pictures of slices through the field");
+  app.add_option("--slices", o->slices, "folder for pictures of slices through the field")
+      ->check([](const std::string& folder) { return folder.empty() ? "name a folder" : std::string(); }, "");
 #endif
   app.add_flag("--json", o->json, "print one JSON object");
   return [o] { return bake(*o); };

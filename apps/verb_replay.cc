@@ -225,23 +225,27 @@ Verb addReplay(CLI::App& app) {
       "  strandcast record air.rec --scene straight --set wind_grid=1 --seconds 2 --grids 6\n"
       "  strandcast replay air.rec --show wind --out slices");
   app.add_option("FILE", o->file, "recording, of `strandcast record` or `strandcastd --record`")->required();
-  app.add_option("--speed", o->replay.speed, "times as fast as it was simulated; 0 stands still")
-      ->check(finiteRange(0.0, kMaxReplaySpeed))
-      ->capture_default_str();
-  app.add_flag("--loop", o->replay.loops, "begin again at the end");
-  app.add_option("--from", o->replay.from, "seconds of the recording to begin at")
-      ->check(finiteRange(0.0, 1e6));
-  app.add_option("--to", o->replay.to, "seconds of the recording to end at; 0 = its end")
-      ->check(finiteRange(0.0, 1e6));
+  auto* speed =
+      app.add_option("--speed", o->replay.speed, "times as fast as it was simulated; 0 stands still")
+          ->check(finiteRange(0.0, kMaxReplaySpeed))
+          ->capture_default_str();
+  auto* loop = app.add_flag("--loop", o->replay.loops, "begin again at the end");
+  auto* from = app.add_option("--from", o->replay.from, "seconds of the recording to begin at")
+                   ->check(finiteRange(0.0, 1e6));
+  auto* to = app.add_option("--to", o->replay.to, "seconds of the recording to end at; 0 = its end")
+                 ->check(finiteRange(0.0, 1e6));
   auto* check =
       app.add_flag("--check", o->checks,
                    "cast nothing: read every frame and say what the file holds. Exit code 1 where a frame is "
                    "damaged or there is none, or the file was cut");
-  app.add_flag("--resimulate", o->resimulates,
-               "cast nothing: simulate it again from the recorded settings and commands, on the same "
-               "backend, and compare "
-               "the hash of every frame")
-      ->excludes(check);
+  auto* resimulate =
+      app.add_flag("--resimulate", o->resimulates,
+                   "cast nothing: simulate it again from the recorded settings and commands, on the same "
+                   "backend, and compare "
+                   "the hash of every frame")
+          ->excludes(check);
+  for (CLI::Option* const of_all : {check, resimulate})  // which take every frame, as fast as they can
+    for (CLI::Option* const of_casting : {speed, loop, from, to}) of_all->excludes(of_casting);
   const char* const kGrids = "Grids of density and wind, as pictures";
   app.add_option(
          "--show", o->show,

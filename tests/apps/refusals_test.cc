@@ -61,10 +61,31 @@ TEST_F(Refusals, WhatWouldBeIgnoredIsRefused) {
        {std::pair{std::string(" --body absent.obj"), "--groom"},
         std::pair{std::string(" --scene straight --body absent.obj"), "--groom"},
         std::pair{hair_file + " --scene straight", "leave one of them out"},
-        std::pair{hair_file + " --length 0.5", "--length"}}) {
+        std::pair{hair_file + " --length 0.5", "--length"},
+        std::pair{std::string(" --config ''"), "has no name"},
+        std::pair{std::string(" --motion ''"), "has no name"},
+        std::pair{std::string(" --unit-meters 0.01"), "--groom"},
+        std::pair{std::string(" --up z"), "--groom"},
+        std::pair{hair_file + " --body-contact spheres", "give a --body"},
+        std::pair{hair_file + " --body-cell 0.01", "give a --body"},
+        std::pair{std::string(" --body-contact spheres --body-cell 0.01"), "--body-contact field"}}) {
     const Outcome r = tryFor(20, record + options);
     EXPECT_EQ(r.exit_code, 2) << options << r.out;
     EXPECT_NE(r.err.find(advice), std::string::npos) << options << "\n" << r.err;
+  }
+  if (STRANDCAST_GL) {
+    EXPECT_NE(run(program_ + " bake a.obj --slices ''").err.find("name a folder"), std::string::npos);
+  }
+  const std::string url = " --lcm-url udpm://239.255.76.67:7667";
+  for (const auto& [command, advice] :
+       {std::pair{daemon_ + url, "--transport lcm"},
+        std::pair{program_ + " ctl list" + url, "--transport lcm"},
+        std::pair{program_ + " ctl list --transport lcm --peers 10.0.0.1", "--lcm-url"},
+        std::pair{program_ + " replay a.rec --check --from 1", "--check"},
+        std::pair{program_ + " replay a.rec --resimulate --loop", "--resimulate"}}) {
+    const Outcome r = tryFor(20, command);
+    EXPECT_EQ(r.exit_code, 2) << command << r.out;
+    EXPECT_NE(r.err.find(advice), std::string::npos) << command << "\n" << r.err;
   }
   for (const std::string& options :
        {hair_file, " --scene straight" + config("hair.toml"), hair_file + config("curly.toml")}) {
