@@ -44,8 +44,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr int kNoNamespace = 77;
-// What is promised of times holds for programs that users run.
-constexpr int kPatience = kSanitized ? 4 : 1;
+// A handshake takes longer than is promised of programs that users run.
+constexpr int kHandshakePatience = kSanitized ? 4 : 1;
 
 /// For tests that start a peer again: prints at once, the parent reads as it comes.
 void print(const char* key, double value) {
@@ -100,8 +100,9 @@ DdsOptions ddsOptions(int domain) {
 int publish(int domain, double seconds) {
   const auto publisher = makeDdsPublisher(ddsOptions(domain));
   const auto start = Clock::now();
-  const auto listen_time = ddsOptions(domain).keys.empty() ? kRivalListenTime : kSecureRivalListenTime;
-  while (Clock::now() - start < kPatience * listen_time && !publisher->rival()) {
+  const auto listen_time =
+      ddsOptions(domain).keys.empty() ? kRivalListenTime : kHandshakePatience * kSecureRivalListenTime;
+  while (Clock::now() - start < listen_time && !publisher->rival()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   if (const auto rival = publisher->rival()) {
