@@ -16,17 +16,17 @@
 namespace strandcast {
 namespace {
 
-DdsOptions ddsOptions(const Settings& settings, uint64_t session) {
+DdsOptions ddsOptions(const Settings& settings, uint64_t session, bool frames = true) {
   if (!settings.lcm_url.empty())
     throw Error("DDS has no URL", "--lcm-url " + settings.lcm_url, "add --transport lcm");
   return {settings.domain, settings.groom_id,
           session,         settings.codec,
           settings.claim,  ddsProfileNamed(settings.profile, "--profile"),
           settings.peers,  settings.discovery_server,
-          settings.keys};
+          settings.keys,   frames};
 }
 
-LcmOptions lcmOptions(const Settings& settings, uint64_t session) {
+LcmOptions lcmOptions(const Settings& settings, uint64_t session, bool frames = true) {
   if (ddsProfileNamed(settings.profile, "--profile") == DdsProfile::kSecure || !settings.keys.empty())
     throw Error("LCM has no security", "--transport lcm with --profile secure or --keys",
                 "use --transport dds");
@@ -34,7 +34,7 @@ LcmOptions lcmOptions(const Settings& settings, uint64_t session) {
     throw Error("LCM looks for nobody", "--transport lcm with --peers or --discovery-server",
                 "say with --lcm-url where frames go, or use --transport dds");
   return {settings.lcm_url.empty() ? lcmUrl(settings.domain) : settings.lcm_url, settings.groom_id, session,
-          settings.codec};
+          settings.codec, frames};
 }
 
 bool usesLcm(const Settings& settings) { return settings.transport == "lcm"; }
@@ -49,6 +49,11 @@ std::string networkName(const Settings& settings) {
 std::unique_ptr<Subscriber> subscribe(const Settings& settings) {
   if (usesLcm(settings)) return makeLcmSubscriber(lcmOptions(settings, 0));
   return makeDdsSubscriber(ddsOptions(settings, 0));
+}
+
+std::unique_ptr<Subscriber> steer(const Settings& settings) {
+  if (usesLcm(settings)) return makeLcmSubscriber(lcmOptions(settings, 0, false));
+  return makeDdsSubscriber(ddsOptions(settings, 0, false));
 }
 
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session) {

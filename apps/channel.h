@@ -17,6 +17,8 @@ namespace strandcast {
 std::string networkName(const Settings& settings);
 /// Joins the network as a reader of settings.groom_id.
 std::unique_ptr<Subscriber> subscribe(const Settings& settings);
+/// Joins the network to steer the daemon of settings.groom_id: no hair comes, statuses and answers alone.
+std::unique_ptr<Subscriber> steer(const Settings& settings);
 /// Joins the network as the daemon of settings.groom_id; an Error when another daemon has that id.
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session);
 

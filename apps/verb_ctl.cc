@@ -42,7 +42,7 @@ bool waitUntil(double seconds, const std::function<bool()>& ready) {
 
 int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
                 const std::vector<double>& values) {
-  const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
+  const std::unique_ptr<Subscriber> subscriber = steer(o.network);
   Command command;
   command.groom_id = o.network.groom_id;
   command.id = newSession();
@@ -107,7 +107,7 @@ nlohmann::json toJson(const Status& s) {
 }
 
 int list(const CtlOptions& o) {
-  const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
+  const std::unique_ptr<Subscriber> subscriber = steer(o.network);
   waitUntil(std::min(o.timeout, 1.5), [] { return false; });  // every daemon speaks twice a second
   const std::vector<Status> all = subscriber->allStatuses();
   if (o.json) {
@@ -129,7 +129,7 @@ int list(const CtlOptions& o) {
 }
 
 int printStatus(const CtlOptions& o) {
-  const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
+  const std::unique_ptr<Subscriber> subscriber = steer(o.network);
   std::optional<Status> status;
   // A daemon that starts has named itself before it knows its hair.
   const auto casts = [&] { return (status = subscriber->status()).has_value() && status->strands > 0; };

@@ -45,6 +45,9 @@ struct DdsOptions {
   std::string discovery_server = {};
   /// kSecure only: this program's keys and permissions, as checkKeyFolder() accepts them.
   std::filesystem::path keys = {};
+  /// Subscriber only. Without, it is given statuses and sends commands, and that is all: for who steers a
+  /// daemon and draws nothing. It is no reader to the daemon.
+  bool frames = true;
 };
 
 /// Whether this build has DDS, and why not.

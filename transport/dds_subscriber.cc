@@ -83,11 +83,13 @@ class DdsSubscriber final : public ReceivingSubscriber {
  private:
   void join(const DdsNetwork& network) {
     participant_.emplace(network, options_.groom_id);
-    participant_->createReader(kGroomTopic, new GroomChunkType, &groom_listener_);
-    participant_->createReader(kBodiesTopic, new BodyChunkType, &body_listener_);
-    participant_->createReader(kCollidersTopic, new ColliderChunkType, &collider_listener_);
-    participant_->createReader(kGuidesTopic, new GuideChunkType, &guide_listener_,
-                               options_.profile != DdsProfile::kBestEffort);
+    if (options_.frames) {
+      participant_->createReader(kGroomTopic, new GroomChunkType, &groom_listener_);
+      participant_->createReader(kBodiesTopic, new BodyChunkType, &body_listener_);
+      participant_->createReader(kCollidersTopic, new ColliderChunkType, &collider_listener_);
+      participant_->createReader(kGuidesTopic, new GuideChunkType, &guide_listener_,
+                                 options_.profile != DdsProfile::kBestEffort);
+    }
     participant_->createReader(kStatusTopic, new StatusType, &status_listener_);
     command_writer_ = participant_->createWriterIfPermitted(kCommandTopic, new CommandType, &daemons_);
   }

@@ -16,6 +16,7 @@ struct LcmOptions {
   uint32_t groom_id = 1;
   uint64_t session = 0;  ///< publisher only: of this start, not 0
   CodecOptions codec;    ///< publisher only; not kTemporal over udpm, which loses messages
+  bool frames = true;    ///< subscriber only: as DdsOptions::frames
 };
 
 /// Whether this build has LCM, and why not.

@@ -12,6 +12,7 @@
 #include "dds_domain.h"
 #include "moving_hair.h"
 #include "sample_messages.h"
+#include "steering.h"
 #include "tests/error_of.h"
 #include "transport/dds.h"
 #include "transport/parameter_table.h"
@@ -239,6 +240,14 @@ TEST_F(Dds, ARivalIsHeardAndForgotten) {
   EXPECT_TRUE(becomesTrue([&] { return first->rival() == Rival{22}; }, kRivalListenTime));
   second.reset();
   EXPECT_TRUE(becomesTrue([&] { return !first->rival(); }));
+}
+
+TEST_F(Dds, WhoOnlySteersIsNoReader) {
+  DdsOptions steering;
+  steering.domain = testDomain(14);
+  steering.frames = false;
+  const auto publisher = makeDdsPublisher({steering.domain, 1, 11, {Codec::kFloat32}});
+  expectSteersAlone(*publisher, *makeDdsSubscriber(steering));
 }
 
 TEST_F(Dds, SendSaysWhenNoDaemonAnswers) {

@@ -11,6 +11,7 @@
 #include "dds_domain.h"
 #include "lossy_link.h"
 #include "moving_hair.h"
+#include "steering.h"
 #include "tests/error_of.h"
 #include "transport/lcm/lcm_channels.h"
 #include "transport/lcm/lcm_ends.h"
@@ -95,6 +96,14 @@ TEST(Lcm, GroomFramesStatusAndCommandsGoThrough) {
   const auto publisher = makeLcmPublisher(link, options(11));
   const auto subscriber = makeLcmSubscriber(link, options(0));
   expectEverything(*publisher, *subscriber);
+}
+
+TEST(Lcm, WhoOnlySteersIsNoReader) {
+  const auto link = std::make_shared<LossyLink>();
+  const auto publisher = makeLcmPublisher(link, options(11));
+  LcmOptions steering = options(0);
+  steering.frames = false;
+  expectSteersAlone(*publisher, *makeLcmSubscriber(link, steering));
 }
 
 TEST(Lcm, AFrameOfAsManyBentCollidersAsItHoldsArrives) {

@@ -38,11 +38,16 @@ class LcmSubscriber final : public ReceivingSubscriber {
         link_(std::move(link)) {
     sign_.reader = std::random_device()() | static_cast<uint64_t>(std::random_device()()) << 32;
     sign_.groom_id = options.groom_id;
+    const MessageLink::Channel status{channels_.status, [this](auto message) { receiveStatus(message); }};
+    if (!options.frames) {
+      ears_ = link_->listen({status});
+      return;
+    }
     ears_ = link_->listen({{channels_.groom, [this](auto message) { receiveGroom(message); }},
                            {channels_.bodies, [this](auto message) { receiveBody(message); }},
                            {channels_.colliders, [this](auto message) { receiveColliders(message); }},
                            {channels_.guides, [this](auto message) { receiveGuides(message); }},
-                           {channels_.status, [this](auto message) { receiveStatus(message); }}});
+                           status});
     signs_ = std::thread([this] { giveSigns(); });
   }
 
@@ -53,7 +58,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
       stop_ = true;
     }
     wake_.notify_all();
-    signs_.join();
+    if (signs_.joinable()) signs_.join();
   }
 
   std::optional<Status> status() const override {
