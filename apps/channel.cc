@@ -39,6 +39,11 @@ LcmOptions lcmOptions(const Settings& settings, uint64_t session, bool frames = 
 
 bool usesLcm(const Settings& settings) { return settings.transport == "lcm"; }
 
+std::unique_ptr<Subscriber> join(const Settings& settings, bool frames) {
+  if (usesLcm(settings)) return makeLcmSubscriber(lcmOptions(settings, 0, frames));
+  return makeDdsSubscriber(ddsOptions(settings, 0, frames));
+}
+
 }  // namespace
 
 std::string networkName(const Settings& settings) {
@@ -46,15 +51,8 @@ std::string networkName(const Settings& settings) {
                            : fmt::format("DDS domain {}", settings.domain);
 }
 
-std::unique_ptr<Subscriber> subscribe(const Settings& settings) {
-  if (usesLcm(settings)) return makeLcmSubscriber(lcmOptions(settings, 0));
-  return makeDdsSubscriber(ddsOptions(settings, 0));
-}
-
-std::unique_ptr<Subscriber> steer(const Settings& settings) {
-  if (usesLcm(settings)) return makeLcmSubscriber(lcmOptions(settings, 0, false));
-  return makeDdsSubscriber(ddsOptions(settings, 0, false));
-}
+std::unique_ptr<Subscriber> subscribe(const Settings& settings) { return join(settings, true); }
+std::unique_ptr<Subscriber> steer(const Settings& settings) { return join(settings, false); }
 
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session) {
   if (settings.claim && usesLcm(settings))

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <memory>
+#include <thread>
 
 #include "sample_messages.h"
 #include "transport/publisher.h"
