@@ -90,12 +90,14 @@ class NearBodies {
   void lookAround() {
     while (waiting_.count() > 0) look();
   }
-  /// In it, for vertex i, which has come to x.
-  void lookOn(int i, const real3& x, const real3& x_start) { lookAgain(i, x, x_start, lit(0) < lit(0)); }
+  /// In it, for vertex i of `lanes`, which has come to x.
+  void lookOn(int i, const real3& x, const real3& x_start, const mask& lanes) {
+    lookAgain(i, x, x_start, lanes, lit(0) < lit(0));
+  }
   /// At its end, the same; of `lanes` those too that may be in a body. Gives which of them are to be held out of it.
   mask lookBack(int i, const real3& x, const real3& x_start, const mask& lanes) {
     const mask near = planes_[i] > 0 ? lanes && gap(i, x) < lookMargin() : lit(0) < lit(0);
-    return lanes && lookAgain(i, x, x_start, near);
+    return lookAgain(i, x, x_start, lanes, near);
   }
   /// How far it is from x_start to x, at most, seen from whatever body.
   real wayAlong(const real3& x, const real3& x_start) const {
@@ -170,10 +172,10 @@ class NearBodies {
   static constexpr double kNoPlane = -1e9;                                   // m, the offset of a plane that is none
   // Of body k at the start of the step, the least of all lanes.
   Scalar& limit(int i, size_t k) const { return limits_[static_cast<size_t>(i) * kPlacedBodies + k]; }
-  // Who is far from where it has looked from, and `others`.
-  mask lookAgain(int i, const real3& x, const real3& x_start, const mask& others) {
+  // Of `those`, who is far from where it has looked from, and `others` of them.
+  mask lookAgain(int i, const real3& x, const real3& x_start, const mask& those, const mask& others) {
     const real3 off = x - get3(kLookedFrom, i);
-    const mask lanes = dot(off, off) > lookReach() * lookReach() || others;
+    const mask lanes = those && (dot(off, off) > lookReach() * lookReach() || others);
     if (anyTrue(lanes)) {
       for (int n = 0; n < planes_[i]; ++n) store(select(lanes, lit(kNoPlane), get(offsetOf(n), i)), row(offsetOf(n), i));
       want(i, x, x_start, lanes);

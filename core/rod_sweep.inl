@@ -1,7 +1,8 @@
 // One step of a block of strands as inextensible rods: docs/solver.md. Included after core/near_bodies.inl. Linearised at the
 // inertial point, with direct solves along the strand: twist (tridiagonal), bending (one pentadiagonal matrix for x, y, z),
-// lengths and tensions (tridiagonal), lengths again. Each solve eliminates in one direction and substitutes in the other, so
-// that they merge into eight sweeps. Violent motion takes more: its tensions act through the bending matrix.
+// lengths and tensions (tridiagonal). Each solve eliminates in one direction and substitutes in the other, so that they merge
+// into six sweeps. Violent motion takes more, for its tensions act through the bending matrix, and has its lengths solved again;
+// so have strands that a body is near.
 
 // Scratch, [row][plane][lane], `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i. Vertices are told by their shifts
 // since the substep began, in small numbers: what is lost where positions are rounded would be taken for motion, and strands at
@@ -70,11 +71,16 @@ class RodStep {
       predict(root, time);
       eliminateTwist();
       eliminateBending();
+      again_ = lit(0) < lit(1);
+      meets_ = !again_;
       moveByForces();
       const mask violent = isViolent(substituteLengths());
       if (anyTrue(violent)) pullThroughBending(violent);
-      moveByPulls();
-      substituteLengths();
+      again_ = violent || meets_;
+      if (anyTrue(again_)) {
+        moveByPulls();
+        substituteLengths();
+      }
       finish();
       frame_ = root.rotation;
     }
@@ -156,6 +162,8 @@ class RodStep {
   real3 jump_;          // m, unexpected motion of the root
   // Of a vertex among bodies: some lane may have a contact force, and in this substep a normal. Most have none.
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
+  mask again_;  // the strands that have their lengths solved now: all, then those that need it again
+  mask meets_;  // those with a vertex that a body is near in this substep
   real most_tension_;   // that is taken over from one substep to the next
 };
 
@@ -324,7 +332,7 @@ inline void RodStep::eliminateBending() {
 // Contact of vertex i, shifted so, of which forces have just moved it by `moved`. Gives its shift.
 inline real3 RodStep::collide(int i, const real3& shift, const real3& moved) {
   const real3 x = state3(b.position, i) + shift;
-  near_.lookOn(i, x, state3(b.position, i));
+  near_.lookOn(i, x, state3(b.position, i), again_);
   return near_.sees(i) || forced_[i] ? pressed(i, shift, x, moved) : shift;
 }
 
@@ -332,7 +340,10 @@ inline real3 RodStep::collide(int i, const real3& shift, const real3& moved) {
 // itself, as keptOut(), so that sweeps of hair that is near no body stay small.
 [[gnu::noinline]] inline real3 RodStep::pressed(int i, const real3& shift, const real3& x, const real3& moved) {
   const real3 before = forced_[i] ? state3(b.contact, i) : makeReal3(lit(0), lit(0), lit(0));
-  const mask touches = (near_.gap(i, x) < lit(0) || dot(before, before) > lit(0)) && weight(i) > lit(0);
+  const mask pressed_before = dot(before, before) > lit(0);
+  const real gap = near_.gap(i, x);
+  meets_ = meets_ || gap < contactReach() || pressed_before;
+  const mask touches = again_ && (gap < lit(0) || pressed_before) && weight(i) > lit(0);
   if (!anyTrue(touches)) return shift;
   const Touch touch = near_.touch(i, x);
   real3 force = before;
@@ -566,16 +577,16 @@ inline void RodStep::pullThroughBending(const mask& violent) {
   }
 }
 
-// Every vertex moved by its pulls.
+// Every vertex moved by its pulls, of those who have their lengths solved again. The others' system comes out as it was.
 inline void RodStep::moveByPulls() {
   Pulls pulls(*this);
   moveAndEliminateLengths([&](int e, real3&) {
-    store(pulls.tension(e), b.tension + at(0, e));
-    return pulls.shifted(e);
+    store(select(again_, pulls.tension(e), state(b.tension, 0, e)), b.tension + at(0, e));
+    return select(again_, pulls.shifted(e), get3(kShift, e + 1));
   });
 }
 
-// What the second pulls move, exact lengths, velocities.
+// What the last pulls move, exact lengths, velocities.
 inline void RodStep::finish() {
   const real inverse_h = lit(1 / h);
   real3 old_in = state3(b.position, 0), pulled_in = get3(kShift, 0), shift = pulled_in, inner = root_.position;

@@ -59,7 +59,8 @@ float most;                         // violence of this invocation, of all subst
 #if BODIES
 vec3 pressing[PER_THREAD];            // m: StrandState::contacts x substep^2
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
-bool lost;                            // of this invocation's vertices: isLost()
+bool meets;                           // of this invocation's vertices: a body is near in this substep
+bool lost;                            // of these: isLost()
 bool astray;                          // of these: isAstray()
 #define NORMAL(p) normals[p]
 #define NORMAL_IN normal_in
@@ -412,7 +413,7 @@ vec3 pushOn(int p, float soft) {
 // Whether this holds for any invocation of the strand.
 bool ofStrand(bool own) { return strandSum(own ? 1.0 : 0.0) > 0.0; }
 
-#if VIOLENT
+#if VIOLENT || BODIES
 // Whether this, which all invocations of a strand agree on, holds for any strand of the workgroup.
 bool anyStrand(bool own) {
   float strands = own ? 1.0 : 0.0;
@@ -424,7 +425,9 @@ bool anyStrand(bool own) {
   }
   return strands > 0.0;
 }
+#endif
 
+#if VIOLENT
 // The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the second
 // length system in the metric of the masses. Of other strands only the barriers are wanted.
 void pullThroughBending(bool violent) {
@@ -487,12 +490,32 @@ void pullThroughBending(bool violent) {
   pull_in = calm_in;
   pull_out = calm_out;
 }
-
-void pullIfViolent() {
-  bool violent = ofStrand(isViolent(mostViolence()));
-  if (anyStrand(violent)) pullThroughBending(violent);
-}
 #endif
+
+// After the first pass over lengths: whether the strand needs another, because it is violent or a body is near. The pulls of
+// violent ones go through bending.
+bool needsAgain() {
+  bool needs = false;
+#if VIOLENT
+  needs = ofStrand(isViolent(mostViolence()));
+  if (anyStrand(needs)) pullThroughBending(needs);
+#else
+  most = max(most, mostViolence());
+#endif
+#if BODIES
+  bool meet = ofStrand(meets);
+  needs = needs || meet;
+#endif
+  return needs;
+}
+
+// Of a strand that only goes along with others of its workgroup; nothing comes out otherwise for them. `pulled_in`: shift_in
+// as the last pass left it, to the bit.
+void leavePulls(vec3 pulled_in) {
+  for (int p = 0; p < PER_THREAD; ++p) pull[p] = 0.0;
+  pull_in = pull_out = 0.0;
+  shift_in = pulled_in;
+}
 
 // Every vertex moved by its pulls.
 void moveByPulls() {
@@ -582,7 +605,11 @@ void store() {
 void stepStrands(uint list, uint first, uint count) {
   loadStrand(list, first, count);
   most = 0.0;
-  const int passes = settings.substeps > 0u ? 2 : 0;  // of lengths; compilers would unroll a 2
+#if VIOLENT || BODIES
+  const int passes = settings.substeps > 0u ? 2 : 0;  // of lengths, at most; compilers would unroll a 2
+#else
+  const int passes = 1;
+#endif
 #if BODIES
   astray = false;
   loadContacts();
@@ -603,22 +630,25 @@ void stepStrands(uint list, uint first, uint count) {
 #if BODIES
     vec3 checked[PER_THREAD];  // the shifts that contact leaves the vertices with
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
+    meets = false;
 #endif
+    bool again = true;  // this strand has its lengths solved in this pass
     for (int pass = 0; pass < passes; ++pass) {
 #if BODIES
-      collide(substep, moved);
+      if (again) collide(substep, moved);
       for (int p = 0; p < PER_THREAD; ++p) moved[p] = vec3(0);
 #endif
+      const vec3 pulled_in = shift_in;
       solveLengths(root);
-#if VIOLENT
-      if (pass == 0) pullIfViolent();
-#else
-      if (pass == 0) most = max(most, mostViolence());
-#endif
+      if (!again) leavePulls(pulled_in);
 #if BODIES
-      checked = shift;
+      if (again) checked = shift;
 #endif
+      if (pass == 0) again = needsAgain();
       moveByPulls();
+#if VIOLENT || BODIES
+      if (pass == 0 && !anyStrand(again)) break;
+#endif
     }
 #if BODIES
     finish(checked);

@@ -65,6 +65,7 @@ void collide(int substep, vec3 moved[PER_THREAD]) {
     vec3 place = x[p] + shift[p];
     Touch touch = untouched(place, contactReach());
     if (sees[p]) touch = touchOf(vertexOf(p), place);
+    meets = meets || pressed || touch.gap < contactReach();
     if (!(touch.gap < 0.0 || pressed)) continue;
 #if GROOMED
     touch.friction *= strand_grooming.x;

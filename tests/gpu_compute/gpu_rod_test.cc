@@ -269,8 +269,8 @@ TEST_F(GpuRod, GroomedGroupsAgreeWithTheReference) {
     }
     for (const float rate : {0.0f, 60.0f}) {
       parameters_.goal_rate = rate;
-      const StrandState mine = run(*backend_, model, from, 10);
-      EXPECT_LT(difference(model, mine, run(*makeReferenceBackend(), model, from, 10)), 1e-4)
+      const StrandState mine = run(*backend_, model, from, 5);
+      EXPECT_LT(difference(model, mine, run(*makeReferenceBackend(), model, from, 5)), 1e-4)
           << "factors " << factors << ", goal rate " << rate;
       EXPECT_GT(difference(model, mine, from), 1e-3);
     }
