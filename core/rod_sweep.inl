@@ -137,8 +137,14 @@ class RodStep {
   real3 pressed(int i, const real3& shift, const real3& x, const real3& moved);
   real3 keptOut(int i, const real3& shift, const real3& inner);
   real3 turnedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes);
-  real3 normalAt(int i) const {
-    return near_.size() > 0 && faces_[i] ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0));
+  bool faces(int i) const { return near_.size() > 0 && faces_[i]; }
+  real3 normalAt(int i) const { return faces(i) ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
+  // What contact leaves of a push on vertex i.
+  real3 heldAt(int i, const real3& push) const { return faces(i) ? alongSurface(push, get3(kNormal, i)) : push; }
+  // What the pull of edge e is to mend.
+  real toMend(int e, const real& length) const {
+    const real excess = length - lengthOf(e);
+    return b.pinned ? excessToMend(excess, e > 0 ? weight(e) : lit(0), weight(e + 1)) : excess;
   }
   void noteForces();
 
@@ -208,13 +214,14 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     const real kept = min(keptTension(state(b.tension, 0, e) * lit(h * h), advance * il, bend(e), il, lit(h * h)),
                           most_tension_);
     store(kept, b.tension + at(0, e));
-    const real blend = timeBlend(advance * il, unit - unit_before, bend(e) * il * il * lit(h * h) * weight(e + 1));
+    const real blend = timeBlend(advance * il, unit - unit_before, bend(e) * (il * il * lit(h * h) * weight(e + 1)));
     set(kBlend, e, blend);
     // Internal damping acts through frames that are ahead of the motion by the damping time; tension is not damped.
-    const real3 t = directionOr(madd(advance, ahead_ - blend, edge), frameTangent(state4(b.frame, e)));
+    const quat frame = state4(b.frame, e);
+    const real3 tangent = frameTangent(frame), t = directionOr(madd(advance, ahead_ - blend, edge), tangent);
     set3(kTangent, e, t);
     if (damped_) set3(kDirection, e, madd(advance, (lit(0) - ahead_) * il, t));
-    setState4(b.frame, e, transportTo(state4(b.frame, e), t));
+    setState4(b.frame, e, transportTo(frame, tangent, t));
     before = x;
     shift_in = shift;
     unit_before = unit;
@@ -402,8 +409,8 @@ class RodStep::Pulls {
     const bool last = e + 1 == s_.ne;
     pull_ = last ? lit(0) : s_.get(kRight, e + 1);
     t_ = last ? makeReal3(lit(0), lit(0), lit(0)) : s_.get3(kTangent, e + 1);
-    const real3 push = pushOfPulls(t_in, pull_in, t_, pull_, s_.normalAt(e + 1), s_.get(kSoftness, e + 1));
-    return madd(push, s_.weight(e + 1), s_.get3(kShift, e + 1));
+    const real3 push = pushOfPulls(t_in, pull_in, t_, pull_, s_.get(kSoftness, e + 1));
+    return madd(s_.heldAt(e + 1, push), s_.weight(e + 1), s_.get3(kShift, e + 1));
   }
 
  private:
@@ -437,26 +444,33 @@ void RodStep::moveAndEliminateLengths(Shift shift) {
     const real3 shifted = near_.size() > 0 ? collide(e + 1, reached, by_forces) : reached;
     set3(kShift, e + 1, shifted);
     const real3 old = state3(b.position, e + 1), edge = (old - old_in) + (shifted - shift_in);
-    const real3 t = directionOr(edge, t_before);
+    real length;
+    const real3 t = directionAndLength(edge, t_before, length);
     set3(kTangent, e, t);
     if (e > 0) {
       const real soft = get(kSoftness, e), c = dot(t_in, t);
-      const real pivot = eliminate(e - 1, weightAlong(t_in, normal_in, w_in, soft, c));
-      lower = lengthAcross(t_in, t, normal_in, w_in, soft, c);
+      real along_in = weightAlong(w_in, soft, c), along = along_in, across = lengthAcross(w_in, soft, c);
+      if (faces(e)) {
+        along_in = along_in - weightHeld(t_in, t_in, normal_in, w_in);
+        along = along - weightHeld(t, t, normal_in, w_in);
+        across = across + weightHeld(t_in, t, normal_in, w_in);
+      }
+      const real pivot = eliminate(e - 1, along_in);
+      lower = across;
       factor = lower * pivot;
       set(kLengthFactor, e, factor);  // of row e on row e - 1; symmetric
-      own = weightAlong(t, normal_in, w_in, soft, c);
+      own = along;
     }
     w_in2 = w_in;
     w_in = weight(e + 1);
-    excess = lengthExcess(edge, t, lengthOf(e), w_in2, w_in);
+    excess = toMend(e, length);
     old_in = old;
     shift_in = shifted;
     t_in = t;
     normal_in2 = normal_in;
     normal_in = normalAt(e + 1);
   }
-  eliminate(ne - 1, weightAlong(t_in, normal_in, w_in, lit(0), lit(1)));
+  eliminate(ne - 1, faces(ne) ? w_in - weightHeld(t_in, t_in, normal_in, w_in) : w_in);
 }
 
 // The bending system substituted from root to tip: what it moves one vertex after another.
@@ -506,12 +520,11 @@ inline void RodStep::pullThroughBending(const mask& violent) {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real product = lit(0);  // residual x correction
   real3 old_in = state3(b.position, 0), shift_in = get3(kShift, 0);
-  real w_in = lit(0);
   for (int e = 0; e < ne; ++e) {
     const real3 old = state3(b.position, e + 1), shift = get3(kShift, e + 1);
-    const real w = weight(e + 1), correction = get(kRight, e);
+    const real correction = get(kRight, e);
     const real3 edge = (old - old_in) + (shift - shift_in);
-    const real excess = lengthExcess(edge, get3(kTangent, e), lengthOf(e), w_in, w);
+    const real excess = toMend(e, dot(edge, get3(kTangent, e)));
     set(kResidual, e, excess);
     set(kConjugate, e, lit(0));
     set(kCorrection, e, correction);
@@ -520,7 +533,6 @@ inline void RodStep::pullThroughBending(const mask& violent) {
     product = madd(excess, correction, product);
     old_in = old;
     shift_in = shift;
-    w_in = w;
   }
   real kept = lit(0);  // of the last direction
   for (int iteration = 1;; ++iteration) {
@@ -531,7 +543,7 @@ inline void RodStep::pullThroughBending(const mask& violent) {
       const real pull = madd(get(kConjugate, e), kept, get(kCorrection, e));
       set(kConjugate, e, pull);
       const real3 t = get3(kTangent, e);
-      const real3 push = pushOfPulls(t, pull, t_out, pull_out, normalAt(e + 1), lit(0));
+      const real3 push = heldAt(e + 1, pushOfPulls(t, pull, t_out, pull_out, lit(0)));
       const real3 y = select(weight(e + 1) > lit(0), push, zero) - y1 * get(kFactor1, e) - y2 * get(kFactor2, e);
       set3(kStrain, e, y * get(kPivot, e));
       y2 = y1;
@@ -544,7 +556,7 @@ inline void RodStep::pullThroughBending(const mask& violent) {
     real3 moved_in = zero;
     real curvature = lit(0);
     for (int e = 0; e < ne; ++e) {
-      const real3 moved = select(weight(e + 1) > lit(0), alongSurface(moves.next(e), normalAt(e + 1)), zero);
+      const real3 moved = select(weight(e + 1) > lit(0), heldAt(e + 1, moves.next(e)), zero);
       set3(kStrain, e, moved);
       curvature = madd(get(kConjugate, e), dot(get3(kTangent, e), moved_in - moved), curvature);
       moved_in = moved;

@@ -6,14 +6,14 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kFewStrands = 32768;  // see RodStrands; measured on an H100
+constexpr size_t kFewVertices = 8192 * 32;  // see RodStrands; measured on an H100
 
 /// Works in a context of its own, current only within a call, so that calls may come from any thread and the
 /// caller's context stays the caller's.
 class GpuBackend final : public Backend, public gpu::GpuDevice {
  public:
-  explicit GpuBackend(std::optional<size_t> few_strands)
-      : few_strands_(few_strands.value_or(context_.software() ? 0 : kFewStrands)) {}
+  explicit GpuBackend(std::optional<size_t> few_vertices)
+      : few_vertices_(few_vertices.value_or(context_.software() ? 0 : kFewVertices)) {}
   ~GpuBackend() override {
     try {
       const gl::MakeCurrent current(context_);
@@ -31,7 +31,7 @@ class GpuBackend final : public Backend, public gpu::GpuDevice {
   void load(const StrandModel& model, const StrandState& state) override {
     const gl::MakeCurrent current(context_);
     strands_.reset();
-    strands_ = std::make_unique<gpu::GpuStrands>(model, *programs_, few_strands_);
+    strands_ = std::make_unique<gpu::GpuStrands>(model, *programs_, few_vertices_);
     strands_->upload(state);
   }
   void expect(const Parameters& parameters, bool bodies) override {
@@ -71,7 +71,7 @@ class GpuBackend final : public Backend, public gpu::GpuDevice {
 
  private:
   gl::HeadlessContext context_;
-  const size_t few_strands_;
+  const size_t few_vertices_;
   std::unique_ptr<gpu::ProgramCache> programs_ = std::make_unique<gpu::ProgramCache>();
   std::unique_ptr<gpu::GpuStrands> strands_;
 };
@@ -98,9 +98,9 @@ const Probe& probe() {
 
 }  // namespace
 
-std::unique_ptr<Backend> makeGpuBackend(std::optional<size_t> few_strands) {
+std::unique_ptr<Backend> makeGpuBackend(std::optional<size_t> few_vertices) {
   const gl::RestoreCurrent restore;  // a new context is current at first
-  return std::make_unique<GpuBackend>(few_strands);
+  return std::make_unique<GpuBackend>(few_vertices);
 }
 
 BackendInfo gpuBackendInfo() {

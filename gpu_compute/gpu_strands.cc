@@ -85,10 +85,10 @@ void discardErrors() {
 
 }  // namespace
 
-GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs, size_t few_strands)
+GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs, size_t few_vertices)
     : programs_(programs),
       model_(model),
-      few_strands_(few_strands),
+      few_vertices_(few_vertices),
       vertices_((checkFits(model.vertices()), discardErrors(), model.vertices())),
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
@@ -113,7 +113,7 @@ void GpuStrands::expect(const Parameters& parameters, bool bodies) {
   bool& expected = expected_[(rod ? 1 : 0) + (goal ? 2 : 0) + (bodies ? 4 : 0)];
   if (expected) return;
   discardErrors();
-  if (rod && !rod_) rod_.emplace(model_, few_strands_);
+  if (rod && !rod_) rod_.emplace(model_, few_vertices_);
   if (rod) rod_->expect(goal, bodies);
   if (!rod && !gauss_seidel_) gauss_seidel_.emplace(model_);
   if (rest_local_.bytes() == 0 && (!rod || goal || rod_->holdsVertices()))

@@ -47,8 +47,6 @@ constexpr uint32_t sharedThreads(uint32_t threads) { return threads <= 8 ? 8 : k
 // substep on an H100, and spares the others 1.1 ms a step of six in 100,000 strands.
 constexpr uint32_t kAstrayApart = 32768;
 
-// Among bodies a strand takes more of a GPU, and it is full with this part of as many.
-constexpr size_t kFewAmongBodies = 6;
 constexpr GLuint kWholeGroup = 0xFFFFFFFF;  // as in shaders/rod_strand.glsl
 
 // Edges and masses that differ by less than this along a strand count as equal. Points in float, some metres
@@ -183,7 +181,7 @@ bool RodStrands::anyGroup(uint32_t bits) const {
 }
 
 bool RodStrands::areFew(bool bodies) const {
-  return groups_.order().size() <= (bodies ? few_ / kFewAmongBodies : few_);
+  return model_.vertices() <= (bodies ? few_ / 3 * 2 : few_);  // among bodies a strand takes more of a GPU
 }
 
 bool RodStrands::doesAstrayApart(const StrandGroup& group) const {

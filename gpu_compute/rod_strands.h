@@ -10,8 +10,8 @@ namespace strandcast::gpu {
 /// What the rod needs of a model, and its dispatches: four edges per invocation (shaders/rod.comp).
 class RodStrands {
  public:
-  /// `model` outlives this. `few`: up to so many strands, and a sixth of it among bodies, go in
-  /// one turn, as if all were violent.
+  /// `model` outlives this. `few`: strands of up to so many vertices in all, and of two thirds of it among
+  /// bodies, go in one turn, as if all were violent.
   RodStrands(const StrandModel& model, size_t few);
   /// Before the first step with a goal pull or bodies.
   void expect(bool goal, bool bodies);

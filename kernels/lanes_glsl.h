@@ -16,6 +16,13 @@ float inverse(float a) { return 1.0 / a; }
 float inverseSqrt(float a) { return inversesqrt(a); }
 float madd(float a, float b, float c) { return fma(a, b, c); }
 vec3 madd(vec3 a, float s, vec3 c) { return fma(a, vec3(s), c); }
+// SELECT_BY_MIX: the same values, but drivers make other code of it; which is sooner is told by measuring.
+#ifdef SELECT_BY_MIX
+float select(bool m, float a, float b) { return mix(b, a, m); }
+vec3 select(bool m, vec3 a, vec3 b) { return mix(b, a, bvec3(m)); }
+vec4 select(bool m, vec4 a, vec4 b) { return mix(b, a, bvec4(m)); }
+#else
 float select(bool m, float a, float b) { return m ? a : b; }
 vec3 select(bool m, vec3 a, vec3 b) { return m ? a : b; }
 vec4 select(bool m, vec4 a, vec4 b) { return m ? a : b; }
+#endif

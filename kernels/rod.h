@@ -7,8 +7,8 @@ FN real3 frameTangent(IN(quat) q) {
                    lit(1) - lit(2) * madd(q.x, q.x, q.y * q.y));
 }
 
-// Frame q of an edge moved with its tangent to the unit vector t, without twist.
-FN quat transportTo(IN(quat) q, IN(real3) t) { return multiply(rotationBetween(frameTangent(q), t), q); }
+// Frame q of an edge, whose tangent is its frameTangent(), moved with it to the unit vector t, without twist.
+FN quat transportTo(IN(quat) q, IN(real3) tangent, IN(real3) t) { return multiply(rotationBetween(tangent, t), q); }
 
 // Of half the angle of a joint whose frames differ by the rotation p, as far as its law goes: near a full fold it is capped.
 FN real cappedCosine(IN(quat) p) { return max(abs(p.w), lit(0.2)); }
@@ -117,25 +117,28 @@ FN real curlSoftness(IN(real) weight, IN(real) stiffness, IN(real) inverse_lengt
                      IN(real3) t_out, IN(real3) t_out2) {
   real3 b = t_out - t_in;
   real3 change = t_out2 - t_in2 - b * lit(3);
-  real held = weight * stiffness * inverse_length * inverse_length * dot(change, change);
+  real held = stiffness * (weight * inverse_length * inverse_length) * dot(change, change);
   return held * inverse(dot(b, b) + held * lit(1.01) + lit(1e-12));
 }
-// What of this metric acts along an edge t next to the vertex, whose tangents make an angle of cosine c. In contact (normal
-// not zero, softness zero) the vertex gives way along the surface only.
-FN real weightAlong(IN(real3) t, IN(real3) normal, IN(real) weight, IN(real) softness, IN(real) c) {
-  real a = dot(t, normal);
-  return weight * (lit(1) - a * a - lit(0.5) * softness * (lit(1) - c));
+// What of this metric acts along an edge next to the vertex, whose tangents make an angle of cosine c.
+FN real weightAlong(IN(real) weight, IN(real) softness, IN(real) c) {
+  return weight * (lit(1) - lit(0.5) * softness * (lit(1) - c));
 }
-// The length system has one unknown (m, pull x weight) per edge and on its diagonal the weights of both ends along it, and what
-// this adds: contact leaves a tenth of them at least. An edge along the normals at its ends would get a pull without bound, and
-// throw sideways whatever is not upright to the last digit.
+// This couples the two edges that meet at a vertex in the length system, which has one unknown (m, pull x weight) per edge and on
+// its diagonal the weights of both ends along it.
+FN real lengthAcross(IN(real) weight, IN(real) softness, IN(real) c) {
+  return lit(0) - weight * madd(lit(0.5) * softness, lit(1) - c, c);
+}
+// In contact (softness zero) a vertex gives way along the surface only. That takes this off weightAlong() of edge t, with t as
+// t_other, and adds it to lengthAcross() of both.
+FN real weightHeld(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) weight) {
+  return weight * dot(t, normal) * dot(t_other, normal);
+}
+// What is added to the diagonal, because contact leaves a tenth of the weights at least: an edge along the normals at its ends
+// would get a pull without bound, and throw sideways whatever is not upright to the last digit.
 FN real lengthHeld(IN(real3) t, IN(real3) normal_in, IN(real) weight_in, IN(real3) normal, IN(real) weight) {
   real a_in = dot(t, normal_in), a = dot(t, normal);
   return max(weight_in * (a_in * a_in - lit(0.9)) + weight * (a * a - lit(0.9)), lit(0));
-}
-// This couples the edges t and t_other that meet at a vertex.
-FN real lengthAcross(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) weight, IN(real) softness, IN(real) c) {
-  return lit(0) - weight * (c - dot(t, normal) * dot(t_other, normal) + lit(0.5) * softness * (lit(1) - c));
 }
 // How far the pull of an edge would move its ends, over its length. Where that is violent for any edge of a strand, this metric
 // is too bad a guess for it and would feed energy to stiff hair.
@@ -143,23 +146,26 @@ FN real violence(IN(real) pull, IN(real) weight_in, IN(real) weight, IN(real) in
   return abs(pull) * (weight_in + weight) * inverse_length;
 }
 FN mask isViolent(IN(real) violence) { return violence > lit(0.05); }
-// How the pulls of the edges before and after a vertex move it in this metric, per weight; as a force with softness 0.
-FN real3 pushOfPulls(IN(real3) t_in, IN(real) pull_in, IN(real3) t_out, IN(real) pull_out, IN(real3) normal, IN(real) softness) {
+// How the pulls of the edges before and after a vertex move it in this metric, per weight; as a force with softness 0. In contact
+// only alongSurface().
+FN real3 pushOfPulls(IN(real3) t_in, IN(real) pull_in, IN(real3) t_out, IN(real) pull_out, IN(real) softness) {
   real held = lit(0.5) * softness * (pull_in + pull_out);
-  return alongSurface(t_out * (pull_out - held) - t_in * (pull_in - held), normal);
+  return t_out * (pull_out - held) - t_in * (pull_in - held);
 }
 // What the elimination of the length system may divide by at least. Low enough for strands of 128 vertices: on a straight
 // one of n the pivots fall to 1 / n, and what elimination gives must not depend on its order.
 FN real lengthPivot(IN(real) weight_in, IN(real) weight) { return max((weight_in + weight) * lit(1e-3), lit(1e-6)); }
-// By how much an edge with direction t is too long, which its pull is to mend; nothing where both its ends are held.
-FN real lengthExcess(IN(real3) edge, IN(real3) t, IN(real) rest_length, IN(real) weight_in, IN(real) weight) {
-  return select(weight_in + weight > lit(0), dot(edge, t) - rest_length, lit(0));
+// Of the excess of an edge over its length, what its pull is to mend: nothing where both its ends are held.
+FN real excessToMend(IN(real) excess, IN(real) weight_in, IN(real) weight) {
+  return select(weight_in + weight > lit(0), excess, lit(0));
 }
 // What an edge lacks to its rest length, along itself, or along `otherwise` where it has no direction. As a small change: an edge
 // made anew from direction and length would come out elsewhere by the rounding of both.
 FN real3 missingLength(IN(real3) edge, IN(real3) otherwise, IN(real) rest_length) {
-  real3 t = directionOr(edge, otherwise);
-  return t * (rest_length - dot(edge, t));
+  real l2 = dot(edge, edge);
+  mask tiny = l2 < lit(1e-18);
+  real per_length = inverseSqrt(max(l2, lit(1e-18)));
+  return select(tiny, otherwise * rest_length, edge * (per_length * (rest_length - l2 * per_length)));
 }
 // The length system of violent motion has the dense metric after all: J A^-1 J'. So many conjugate gradient iterations
 // (Shewchuk 1994, algorithm B3), preconditioned with the tridiagonal system, solve it well enough; after one, some stiff strands

@@ -15,6 +15,14 @@ FN real3 directionOr(IN(real3) edge, IN(real3) otherwise) {
   mask tiny = l2 < lit(1e-18);
   return select(tiny, otherwise, edge * inverseSqrt(max(l2, lit(1e-18))));
 }
+// The same, and how long the edge is.
+FN real3 directionAndLength(IN(real3) edge, IN(real3) otherwise, OUT(real) edge_length) {
+  real l2 = dot(edge, edge);
+  mask tiny = l2 < lit(1e-18);
+  real per_length = inverseSqrt(max(l2, lit(1e-18)));
+  edge_length = l2 * per_length;
+  return select(tiny, otherwise, edge * per_length);
+}
 
 // v turned by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), u = q.xyz.
 FN real3 rotate(IN(quat) q, IN(real3) v) {

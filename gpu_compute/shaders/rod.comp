@@ -16,10 +16,13 @@
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
-// What differs between invocations is chosen by select(), not by if: calm strands are 5 % faster so on an H100.
+// What differs between invocations is chosen by select(), not by if.
 #define WORKGROUP 32
 // Calm strands have a program of their own where they are many.
 #define MANY (!VIOLENT && !BODIES)
+#if MANY
+#define SELECT_BY_MIX  // a tenth of a step on an H100; of no use elsewhere
+#endif
 layout(local_size_x = WORKGROUP) in;
 
 #include "kernels/lanes_glsl.h"
@@ -109,14 +112,15 @@ float predictEdge(int p, vec3 unit_in) {
   float il = inverseLength(p);
   vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
   tension[p] = min(keptTension(tension[p], advance * il, bend(p), il, dt2), most_tension);
-  float blend = timeBlend(advance * il, old * il - unit_in, bend(p) * il * il * dt2 * weight(p));
+  float blend = timeBlend(advance * il, old * il - unit_in, bend(p) * (il * il * dt2 * weight(p)));
 #if DAMPED
   float ahead = DAMPING_TIME * settings.per_substep - blend;
 #else
   float ahead = -blend;
 #endif
-  tangent[p] = directionOr(madd(advance, ahead, edge), frameTangent(frame[p]));
-  frame[p] = transportTo(frame[p], tangent[p]);
+  vec3 own = frameTangent(frame[p]);
+  tangent[p] = directionOr(madd(advance, ahead, edge), own);
+  frame[p] = transportTo(frame[p], own, tangent[p]);
   return blend;
 }
 
@@ -160,7 +164,7 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
 void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   vec3 strain[PER_THREAD];
   float margin[PER_THREAD + 1];
-  float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD], turn[PER_THREAD];
+  float twist_diagonal[PER_THREAD], lower[PER_THREAD], turn[PER_THREAD];
   float own_first, torque_first;  // what joint 0 adds to the last row of the invocation before
   vec4 inner = frame_in;
   vec3 t_in = tangent_in;
@@ -173,13 +177,11 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     margin[p] = bendMatrixMargin(stiffness[p], c, excess);
     float coupling = twistOfBending(strain[p], excess, bend(p)), shear = torqueDifference(strain[p], excess, bend(p));
     float own = twist(p) + coupling, torque = madd(twist(p), excess.z, shear);
-    float less = 2.0 * min(coupling, twist(p));  // own less the absolute coupling, without its rounding
-    slack[p] = select(p > 0 || hasBefore(1), less, own);
+    twist_diagonal[p] = own;
     lower[p] = coupling - twist(p);
     turn[p] = shear - twist(p) * excess.z;
-    pivot[p] = 1e-30;
     if (p > 0) {
-      slack[p - 1] += less;
+      twist_diagonal[p - 1] += own;
       turn[p - 1] += torque;
     } else {
       own_first = own;
@@ -202,7 +204,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   stiffness[PER_THREAD] = a.x;
   stiffness[PER_THREAD + 1] = a.y;
   margin[PER_THREAD] = a.z;
-  slack[kLast] += select(hasAfter(1), b.w, 0.0);
+  twist_diagonal[kLast] += select(hasAfter(1), b.w, 0.0);
   turn[kLast] += select(hasAfter(1), c.w, 0.0);
   for (int p = 0; p < PER_THREAD; ++p) {
     float il = inverseLength(p);
@@ -213,12 +215,12 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     t_out2 = select(isLast(p, 2), t_out, t_out2);
     float soft = curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2);
     softness[p] = select(isLast(p, 1), 0.0, soft);
-    slack[p] = select(isEdge(p), slack[p], 1.0);
+    twist_diagonal[p] = select(isEdge(p), twist_diagonal[p], 1.0);
     lower[p] = select(isEdge(p), lower[p], 0.0);
     turn[p] = select(isEdge(p), turn[p], 0.0);
   }
 
-  float turn_in = clamp(solveTridiagonal(slack, lower, pivot, turn), -1.0, 1.0);
+  float turn_in = clamp(solveChain(twist_diagonal, lower, turn), -1.0, 1.0);
   inner = twistFrame(frame_in, turn_in);
   for (int p = 0; p < PER_THREAD; ++p) {
     turn[p] = clamp(turn[p], -1.0, 1.0);
@@ -331,24 +333,36 @@ void moveByForces(out vec3 moved[PER_THREAD]) {
 #include "gpu_compute/shaders/rod_contact.glsl"
 #endif
 
+// What the pull of the edge of slot p is to mend.
+float toMend(int p, float edge_length) {
+  float excess = edge_length - restLength(p);
+#if PINNED
+  excess = excessToMend(excess, p > 0 ? weight(max(p - 1, 0)) : hasBefore(1) ? weight_in : 0.0, weight(p));
+#endif
+  return select(isEdge(p), excess, 0.0);
+}
+
 // The rows of the length system.
-void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD], out float pivot[PER_THREAD],
-                out float excess[PER_THREAD]) {
-  vec3 t_in = tangent_in, n_in = NORMAL_IN;
+void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD], out float pivot[PER_THREAD]) {
+  vec3 t_in = tangent_in;
+#if BODIES
+  vec3 n_in = normal_in;
+#endif
   float w_in = select(hasBefore(1), weight_in, 0.0), soft_in = softness_in, c_in = dot(t_in, tangent[0]);
   for (int p = 0; p < PER_THREAD; ++p) {
     float c = dot(tangent[p], p < kLast ? tangent[min(p + 1, kLast)] : tangent_out);
-    float own = weightAlong(tangent[p], n_in, w_in, soft_in, c_in) +
-                weightAlong(tangent[p], NORMAL(p), weight(p), softness[p], c);
+    float own = weightAlong(w_in, soft_in, c_in) + weightAlong(weight(p), softness[p], c);
+    float across = lengthAcross(w_in, soft_in, c_in);
 #if BODIES
-    own += lengthHeld(tangent[p], n_in, w_in, NORMAL(p), weight(p));
+    own += lengthHeld(tangent[p], n_in, w_in, normals[p], weight(p)) - weightHeld(tangent[p], tangent[p], n_in, w_in) -
+           weightHeld(tangent[p], tangent[p], normals[p], weight(p));
+    across += weightHeld(tangent[p], t_in, n_in, w_in);
+    n_in = normals[p];
 #endif
     own_diagonal[p] = select(isEdge(p), own, 1.0);
-    lower[p] = select(isEdge(p) && (p > 0 || hasBefore(1)), lengthAcross(tangent[p], t_in, n_in, w_in, soft_in, c_in), 0.0);
+    lower[p] = select(isEdge(p) && (p > 0 || hasBefore(1)), across, 0.0);
     pivot[p] = lengthPivot(w_in, weight(p));
-    excess[p] = select(isEdge(p), lengthExcess(newEdge(p), tangent[p], restLength(p), w_in, weight(p)), 0.0);
     t_in = tangent[p];
-    n_in = NORMAL(p);
     w_in = weight(p);
     soft_in = softness[p];
     c_in = c;
@@ -357,7 +371,11 @@ void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD],
 
 // The pulls of one Newton step towards the rest lengths.
 void solveLengths(RootMotion root) {
-  for (int p = 1; p < PER_THREAD; ++p) tangent[p] = directionOr(newEdge(p), tangent[p]);
+  float edge_length;
+  for (int p = 1; p < PER_THREAD; ++p) {
+    tangent[p] = directionAndLength(newEdge(p), tangent[p], edge_length);
+    pull[p] = toMend(p, edge_length);
+  }
   vec3 first = oldEdge(0) + shift[0];  // the first edge, but for the shift of the vertex before it
   send_a(vec4(shift[kLast], softness[kLast]));
   send_b(vec4(tangent[kLast], first.x));
@@ -381,11 +399,12 @@ void solveLengths(RootMotion root) {
 #if BODIES
   normal_in = select(hasBefore(1), normal_in, vec3(0));
 #endif
-  tangent[0] = directionOr(newEdge(0), tangent[0]);
+  tangent[0] = directionAndLength(newEdge(0), tangent[0], edge_length);
+  pull[0] = toMend(0, edge_length);
   tangent_out = select(hasAfter(1), directionOr(first_out - shift[kLast], tangent[kLast]), tangent[kLast]);
 
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
-  lengthRows(slack, lower, pivot, pull);
+  lengthRows(slack, lower, pivot);
   diagonalToSlack(slack, lower);
   pull_in = solveTridiagonal(slack, lower, pivot, pull);
   send_d(pull[0]);
@@ -404,10 +423,19 @@ float mostViolence() {
   return greatest;
 }
 
+// What contact leaves of a push on a vertex.
+vec3 held(vec3 push, vec3 normal) {
+#if BODIES
+  return alongSurface(push, normal);
+#else
+  return push;
+#endif
+}
+
 // What the pulls push the vertex of slot p with, where it gives way with this softness.
 vec3 pushOn(int p, float soft) {
   vec3 t_out = p < kLast ? tangent[min(p + 1, kLast)] : tangent_out;
-  return pushOfPulls(tangent[p], pull[p], t_out, p < kLast ? pull[min(p + 1, kLast)] : pull_out, NORMAL(p), soft);
+  return held(pushOfPulls(tangent[p], pull[p], t_out, p < kLast ? pull[min(p + 1, kLast)] : pull_out, soft), NORMAL(p));
 }
 
 // Whether this holds for any invocation of the strand.
@@ -434,10 +462,11 @@ void pullThroughBending(bool violent) {
   const float calm_in = violent ? 0.0 : pull_in, calm_out = violent ? 0.0 : pull_out;
   float calm[PER_THREAD], excess[PER_THREAD], conjugate[PER_THREAD];
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
-  lengthRows(slack, lower, pivot, excess);
+  lengthRows(slack, lower, pivot);
   diagonalToSlack(slack, lower);
   float product = 0.0;
   for (int p = 0; p < PER_THREAD; ++p) {
+    excess[p] = toMend(p, dot(newEdge(p), tangent[p]));
     calm[p] = violent ? 0.0 : pull[p];
     conjugate[p] = 0.0;
     product = madd(excess[p], pull[p], product);
@@ -456,7 +485,7 @@ void pullThroughBending(bool violent) {
     for (int p = 0; p < PER_THREAD; ++p) force[p] = isEdge(p) && weight(p) > 0.0 ? pushOn(p, 0.0) : vec3(0);
     vec3 moved[PER_THREAD];
     solveBending(moved);
-    for (int p = 0; p < PER_THREAD; ++p) moved[p] = weight(p) > 0.0 ? alongSurface(moved[p], NORMAL(p)) : vec3(0);
+    for (int p = 0; p < PER_THREAD; ++p) moved[p] = weight(p) > 0.0 ? held(moved[p], NORMAL(p)) : vec3(0);
     send_a(vec4(moved[kLast], 0));
     rendezvous();
     vec3 moved_in = received_a(before(1)).xyz;
@@ -524,7 +553,7 @@ void moveByPulls() {
     shift[p] = madd(pushOn(p, softness[p]), weight(p), shift[p]);
   }
   // The same for the vertex before slot 0, which saves an exchange.
-  const vec3 push_in = pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], NORMAL_IN, softness_in);
+  const vec3 push_in = held(pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], softness_in), NORMAL_IN);
   shift_in = select(hasBefore(1), madd(push_in, weight_in, shift_in), shift_in);
 }
 

@@ -207,18 +207,53 @@ void loadStrand(uint list, uint first, uint count) {
 #endif
 }
 
+vec4 placed(int p) { return vec4(x[p], tension[p] * settings.per_substep * settings.per_substep); }
+void storeVertex(int slot, vec4 position, vec3 velocity) {
+  if (slot >= edges) return;
+  positions[root_vertex + uint(slot) + 1u] = position;
+  velocities[root_vertex + uint(slot) + 1u].xyz = velocity;
+}
+void storeFrame(int slot, vec4 own) {
+  if (slot < edges) frames[root_vertex + uint(slot)] = own;
+}
+
 void storeStrand() {
   if (rank == 0) {
     positions[root_vertex].xyz = x_in;
     velocities[root_vertex].xyz = v_in;
   }
+#if SHUFFLED && THREADS > 1
+  // Two neighbours write what lies side by side, so that memory gets whole sectors: vertices start with the second of a sector,
+  // frames with the first. `pair`: the first slot of both.
+  const bool outer = (rank & 1) == 1;
+  const int pair = (rank & ~1) * PER_THREAD;
+  const uint other = me ^ 1u;
+#if PER_THREAD == 2
+  storeVertex(pair + (outer ? 2 : 1), select(outer, placed(0), placed(1)), select(outer, v[0], v[1]));
+  storeVertex(pair + (outer ? 3 : 0), select(outer, placed(1), placed(0)), select(outer, v[1], v[0]));
+  const vec4 theirs = subgroupShuffle(select(outer, frame[0], frame[1]), other);
+  storeFrame(pair + (outer ? 1 : 0), select(outer, theirs, frame[0]));
+  storeFrame(pair + (outer ? 3 : 2), select(outer, frame[1], theirs));
+#else
+  const vec4 their_place = subgroupShuffle(select(outer, placed(1), placed(2)), other);
+  const vec3 their_velocity = subgroupShuffle(select(outer, v[1], v[2]), other);
+  storeVertex(pair + (outer ? 2 : 1), select(outer, their_place, placed(1)), select(outer, their_velocity, v[1]));
+  storeVertex(pair + (outer ? 4 : 3), select(outer, placed(0), placed(3)), select(outer, v[0], v[3]));
+  storeVertex(pair + (outer ? 6 : 5), select(outer, placed(2), their_place), select(outer, v[2], their_velocity));
+  storeVertex(pair + (outer ? 7 : 0), select(outer, placed(3), placed(0)), select(outer, v[3], v[0]));
+  const vec4 first = subgroupShuffle(select(outer, frame[0], frame[1]), other);
+  const vec4 second = subgroupShuffle(select(outer, frame[2], frame[3]), other);
+  storeFrame(pair + (outer ? 1 : 0), select(outer, first, frame[0]));
+  storeFrame(pair + (outer ? 3 : 2), select(outer, second, frame[2]));
+  storeFrame(pair + (outer ? 5 : 4), select(outer, frame[1], first));
+  storeFrame(pair + (outer ? 7 : 6), select(outer, frame[3], second));
+#endif
+#else
   for (int p = 0; p < PER_THREAD; ++p) {
-    if (!isEdge(p)) continue;
-    uint at = root_vertex + uint(rank * PER_THREAD + p);
-    positions[at + 1u] = vec4(x[p], tension[p] * settings.per_substep * settings.per_substep);
-    velocities[at + 1u].xyz = v[p];
-    frames[at] = frame[p];
+    storeVertex(rank * PER_THREAD + p, placed(p), v[p]);
+    storeFrame(rank * PER_THREAD + p, frame[p]);
   }
+#endif
 }
 
 // Guides are what the whole step gives.

@@ -283,7 +283,7 @@ TEST_F(GpuRod, FewStrandsComeOutAlikeInOneTurnAndInTwo) {
   const StrandState from = disturbedState(model, 7);
   const std::vector<MovingPrimitive> bodies = movingBodies(parameters_.time_step);
   model.rest_distance = leftWhereTheyStart(from, bodies);
-  const auto in_one_turn = makeGpuBackend(3600), in_two = makeGpuBackend(599);
+  const auto in_one_turn = makeGpuBackend(30 * model.vertices()), in_two = makeGpuBackend(0);
   for (const std::vector<MovingPrimitive>& among : {std::vector<MovingPrimitive>(), bodies}) {
     const StrandState one = run(*in_one_turn, model, from, 2, among),
                       two = run(*in_two, model, from, 2, among);
