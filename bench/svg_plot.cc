@@ -11,7 +11,8 @@ namespace strandcast {
 namespace {
 
 constexpr double kPanelWidth = 430, kPanelHeight = 380;  // of the axes' box, pixels
-constexpr double kLeft = 70, kTop = 36, kBetween = 44, kRight = 20;
+constexpr double kLeft = 70, kTop = 36, kBetween = 44, kRight = kBetween;
+constexpr double kLabelSize = 11, kLabelAway = 6;  // of points; pixels from them
 constexpr double kBelow = 54, kLegendLine = 20, kLegendColumn = 220;
 
 std::string escaped(const std::string& text) {
@@ -114,9 +115,11 @@ std::string panelOf(const PlotPanel& panel, double left, bool first, const LogAx
       path += fmt::format("{:.1f},{:.1f} ", x(p.x), y(p.y));
       marks += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\" fill=\"{}\"/>\n", x(p.x), y(p.y),
                            series.color);
-      if (!p.label.empty())
-        marks += text(x(p.x) + 6, y(p.y) - 6, "start", p.label,
-                      fmt::format(" font-size=\"11\" fill=\"{}\"", series.color));
+      if (p.label.empty()) continue;
+      const double label_width = kLabelSize * 0.65 * static_cast<double>(p.label.size());
+      const bool fits = x(p.x) + kLabelAway + label_width < right;
+      marks += text(x(p.x) + (fits ? kLabelAway : -kLabelAway), y(p.y) - kLabelAway, fits ? "start" : "end",
+                    p.label, fmt::format(" font-size=\"{}\" fill=\"{}\"", kLabelSize, series.color));
     }
     out += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\"/>\n", path,
                        series.color);
