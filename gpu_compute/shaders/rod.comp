@@ -21,7 +21,7 @@
 // Calm strands have a program of their own where they are many.
 #define MANY (!VIOLENT && !BODIES)
 #if MANY
-#define SELECT_BY_MIX  // a tenth of a step on an H100; of no use elsewhere
+#define SELECT_BY_MIX  // a tenth of their step on an H100; the other programs would take longer: docs/solver.md
 #endif
 layout(local_size_x = WORKGROUP) in;
 
@@ -333,110 +333,7 @@ void moveByForces(out vec3 moved[PER_THREAD]) {
 #include "gpu_compute/shaders/rod_contact.glsl"
 #endif
 
-// What the pull of the edge of slot p is to mend.
-float toMend(int p, float edge_length) {
-  float excess = edge_length - restLength(p);
-#if PINNED
-  excess = excessToMend(excess, p > 0 ? weight(max(p - 1, 0)) : hasBefore(1) ? weight_in : 0.0, weight(p));
-#endif
-  return select(isEdge(p), excess, 0.0);
-}
-
-// The rows of the length system.
-void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD], out float pivot[PER_THREAD]) {
-  vec3 t_in = tangent_in;
-#if BODIES
-  vec3 n_in = normal_in;
-#endif
-  float w_in = select(hasBefore(1), weight_in, 0.0), soft_in = softness_in, c_in = dot(t_in, tangent[0]);
-  for (int p = 0; p < PER_THREAD; ++p) {
-    float c = dot(tangent[p], p < kLast ? tangent[min(p + 1, kLast)] : tangent_out);
-    float own = weightAlong(w_in, soft_in, c_in) + weightAlong(weight(p), softness[p], c);
-    float across = lengthAcross(w_in, soft_in, c_in);
-#if BODIES
-    own += lengthHeld(tangent[p], n_in, w_in, normals[p], weight(p)) - weightHeld(tangent[p], tangent[p], n_in, w_in) -
-           weightHeld(tangent[p], tangent[p], normals[p], weight(p));
-    across += weightHeld(tangent[p], t_in, n_in, w_in);
-    n_in = normals[p];
-#endif
-    own_diagonal[p] = select(isEdge(p), own, 1.0);
-    lower[p] = select(isEdge(p) && (p > 0 || hasBefore(1)), across, 0.0);
-    pivot[p] = lengthPivot(w_in, weight(p));
-    t_in = tangent[p];
-    w_in = weight(p);
-    soft_in = softness[p];
-    c_in = c;
-  }
-}
-
-// The pulls of one Newton step towards the rest lengths.
-void solveLengths(RootMotion root) {
-  float edge_length;
-  for (int p = 1; p < PER_THREAD; ++p) {
-    tangent[p] = directionAndLength(newEdge(p), tangent[p], edge_length);
-    pull[p] = toMend(p, edge_length);
-  }
-  vec3 first = oldEdge(0) + shift[0];  // the first edge, but for the shift of the vertex before it
-  send_a(vec4(shift[kLast], softness[kLast]));
-  send_b(vec4(tangent[kLast], first.x));
-#if BODIES
-  send_c(vec4(normals[kLast], first.y));
-#else
-  send_c(vec4(0, 0, 0, first.y));
-#endif
-  send_d(first.z);
-  rendezvous();
-  shift_in = received_a(before(1)).xyz;
-  softness_in = received_a(before(1)).w;
-  tangent_in = received_b(before(1)).xyz;
-#if BODIES
-  normal_in = received_c(before(1)).xyz;
-#endif
-  vec3 first_out = vec3(received_b(after(1)).w, received_c(after(1)).w, received_d(after(1)));
-  release();
-  shift_in = select(hasBefore(1), shift_in, root.position - x_in);
-  softness_in = select(hasBefore(1), softness_in, 0.0);
-#if BODIES
-  normal_in = select(hasBefore(1), normal_in, vec3(0));
-#endif
-  tangent[0] = directionAndLength(newEdge(0), tangent[0], edge_length);
-  pull[0] = toMend(0, edge_length);
-  tangent_out = select(hasAfter(1), directionOr(first_out - shift[kLast], tangent[kLast]), tangent[kLast]);
-
-  float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
-  lengthRows(slack, lower, pivot);
-  diagonalToSlack(slack, lower);
-  pull_in = solveTridiagonal(slack, lower, pivot, pull);
-  send_d(pull[0]);
-  rendezvous();
-  pull_out = select(hasAfter(1), received_d(after(1)), 0.0);
-  release();
-}
-
-// How violent the most violent of this invocation's pulls is.
-float mostViolence() {
-  float greatest = 0.0, w_in = select(hasBefore(1), weight_in, 0.0);
-  for (int p = 0; p < PER_THREAD; ++p) {
-    greatest = max(greatest, select(isEdge(p), violence(pull[p], w_in, weight(p), inverseLength(p)), 0.0));
-    w_in = weight(p);
-  }
-  return greatest;
-}
-
-// What contact leaves of a push on a vertex.
-vec3 held(vec3 push, vec3 normal) {
-#if BODIES
-  return alongSurface(push, normal);
-#else
-  return push;
-#endif
-}
-
-// What the pulls push the vertex of slot p with, where it gives way with this softness.
-vec3 pushOn(int p, float soft) {
-  vec3 t_out = p < kLast ? tangent[min(p + 1, kLast)] : tangent_out;
-  return held(pushOfPulls(tangent[p], pull[p], t_out, p < kLast ? pull[min(p + 1, kLast)] : pull_out, soft), NORMAL(p));
-}
+#include "gpu_compute/shaders/rod_lengths.glsl"
 
 // Whether this holds for any invocation of the strand.
 bool ofStrand(bool own) { return strandSum(own ? 1.0 : 0.0) > 0.0; }

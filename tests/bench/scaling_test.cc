@@ -38,8 +38,8 @@ nlohmann::json rowOf(const nlohmann::json& report, const std::string& axis, doub
 }
 
 TEST(Scaling, CostGrowsAndMemoryPerVertexDoesNot) {
-  const nlohmann::json report =
-      benchJson("scaling --quick --axes strands,vertices,substeps --strands 200 --max-strands 1000");
+  const nlohmann::json report = benchJson(
+      "scaling --quick --budget 300 --axes strands,vertices,substeps --strands 200 --max-strands 1000");
   ASSERT_TRUE(report.is_object());
   ASSERT_EQ(report["fits"].size(), 3u);
   for (const nlohmann::json& fit : report["fits"]) {

@@ -59,7 +59,6 @@ constexpr double kDensestRod = 3000;
 constexpr double kGrazingTolerance = 5e-3;
 constexpr double kMostOff = 0.0075, kMostFar = 0.0015;
 constexpr double kSensitivityFactor = 10;
-constexpr uint32_t kNudges = 8;  // by which that is found, the largest counts
 
 class Conformance : public testing::TestWithParam<Contestant> {
  protected:
@@ -120,14 +119,6 @@ bool tooDense(const StrandModel& model, size_t s, double substep) {
     if (substep * substep * model.bend[j] / (model.mass[j + 1] * length * length) > kDensestRod) return true;
   }
   return false;
-}
-
-StrandState nudged(StrandState state, uint32_t seed) {
-  std::mt19937 random(seed);
-  for (std::vector<Vec3>* values : {&state.positions, &state.velocities})
-    for (Vec3& value : *values)
-      for (int c = 0; c < 3; ++c) value[c] *= (random() & 1) != 0 ? 1 + 6e-8f : 1 - 6e-8f;
-  return state;
 }
 
 StrandState oracleStep(const StrandModel& model, const StrandState& from, const StepInput& input) {

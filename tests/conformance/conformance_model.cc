@@ -78,6 +78,14 @@ StrandState disturbedState(const StrandModel& model, uint32_t seed) {
   return state;
 }
 
+StrandState nudged(StrandState state, uint32_t seed) {
+  std::mt19937 random(seed);
+  for (std::vector<Vec3>* values : {&state.positions, &state.velocities})
+    for (Vec3& value : *values)
+      for (int c = 0; c < 3; ++c) value[c] *= (random() & 1) != 0 ? 1 + 6e-8f : 1 - 6e-8f;
+  return state;
+}
+
 std::vector<MovingPrimitive> movingBodies(float dt) {
   auto pose = [](Vec3 position, float angle) {
     return Pose{position, Quat(Eigen::AngleAxisf(angle, Eigen::Vector3f(1, 2, 3).normalized()))};

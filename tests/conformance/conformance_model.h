@@ -25,6 +25,11 @@ std::vector<Pose> movedBones();
 /// velocity of up to 1 m/s.
 StrandState disturbedState(const StrandModel& model, uint32_t seed);
 
+/// Positions and velocities moved by half a unit in the last place, up or down. What the oracle's answer
+/// moves by then, the most of kNudges of them, tells what a rounding may do to a strand.
+StrandState nudged(StrandState state, uint32_t seed);
+constexpr uint32_t kNudges = 8;
+
 /// A sphere, a capsule and a plane that the hair of awkwardModel lies in, all moving and turning, with
 /// friction.
 std::vector<MovingPrimitive> movingBodies(float dt);

@@ -99,23 +99,27 @@ std::vector<Deviation> deviations(const StrandModel& model, const StrandState& a
 
 // 600 strands are enough for programs of their own: uniform and general, of one length and of mixed ones. A
 // strand may differ as the conformance test allows. Where the float reference is off too, because a strand is
-// too sensitive or grazes a body in one precision only, the GPU may be as often, and on one strand in fifty
-// more (seen: two in a hundred, where bodies are touched).
+// too sensitive or grazes a body in one precision only, the GPU may be as often, and on one strand in a
+// hundred more (seen: 4 of 600).
 TEST_F(GpuRod, EveryVariantAgreesWithTheOracle) {
   for (const std::vector<int>& counts : {std::vector<int>{32}, {16, 13, 17}}) {
     for (const bool uneven : {false, true}) {
       StrandModel model = arcs(600, counts, 0.2f, uneven);
       const StrandState from = disturbedState(model, 7);
       model.rest_distance = leftWhereTheyStart(from, movingBodies(parameters_.time_step));
-      StrandState nudged = from;
-      for (size_t i = 0; i < nudged.positions.size(); ++i)
-        nudged.positions[i] *= i % 2 == 0 ? 1 + 6e-8f : 1 - 6e-8f;
       for (const bool contact : {false, true}) {
         parameters_.damping_time = contact ? 0.0f : 2e-3f;
         const auto bodies = contact ? movingBodies(parameters_.time_step) : std::vector<MovingPrimitive>();
         const StrandState truth = run(*makeOracleBackend(), model, from, 1, bodies);
-        const auto sensitivity =
-            deviations(model, run(*makeOracleBackend(), model, nudged, 1, bodies), truth);
+        std::vector<Deviation> sensitivity(model.strands());
+        for (uint32_t seed = 1; seed <= kNudges; ++seed) {
+          const auto moved =
+              deviations(model, run(*makeOracleBackend(), model, nudged(from, seed), 1, bodies), truth);
+          for (size_t s = 0; s < sensitivity.size(); ++s) {
+            sensitivity[s].position = std::max(sensitivity[s].position, moved[s].position);
+            sensitivity[s].turn = std::max(sensitivity[s].turn, moved[s].turn);
+          }
+        }
         auto off = [&](const StrandState& state) {
           const auto error = deviations(model, state, truth);
           size_t count = 0;
@@ -128,7 +132,7 @@ TEST_F(GpuRod, EveryVariantAgreesWithTheOracle) {
         const size_t reference = off(run(*makeReferenceBackend(), model, from, 1, bodies));
         std::printf("             %d vertices, uneven %d, contact %d: %zu of %zu off, of the reference %zu\n",
                     counts[0], uneven, contact, mine, model.strands(), reference);
-        EXPECT_LE(mine, reference + model.strands() / 50);
+        EXPECT_LE(mine, reference + model.strands() / 100);
         EXPECT_GT(difference(model, truth, from), 1e-3) << "the step must do something";
       }
     }
