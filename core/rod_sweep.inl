@@ -214,7 +214,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     const real kept = min(keptTension(state(b.tension, 0, e) * lit(h * h), advance * il, bend(e), il, lit(h * h)),
                           most_tension_);
     store(kept, b.tension + at(0, e));
-    const real blend = timeBlend(advance * il, unit - unit_before, bend(e) * (il * il * lit(h * h) * weight(e + 1)));
+    const real blend = timeBlend(advance * il, unit - unit_before, bend(e) * il * il * lit(h * h) * weight(e + 1));
     set(kBlend, e, blend);
     // Internal damping acts through frames that are ahead of the motion by the damping time; tension is not damped.
     const quat frame = state4(b.frame, e);
@@ -444,8 +444,7 @@ void RodStep::moveAndEliminateLengths(Shift shift) {
     const real3 shifted = near_.size() > 0 ? collide(e + 1, reached, by_forces) : reached;
     set3(kShift, e + 1, shifted);
     const real3 old = state3(b.position, e + 1), edge = (old - old_in) + (shifted - shift_in);
-    real length;
-    const real3 t = directionAndLength(edge, t_before, length);
+    const real3 t = directionOr(edge, t_before);
     set3(kTangent, e, t);
     if (e > 0) {
       const real soft = get(kSoftness, e), c = dot(t_in, t);
@@ -463,7 +462,7 @@ void RodStep::moveAndEliminateLengths(Shift shift) {
     }
     w_in2 = w_in;
     w_in = weight(e + 1);
-    excess = toMend(e, length);
+    excess = toMend(e, dot(edge, t));
     old_in = old;
     shift_in = shifted;
     t_in = t;

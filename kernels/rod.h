@@ -117,7 +117,7 @@ FN real curlSoftness(IN(real) weight, IN(real) stiffness, IN(real) inverse_lengt
                      IN(real3) t_out, IN(real3) t_out2) {
   real3 b = t_out - t_in;
   real3 change = t_out2 - t_in2 - b * lit(3);
-  real held = stiffness * (weight * inverse_length * inverse_length) * dot(change, change);
+  real held = weight * stiffness * inverse_length * inverse_length * dot(change, change);
   return held * inverse(dot(b, b) + held * lit(1.01) + lit(1e-12));
 }
 // What of this metric acts along an edge next to the vertex, whose tangents make an angle of cosine c.
@@ -127,7 +127,7 @@ FN real weightAlong(IN(real) weight, IN(real) softness, IN(real) c) {
 // This couples the two edges that meet at a vertex in the length system, which has one unknown (m, pull x weight) per edge and on
 // its diagonal the weights of both ends along it.
 FN real lengthAcross(IN(real) weight, IN(real) softness, IN(real) c) {
-  return lit(0) - weight * madd(lit(0.5) * softness, lit(1) - c, c);
+  return lit(0) - weight * (c + lit(0.5) * softness * (lit(1) - c));
 }
 // In contact (softness zero) a vertex gives way along the surface only. That takes this off weightAlong() of edge t, with t as
 // t_other, and adds it to lengthAcross() of both.
@@ -162,10 +162,8 @@ FN real excessToMend(IN(real) excess, IN(real) weight_in, IN(real) weight) {
 // What an edge lacks to its rest length, along itself, or along `otherwise` where it has no direction. As a small change: an edge
 // made anew from direction and length would come out elsewhere by the rounding of both.
 FN real3 missingLength(IN(real3) edge, IN(real3) otherwise, IN(real) rest_length) {
-  real l2 = dot(edge, edge);
-  mask tiny = l2 < lit(1e-18);
-  real per_length = inverseSqrt(max(l2, lit(1e-18)));
-  return select(tiny, otherwise * rest_length, edge * (per_length * (rest_length - l2 * per_length)));
+  real3 t = directionOr(edge, otherwise);
+  return t * (rest_length - dot(edge, t));
 }
 // The length system of violent motion has the dense metric after all: J A^-1 J'. So many conjugate gradient iterations
 // (Shewchuk 1994, algorithm B3), preconditioned with the tridiagonal system, solve it well enough; after one, some stiff strands

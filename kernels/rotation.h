@@ -9,17 +9,11 @@ FN real3 normalizeOrZero(IN(real3) a) {
   return a * inverse;
 }
 
-// Unit vector along the edge, or `otherwise` where it is shorter than a nanometre; and how long it is.
-FN real3 directionAndLength(IN(real3) edge, IN(real3) otherwise, OUT(real) edge_length) {
+// Unit vector along the edge, or `otherwise` where it is shorter than a nanometre.
+FN real3 directionOr(IN(real3) edge, IN(real3) otherwise) {
   real l2 = dot(edge, edge);
   mask tiny = l2 < lit(1e-18);
-  real per_length = inverseSqrt(max(l2, lit(1e-18)));
-  edge_length = l2 * per_length;
-  return select(tiny, otherwise, edge * per_length);
-}
-FN real3 directionOr(IN(real3) edge, IN(real3) otherwise) {
-  real edge_length;
-  return directionAndLength(edge, otherwise, edge_length);
+  return select(tiny, otherwise, edge * inverseSqrt(max(l2, lit(1e-18))));
 }
 
 // v turned by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), u = q.xyz.

@@ -38,10 +38,10 @@ void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD],
 
 // The pulls of one Newton step towards the rest lengths.
 void solveLengths(RootMotion root) {
-  float edge_length;
   for (int p = 1; p < PER_THREAD; ++p) {
-    tangent[p] = directionAndLength(newEdge(p), tangent[p], edge_length);
-    pull[p] = toMend(p, edge_length);
+    vec3 edge_now = newEdge(p);
+    tangent[p] = directionOr(edge_now, tangent[p]);
+    pull[p] = toMend(p, dot(edge_now, tangent[p]));
   }
   vec3 first = oldEdge(0) + shift[0];  // the first edge, but for the shift of the vertex before it
   send_a(vec4(shift[kLast], softness[kLast]));
@@ -66,8 +66,8 @@ void solveLengths(RootMotion root) {
 #if BODIES
   normal_in = select(hasBefore(1), normal_in, vec3(0));
 #endif
-  tangent[0] = directionAndLength(newEdge(0), tangent[0], edge_length);
-  pull[0] = toMend(0, edge_length);
+  tangent[0] = directionOr(newEdge(0), tangent[0]);
+  pull[0] = toMend(0, dot(newEdge(0), tangent[0]));
   tangent_out = select(hasAfter(1), directionOr(first_out - shift[kLast], tangent[kLast]), tangent[kLast]);
 
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
