@@ -2,6 +2,21 @@
 // left couples only the last rows of neighbours and is solved by parallel cyclic reduction (Hockney 1965).
 // Needs strand_threads.glsl.
 
+// Of either: the rows before the last, whose solution is `solved`, from what couples them to it and to the invocation before.
+// Returns the solution in the row before row 0, or 0 where there is none.
+float substituted(float solved, float to_before[PER_THREAD], float to_after[PER_THREAD], inout float value[PER_THREAD]) {
+  float solved_before = 0.0;
+#if THREADS > 1
+  send_d(solved);
+  rendezvous();
+  solved_before = select(hasBefore(1), received_d(before(1)), 0.0);
+  release();
+#endif
+  value[kLast] = solved;
+  for (int p = kLast - 1; p >= 0; --p) value[p] -= to_before[p] * solved_before + to_after[p] * value[p + 1];
+  return solved_before;
+}
+
 // Solves in place of `value`, the right-hand sides. `lower[p]` couples row p to the row before it, 0 in the strand's first.
 // The diagonal of a chain cancels down to a small part of itself, and digits with it; where they are wanted: solveTridiagonal().
 // Returns the solution in the row before row 0, or 0 where there is none.
@@ -21,7 +36,7 @@ float solveChain(float diagonal[PER_THREAD], float lower[PER_THREAD], inout floa
     value[p + 1] -= lower[p + 1] * value[p];
     coupling = -lower[p + 1] * to_before[p];
   }
-  float solved = value[kLast], solved_before = 0.0;
+  float solved = value[kLast];
 #if THREADS > 1
   send_a(vec4(own_before, value_before, coupling, 0));
   rendezvous();
@@ -43,16 +58,7 @@ float solveChain(float diagonal[PER_THREAD], float lower[PER_THREAD], inout floa
     up = -from_outer * outer.y;
   }
 #endif
-  solved /= max(own, least);
-#if THREADS > 1
-  send_d(solved);
-  rendezvous();
-  solved_before = select(hasBefore(1), received_d(before(1)), 0.0);
-  release();
-#endif
-  value[kLast] = solved;
-  for (int p = kLast - 1; p >= 0; --p) value[p] -= to_before[p] * solved_before + to_after[p] * value[p + 1];
-  return solved_before;
+  return substituted(solved / max(own, least), to_before, to_after, value);
 }
 
 // Of solveTridiagonal(): in place of the diagonal each row keeps its slack, the diagonal less the absolute couplings, to which
@@ -82,7 +88,7 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
     value[p + 1] -= lower[p + 1] * value[p];
     coupling = -lower[p + 1] * to_before[p];
   }
-  float solved = value[kLast], solved_before = 0.0;
+  float solved = value[kLast];
 #if THREADS == 1
   solved /= max(slack + abs(coupling), pivot[kLast]);
 #else
@@ -110,12 +116,6 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
     up = -from_outer * outer.y;
   }
   solved /= max(slack, least);
-  send_d(solved);
-  rendezvous();
-  solved_before = select(hasBefore(1), received_d(before(1)), 0.0);
-  release();
 #endif
-  value[kLast] = solved;
-  for (int p = kLast - 1; p >= 0; --p) value[p] -= to_before[p] * solved_before + to_after[p] * value[p + 1];
-  return solved_before;
+  return substituted(solved, to_before, to_after, value);
 }
