@@ -36,8 +36,12 @@ inline bool anyTrue(mask m) { return m; }
 inline uint32_t laneBits(mask m) { return m ? 1 : 0; }
 inline Scalar leastOf(real value) { return value.v; }
 inline void storeWhole(real value, uint32_t* p) { *p = static_cast<uint32_t>(value.v); }
-inline void pack(real value, mask m, Scalar* p) {
-  if (m) *p = value.v;
+struct Packing {
+  mask lanes;
+};
+inline Packing packing(mask m) { return {m}; }
+inline void pack(real value, Packing packing, Scalar* p) {
+  if (packing.lanes) *p = value.v;
 }
 inline mask firstLanes(int count) { return count > 0; }
 inline real laneNumbers() { return {0}; }

@@ -16,7 +16,8 @@ class WaitingLooks {
     const real columns[kColumns] = {look.x.x, look.x.y, look.x.z, look.x_start.x, look.x_start.y, look.x_start.z,
                                     look.way, look.gone, look.others, look.clear,
                                     lit(static_cast<double>(i) * kLanes) + laneNumbers()};
-    for (int c = 0; c < kColumns; ++c) pack(columns[c], lanes, columns_[c] + count_);
+    const Packing together = packing(lanes);
+    for (int c = 0; c < kColumns; ++c) pack(columns[c], together, columns_[c] + count_);
     count_ += std::popcount(laneBits(lanes));
   }
   /// Takes up to kLanes of them and gives how many; `numbers`: of each, row x kLanes + lane.

@@ -63,7 +63,19 @@ using WordTag = hn::RebindToSigned<Tag>;
 HWY_INLINE void storeWhole(real value, uint32_t* p) {
   hn::Store(hn::ConvertTo(WordTag(), value.v), WordTag(), reinterpret_cast<int32_t*>(p));
 }
-HWY_INLINE void pack(real value, mask m, Scalar* p) { hn::StoreU(hn::Compress(value.v, m.m), Tag(), p); }
+// Not by hn::Compress(), whose table g++ copies to the stack at every call.
+struct Packing {
+  decltype(hn::IndicesFromVec(Tag(), hn::Zero(WordTag()))) order;
+};
+HWY_INLINE Packing packing(mask m) {
+  alignas(64) int32_t order[kLanes] = {};
+  int count = 0;
+  for (uint32_t left = laneBits(m); left != 0; left &= left - 1) order[count++] = std::countr_zero(left);
+  return {hn::IndicesFromVec(Tag(), hn::Load(WordTag(), order))};
+}
+HWY_INLINE void pack(real value, Packing packing, Scalar* p) {
+  hn::StoreU(hn::TableLookupLanes(value.v, packing.order), Tag(), p);
+}
 HWY_INLINE mask firstLanes(int count) { return {hn::FirstN(Tag(), static_cast<size_t>(count))}; }
 HWY_INLINE real laneNumbers() { return {hn::Iota(Tag(), 0.0f)}; }
 struct word {

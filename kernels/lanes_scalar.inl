@@ -24,8 +24,13 @@ inline bool anyTrue(mask m) { return m; }
 inline uint32_t laneBits(mask m) { return m ? 1 : 0; }  // bit 0: the first lane
 inline Scalar leastOf(real value) { return value; }       // of all lanes
 inline void storeWhole(real value, uint32_t* p) { *p = static_cast<uint32_t>(value); }  // of whole numbers from 0 on
-inline void pack(real value, mask m, Scalar* p) {  // its lanes one after another, what is behind them up to kLanes is lost
-  if (m) *p = value;
+// How some lanes are put one after another. What is behind them up to kLanes is lost.
+struct Packing {
+  mask lanes;
+};
+inline Packing packing(mask m) { return {m}; }
+inline void pack(real value, Packing packing, Scalar* p) {
+  if (packing.lanes) *p = value;
 }
 inline mask firstLanes(int count) { return count > 0; }
 inline real laneNumbers() { return 0; }
