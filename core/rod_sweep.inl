@@ -41,6 +41,7 @@ class RodStep {
         scratch_(scratch),
         n(block.vertices),
         ne(block.vertices - 1),
+        among_bodies_(near_.size() > 0),
         h(static_cast<double>(p.time_step) / p.substeps) {
     begin_ = loadRoot(b, 0);
     end_ = loadRoot(b, kRootPlanes / 2);
@@ -59,7 +60,7 @@ class RodStep {
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
-    if (near_.size() > 0) {
+    if (among_bodies_) {
       noteForces();
       near_.measureRooms(in, scratch_ + solverScratch(n, kLanes) + groomingScratch(n, kLanes));
     }
@@ -84,7 +85,7 @@ class RodStep {
       finish();
       frame_ = root.rotation;
     }
-    if (near_.size() == 0 && !in.primitives.empty())
+    if (!among_bodies_ && !in.primitives.empty())
       for (int i = 0; i < n; ++i) store3(makeReal3(lit(0), lit(0), lit(0)), b.contact, i);
   }
 
@@ -137,7 +138,7 @@ class RodStep {
   real3 pressed(int i, const real3& shift, const real3& x, const real3& moved);
   real3 keptOut(int i, const real3& shift, const real3& inner);
   real3 turnedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes);
-  bool faces(int i) const { return near_.size() > 0 && faces_[i]; }
+  bool faces(int i) const { return among_bodies_ && faces_[i]; }
   real3 normalAt(int i) const { return faces(i) ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
   // What contact leaves of a push on vertex i.
   real3 heldAt(int i, const real3& push) const { return faces(i) ? alongSurface(push, get3(kNormal, i)) : push; }
@@ -155,6 +156,7 @@ class RodStep {
   Grooming grooming_;
   Scalar* scratch_;
   const int n, ne;
+  const bool among_bodies_;
   const double h;
   double keep_ = 1;
   bool damped_ = false;
@@ -202,7 +204,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
       shift = select(weight(e + 1) > lit(0), shift, heldPoint(b, root, e + 1, time) - x);
     }
     set3(kShift, e + 1, shift);
-    if (near_.size() > 0) {
+    if (among_bodies_) {
       near_.lookAhead(e + 1, x + ahead, x);
       faces_[e + 1] = false;
       if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(h * h), b.contact, e + 1);
@@ -299,7 +301,7 @@ inline void RodStep::eliminateBending() {
     const real3 way = b.acceleration != nullptr ? madd(accelerationOf(b, e + 1), lit(h * h), pull) : pull;
     real3 total = grooming_.on() ? grooming_.pull(e + 1, way, root_, get3(kShift, e + 1)) + (force - force_out)
                                  : madd(way, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
-    if (near_.size() > 0 && forced_[e + 1]) total = total + state3(b.contact, e + 1);
+    if (among_bodies_ && forced_[e + 1]) total = total + state3(b.contact, e + 1);
 
     const real il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
     const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
@@ -430,7 +432,7 @@ void RodStep::moveAndEliminateLengths(Shift shift) {
   // Row e with `own_out`, what its outer vertex has on its diagonal; gives its inverse pivot.
   auto eliminate = [&](int e, const real& own_out) {
     real diagonal = own + own_out;
-    if (near_.size() > 0) diagonal = diagonal + lengthHeld(t_in, normal_in2, w_in2, normal_in, w_in);
+    if (among_bodies_) diagonal = diagonal + lengthHeld(t_in, normal_in2, w_in2, normal_in, w_in);
     const real pivot = inverse(max(diagonal - lower * factor, lengthPivot(w_in2, w_in)));
     right = (excess - lower * right) * pivot;
     set(kRight, e, right);
@@ -441,7 +443,7 @@ void RodStep::moveAndEliminateLengths(Shift shift) {
     const real3 t_before = get3(kTangent, e);
     real3 by_forces = makeReal3(lit(0), lit(0), lit(0));
     const real3 reached = shift(e, by_forces);
-    const real3 shifted = near_.size() > 0 ? collide(e + 1, reached, by_forces) : reached;
+    const real3 shifted = among_bodies_ ? collide(e + 1, reached, by_forces) : reached;
     set3(kShift, e + 1, shifted);
     const real3 old = state3(b.position, e + 1), edge = (old - old_in) + (shifted - shift_in);
     const real3 t = directionOr(edge, t_before);
@@ -609,7 +611,7 @@ inline void RodStep::finish() {
     const real3 old = state3(b.position, e + 1), pulled = pulls.shifted(e), advance = pulled - pulled_in;
     const real3 exact = advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
     shift = select(weight(e + 1) > lit(0), shift + exact, pulled);
-    if (near_.size() > 0) {
+    if (among_bodies_) {
       shift = keptOut(e + 1, shift, inner);
       if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(1 / (h * h)), b.contact, e + 1);
     }
