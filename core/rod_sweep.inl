@@ -391,8 +391,9 @@ inline real3 RodStep::keptOut(int i, const real3& shift, const real3& inner) {
     const mask deep = lanes && touch.gap < lit(0) - contactSlack();
     if (!anyTrue(deep)) break;
     const real edge = lengthOf(i - 1);
-    const real3 turned = round < 2 ? turnedTowards(x, inner, touch.normal, touch.gap, edge)
-                                   : turnedOut(x, inner, touch.normal, lastTurn(touch.gap), edge);
+    const real3 turned =
+        round < 2 ? turnedTowards(x, inner, touch.normal, touch.gap, edge)
+                  : turnedOut(x, inner, touch.normal, lastTurn(x, inner, touch.carried, touch.normal, touch.gap), edge);
     x = select(deep, turned, x);
   }
   return x;

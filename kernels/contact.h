@@ -158,10 +158,13 @@ FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real
 FN real3 turnedTowards(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
   return madd(directionOr(madd(normal, lit(0) - gap, x) - inner, normal), edge_length, inner);
 }
-// Ends that are still in the body after two of these turns go on with turnedOut(), all the way where they are less than 2 mm deep.
-// Ends of 3 mm and more were in the body before, and stay: they would be thrown to either side for the last bit. This is the
-// gap to take away.
-FN real lastTurn(IN(real) gap) { return gap * clamp(madd(gap, lit(1e3), lit(3)), lit(0), lit(1)); }
+// Ends that are still in the body after two of these turns go on with turnedOut(): all the way where they are less than 2 mm deep,
+// or were before the substep, at `carried`, or their inner end is. Others, from 3 mm on, stay: they would be thrown to either side
+// for the last bit. This is the gap to take away.
+FN real lastTurn(IN(real3) x, IN(real3) inner, IN(real3) carried, IN(real3) normal, IN(real) gap) {
+  real least = gap + max(max(dot(normal, carried - x), dot(normal, inner - x)), lit(0));
+  return gap * clamp(madd(least, lit(1e3), lit(3)), lit(0), lit(1));
+}
 // The outer end x of an edge that starts at `inner`, when it is `gap` < 0 behind the plane across the unit `normal`: the edge
 // turned until the end is in the plane, or as far out as its length allows.
 FN real3 turnedOut(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {

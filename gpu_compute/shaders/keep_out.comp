@@ -29,8 +29,9 @@ vec3 turnedOutOfBodies(uint vertex, vec3 x, vec3 inner, float edge_length) {
   for (int round = 0; round < 3; ++round) {
     Touch touch = touchOf(vertex, x);
     if (touch.gap >= -contactSlack()) break;
-    x = round < 2 ? turnedTowards(x, inner, touch.normal, touch.gap, edge_length)
-                  : turnedOut(x, inner, touch.normal, lastTurn(touch.gap), edge_length);
+    x = round < 2
+            ? turnedTowards(x, inner, touch.normal, touch.gap, edge_length)
+            : turnedOut(x, inner, touch.normal, lastTurn(x, inner, touch.carried, touch.normal, touch.gap), edge_length);
   }
   return x;
 }

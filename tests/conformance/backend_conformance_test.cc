@@ -604,6 +604,27 @@ TEST_P(Conformance, InvariantsHoldOver120Steps) {
   EXPECT_LT(worst.max_penetration, 1e-3);
 }
 
+// A vertex that is just above a plane, on an edge so short that its length puts it deep below, straight down
+// from the root: the nearest point of the plane is no way out.
+TEST_P(Conformance, AnEdgeThatGoesStraightInComesOutAllTheWay) {
+  if (parameters_.solver != SolverKind::kRod)
+    GTEST_SKIP() << "the course's scheme lets lengths be what they are";
+  constexpr float kRoot = 0.004f, kLength = 0.008f;  // m
+  StrandSet set;
+  set.append(std::vector<Vec3>{Vec3(0, kRoot, 0), Vec3(0, kRoot - kLength, 0)});
+  const StrandModel model = makeStrandModel(set);
+  StrandState from = restState(model, model.rest_roots);
+  from.positions[1].y() = 5e-4f;
+  ContactPrimitive plane;
+  plane.kind = PrimitiveKind::kPlane;
+  const std::vector<MovingPrimitive> bodies{moved(plane, {}, {}, parameters_.time_step)};
+  Parameters parameters = parameters_;
+  parameters.substeps = 1;
+  const StrandState state = stepped(model, from, StepInput{&parameters, {}, {}, bodies});
+  EXPECT_NEAR((state.positions[1] - state.positions[0]).norm(), kLength, 1e-6f);
+  EXPECT_GT(state.positions[1].y(), 0);
+}
+
 // Hair on a ball that is a field, with its first vertices in it, while the ball nods and slides and a box is
 // pushed through the hair.
 TEST_P(Conformance, FieldsAndBoxesHoldHairOutOver60Steps) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/backend.h"
+#include "simd/simd_backend.h"
 #include "validation/suite.h"
 
 namespace strandcast {
@@ -14,6 +15,13 @@ TEST(ContactSuite, TheRodPasses) {
     for (const Case& c : runSuite(validationSuite("contact"), kLaboratory, only)) {
       EXPECT_TRUE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
     }
+}
+
+// All of it where that takes seconds.
+TEST(ContactSuite, TheRodPassesWholeInLanes) {
+  const Laboratory lanes([] { return makeSimdBackend(0); }, SolverKind::kRod);
+  for (const Case& c : runSuite(validationSuite("contact"), lanes))
+    EXPECT_TRUE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
 }
 
 TEST(ContactSuite, NoStrandPassesThroughAFastPlate) {
