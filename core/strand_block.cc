@@ -281,11 +281,14 @@ template <class Scalar>
 void BlockStore<Scalar>::read(size_t b, int plane, std::span<Vec3> vectors) const {
   static_assert(kPosition == 0 && kVelocity == 3);
   const Block& block = blocks_[b];
-  for (size_t lane = 0; lane < block.count; ++lane) {
-    Vec3* out = vectors.data() + model_->offsets[order_[block.first + lane]];
-    for (int i = 0; i < block.vertices; ++i)
-      for (int c = 0; c < 3; ++c)
-        out[i][c] = static_cast<float>(number(block, plane + c, i, static_cast<int>(lane)));
+  Vec3* strands[kMostLanes];
+  for (size_t lane = 0; lane < block.count; ++lane)
+    strands[lane] = vectors.data() + model_->offsets[order_[block.first + lane]];
+  const Scalar* x = planes(block, plane);
+  for (int i = 0; i < block.vertices; ++i, x += kBlockPlanes * lanes_) {
+    const Scalar *y = x + lanes_, *z = y + lanes_;
+    for (size_t lane = 0; lane < block.count; ++lane)
+      strands[lane][i] = Eigen::Matrix<Scalar, 3, 1>(x[lane], y[lane], z[lane]).template cast<float>();
   }
 }
 
