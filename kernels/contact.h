@@ -158,9 +158,9 @@ FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real
 FN real3 turnedTowards(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
   return madd(directionOr(madd(normal, lit(0) - gap, x) - inner, normal), edge_length, inner);
 }
-// Ends that are still in the body after two of these turns go on with turnedOut(): all the way where they are less than 2 mm deep,
-// or were before the substep, at `carried`, or their inner end is. Others, from 3 mm on, stay: they would be thrown to either side
-// for the last bit. This is the gap to take away.
+// Ends that are still in the body after two of these turns go on with turnedOut(). This is the gap to take away: what counts is the
+// least deep of x, of where the end was before the substep (`carried`) and of the inner end; all of it to 2 mm, none from 3 mm on.
+// Who is deep and hangs on who is deep would be thrown to either side for the last bit.
 FN real lastTurn(IN(real3) x, IN(real3) inner, IN(real3) carried, IN(real3) normal, IN(real) gap) {
   real least = gap + max(max(dot(normal, carried - x), dot(normal, inner - x)), lit(0));
   return gap * clamp(madd(least, lit(1e3), lit(3)), lit(0), lit(1));

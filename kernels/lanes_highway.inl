@@ -50,9 +50,9 @@ HWY_INLINE mask operator!(mask a) { return {hn::Not(a.m)}; }
 HWY_INLINE real select(mask m, real a, real b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
 
 // For the backends' planes, not for kernel text. Rows of lanes start at multiples of their size.
-#if defined(__GNUC__) && HWY_TARGET != HWY_SCALAR
+#if defined(__GNUC__) && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 // Rows hold floats and nothing else. Highway's own stores may write anything, so that a sweep would read all that it knows
-// of a block again after each.
+// of a block again after each. To g++ a vector type may alias what its elements may.
 using Row [[gnu::vector_size(sizeof(Scalar) * kLanes)]] = Scalar;
 HWY_INLINE real load(const Scalar* p) { return {hn::Vec<Tag>{*reinterpret_cast<const Row*>(p)}}; }
 HWY_INLINE void store(real value, Scalar* p) { *reinterpret_cast<Row*>(p) = value.v.raw; }

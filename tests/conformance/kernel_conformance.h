@@ -43,6 +43,7 @@ enum Kernel {
   kPushAlong,
   kBend,
   kBentDistance,
+  kLastTurn,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

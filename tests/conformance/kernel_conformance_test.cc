@@ -70,7 +70,8 @@ constexpr const char* kNames[kKernels] = {"solveDistance",
                                           "largestCrowding",
                                           "pushAlong",
                                           "bend",
-                                          "bentDistance"};
+                                          "bentDistance",
+                                          "lastTurn"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -130,6 +131,10 @@ class InputMaker {
         for (int c = 0; c < 3; ++c) v[3 + c] = v[c] + number(-0.02f, 0.02f);
         v[12] = number(-0.05f, 0.02f), v[13] = number(0, 1), v[14] = number(0.5f, 2);
         v[15] = number(-0.01f, 0.05f);
+        break;
+      case kLastTurn:
+        vector(v, 0.01f), vector(v + 3, 0.01f), vector(v + 6, 0.01f), unit(v + 9, 3);
+        v[12] = number(-0.006f, 0);
         break;
       case kPredictPosition:
         vector(v, 0.3f), vector(v + 3, 3), vector(v + 6, 10), vector(v + 9, 10);
@@ -285,6 +290,9 @@ Item nasty(int kernel, Item item, size_t way) {
       if (way % 4 == 1) v[13] = 0;
       if (way % 4 == 2) std::copy(v, v + 3, v + 3), std::fill(v + 6, v + 9, 0.0f);  // at rest
       if (way % 4 == 3) v[13] = 1000;
+      break;
+    case kLastTurn:
+      if (way % 2 == 0) std::copy(v, v + 3, v + 3), std::copy(v, v + 3, v + 6);  // all at one place
       break;
     case kPredictPosition:
       v[12] = static_cast<float>(way % 2);  // all or nothing of the air
@@ -521,6 +529,13 @@ TEST(KernelConformance, DoubleKeepsWhatTheFormulasPromise) {
   const auto lifted = truth(kResolveContact, contact);
   EXPECT_NEAR(lifted[1], 0.0995, 1e-7) << "comes back by no more than it was moved";
   EXPECT_NEAR(lifted[4], 0.009, 1e-7) << "and is pressed less";
+  const auto last_turn = [](float gap, float inner, float carried) {
+    return truth(kLastTurn, {0, 0, 0, 0.01f, inner, 0, 0, carried, 0.01f, 0, 1, 0, gap})[0];
+  };
+  EXPECT_NEAR(last_turn(-0.004f, -0.001f, 0.0045f), -0.004, 1e-7) << "it was outside";
+  EXPECT_NEAR(last_turn(-0.004f, 0.0045f, -0.001f), -0.004, 1e-7) << "its inner end is";
+  EXPECT_NEAR(last_turn(-0.004f, 0, -0.001f), 0, 1e-7) << "all deep";
+  EXPECT_NEAR(last_turn(-0.0025f, 0, -0.001f), -0.00125, 1e-7) << "half";
 }
 
 }  // namespace

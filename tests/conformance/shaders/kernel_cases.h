@@ -173,6 +173,8 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     real3 gradient = in3(i, 2);
     o.v[0] = bentDistance(i.v[0], i.v[1], gradient);
     out3(o, 1, gradient);
+  } else if (kernel == 37) {
+    o.v[0] = lastTurn(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12]);
   }
   return o;
 }
