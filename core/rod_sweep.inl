@@ -383,20 +383,23 @@ inline real3 RodStep::keptOut(int i, const real3& shift, const real3& inner) {
   near_.goOn(i, near_.wayAlong(x, before));
   return out;
 }
-// The same of lanes that have looked again.
+// The same of lanes that have looked again: of its turns the one that leaves it least deep, for in a crease the last may turn it out
+// of one side far into the other.
 [[gnu::noinline]] inline real3 RodStep::turnedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes) {
-  real3 x = placed;
-  for (int round = 0; round < 3; ++round) {
+  real3 x = placed, best = placed;
+  real least = lit(-1e9);
+  for (int round = 0;; ++round) {
     const Touch touch = near_.touch(i, x);
+    best = select(touch.gap > least, x, best);
+    least = max(least, touch.gap);
     const mask deep = lanes && touch.gap < lit(0) - contactSlack();
-    if (!anyTrue(deep)) break;
+    if (round == 3 || !anyTrue(deep)) return best;
     const real edge = lengthOf(i - 1);
     const real3 turned =
         round < 2 ? turnedTowards(x, inner, touch.normal, touch.gap, edge)
                   : turnedOut(x, inner, touch.normal, lastTurn(x, inner, touch.carried, touch.normal, touch.gap), edge);
     x = select(deep, turned, x);
   }
-  return x;
 }
 
 // The pulls from root to tip, one vertex after another.

@@ -93,7 +93,8 @@ inline real3 carriedOf(const SubstepBody& body, const real3& point) {
 // farther than `reach` (m, plus the way). Seen from the body the vertex comes from where the surface has taken x_start. If the
 // normal there and at x are alike, the nearest point of the surface is the way out; if not, the way may lead through the body,
 // and distances tell how far it is free (conservative advancement, Mirtich 1996): where that ends, the plane along the surface
-// bounds the vertex. It has all of a convex body behind it.
+// bounds the vertex. It has all of a convex body behind it; in a crease the way may only graze that side, and x is deeper in the
+// other.
 // `clear`: how far from the surface x must be, m, at most the hair's radius. Only of `lanes`. Gives at most the gap, m.
 inline real meet(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, const real& reach,
                  const mask& lanes, Touch& touch) {
@@ -127,9 +128,9 @@ inline real meet(const SubstepBody& body, const real3& x, const real3& x_start, 
         if (i > 0 && !anyTrue(across && part > before)) break;  // nobody sees anything new
         at = surfaceAt(body, madd(way, part, carried), clear, across);
       }
-      const real free = at.distance - clear;
-      const mask met = across && free * per_way < lit(0.1);
-      gap = select(met, free + dot(at.normal, way) * (lit(1) - part), gap);
+      const real free = at.distance - clear, beyond = free + dot(at.normal, way) * (lit(1) - part);
+      const mask met = across && free * per_way < lit(0.1) && beyond < gap;
+      gap = select(met, beyond, gap);
       normal = select(met, at.normal, normal);
     }
   }

@@ -69,8 +69,9 @@ Touch meet(PlacedBody body, vec3 x, vec3 start, float clear, float reach) {
     if (i <= kAdvances) {
       part = min(madd(max(free, 0.0), per_way, part), 1.0);
     } else if (free * per_way < 0.1) {
-      gap = free + dot(at_normal, way) * (1.0 - part);
-      normal = at_normal;
+      float beyond = free + dot(at_normal, way) * (1.0 - part);
+      if (beyond < gap) normal = at_normal;
+      gap = min(gap, beyond);
     }
   }
   return Touch(gap, normal, carried, body.friction);

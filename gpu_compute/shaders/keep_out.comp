@@ -24,16 +24,22 @@ layout(location = 2) uniform uint lost_count;
 layout(location = 3) uniform uint lost_list;
 layout(location = 4) uniform int substep;
 
-// `inner`: where its edge starts.
+// `inner`: where its edge starts. Where it is least deep, as RodStep::turnedOutOfBodies().
 vec3 turnedOutOfBodies(uint vertex, vec3 x, vec3 inner, float edge_length) {
-  for (int round = 0; round < 3; ++round) {
+  vec3 best = x;
+  float least = -1e9;
+  for (int round = 0; round < 4; ++round) {
     Touch touch = touchOf(vertex, x);
-    if (touch.gap >= -contactSlack()) break;
+    if (touch.gap > least) {
+      best = x;
+      least = touch.gap;
+    }
+    if (touch.gap >= -contactSlack() || round == 3) break;
     x = round < 2
             ? turnedTowards(x, inner, touch.normal, touch.gap, edge_length)
             : turnedOut(x, inner, touch.normal, lastTurn(x, inner, touch.carried, touch.normal, touch.gap), edge_length);
   }
-  return x;
+  return best;
 }
 
 const uint kNobody = uint(WORKGROUP);

@@ -18,8 +18,8 @@
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 // What differs between invocations is chosen by select(), not by if.
 #define WORKGROUP 32
-// Calm strands have a program of their own where they are many.
-#define MANY (!VIOLENT && !BODIES)
+// Calm strands have a program of their own only where they are many.
+#define MANY (!VIOLENT)
 #if MANY
 #define SELECT_BY_MIX  // a tenth of their step on an H100; the other programs would take longer: docs/solver.md
 #endif

@@ -624,6 +624,54 @@ TEST_P(Conformance, AnEdgeThatGoesStraightInComesOutAllTheWay) {
   EXPECT_GT(state.positions[1].y(), 0);
 }
 
+// Two planes meet in a crease, and where the root is no place on the edge's length is before both: turning
+// the edge out of one wholly takes it 1.1 mm into the other, and the best is 0.3 mm in either.
+TEST_P(Conformance, AnEdgeInACreaseIsLeftWhereItIsLeastDeep) {
+  if (parameters_.solver != SolverKind::kRod) return;
+  const Vec3 root(-0.00318f, -0.0075f, 0), placed(0.00026f, 0.0002f, 0);  // the latter 0.2 mm before both
+  constexpr float kLength = 0.00774f;                                     // m, 0.7 mm too short
+  StrandSet set;
+  set.append(std::vector<Vec3>{root, root + Vec3(0, kLength, 0)});
+  const StrandModel model = makeStrandModel(set);
+  StrandState from = restState(model, model.rest_roots);
+  from.positions[1] = placed;
+  ContactPrimitive plane;
+  plane.kind = PrimitiveKind::kPlane;
+  ContactPrimitive wall = plane;
+  wall.b = Vec3(0.96825f, -0.25f, 0);
+  const std::vector<MovingPrimitive> bodies{moved(plane, {}, {}, parameters_.time_step),
+                                            moved(wall, {}, {}, parameters_.time_step)};
+  Parameters parameters = parameters_;
+  parameters.substeps = 1;
+  const StrandState state = stepped(model, from, StepInput{&parameters, {}, {}, bodies});
+  EXPECT_NEAR((state.positions[1] - state.positions[0]).norm(), kLength, 1e-6f);
+  for (const MovingPrimitive& body : bodies) EXPECT_GT(signedDistance(body, state.positions[1], {}), -5e-4f);
+}
+
+// A body with a crease comes so that, seen from it, a vertex goes close along its floor into its wall: what
+// the vertex grazes does not bound it there.
+TEST_P(Conformance, WhatGrazesOneSideOfACreaseIsHeldByTheOther) {
+  if (parameters_.solver != SolverKind::kRod) return;
+  ContactPrimitive solid;
+  solid.kind = PrimitiveKind::kField;
+  const Box box(Eigen::Vector3f::Constant(-0.01f), Eigen::Vector3f::Constant(0.01f));
+  solid.field = std::make_shared<DistanceField>(
+      sampledField([](const Vec3& p) { return std::min(p.x(), p.y()); }, box, 5e-4f, 0.006f));
+  ShapeData shapes;
+  const uint32_t data = shapes.add(solid);
+  const Pose comes{Vec3(0.004f, 0, 0), Quat::Identity()};
+  const std::vector<MovingPrimitive> bodies{moved(solid, {}, comes, parameters_.time_step, data)};
+  StrandSet set;  // hangs 0.1 mm over the floor, 2 mm before the wall
+  set.append(std::vector<Vec3>{Vec3(0.003f, 0.008f, 0), Vec3(0.002f, 1e-4f, 0)});
+  const StrandModel model = makeStrandModel(set);
+  Parameters parameters = parameters_;
+  parameters.substeps = 1;
+  parameters.gravity = Vec3::Zero();
+  const StepInput input{&parameters, {}, {}, bodies, {}, &shapes};
+  const StrandState state = stepped(model, restState(model, model.rest_roots), input);
+  EXPECT_GT(signedDistance(bodies[0], state.positions[1], shapes.words), -2e-4f);
+}
+
 // Hair on a ball that is a field, with its first vertices in it, while the ball nods and slides and a box is
 // pushed through the hair.
 TEST_P(Conformance, FieldsAndBoxesHoldHairOutOver60Steps) {
