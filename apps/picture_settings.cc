@@ -132,9 +132,11 @@ void addPicture(std::vector<PictureSetting>& list) {
 void addCamera(std::vector<PictureSetting>& list) {
   const char* group = "Camera";
   list.push_back(number(group, "azimuth", "degrees", -36000, 36000,
-                        "of the camera about the head; 0 looks at the face", AT(azimuth)));
+                        "of the camera about the hair; 0 looks towards -z, where most heads have their face",
+                        AT(azimuth)));
   list.push_back(number(group, "elevation", "degrees", -89, 89, "of the camera", AT(elevation)));
-  list.push_back(number(group, "zoom", "", 0.05, 50, "1 fills the picture with the hair", AT(zoom)));
+  list.push_back(number(group, "zoom", "", 0.05, 50,
+                        "at 1 a ball about the hair and its head is as high as the picture", AT(zoom)));
 }
 
 void addGrowth(std::vector<PictureSetting>& list) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "apps/console.h"
 #include "apps/verbs.h"
 #include "transport/security/test_authority.h"
 
@@ -39,7 +40,7 @@ int makeKeys(const KeysOptions& o) {
                                    {"subject", identity.subject},
                                    {"may", rightsOf(identity.role)}});
     }
-    fmt::print("{}\n", out.dump(2));
+    fmt::print("{}\n", jsonText(out));
     return 0;
   }
   for (const TestIdentity& identity : identities) {

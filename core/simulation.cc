@@ -1,5 +1,7 @@
 #include "core/simulation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -296,7 +298,9 @@ void Simulation::pullHair(const Vec3& from, float radius, const Vec3& to, float 
   const bool sound =
       is_place(from) && is_place(to) && radius >= 0 && radius <= 10 && rate >= 0 && rate <= 1000;
   if (!sound)
-    throw Error("hair cannot be pulled so", "Simulation::pullHair",
+    throw Error("hair cannot be pulled so",
+                fmt::format("from {} {} {} to {} {} {}, radius {} m, rate {} 1/s", from.x(), from.y(),
+                            from.z(), to.x(), to.y(), to.z(), radius, rate),
                 "give places within 1000 m, a radius of 0 to 10 m and a rate of 0 to 1000 1/s");
   if (!backend_->takesAccelerations())
     throw Error("hair cannot be pulled on this backend", backend_->name(), "choose simd, gpu or reference");

@@ -7,6 +7,9 @@
 #include <imgui/backends/imgui_impl_opengl3.h>
 #include <imgui/imgui.h>
 
+#include <algorithm>
+#include <thread>
+
 #include "core/error.h"
 
 namespace strandcast {
@@ -38,6 +41,16 @@ void setStyle() {
   style.Colors[ImGuiCol_Button] = {0.22f, 0.28f, 0.35f, 1};
 }
 
+/// Of all displays the highest, in frames a second.
+int refreshRate() {
+  int count = 0, highest = 0;
+  GLFWmonitor** monitors = glfwGetMonitors(&count);
+  for (int i = 0; i < count; ++i)
+    if (const GLFWvidmode* mode = glfwGetVideoMode(monitors[i]))
+      highest = std::max(highest, mode->refreshRate);
+  return highest > 0 ? highest : 60;
+}
+
 }  // namespace
 
 const int ViewerWindow::kEscape = GLFW_KEY_ESCAPE, ViewerWindow::kTab = GLFW_KEY_TAB;
@@ -57,6 +70,8 @@ ViewerWindow::ViewerWindow(int width, int height) {
   }
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
+  // Somewhat less than the display's, for where swapping waits.
+  shortest_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(0.9 / refreshRate()));
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // panels are where they are
@@ -123,6 +138,9 @@ void ViewerWindow::endFrame(const std::string& title) {
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glfwSetWindowTitle(window_, title.c_str());
   glfwSwapBuffers(window_);
+  // Not all drivers wait for the display, and none for a window that is hidden.
+  std::this_thread::sleep_until(shown_ + shortest_);
+  shown_ = Clock::now();
 }
 
 }  // namespace strandcast

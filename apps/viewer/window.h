@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -26,12 +27,16 @@ class ViewerWindow {
   bool keysAreFree() const;
   /// Pressed since the last beginFrame(), also those that are up again.
   const std::vector<int>& pressedKeys() const { return pressed_; }
-  /// Draws the panels over what the window shows, and shows it.
+  /// Draws the panels over what the window shows, and shows it; not more often than the display can.
   void endFrame(const std::string& title);
   void clear();  ///< to dark grey
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   GLFWwindow* window_ = nullptr;
+  Clock::duration shortest_;   ///< of frames
+  Clock::time_point shown_{};  ///< when the last one was
   std::vector<int> pressed_;
 };
 
