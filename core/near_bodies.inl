@@ -122,13 +122,22 @@ class NearBodies {
     for (int n = 0; n < planes_[i]; ++n) nearest = min(dot(get3(kNormal + n * kPlaneRows, i), x) - get(offsetOf(n), i), nearest);
     return nearest;
   }
+  /// What plane number n of those that vertex i sees is to it at x.
+  Touch plane(int n, int i, const real3& x) const {
+    const int at = n * kPlaneRows;
+    const real3 normal = get3(kNormal + at, i);
+    return {dot(normal, x) - get(kOffset + at, i), normal, get3(kCarried + at, i), get(kFriction + at, i)};
+  }
+  /// Lanes in which vertex i sees two planes.
+  mask seesTwo(int i) const {
+    if (planes_[i] < 2) return lit(0) < lit(0);
+    return min(get(offsetOf(0), i), get(offsetOf(1), i)) > lit(kNoPlane);
+  }
   /// What the bodies that vertex i sees are to it at x.
   Touch touch(int i, const real3& x) const {
     Touch nearest = untouched(x, contactReach());
     for (int n = 0; n < planes_[i]; ++n) {
-      const int at = n * kPlaneRows;
-      const real3 normal = get3(kNormal + at, i);
-      const Touch own = {dot(normal, x) - get(kOffset + at, i), normal, get3(kCarried + at, i), get(kFriction + at, i)};
+      const Touch own = plane(n, i, x);
       nearest = chosen(own.gap < nearest.gap, own, nearest);
     }
     nearest.friction = nearest.friction * friction_scale_;

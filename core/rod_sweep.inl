@@ -383,8 +383,8 @@ inline real3 RodStep::keptOut(int i, const real3& shift, const real3& inner) {
   near_.goOn(i, near_.wayAlong(x, before));
   return out;
 }
-// The same of lanes that have looked again: of its turns the one that leaves it least deep, for in a crease the last may turn it out
-// of one side far into the other.
+// The same of lanes that have looked again: of its turns the one that leaves it least deep, for in a crease all but the last may
+// turn it out of one side into the other.
 [[gnu::noinline]] inline real3 RodStep::turnedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes) {
   real3 x = placed, best = placed;
   real least = lit(-1e9);
@@ -393,8 +393,16 @@ inline real3 RodStep::keptOut(int i, const real3& shift, const real3& inner) {
     best = select(touch.gap > least, x, best);
     least = max(least, touch.gap);
     const mask deep = lanes && touch.gap < lit(0) - contactSlack();
-    if (round == 3 || !anyTrue(deep)) return best;
+    if (round == 4 || !anyTrue(deep)) return best;
     const real edge = lengthOf(i - 1);
+    if (round == 3) {
+      const mask two = deep && near_.seesTwo(i);
+      if (!anyTrue(two)) return best;
+      const Touch one = near_.plane(0, i, best), other = near_.plane(1, i, best);
+      x = select(two, turnedIntoCrease(best, inner, one.carried, one.normal, one.gap, other.carried, other.normal,
+                                       other.gap, edge), x);
+      continue;
+    }
     const real3 turned =
         round < 2 ? turnedTowards(x, inner, touch.normal, touch.gap, edge)
                   : turnedOut(x, inner, touch.normal, lastTurn(x, inner, touch.carried, touch.normal, touch.gap), edge);

@@ -175,3 +175,20 @@ FN real3 turnedOut(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap,
   real3 along = directionOr(tangentialPart(edge, normal), across * inverseSqrt(dot(across, across)));
   return madd(madd(normal, rise, along * sqrt(max(lit(1) - rise * rise, lit(0)))), edge_length, inner);
 }
+// The same behind two planes, which turning it out of one after the other may never leave: its end in both, on the side along
+// their crease where it is now; where its length does not reach that, as much too deep in either as they ask of it.
+FN real3 turnedIntoCrease(IN(real3) x, IN(real3) inner, IN(real3) first_carried, IN(real3) first, IN(real) first_gap,
+                          IN(real3) second_carried, IN(real3) second, IN(real) second_gap, IN(real) edge_length) {
+  real3 edge = x - inner;
+  real first_deep = min(first_gap, lit(0)), second_deep = min(second_gap, lit(0));
+  real per_length = inverse(max(edge_length, lit(1e-12)));
+  real first_rise = first_deep - lastTurn(x, inner, first_carried, first, first_deep) - first_gap + dot(first, edge);
+  real second_rise = second_deep - lastTurn(x, inner, second_carried, second, second_deep) - second_gap + dot(second, edge);
+  real c = dot(first, second);
+  real per_part = per_length * inverse(max(lit(1) - c * c, lit(1e-3)));
+  real3 across = madd(first, (first_rise - c * second_rise) * per_part, second * ((second_rise - c * first_rise) * per_part));
+  real3 crease = normalizeOrZero(cross(first, second));
+  real along = sqrt(max(lit(1) - dot(across, across), lit(0)));
+  real3 way = madd(crease, select(dot(edge, crease) < lit(0), lit(0) - along, along), across);
+  return madd(directionOr(way, edge * per_length), edge_length, inner);
+}

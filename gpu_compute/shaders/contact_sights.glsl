@@ -18,6 +18,11 @@ bool isAstray(vec4 looked, vec3 x) {
   return off > lookReach() && 1.5 * off > looked.w;
 }
 
+// What the plane that starts in this row is to a vertex at x.
+Touch planeOf(uint vertex, uint row, vec3 x) {
+  vec4 plane = contacts[sightAt(vertex, row)], surface = contacts[sightAt(vertex, row + 1u)];
+  return Touch(dot(plane.xyz, x) - plane.w, plane.xyz, surface.xyz, surface.w);
+}
 // What the bodies are to a vertex at x that has planes.
 Touch touchOf(uint vertex, vec3 x) {
   Touch nearest = untouched(x, contactReach());

@@ -28,13 +28,19 @@ layout(location = 4) uniform int substep;
 vec3 turnedOutOfBodies(uint vertex, vec3 x, vec3 inner, float edge_length) {
   vec3 best = x;
   float least = -1e9;
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round < 5; ++round) {
     Touch touch = touchOf(vertex, x);
     if (touch.gap > least) {
       best = x;
       least = touch.gap;
     }
-    if (touch.gap >= -contactSlack() || round == 3) break;
+    if (touch.gap >= -contactSlack() || round == 4) break;
+    if (round == 3) {
+      Touch one = planeOf(vertex, kFirstPlane, best), other = planeOf(vertex, kFirstPlane + kPlaneRows, best);
+      if (max(one.gap, other.gap) > 1e8) break;  // there is one plane only
+      x = turnedIntoCrease(best, inner, one.carried, one.normal, one.gap, other.carried, other.normal, other.gap, edge_length);
+      continue;
+    }
     x = round < 2
             ? turnedTowards(x, inner, touch.normal, touch.gap, edge_length)
             : turnedOut(x, inner, touch.normal, lastTurn(x, inner, touch.carried, touch.normal, touch.gap), edge_length);

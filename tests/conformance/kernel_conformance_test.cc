@@ -538,5 +538,28 @@ TEST(KernelConformance, DoubleKeepsWhatTheFormulasPromise) {
   EXPECT_NEAR(last_turn(-0.0025f, 0, -0.001f), -0.00125, 1e-7) << "half";
 }
 
+// Two planes that make 116 degrees, through which an edge of 7.8 mm from the origin leads.
+TEST(KernelConformance, AnEdgeIsTurnedIntoTheCreaseOfTwoPlanes) {
+  namespace k = kernels::f64;
+  constexpr double kLength = 0.0078;
+  const k::real3 first{1, 0, 0}, second{-0.432, std::sqrt(1 - 0.432 * 0.432), 0}, inner{0, 0, 0};
+  const auto heights_of = [&](const k::real3& x, double first_height, double second_height) {
+    const k::real3 carried = x + (first + second) * 0.01;  // it was outside
+    const k::real3 out = k::turnedIntoCrease(x, inner, carried, first, k::dot(first, x) - first_height,
+                                             carried, second, k::dot(second, x) - second_height, kLength);
+    EXPECT_NEAR(k::length(out), kLength, 1e-12);
+    EXPECT_GT(out.z, -1e-12) << "on the side where it was";
+    return std::pair(k::dot(first, out) - first_height, k::dot(second, out) - second_height);
+  };
+  const k::real3 x{-0.0069, 0, 0.0036};
+  const auto [first_gap, second_gap] = heights_of(x, -0.0032, 0.001);
+  EXPECT_NEAR(first_gap, 0, 1e-9);
+  EXPECT_NEAR(second_gap, 0, 1e-9);
+  const auto [first_left, second_left] = heights_of(x, 0.0012, 0.0075);  // too high for its length
+  EXPECT_LT(first_left, 0);
+  EXPECT_LT(second_left, 0);
+  EXPECT_NEAR(first_left / second_left, 0.0012 / 0.0075, 1e-6) << "as they ask of it";
+}
+
 }  // namespace
 }  // namespace strandcast
