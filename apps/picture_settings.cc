@@ -131,9 +131,10 @@ void addPicture(std::vector<PictureSetting>& list) {
 
 void addCamera(std::vector<PictureSetting>& list) {
   const char* group = "Camera";
-  list.push_back(number(group, "azimuth", "degrees", -36000, 36000,
-                        "of the camera about the hair; 0 looks towards -z, where most heads have their face",
-                        AT(azimuth)));
+  list.push_back(
+      number(group, "azimuth", "degrees", -36000, 36000,
+             "of the camera about the hair; 0 looks towards -z, into the face of a head that looks towards z",
+             AT(azimuth)));
   list.push_back(number(group, "elevation", "degrees", -89, 89, "of the camera", AT(elevation)));
   list.push_back(number(group, "zoom", "", 0.05, 50,
                         "at 1 a ball about the hair and its head is as high as the picture", AT(zoom)));

@@ -13,7 +13,7 @@ namespace strandcast {
 struct PictureOptions {
   RenderSettings settings;             ///< with one light or more
   size_t light = 0;                    ///< the one that settings of lights are of
-  double azimuth = 25, elevation = 5;  ///< degrees; 0 looks at the face
+  double azimuth = 25, elevation = 5;  ///< degrees, see orbit()
   double zoom = 1;
   std::filesystem::path density_map, thickness_map, importance_map;  ///< empty = none
   std::filesystem::path curl_example;                                ///< a groom file; empty = none

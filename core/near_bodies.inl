@@ -122,7 +122,7 @@ class NearBodies {
     for (int n = 0; n < planes_[i]; ++n) nearest = min(dot(get3(kNormal + n * kPlaneRows, i), x) - get(offsetOf(n), i), nearest);
     return nearest;
   }
-  /// What plane number n of those that vertex i sees is to it at x.
+  /// What plane number n of those that vertex i sees is to it at x, without the strand's factor of friction.
   Touch plane(int n, int i, const real3& x) const {
     const int at = n * kPlaneRows;
     const real3 normal = get3(kNormal + at, i);
