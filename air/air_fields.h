@@ -30,7 +30,7 @@ class AirFields {
   virtual AirSample at(const Vec3& point) const = 0;
 };
 
-/// Those of surroundings that makeSurroundings made; null of others.
+/// The grids of surroundings that cpuAir() or gpuAir() made; null for others.
 const AirFields* airFields(const Surroundings* surroundings);
 
 }  // namespace strandcast

@@ -14,10 +14,11 @@ namespace strandcast {
 /// Rendering of Hair"). Density and momentum of strands are splatted in whole numbers: any number of threads
 /// gives the same bits. Forces come in opposite pairs, so that the momentum of all hair is kept:
 ///
-/// with B the blur, d = B m the density, f = stiffness max(0, d - rest) / d^2 and what is held beyond it
-/// (heldCrowding), and G the central difference, hair is accelerated by -(f G d + G B (m f)) as smoothed
-/// particles are (Monaghan 1992); with D = d^(-1/2), friction draws it at hair_friction to D B D p, in the
-/// measure of D B D m: without the square root on both sides the sum of all impulses would not be 0.
+/// with B the blur, d = B m the density, f = stiffness max(0, d - rest / volume_target) / d^2 and what is
+/// held beyond it (heldCrowding), and G the central difference, hair is accelerated by -(f G d + G B (m f))
+/// as smoothed particles are (Monaghan 1992); with D = d^(-1/2), friction draws it at hair_friction to D B D
+/// p, in the measure of D B D m: without the square root on both sides the sum of all impulses would not be
+/// 0.
 template <class Scalar>
 class HairGrid {
  public:

@@ -30,18 +30,21 @@ class StrandSurroundings final : public Surroundings, public AirFields {
       box_ = restBox(model);
       accelerations_.assign(model.vertices(), Vec3::Zero());
     }
-    if (!hair_ || hair_->shape().cells != p.grid_cells) {
-      hair_ = std::make_unique<HairGrid<Scalar>>(passes_, workers_, model, p.grid_cells, box_);
-    }
-    if (p.wind_grid > 0 && (!wind_ || wind_->cells() != p.grid_cells)) {
-      wind_ = std::make_unique<WindGrid<Scalar>>(passes_, workers_, p.grid_cells,
-                                                 windCell(box_, p.grid_cells), Wind::Border::kOpen);
-      wind_->ambient().configure(p);
+    std::unique_ptr<HairGrid<Scalar>> hair;
+    std::unique_ptr<WindGrid<Scalar>> wind;
+    if (!hair_ || hair_->shape().cells != p.grid_cells)
+      hair = std::make_unique<HairGrid<Scalar>>(passes_, workers_, model, p.grid_cells, box_);
+    if (p.wind_grid > 0 && (!wind_ || wind_->cells() != p.grid_cells))
+      wind = std::make_unique<WindGrid<Scalar>>(passes_, workers_, p.grid_cells, windCell(box_, p.grid_cells),
+                                                Wind::Border::kOpen);
+    if (hair) hair_ = std::move(hair);
+    const bool other_wind = wind != nullptr;
+    if (other_wind) wind_ = std::move(wind);
+    if (wind_) wind_->ambient().configure(p);
+    if (other_wind) {
       wind_->ambient().setTime(time_);
       wind_->centreAt(Vec3(box_.center()));
       wind_->reset();
-    } else if (wind_) {
-      wind_->ambient().configure(p);
     }
     if (p.wind_grid == 0) {
       if (!free_wind_) free_wind_.emplace();

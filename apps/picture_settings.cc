@@ -246,12 +246,13 @@ void addShadow(std::vector<PictureSetting>& list) {
                                      {"power-of-two", LayerSizes::kPowerOfTwo},
                                      {"fibonacci", LayerSizes::kFibonacci}},
                                     AT(settings.opacity.sizes)));
-  list.push_back(choice<BeyondLayers>(
-      group, "beyond-layers", "hair behind the last layer casts no shadow, counts in it, or there is none",
-      {{"ignore", BeyondLayers::kIgnore},
-       {"last", BeyondLayers::kLastLayer},
-       {"reach", BeyondLayers::kReach}},
-      AT(settings.opacity.beyond)));
+  list.push_back(choice<BeyondLayers>(group, "beyond-layers",
+                                      "hair behind the last layer: ignore: casts no shadow; last: counts in "
+                                      "that layer; reach: there is none, the layers go to its back",
+                                      {{"ignore", BeyondLayers::kIgnore},
+                                       {"last", BeyondLayers::kLastLayer},
+                                       {"reach", BeyondLayers::kReach}},
+                                      AT(settings.opacity.beyond)));
   list.push_back(number(group, "shadow-depth", "m", 1e-4, 1000, "of all layers together; not used with reach",
                         AT(settings.opacity.depth)));
   list.push_back(number(group, "shadow-map", "", 16, 8192, "texels a side", AT(settings.opacity.map_size)));

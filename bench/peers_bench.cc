@@ -234,9 +234,9 @@ int peers(PeersOptions o) {
 std::function<int()> addPeersBench(CLI::App& app) {
   const auto o = std::make_shared<PeersOptions>();
   app.footer(
-      "Straight hair of 25 cm and 32 edges under gravity, whose root is shaken 5 cm and 45 degrees to "
-      "either\n"
-      "side twice a second; frames of 1/60 s. All have the same gravity, masses, drag, steps and motion of "
+      "Straight hair of 25 cm and 32 edges under gravity, whose root is shaken 5 cm to either side "
+      "twice\n"
+      "a second; frames of 1/60 s. All have the same gravity, masses, drag, steps and motion of "
       "the\n"
       "root, and one thread. Times are processor time, of the least frame.\n"
       "rod:          simd backend. gauss_seidel: simd backend, the scheme of TressFX (Verlet, distance\n"

@@ -1,5 +1,5 @@
 // strandbench VERB: how fast Strandcast is, and beside each time what was computed in it. Each verb has a
-// file of its own, bench/VERB_bench.h.
+// file of its own.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
 #ifdef STRANDCAST_HAS_RENDER
   add("render", "time of growing hair and of every pass of a picture", addRenderBench);
 #endif
-  add("all", "all of these in under ten minutes, one table", addAllBench);
+  add("all", "all of these but accuracy, in under ten minutes, one table", addAllBench);
   add("report", "docs/performance.md from the results that are kept", addReport);
   add("reader", "the other process of scaling and end-to-end", addReader);
   verbs.back().first->group("");

@@ -52,8 +52,8 @@ class Backend {
   /// Copies the whole state out. Waits for pending steps.
   virtual void download(StrandState& state) = 0;
 
-  /// Advances by parameters.time_step. May return before the work is done; neither throws nor allocates what
-  /// was expected.
+  /// Advances by parameters.time_step. May return before the work is done. After expect() for these settings
+  /// it neither throws nor allocates.
   virtual void step(const StepInput& input) = 0;
   /// Positions after the newest step, natural order, valid until the next step(). Waits for it.
   virtual std::span<const Vec3> guides() = 0;

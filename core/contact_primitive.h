@@ -70,7 +70,7 @@ static_assert(sizeof(MovingPrimitive) == 128);
 /// from step to step.
 struct ShapeData {
   std::vector<uint32_t> words;
-  uint64_t revision = 0;  ///< another one after every change but of bends, of all there are in the process
+  uint64_t revision = 0;        ///< unique in the process; another one after every change but of bends
   std::vector<uint32_t> bends;  ///< first words of MovingBends
 
   /// Appends what the primitive needs, unless it is there; returns its first word. Throws Error when words

@@ -76,7 +76,8 @@ const std::vector<Entry>& entries() {
              "hair denser than at rest is pushed apart; square of the speed of its pressure waves; 0 = off",
              &P::volume_stiffness),
       scalar("volume_hold", "1/s", 0, 10, "0 to 10",
-             "rate at which a push grows while hair stays denser than at rest: what must be carried for long",
+             "rate at which a further push grows while hair stays denser than at rest, so that a lasting "
+             "load does not press it together",
              &P::volume_hold),
       scalar("volume_target", "", 0.1, 10, "0.1 to 10", "volume that hair keeps over that at rest",
              &P::volume_target),

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/strand_order.h"
+#include "gl/errors.h"
 #include "gpu_compute/shaders.h"
 
 namespace strandcast::gpu {
@@ -78,18 +79,13 @@ bool turns(const MovingPrimitive& body) {
   return body.kind >= static_cast<uint32_t>(PrimitiveKind::kEllipsoid);
 }
 
-void discardErrors() {
-  for (int i = 0; i < 64 && glGetError() != GL_NO_ERROR; ++i) {
-  }
-}
-
 }  // namespace
 
 GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs, size_t few_vertices)
     : programs_(programs),
       model_(model),
       few_vertices_(few_vertices),
-      vertices_((checkFits(model.vertices()), discardErrors(), model.vertices())),
+      vertices_((checkFits(model.vertices()), gl::discardErrors(), model.vertices())),
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
       frames_(storage<Vec4>(vertices_)),
@@ -103,7 +99,7 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs, size_t 
 }
 
 void GpuStrands::checkMemory(const char* what) const {
-  if (glGetError() == GL_OUT_OF_MEMORY)
+  if (gl::ranOutOfMemory())
     throw Error(what, fmt::format("{} vertices", vertices_), "use fewer strands or --backend simd");
 }
 
@@ -112,7 +108,7 @@ void GpuStrands::expect(const Parameters& parameters, bool bodies) {
   const bool rod = parameters.solver == SolverKind::kRod, goal = parameters.goal_rate > 0;
   bool& expected = expected_[(rod ? 1 : 0) + (goal ? 2 : 0) + (bodies ? 4 : 0)];
   if (expected) return;
-  discardErrors();
+  gl::discardErrors();
   if (rod && !rod_) rod_.emplace(model_, few_vertices_);
   if (rod) rod_->expect(goal, bodies);
   if (!rod && !gauss_seidel_) gauss_seidel_.emplace(model_);
@@ -200,9 +196,9 @@ void GpuStrands::takeShapes(const ShapeData* shapes) {
   if (bytes > static_cast<uint64_t>(limit))
     throw Error("the shapes of the bodies do not fit this GPU's buffers", fmt::format("{} bytes", bytes),
                 "bake their distance fields with larger cells, or use --backend simd");
-  discardErrors();
+  gl::discardErrors();
   shapes_ = gl::Buffer(std::span<const uint32_t>(shapes->words));
-  if (glGetError() == GL_OUT_OF_MEMORY)
+  if (gl::ranOutOfMemory())
     throw Error("the shapes of the bodies do not fit the GPU's memory", fmt::format("{} bytes", bytes),
                 "bake their distance fields with larger cells, or use --backend simd");
   shapes_revision_ = shapes->revision;

@@ -1,9 +1,12 @@
 #include "gpu_compute/gpu_surroundings.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
+#include "gl/errors.h"
 #include "kernels/scalar_float.h"
 
 namespace strandcast::gpu {
@@ -23,8 +26,8 @@ AirSettings::Rows windOfHair(const HairLayout& layout, const Pose& head, const W
 
 struct GpuSurroundings::Passes {
   AirBlock block;
-  std::optional<HairPasses> hair;
-  std::optional<WindPasses> wind;
+  std::unique_ptr<HairPasses> hair;
+  std::unique_ptr<WindPasses> wind;
   std::optional<Ambient> free_wind;  ///< of wind without a grid
   gl::Buffer turbulence, sources;    ///< of it
   gl::Buffer nothing = zeros<std::array<float, 4>>(16);
@@ -58,24 +61,12 @@ void GpuSurroundings::configure(const StrandModel& model, const Parameters& p, B
     throw Error("air in compute shaders needs the strands on the same GPU", backend.name(),
                 "choose --backend gpu");
   const gl::MakeCurrent current(device_->context());
-  if (!passes_) {
-    passes_ = std::make_unique<Passes>();
-    box_ = restBox(model);
-  }
-  Passes& our = *passes_;
+  if (!passes_) box_ = restBox(model);
+  std::unique_ptr<Passes> fresh = passes_ ? nullptr : std::make_unique<Passes>();
+  Passes& our = fresh ? *fresh : *passes_;
+  makeGrids(our, model, p);
+  if (fresh) passes_ = std::move(fresh);
   image_.reset();  // it may be of other grids
-  if (!our.hair || our.hair->layout().cells != p.grid_cells)
-    our.hair.emplace(model, box_, p.grid_cells, our.block, device_->programs());
-  if (p.wind_grid > 0 && (!our.wind || our.wind->cells() != p.grid_cells)) {
-    our.wind.emplace(p.grid_cells, windCell(box_, p.grid_cells), Wind::Border::kOpen, device_->programs());
-    our.wind->ambient().configure(p);
-    our.wind->ambient().setTime(time_);
-    static_cast<void>(our.wind->moveTo(Vec3(box_.center()), our.block.settings));
-    our.wind->reset(our.block);
-    our.wind->takeSources(sources_);
-  } else if (our.wind) {
-    our.wind->ambient().configure(p);
-  }
   if (p.wind_grid == 0) {
     if (!our.free_wind) our.free_wind.emplace();
     our.free_wind->configure(p);
@@ -87,6 +78,29 @@ void GpuSurroundings::configure(const StrandModel& model, const Parameters& p, B
   for (const float scale : model.air_drag_scale) rates.push_back(dragRate(p, scale));
   our.hair->takeRates(rates);
   our.hair->takeVolumeTarget(p.volume_target);
+}
+
+void GpuSurroundings::makeGrids(Passes& our, const StrandModel& model, const Parameters& p) {
+  gl::discardErrors();
+  std::unique_ptr<HairPasses> hair;
+  std::unique_ptr<WindPasses> wind;
+  if (!our.hair || our.hair->layout().cells != p.grid_cells)
+    hair = std::make_unique<HairPasses>(model, box_, p.grid_cells, our.block, device_->programs());
+  if (p.wind_grid > 0 && (!our.wind || our.wind->cells() != p.grid_cells))
+    wind = std::make_unique<WindPasses>(p.grid_cells, windCell(box_, p.grid_cells), Wind::Border::kOpen,
+                                        device_->programs());
+  if (gl::ranOutOfMemory())
+    throw Error("the grids of the air do not fit the GPU's memory",
+                fmt::format("grid_cells {}", p.grid_cells), "use fewer cells or --backend simd");
+  if (hair) our.hair = std::move(hair);
+  const bool other_wind = wind != nullptr;
+  if (other_wind) our.wind = std::move(wind);
+  if (our.wind) our.wind->ambient().configure(p);
+  if (!other_wind) return;
+  our.wind->ambient().setTime(time_);
+  static_cast<void>(our.wind->moveTo(Vec3(box_.center()), our.block.settings));
+  our.wind->reset(our.block);
+  our.wind->takeSources(sources_);
 }
 
 void GpuSurroundings::reset() { restarts_ = true; }

@@ -3,7 +3,6 @@
 #include <cstring>
 
 #include "core/error.h"
-#include "gpu_compute/placed_bodies.h"
 
 namespace strandcast::gpu {
 namespace {
@@ -44,7 +43,7 @@ void Fence::wait() {
 
 UploadRing::Counts UploadRing::countsOf(const StepInput& input) {
   return {input.primitives.size() * static_cast<size_t>(input.parameters->substeps),
-          input.near != nullptr ? input.near->offsets.size() + input.near->bodies.size() : 0};
+          input.near != nullptr ? 2 * (input.near->offsets.size() + input.near->bodies.size()) : 0};
 }
 
 UploadRing::UploadRing(const StrandModel& model, const Counts& capacity)
@@ -59,6 +58,7 @@ UploadRing::UploadRing(const StrandModel& model, const Counts& capacity)
     buffers_[i] = gl::Buffer(poses_at_ + bones_bytes_, nullptr, kWritten);
     memory_[i] = static_cast<char*>(map(buffers_[i], kWritten));
   }
+  leaders_.reserve(capacity.bodies);
   glNamedBufferSubData(on_gpu_.id(), static_cast<GLintptr>(poses_at_ + bones_bytes_),
                        static_cast<GLsizeiptr>(model.strands() * sizeof(Pose)), model.rest_roots.data());
 }
@@ -69,14 +69,9 @@ void UploadRing::write(const StepInput& input) {
   char* memory = memory_[slot_];
   const Settings settings = settingsOf(input, model_);
   std::memcpy(memory, &settings, sizeof settings);
-  placeBodies(input, reinterpret_cast<PlacedBody*>(memory + bodies_at_));
-  if (input.near != nullptr) {
-    const NearBodyLists& near = *input.near;
-    char* lists = memory + near_at_;
-    std::memcpy(lists, near.offsets.data(), near.offsets.size() * sizeof(uint32_t));
-    lists += near.offsets.size() * sizeof(uint32_t);
-    if (!near.bodies.empty()) std::memcpy(lists, near.bodies.data(), near.bodies.size() * sizeof(uint32_t));
-  }
+  leaders_.find(input.primitives);
+  placeBodies(input, leaders_, reinterpret_cast<PlacedBody*>(memory + bodies_at_));
+  if (input.near != nullptr) leaders_.writeLists(*input.near, reinterpret_cast<uint32_t*>(memory + near_at_));
   Pose* poses = reinterpret_cast<Pose*>(memory + poses_at_);
   for (size_t bone = 0; bone < model_.bones.size(); ++bone) *poses++ = input.boneAtBegin(bone);
   for (size_t bone = 0; bone < model_.bones.size(); ++bone) *poses++ = input.boneAtEnd(bone);

@@ -4,6 +4,7 @@
 
 #include "gl/buffer.h"
 #include "gpu_compute/gpu_layout.h"
+#include "gpu_compute/placed_bodies.h"
 
 namespace strandcast::gpu {
 
@@ -27,7 +28,7 @@ class UploadRing {
  public:
   /// What differs from step to step.
   struct Counts {
-    size_t bodies, near;  ///< bodies: in all substeps; near: words of the lists
+    size_t bodies, near;  ///< bodies: in all substeps; near: words of the lists, and of their leaders'
   };
   static Counts countsOf(const StepInput& input);
 
@@ -53,6 +54,7 @@ class UploadRing {
   std::array<char*, kSlots> memory_{};
   std::array<Fence, kSlots> fences_;
   size_t slot_ = 0;
+  Leaders leaders_;
 };
 
 /// Positions on their way back.

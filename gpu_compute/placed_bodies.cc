@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "kernels/scalar_float.h"
 
@@ -67,19 +68,44 @@ PlacedBody placedBody(const MovingPrimitive& primitive, double time, double part
   return body;
 }
 
-void placeBodies(const StepInput& input, PlacedBody* out) {
+void Leaders::reserve(size_t bodies) {
+  leaders_.reserve(bodies);
+  listed_.reserve(bodies);
+}
+
+void Leaders::find(std::span<const MovingPrimitive> bodies) {
+  leaders_.clear();
+  for (uint32_t i = 0; i < bodies.size(); ++i) leaders_.push_back(leaderOf(bodies, i));
+}
+
+void Leaders::writeLists(const NearBodyLists& near, uint32_t* out) {
+  out = std::copy(near.offsets.begin(), near.offsets.end(), out);
+  uint32_t* starts = std::copy(near.bodies.begin(), near.bodies.end(), out);
+  uint32_t* const lists = starts + near.offsets.size();
+  listed_.assign(leaders_.size(), 0);
+  uint32_t count = 0;
+  *starts++ = count;
+  for (size_t list = 1; list < near.offsets.size(); ++list) {
+    for (const uint32_t body : near.of(list - 1)) {
+      const uint32_t leader = leaders_[body];
+      if (std::exchange(listed_[leader], list) != list) lists[count++] = leader;
+    }
+    *starts++ = count;
+  }
+}
+
+void placeBodies(const StepInput& input, const Leaders& leaders, PlacedBody* out) {
   const Parameters& p = *input.parameters;
   const double part = 1.0 / p.substeps, seconds = static_cast<double>(p.time_step) / p.substeps;
   const auto bodies = static_cast<uint32_t>(input.primitives.size());
   for (uint32_t i = 0; i < bodies; ++i) {
     const MovingPrimitive& primitive = input.primitives[i];
-    const uint32_t leader = leaderOf(input.primitives, i);
     MovingBend bend{};
     if (isBent(primitive)) std::memcpy(&bend, input.shapes->words.data() + primitive.extra, sizeof bend);
     for (int substep = 0; substep < p.substeps; ++substep) {
       PlacedBody& placed = out[static_cast<size_t>(substep) * bodies + i];
       placed = placedBody(primitive, (substep + 1) * part, part, seconds, p.hair_radius);
-      placed.leader = leader;
+      placed.leader = leaders.of(i);
       placed.bend_shift = bend.shift * static_cast<float>(part);
     }
   }

@@ -278,8 +278,7 @@ WindPasses::Reports::Reports() {
 }
 
 void WindPasses::projectAhead(PassTimer& timer) {
-  if (!reports_) reports_ = std::make_unique<Reports>();
-  Reports& r = *reports_;
+  Reports& r = reports_;
   const auto slot = static_cast<size_t>(r.step % kSlots);
   int iterations = kFirst;
   if (r.step >= 2) {

@@ -107,7 +107,7 @@ class WindPasses {
   bool bends_ = false;              // some of them
   std::vector<PlacedBody> placed_;  // for bodies_; kept for its memory
   PressurePasses pressure_;
-  std::unique_ptr<Reports> reports_;
+  Reports reports_;
   LazyProgram carry_, centres_of_, displace_, displace_both_, advect_, correct_, solids_of_, bent_solids_of_,
       exchange_of_, exchange_hair_, diffuse_, diffuse_exchange_, close_, subtract_;
 };

@@ -113,7 +113,8 @@ FN real3 tangentialPart(IN(real3) force, IN(real3) normal) { return madd(normal,
 FN real contactReach() { return lit(1e-3); }
 // Bodies that are nearer than this to where a vertex would go by itself, or that and half of its way, are heeded in the substep.
 FN real lookReach() { return lit(2e-3); }
-// Who ends the substep farther than that from there, or nearer than this to where it saw a body, looks once more.
+// A vertex that ends the substep farther than lookReach() from where it looked, or less than this from a plane that it keeps, looks
+// once more.
 FN real lookMargin() { return lit(5e-4); }
 // By how much making lengths exact may press hair into a body, metres.
 FN real contactSlack() { return lit(2e-5); }

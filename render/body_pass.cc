@@ -60,8 +60,9 @@ BodyPass::~BodyPass() {
 }
 
 void BodyPass::setLights(const LightCounts& lights) {
-  ground_ = groundProgram(lights);
+  auto ground = groundProgram(lights);
   body_ = bodyProgram(lights);
+  ground_ = std::move(ground);
 }
 
 void BodyPass::setBody(const BodyDescription& body) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "core/error.h"
 #include "render/body_pass.h"
@@ -126,33 +128,44 @@ struct Renderer::Impl {
     const bool other_hair =
         first || changed(&RenderSettings::growth_path, &RenderSettings::geometry, &RenderSettings::shading);
     const bool hair_moves = !first && (other_nodes || other_hair || changed(&RenderSettings::growth));
-    if (first || changed(&RenderSettings::width, &RenderSettings::height, &RenderSettings::samples,
-                         &RenderSettings::supersampling, &RenderSettings::filter))
-      makePicture(next);
     const LightCounts counts = countsOf(next);
     const bool other_lights = counts != countsOf(settings);
+
+    const bool other_picture =
+        first || changed(&RenderSettings::width, &RenderSettings::height, &RenderSettings::samples,
+                         &RenderSettings::supersampling, &RenderSettings::filter);
+    Picture next_picture = other_picture ? makePicture(next) : Picture();
+    std::unique_ptr<ShadowMaps> next_shadows;
     if (first || changed(&RenderSettings::opacity) || counts.casters != shadows->lights())
-      shadows = std::make_unique<ShadowMaps>(next.opacity, counts.casters);
+      next_shadows = std::make_unique<ShadowMaps>(next.opacity, counts.casters);
+    std::unique_ptr<HairPass> next_hair;
     if (other_hair) {
-      hair = std::make_unique<HairPass>(next.growth_path, next.geometry, next.shading, counts);
-      hair->bodies().setObstacles(obstacles);
-    } else if (other_lights) {
-      hair->setLights(counts);
+      next_hair = std::make_unique<HairPass>(next.growth_path, next.geometry, next.shading, counts);
+      next_hair->bodies().setObstacles(obstacles);
     }
+    std::unique_ptr<GuideNodes> next_nodes;
+    if (other_nodes) next_nodes = std::make_unique<GuideNodes>(next.segments);
+    if (other_lights && !other_hair) hair->setLights(counts);
     if (first || other_lights) body.setLights(counts);
-    if (other_nodes) nodes = std::make_unique<GuideNodes>(next.segments);
+
+    // From here on nothing throws but what places hair.
+    if (other_picture) std::tie(picture, still) = std::move(next_picture);
+    if (next_shadows) shadows = std::move(next_shadows);
+    if (next_hair) hair = std::move(next_hair);
+    if (next_nodes) nodes = std::move(next_nodes);
     hair->setClearance(next.clearance);
     hair->keepOut(next.keep_out);
     settings = next;
     if (hair_moves) placeHair();
   }
 
-  void makePicture(const RenderSettings& next) {
+  /// What is drawn into, and what makes a smaller picture of it where one is wanted.
+  using Picture = std::pair<std::unique_ptr<PictureBuffer>, std::unique_ptr<Supersampling>>;
+  static Picture makePicture(const RenderSettings& next) {
     const int factor = next.supersampling;
-    auto made = std::make_unique<PictureBuffer>(next.width * factor, next.height * factor, next.samples);
-    still =
-        factor > 1 ? std::make_unique<Supersampling>(next.width, next.height, factor, next.filter) : nullptr;
-    picture = std::move(made);
+    return {
+        std::make_unique<PictureBuffer>(next.width * factor, next.height * factor, next.samples),
+        factor > 1 ? std::make_unique<Supersampling>(next.width, next.height, factor, next.filter) : nullptr};
   }
 
   /// Chooses which guides each hair follows.

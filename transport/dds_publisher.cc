@@ -27,6 +27,8 @@ class DdsPublisher final : public Publisher {
         status_listener_([this](v6::Status& wire, const auto& writer) { hear(wire, writer); },
                          [this](const auto& writer) { others_.remove(writer); }),
         participant_(DdsNetwork(options), options.groom_id) {
+    // Before the reader whose thread asks it.
+    if (options.claim) claim_.emplace(options.groom_id, options.session, *options.claim);
     participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
     participant_.createReader(kCommandTopic, new CommandType, &command_listener_);
     status_writer_ = participant_.createWriter(kStatusTopic, new StatusType, nullptr);
@@ -36,7 +38,6 @@ class DdsPublisher final : public Publisher {
     guide_writer_ = participant_.createWriter(kGuidesTopic, new GuideChunkType, &readers_);
     if (options.claim) {
       relay_ = participant_.createWriterIfPermitted(kCommandTopic, new CommandType, nullptr);
-      claim_.emplace(options.groom_id, options.session, *options.claim);
       claim_->start(participant_, options.keys.empty() ? kSettles : kSecureRivalListenTime);
     }
     publishStatus({});  // so that rivals hear of this session at once

@@ -68,7 +68,7 @@ bool HairTool::press(MouseTool tool, const HandSettings& hand, const Camera& cam
   return holding_ = true;
 }
 
-void HairTool::drag(const Camera& camera, const PicturePoint& mouse, CommandQueue& commands) {
+void HairTool::drag(const Camera& camera, const PicturePoint& mouse, CommandSender& commands) {
   if (!holding_) return;
   if (tool_ == MouseTool::kPull || tool_ == MouseTool::kComb) {
     to_ = draggedTo(camera, from_, mouse);
@@ -93,13 +93,13 @@ void HairTool::drag(const Camera& camera, const PicturePoint& mouse, CommandQueu
   commands.send(CommandKind::kHeadPose, "", {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
 }
 
-void HairTool::pull(CommandQueue& commands) const {
+void HairTool::pull(CommandSender& commands) const {
   const float radius = tool_ == MouseTool::kComb ? settings_.comb_radius : settings_.radius;
   commands.send(CommandKind::kPull, "",
                 {from_.x(), from_.y(), from_.z(), radius, to_.x(), to_.y(), to_.z(), settings_.rate});
 }
 
-void HairTool::release(CommandQueue& commands) {
+void HairTool::release(CommandSender& commands) {
   if (holding_ && (tool_ == MouseTool::kPull || tool_ == MouseTool::kComb))
     commands.send(CommandKind::kPull, "", {});
   holding_ = false;

@@ -2,7 +2,7 @@
 #include <memory>
 #include <optional>
 
-#include "apps/viewer/command_queue.h"
+#include "apps/viewer/command_sender.h"
 #include "render/camera.h"
 
 namespace strandcast {
@@ -37,13 +37,13 @@ class HairTool {
   /// False where there is nothing to take.
   bool press(MouseTool tool, const HandSettings& hand, const Camera& camera, const GuideFrame& frame,
              const PicturePoint& mouse);
-  void drag(const Camera& camera, const PicturePoint& mouse, CommandQueue& commands);
-  void release(CommandQueue& commands);
+  void drag(const Camera& camera, const PicturePoint& mouse, CommandSender& commands);
+  void release(CommandSender& commands);
   bool isHolding() const { return holding_; }
   const Vec3& hand() const { return to_; }  ///< m, world
 
  private:
-  void pull(CommandQueue& commands) const;
+  void pull(CommandSender& commands) const;
 
   bool holding_ = false;
   MouseTool tool_ = MouseTool::kOrbit;

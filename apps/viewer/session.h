@@ -11,7 +11,7 @@
 #include "apps/air_slices.h"
 #include "apps/channel.h"
 #include "apps/presets.h"
-#include "apps/viewer/command_queue.h"
+#include "apps/viewer/command_sender.h"
 
 namespace strandcast {
 
@@ -31,7 +31,7 @@ class ViewerSession {
   Subscriber& subscriber() { return stream_.subscriber(); }
   void checkAlive() const { stream_.checkAlive(); }
   FramePlayer& player() { return player_; }
-  CommandQueue& commands() { return commands_; }
+  CommandSender& commands() { return commands_; }
   bool isHere() const { return here_; }  ///< the simulation is in this process
   uint32_t groomId() const { return groom_id_; }
 
@@ -88,7 +88,7 @@ class ViewerSession {
   std::thread recording_;
   Stream stream_;
   FramePlayer player_;
-  CommandQueue commands_;
+  CommandSender commands_;
 };
 
 }  // namespace strandcast

@@ -11,6 +11,13 @@ uvec2 nearRange(uint strand) {
   uint neighbourhood = offsets[settings.strand_count + 1u + strand];
   return settings.neighbourhoods + 1u + uvec2(near_bodies[neighbourhood], near_bodies[neighbourhood + 1u]);
 }
+// The same of their leaders; without lists of all bodies.
+uvec2 leaderRange(uint strand) {
+  if (settings.neighbourhoods == 0u) return uvec2(0u, settings.body_count);
+  uint starts = settings.neighbourhoods + 1u + near_bodies[settings.neighbourhoods];
+  uint at = starts + offsets[settings.strand_count + 1u + strand];
+  return starts + settings.neighbourhoods + 1u + uvec2(near_bodies[at], near_bodies[at + 1u]);
+}
 uint nearBody(uint i) { return settings.neighbourhoods == 0u ? i : near_bodies[i]; }
 
 // How far from every body a vertex must be, m; `velocity`: its entry, in w its rest distance.

@@ -26,8 +26,10 @@ layout(location = 1) uniform bool everyone;  // what vertices have seen is of ot
 shared vec3 jumps[STRANDS];
 shared uint due_count, due[STRANDS * MOST_VERTICES];  // strand of the workgroup x MOST_VERTICES + number in it
 
-// Unexpected motion of the strand's root in the substep, m: its vertices go along with it.
+// Unexpected motion of the strand's root in the substep, m: its vertices go along with it. After the first substep of a step there
+// is none: the root goes on as it went.
 vec3 jumpOf(uint strand) {
+  if (substep > 0) return vec3(0);
   uint root = offsets[strand];
   const RootPoses poses = rootPoses(strand);
   const vec3 from = poses.begin.position;
@@ -41,14 +43,12 @@ vec3 aheadOf(uint vertex, vec3 jump) {
 
 // At most how far it is from start to x, seen from any of the bodies that the strand may touch.
 float wayAlong(uint strand, vec3 x, vec3 start) {
-  uvec2 range = nearRange(strand);
-  uint leader = ~0u;
+  uvec2 range = leaderRange(strand);
   float most = 0.0;
   for (uint i = range.x; i < range.y; ++i) {
-    PlacedBody body = bodyAt(nearBody(i), substep);
-    if (body.leader == leader) continue;
-    leader = body.leader;
-    body = bodyAt(leader, substep);
+    uint leader = nearBody(i);
+    PlacedBody body = bodyAt(leader, substep);
+    if (body.leader != leader) continue;
     float turn = length(body.turn);  // of the third order in it is what carriedBy() leaves out
     float slack = madd(turn * turn * turn * 0.2, length(start - body.a), kAlike) + body.bend_shift;
     most = max(most, length(x - carriedBy(start, body.a, body.a_motion, body.turn)) + slack);

@@ -49,7 +49,8 @@ layout(std430, binding = 6) readonly buffer Poses { float poses[]; };
 // body_count at the end of the first substep, then of the next, and so on.
 layout(std430, binding = 7) readonly buffer Bodies { PlacedBody bodies[]; };
 layout(std430, binding = 14) readonly buffer Shapes { uint shape_words[]; };
-// Where the list of each neighbourhood starts (one more than there are), then the lists.
+// Where the list of each neighbourhood starts (one more than there are), then the lists; then the same of the leaders of these
+// bodies, each once.
 layout(std430, binding = 15) readonly buffer Near { uint near_bodies[]; };
 // 3 per vertex. What the step gives: positions. ACCELERATED: what is told until then, accelerations in m/s^2; a buffer of
 // their own would be one more than every driver takes.

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -137,6 +138,44 @@ TEST(Dependencies, EveryFolderWithSourcesHasARule) {
       sources |= isSource(inner.path());
     EXPECT_TRUE(!sources || kAllowed.count(name) > 0) << "say what " << name << " may include";
   }
+}
+
+// The classes that a header defines, each with its namespace before it.
+std::vector<std::string> classesOf(const std::string& text) {
+  const std::regex space("namespace ([\\w:]+) \\{.*"),
+      definition("(?:class|struct) (?:alignas\\(\\w+\\) )?(\\w+)[^;]*");
+  std::vector<std::string> found;
+  std::string line, inside;
+  for (std::istringstream stream(text); std::getline(stream, line);) {
+    std::smatch name;
+    if (std::regex_match(line, name, space))
+      inside = name[1].str() + "::";
+    else if (std::regex_match(line, name, definition))
+      found.push_back(inside + name[1].str());
+  }
+  return found;
+}
+
+// Linkers take two for one, silently.
+TEST(Dependencies, NoTwoHeadersDefineAClassOfOneName) {
+  const fs::path root = STRANDCAST_SOURCE_DIR;
+  std::map<std::string, std::string> header_of;
+  Folders folders = kAnything;
+  for (const auto& [folder, allowed] : kAllowed) folders.insert(folder);
+  folders.erase("tests");
+  for (const std::string& folder : folders)
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      if (entry.path().extension() != ".h") continue;
+      std::ifstream file(entry.path());
+      const std::string path = entry.path().lexically_relative(root).generic_string();
+      for (const std::string& name : classesOf({std::istreambuf_iterator<char>(file), {}})) {
+        const auto [there, is_new] = header_of.emplace(name, path);
+        EXPECT_TRUE(is_new) << name << " is in " << there->second << " and in " << path;
+      }
+    }
+  EXPECT_GT(header_of.size(), 100u);
+  EXPECT_EQ(classesOf("namespace a::b {\nclass C;\nstruct D : E {\n  struct F {};\n};\n"),
+            std::vector<std::string>{"a::b::D"});
 }
 
 // The test of the test.

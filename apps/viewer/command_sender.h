@@ -21,10 +21,10 @@ struct CommandOutcome {
 /// Sends commands from a thread of its own, one after the other, each until the daemon has answered. Of those
 /// that wait, one of the same kind and name takes the place of an older one: a slider that is dragged sends
 /// its newest value.
-class CommandQueue {
+class CommandSender {
  public:
-  explicit CommandQueue(Subscriber& subscriber);  ///< which outlives it
-  ~CommandQueue();
+  explicit CommandSender(Subscriber& subscriber);  ///< which outlives it
+  ~CommandSender();
 
   /// Returns the command's id.
   uint64_t send(CommandKind kind, const std::string& name, std::vector<double> values);

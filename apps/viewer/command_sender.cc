@@ -1,4 +1,4 @@
-#include "apps/viewer/command_queue.h"
+#include "apps/viewer/command_sender.h"
 
 #include <algorithm>
 
@@ -12,9 +12,9 @@ constexpr std::chrono::seconds kPatience{5};
 
 }  // namespace
 
-CommandQueue::CommandQueue(Subscriber& subscriber) : subscriber_(subscriber), thread_([this] { run(); }) {}
+CommandSender::CommandSender(Subscriber& subscriber) : subscriber_(subscriber), thread_([this] { run(); }) {}
 
-CommandQueue::~CommandQueue() {
+CommandSender::~CommandSender() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;
@@ -23,7 +23,7 @@ CommandQueue::~CommandQueue() {
   thread_.join();
 }
 
-uint64_t CommandQueue::send(CommandKind kind, const std::string& name, std::vector<double> values) {
+uint64_t CommandSender::send(CommandKind kind, const std::string& name, std::vector<double> values) {
   Command command;
   const uint64_t id = newSession();
   command.id = id;
@@ -41,17 +41,17 @@ uint64_t CommandQueue::send(CommandKind kind, const std::string& name, std::vect
   return id;
 }
 
-size_t CommandQueue::waiting() const {
+size_t CommandSender::waiting() const {
   const std::lock_guard lock(mutex_);
   return queue_.size() + (asking_ ? 1 : 0);
 }
 
-std::vector<CommandOutcome> CommandQueue::takeOutcomes() {
+std::vector<CommandOutcome> CommandSender::takeOutcomes() {
   const std::lock_guard lock(mutex_);
   return std::exchange(outcomes_, {});
 }
 
-void CommandQueue::run() {
+void CommandSender::run() {
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [&] { return stop_ || !queue_.empty(); });
