@@ -250,6 +250,8 @@ class NearBodies {
       const uint32_t i = numbers[lane] / kLanes;
       if (planes_[i] > n) return;
       planes_[i] = static_cast<uint8_t>(n + 1);
+      // In the other lanes there is none: whatever the rows hold would be taken for its normal.
+      for (int c = 0; c < 3; ++c) store(lit(0), row(kNormal + n * kPlaneRows + c, static_cast<int>(i)));
       store(lit(kNoPlane), row(offsetOf(n), static_cast<int>(i)));
     });
     const real rows[kPlaneRows] = {touch.normal.x,  touch.normal.y,  touch.normal.z,  dot(touch.normal, x) - touch.gap,

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 
 #include "core/error.h"
+#include "simd/simd_kernels.h"
 #include "tests/conformance/conformance_model.h"
 
 namespace strandcast {
@@ -43,6 +45,38 @@ TEST(SimdBackend, Avx2GivesTheBitsOfTheReference) {
   if (std::find(targets.begin(), targets.end(), "AVX2") == targets.end())
     GTEST_SKIP() << "this machine has no AVX2";
   EXPECT_EQ(hashAfter(3, makeSimdBackend(1, "AVX2")), hashAfter(3, makeReferenceBackend()));
+}
+
+// The strands after some steps, each block of which finds `left` in its scratch memory.
+StrandState stateAfter(const simd::SimdTarget& target, float left) {
+  const StrandModel model = awkwardModel(65, 85);
+  const std::vector<Pose> bones_end = {movedHead()};
+  const Parameters parameters;
+  const auto bodies = movingBodies(parameters.time_step);
+  const StepInput input{&parameters, {}, bones_end, bodies};
+  BlockStore<float> store;
+  store.load(model, target.kernel.lanes);
+  store.expect(parameters, true);
+  store.upload(disturbedState(model, 86));
+  std::vector<float, CacheLineAllocator<float>> scratch(blockScratch(store.maxVertices(), store.lanes()));
+  for (int step = 0; step < 3; ++step)
+    for (size_t block = 0; block < store.blocks(); ++block) {
+      std::fill(scratch.begin(), scratch.end(), left);
+      target.kernel.step_block(store.block(block, input, scratch.data()), input, scratch.data());
+    }
+  StrandState state;
+  store.download(state);
+  return state;
+}
+
+// Blocks follow each other on whatever memory a thread has: what one leaves there must not come out of the
+// next.
+TEST(SimdBackend, WhatScratchMemoryHeldComesOutNowhere) {
+  for (const simd::SimdTarget& target : simd::runnableTargets()) {
+    const uint64_t clean = stateHash(stateAfter(target, 0));
+    for (const float left : {1e30f, -1e30f, std::numeric_limits<float>::quiet_NaN()})
+      EXPECT_EQ(stateHash(stateAfter(target, left)), clean) << target.name << ", " << left;
+  }
 }
 
 TEST(SimdBackend, ANamedTargetIsTheOneThatRuns) {
