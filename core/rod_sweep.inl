@@ -123,6 +123,9 @@ class RodStep {
   real weight(int i) const { return grooming_.on() ? grooming_.weight(i) : state(b.weight, 0, rowOfVertex(i)); }
 
   void predict(const RootFrame& root, double time);
+  real3 ownShift(int i) const;
+  real3 inertialShift(int i, const RootFrame& root, double time) const;
+  real aheadNow(const RootFrame& root, double time) const;
   void eliminateTwist();
   void eliminateBending();
   void moveByForces();
@@ -183,6 +186,28 @@ inline void RodStep::noteForces() {
   }
 }
 
+// How far vertex i would go by itself in this substep, whose jump_ is known.
+inline real3 RodStep::ownShift(int i) const { return madd(state3(b.velocity, i), lit(h * keep_), jump_); }
+// The same with the air drag of its own, to its inertial point; pinned ones ride on their bones.
+inline real3 RodStep::inertialShift(int i, const RootFrame& root, double time) const {
+  const real3 shift = grooming_.on() ? madd(state3(b.velocity, i), grooming_.keep(i) * lit(h), jump_) : ownShift(i);
+  if (!b.pinned) return shift;
+  return select(weight(i) > lit(0), shift, heldPoint(b, root, i, time) - state3(b.position, i));
+}
+
+// Substeps that frames are ahead of the motion in this one.
+inline real RodStep::aheadNow(const RootFrame& root, double time) const {
+  if (!anyTrue(ahead_ > lit(kFreelyAhead))) return ahead_;
+  real fastest2 = lit(0);
+  real3 shift_in = root.position - state3(b.position, 0);
+  for (int e = 0; e < ne; ++e) {
+    const real3 shift = inertialShift(e + 1, root, time), advance = (shift - shift_in) * inverseLength(e);
+    fastest2 = max(fastest2, dot(advance, advance));
+    shift_in = shift;
+  }
+  return boundedAhead(ahead_, fastest2);
+}
+
 // Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
 inline void RodStep::predict(const RootFrame& root, double time) {
   root_ = root;
@@ -193,19 +218,15 @@ inline void RodStep::predict(const RootFrame& root, double time) {
   inner_frame_ = multiply(rotationBetween(tangent_new, tangent_old_), root.rotation);
   jump_ = root.position - madd(state3(b.velocity, 0), lit(h), x0);
 
+  const real ahead = aheadNow(root, time);
   real3 before = x0, shift_in = root.position - x0;
   set3(kShift, 0, shift_in);
   real3 unit_before = tangent_old_;
   for (int e = 0; e < ne; ++e) {
-    const real3 x = state3(b.position, e + 1), v = state3(b.velocity, e + 1);
-    const real3 ahead = madd(v, lit(h * keep_), jump_);
-    real3 shift = grooming_.on() ? madd(v, grooming_.keep(e + 1) * lit(h), jump_) : ahead;
-    if (b.pinned) {
-      shift = select(weight(e + 1) > lit(0), shift, heldPoint(b, root, e + 1, time) - x);
-    }
+    const real3 x = state3(b.position, e + 1), shift = inertialShift(e + 1, root, time);
     set3(kShift, e + 1, shift);
     if (among_bodies_) {
-      near_.lookAhead(e + 1, x + ahead, x);
+      near_.lookAhead(e + 1, x + ownShift(e + 1), x);
       faces_[e + 1] = false;
       if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(h * h), b.contact, e + 1);
     }
@@ -220,9 +241,9 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     set(kBlend, e, blend);
     // Internal damping acts through frames that are ahead of the motion by the damping time; tension is not damped.
     const quat frame = state4(b.frame, e);
-    const real3 tangent = frameTangent(frame), t = directionOr(madd(advance, ahead_ - blend, edge), tangent);
+    const real3 tangent = frameTangent(frame), t = directionOr(madd(advance, ahead - blend, edge), tangent);
     set3(kTangent, e, t);
-    if (damped_) set3(kDirection, e, madd(advance, (lit(0) - ahead_) * il, t));
+    if (damped_) set3(kDirection, e, madd(advance, (lit(0) - ahead) * il, t));
     setState4(b.frame, e, transportTo(frame, tangent, t));
     before = x;
     shift_in = shift;

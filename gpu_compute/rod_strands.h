@@ -23,7 +23,7 @@ class RodStrands {
     int turning;       ///< 1: some of them are of kinds with a rotation; 2: fields that bend
     bool goal;         ///< all strands are pulled towards their goals
     bool accelerated;  ///< StepInput::accelerations
-    bool damping;      ///< there is internal damping
+    int damping;       ///< 1: there is internal damping; 2: some by more than kFreelyAhead substeps
     bool same_bodies;  ///< what vertices have seen of bodies in the step before holds on
   };
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs
@@ -65,7 +65,7 @@ class RodStrands {
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
   const size_t few_;
   const bool shuffled_;
-  std::array<Programs, 48> programs_;           ///< by needs; empty until first needed
+  std::array<Programs, 72> programs_;           ///< by needs; empty until first needed
   std::array<LazyProgram, 3> look_, keep_out_;  ///< by Needs::turning
 };
 

@@ -37,6 +37,15 @@ FN real3 turnedBack(IN(real3) moment, IN(real3) t_in, IN(real3) now_in, IN(real3
   return moment - cross(turn, moment);
 }
 
+// Substeps that this may be ahead: turning back is of the first order, and a tangent that is sent ahead in a straight line turns
+// ever less. `fastest2`: of the strand's edges the greatest square of how far the outer end of one advances on its inner end in the
+// substep, over its length. Where one turns faster, frames of the whole strand are less far ahead and it is damped less, not driven;
+// those that are less than kFreelyAhead ahead are not looked at.
+const int kFreelyAhead = 2;
+FN real boundedAhead(IN(real) ahead, IN(real) fastest2) {
+  return min(ahead, max(lit(0.3) * inverseSqrt(max(fastest2, lit(1e-20))), lit(kFreelyAhead)));
+}
+
 // The torque of a joint about its inner edge's tangent is twist excess.z + d, about its outer edge's twist excess.z - d.
 // This is d.
 FN real torqueDifference(IN(real3) strain, IN(real3) excess, IN(real) bend) {

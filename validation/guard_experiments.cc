@@ -118,6 +118,12 @@ std::vector<Case> mostSubsteps(const Laboratory& laboratory) {
   return survive(laboratory, "64 substeps", {}, parameters, shakeForThreeSeconds);
 }
 
+std::vector<Case> damped(const Laboratory& laboratory) {
+  Parameters parameters = laboratory.parameters(kRate, kDrag);
+  parameters.damping_time = 0.1f;  // 36 substeps
+  return survive(laboratory, "internal damping of 0.1 s", {}, parameters, shakeForThreeSeconds);
+}
+
 std::vector<Case> coincident(const Laboratory& laboratory) {
   return survive(laboratory, "coincident vertices", {}, laboratory.parameters(kRate, kDrag),
                  [](const Laboratory& lab, Simulation& simulation, const auto& look) {
@@ -203,6 +209,7 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
   add("64 substeps of steps of 1/30 s all the time, shaken", "64 substeps", mostSubsteps);
   add("time steps of 1/30 to 1/2000 s by turns, shaken", "changing time steps", timeSteps);
   add("1 to 64 substeps of steps of 1/60 s by turns, shaken", "changing substeps", substeps);
+  add("internal damping of 0.1 s, shaken", "internal damping of 0.1 s", damped);
   add("ten vertices in one point, then all of them", "coincident vertices", coincident);
   experiments.push_back(
       {"100 strands of any shape, up to 1000 times as stiff as hair, shaken and carried away",

@@ -3,7 +3,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=2 GROOMED=0 DAMPED=1 VIOLENT=1 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
+// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=2 GROOMED=0 DAMPED=2 VIOLENT=1 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
 // One step of strands as inextensible rods: core/rod_sweep.inl with the state in registers, PER_THREAD (2 or 4) edges per
 // invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand become: own slots by
 // elimination, then the strand's invocations together by cyclic reduction.
@@ -11,7 +11,7 @@
 // PINNED: more vertices than the roots are. BODIES: there are some; then a dispatch does one substep, for which look.comp has
 // looked at them, and lists strands for keep_out.comp; without, all of them. TURNING: see bodies.glsl. GROOMED: there is a goal
 // pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
-// DAMPED: there is internal damping.
+// DAMPED: there is internal damping; 2: some by more than kFreelyAhead.
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
@@ -94,12 +94,18 @@ vec3 oldEdge(int p) { return x[p] - (p > 0 ? x[max(p - 1, 0)] : x_in); }
 vec3 edgeShift(int p) { return shift[p] - (p > 0 ? shift[max(p - 1, 0)] : shift_in); }
 vec3 newEdge(int p) { return oldEdge(p) + edgeShift(p); }
 
+#if DAMPED > 1
+float ahead_now;  // substeps that frames are ahead of the motion
+float substepsAhead() { return ahead_now; }
+#elif DAMPED
+float substepsAhead() { return DAMPING_TIME * settings.per_substep; }
+#endif
+
 // In which the forces of the edge of slot p act, while vertices are shifted to the inertial points. With internal damping, frames
 // and tangents are ahead of the motion by the damping time.
 vec3 forceDirection(int p) {
 #if DAMPED
-  float ahead = DAMPING_TIME * settings.per_substep;
-  return madd(edgeShift(p), -ahead * inverseLength(p), tangent[p]);
+  return madd(edgeShift(p), -substepsAhead() * inverseLength(p), tangent[p]);
 #else
   return tangent[p];
 #endif
@@ -114,7 +120,7 @@ float predictEdge(int p, vec3 unit_in) {
   tension[p] = min(keptTension(tension[p], advance * il, bend(p), il, dt2), most_tension);
   float blend = timeBlend(advance * il, old * il - unit_in, bend(p) * il * il * dt2 * weight(p));
 #if DAMPED
-  float ahead = DAMPING_TIME * settings.per_substep - blend;
+  float ahead = substepsAhead() - blend;
 #else
   float ahead = -blend;
 #endif
@@ -132,6 +138,14 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
     vertex = root_vertex + uint(min(rank * PER_THREAD + p + 1, edges));
     shift[p] = inertialShift(x[p], v[p], KEEP(p), weight(p), vertex, root);
   }
+#if DAMPED > 1
+  float fastest2 = 0.0;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    vec3 advance = edgeShift(p) * inverseLength(p);
+    fastest2 = max(fastest2, select(isEdge(p), dot(advance, advance), 0.0));
+  }
+  ahead_now = boundedAhead(DAMPING_TIME * settings.per_substep, strandMax(fastest2));
+#endif
   for (int p = 1; p < PER_THREAD; ++p) blend[p] = predictEdge(p, oldEdge(p - 1) * inverseLength(p - 1));
   vec3 direction = forceDirection(kLast);
   send_a(frame[kLast]);

@@ -101,6 +101,16 @@ const int kDoublings = 4;
 const int kDoublings = 5;
 #endif
 
+// The greatest over the strand's invocations.
+float strandMax(float value) {
+  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
+    send_d(value);
+    rendezvous();
+    value = max(value, received_d(me ^ (1u << doubling)));
+    release();
+  }
+  return value;
+}
 // The sum over the strand's invocations, the same bits in each of them.
 float strandSum(float value) {
   for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
