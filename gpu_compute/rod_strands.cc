@@ -8,6 +8,7 @@
 
 #include "core/strand_block.h"
 #include "gpu_compute/shaders.h"
+#include "kernels/scalar_float.h"
 
 namespace strandcast::gpu {
 namespace {
@@ -60,7 +61,7 @@ constexpr std::array<const char*, 3> kTurning = {"#define TURNING 0\n", "#define
 
 /// Of shaders/rod_strand.glsl.
 struct StrandRest {
-  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length;
+  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, stiffest;
 };
 
 float restLength(const StrandModel& model, uint32_t edge) {
@@ -80,10 +81,15 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
   const uint32_t first = model.offsets[strand], edges = edgesOf(model, strand);
   const float length = arcLength({model.rest_local.data() + first, edges + 1});
   const float mean = length / static_cast<float>(edges);
-  float free_mass = 0;
-  for (uint32_t v = first + 1; v <= first + edges; ++v)
-    if (!model.isPinned(strand, v)) free_mass += model.mass[v];
-  return {mean, 1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass, length};
+  float free_mass = 0, stiffest = 0;
+  for (uint32_t v = first + 1; v <= first + edges; ++v) {
+    if (model.isPinned(strand, v)) continue;
+    const float bends_over = std::max(restLength(model, v - 1), kShortestEdge * mean);
+    free_mass += model.mass[v];
+    stiffest = std::max(stiffest, model.bend[v - 1] / (bends_over * bends_over * model.mass[v]));
+  }
+  return {mean,   1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass,
+          length, stiffest};
 }
 
 /// Of shaders/rod_strand.glsl.
@@ -172,6 +178,9 @@ RodStrands::RodStrands(const StrandModel& model, size_t few)
                       std::all_of(members.begin(), members.end(),
                                   [&](uint32_t s) { return model.verticesOf(s) == vertices; });
     edges_of_.push_back(same ? static_cast<uint32_t>(vertices) - 1 : 0);
+    float stiffest = 0;
+    for (const uint32_t s : members) stiffest = std::max(stiffest, strands[s].stiffest);
+    stiffest_of_.push_back(stiffest);
   }
 }
 
@@ -271,11 +280,13 @@ void RodStrands::solve(const Programs& programs, const Needs& needs, int first, 
   for (size_t g = 0; g < groups.size(); ++g) {
     const gl::Program& program = few ? *programs.violent[g] : *programs.calm[g];
     placeWork(program, needs, g, first, end);
+    if (few) placePulls(program, needs, g);
     dispatch(program, groups[g].count, kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
   }
   if (few) return;
   auto doListed = [&](const gl::Program& program, size_t g, size_t at) {
     placeWork(program, needs, g, first, end);
+    placePulls(program, needs, g);
     program.use();
     glDispatchComputeIndirect(static_cast<GLintptr>(at * sizeof(uint32_t)));
   };
@@ -313,6 +324,12 @@ void RodStrands::placeWork(const gl::Program& program, const Needs& needs, size_
   glProgramUniform1ui(program.id(), 7, static_cast<GLuint>(lostList()));
   glProgramUniform1ui(program.id(), 8, apart ? static_cast<GLuint>(astrayAt(group, first)) : violent_at);
   glProgramUniform1ui(program.id(), 9, apart ? static_cast<GLuint>(astrayLists() + own.first) : violent_list);
+}
+
+void RodStrands::placePulls(const gl::Program& violent, const Needs& needs, size_t group) const {
+  const bool stiff = kernels::f32::isStiff(stiffest_of_[group] * needs.substep * needs.substep);
+  glProgramUniform1i(violent.id(), 10,
+                     stiff ? kernels::f32::kMostPullIterations : kernels::f32::kPullIterations);
 }
 
 }  // namespace strandcast::gpu

@@ -24,6 +24,7 @@ class RodStrands {
     bool goal;         ///< all strands are pulled towards their goals
     bool accelerated;  ///< StepInput::accelerations
     int damping;       ///< 1: there is internal damping; 2: some by more than kFreelyAhead substeps
+    float substep;     ///< s
     bool same_bodies;  ///< what vertices have seen of bodies in the step before holds on
   };
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs
@@ -57,10 +58,13 @@ class RodStrands {
   size_t lostList() const;
   /// Tells the program what to do and where in work_ it lists the group's strands.
   void placeWork(const gl::Program& program, const Needs& needs, size_t group, int first, int end) const;
+  /// What a program of violent strands is told besides.
+  void placePulls(const gl::Program& violent, const Needs& needs, size_t group) const;
 
   const StrandModel& model_;
   StrandGroups groups_;             ///< key: see rod_strands.cc
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
+  std::vector<float> stiffest_of_;  ///< per group: the greatest StrandRest::stiffest
   gl::Buffer work_, joints_, strands_;
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
   const size_t few_;

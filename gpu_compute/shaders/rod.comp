@@ -386,7 +386,9 @@ void pullThroughBending(bool violent) {
   if (violent) softness_in = 0.0;
   product = strandSum(product);
   float kept = 0.0;  // of the last direction
-  for (int iteration = 1; iteration <= REPEATS(kPullIterations); ++iteration) {
+  bool goes_on = violent;
+  const float kappa = rest.stiffest * settings.substep * settings.substep;
+  for (int iteration = 1; iteration <= REPEATS(most_pulls); ++iteration) {
     for (int p = 0; p < PER_THREAD; ++p) pull[p] = conjugate[p] = madd(conjugate[p], kept, pull[p]);
     send_d(pull[0]);
     rendezvous();
@@ -410,14 +412,22 @@ void pullThroughBending(bool violent) {
       moved_in = moved[p];
     }
     float way = conjugateStep(product, strandSum(curvature));
+    if (!goes_on) way = 0.0;
+    float left2 = 0.0;
     for (int p = 0; p < PER_THREAD; ++p) {
       if (violent) {
         shift[p] = madd(moved[p], way, shift[p]);
         tension[p] = madd(conjugate[p], way, tension[p]);
       }
       excess[p] -= way * shortened[p];
+      float left = isEdge(p) ? excess[p] * inverseLength(p) : 0.0;
+      left2 = max(left2, left * left);
     }
-    if (iteration == kPullIterations) break;
+    if (iteration == most_pulls) break;
+    if (iteration >= kPullIterations) {
+      goes_on = goes_on && needMorePulls(kappa, strandMax(left2));
+      if (!anyStrand(goes_on)) break;
+    }
     pull = excess;
     solveTridiagonal(slack, lower, pivot, pull);
     float next = 0.0;

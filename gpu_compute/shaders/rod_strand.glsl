@@ -19,6 +19,7 @@ struct StrandRest {      // gpu_compute/rod_strands.cc
   float shortest;        // m; shorter edges bend as if they were this long
   float free_mass;       // of all vertices that are not pinned
   float arc_length;      // m
+  float stiffest;        // 1/s^2: the greatest kappa of an edge (needMorePulls) over the square of the substep
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
 // Of this group; places in work[].
@@ -28,6 +29,9 @@ layout(location = 2) uniform uint violent_dispatch;
 layout(location = 3) uniform uint violent_list;
 layout(location = 4) uniform int first_substep;
 layout(location = 5) uniform int end_substep;  // the first that is not done
+#if VIOLENT
+layout(location = 10) uniform int most_pulls;  // kPullIterations where no strand is stiff, else kMostPullIterations
+#endif
 #if BODIES
 layout(location = 6) uniform uint lost_count;
 layout(location = 7) uniform uint lost_list;
