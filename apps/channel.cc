@@ -63,6 +63,7 @@ std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session
                            (settings.claim ? kSharedListens : 1);
   const auto start = std::chrono::steady_clock::now();
   for (;;) {
+    if (g_interrupted) throw Interrupted();
     const auto listened = std::chrono::steady_clock::now() - start;
     const std::optional<Rival> rival = publisher->rival();
     if (!rival && listened >= listen_time) return publisher;

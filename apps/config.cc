@@ -32,6 +32,13 @@ class Section {
       set(*value);
     });
   }
+  void wholeNumber(const char* key, double low, double high, const std::function<void(double)>& set) {
+    number(key, low, high, [&](double value) {
+      if (value != std::floor(value))
+        fail(*table_.get(key), key, fmt::format("give a whole number from {:.15g} to {:.15g}", low, high));
+      set(value);
+    });
+  }
   void text(const char* key, const std::function<void(const std::string&)>& set) {
     read(key, [&](const toml::node& node) {
       const std::optional<std::string> value = node.value_exact<std::string>();
@@ -54,6 +61,7 @@ class Section {
       if (const auto one = node.value_exact<std::string>()) return add(*one);
       const toml::array* array = node.as_array();
       if (array == nullptr) fail(node, key, "give a text or a list of texts");
+      if (array->empty()) fail(node, key, "name at least one, or leave it out");
       for (const toml::node& element : *array) {
         const auto value = element.value_exact<std::string>();
         if (!value) fail(element, key, "give texts in quotes");
@@ -266,16 +274,18 @@ WindSource readWindSource(Section& section) {
 void readSections(Section& root, const std::filesystem::path& folder, Settings& s) {
   auto path = [&](const std::string& text) { return folder / text; };  // relative to the file that names it
   root.text("scene", [&](const std::string& v) { s.scene.name = v; });
-  root.text("motion",
-            [&](const std::string& v) { s.scene.motion = v.ends_with(".bvh") ? path(v).string() : v; });
-  root.number("seed", 0, kLargestSeed, [&](double v) { s.scene.seed = static_cast<uint64_t>(v); });
+  root.text("motion", [&](const std::string& v) {
+    if (v.empty()) throw Error("the motion has no name", root.place("motion"), "e.g. motion = \"shake\"");
+    s.scene.motion = v.ends_with(".bvh") ? path(v).string() : v;
+  });
+  root.wholeNumber("seed", 0, kLargestSeed, [&](double v) { s.scene.seed = static_cast<uint64_t>(v); });
   root.section("groom", [&](Section& groom) {
     groom.texts("files", [&](const std::string& v) { s.scene.groom.push_back(path(v)); });
     groom.number("unit_meters", 1e-6, 1000,
                  [&](double v) { s.scene.units.unit_meters = static_cast<float>(v); });
     groom.text("up", [&](const std::string& v) { s.scene.units.up = upAxisOf(v, groom.place("up")); });
-    groom.number("strands", 1, 1e6, [&](double v) { s.scene.strands = static_cast<int>(v); });
-    groom.number("vertices", 2, 128, [&](double v) { s.scene.vertices = static_cast<int>(v); });
+    groom.wholeNumber("strands", 1, 1e6, [&](double v) { s.scene.strands = static_cast<int>(v); });
+    groom.wholeNumber("vertices", 2, 128, [&](double v) { s.scene.vertices = static_cast<int>(v); });
     groom.number("length", 0.01, 2, [&](double v) { s.scene.length = static_cast<float>(v); });
   });
   root.section("body", [&](Section& body) {
@@ -289,7 +299,8 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
               [&](const std::string& v) { skinned().clip = v.ends_with(".bvh") ? path(v).string() : v; });
     body.text("joint", [&](const std::string& v) { skinned().joint = v; });
     body.number("cell", 1e-6, 1e3, [&](double v) { s.scene.body_cell = static_cast<float>(v); });
-    body.number("fitted_spheres", 0, 64, [&](double v) { s.scene.body_primitives = static_cast<int>(v); });
+    body.wholeNumber("fitted_spheres", 0, 64,
+                     [&](double v) { s.scene.body_primitives = static_cast<int>(v); });
     body.sections("primitives",
                   [&](Section& primitive) { s.scene.primitives.push_back(readPrimitive(primitive)); });
   });
@@ -300,7 +311,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     daemon.text("backend", [&](const std::string& v) { s.backend = v; });
     daemon.text("solver", [&](const std::string& v) { s.solver = solverKind(v); });
     daemon.flag("sag_free", [&](bool v) { s.sag_free = v; });
-    daemon.number("threads", 0, 1024, [&](double v) { s.threads = static_cast<int>(v); });
+    daemon.wholeNumber("threads", 0, 1024, [&](double v) { s.threads = static_cast<int>(v); });
     daemon.number("rate", 1, 1000, [&](double v) { s.rate = v; });
     daemon.number("duration", 0, 1e9, [&](double v) { s.duration = v; });
   });
@@ -318,15 +329,16 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     transport.texts("peers", [&](const std::string& v) { s.peers.push_back(v); });
     transport.text("discovery_server", [&](const std::string& v) { s.discovery_server = v; });
     transport.text("lcm_url", [&](const std::string& v) { s.lcm_url = v; });
-    transport.number("domain", 0, 232, [&](double v) { s.domain = static_cast<int>(v); });
-    transport.number("groom_id", 1, 4294967295.0, [&](double v) { s.groom_id = static_cast<uint32_t>(v); });
+    transport.wholeNumber("domain", 0, 232, [&](double v) { s.domain = static_cast<int>(v); });
+    transport.wholeNumber("groom_id", 1, 4294967295.0,
+                          [&](double v) { s.groom_id = static_cast<uint32_t>(v); });
     transport.text("codec",
                    [&](const std::string& v) { s.codec.codec = codecNamed(v, transport.place("codec")); });
     transport.number("codec_error_mm", 0.001, 1,
                      [&](double v) { s.codec.max_error = static_cast<float>(v * 1e-3); });
     transport.flag("zstd", [&](bool v) { s.codec.zstd = v; });
-    transport.number("key_interval", 1, kMaxKeyInterval,
-                     [&](double v) { s.codec.key_interval = static_cast<uint32_t>(v); });
+    transport.wholeNumber("key_interval", 1, kMaxKeyInterval,
+                          [&](double v) { s.codec.key_interval = static_cast<uint32_t>(v); });
   });
   root.section("parameters", [&](Section& parameters) {
     parameters.remaining(

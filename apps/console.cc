@@ -4,15 +4,31 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "collision/field_bake.h"
 #include "core/error.h"
 
 namespace strandcast {
+namespace {
+
+/// CLI11 takes -0.5 for a number and -.5 for an option.
+std::string withWholePart(const std::string& argument) {
+  const bool is_short = argument.starts_with("-.") && argument.size() > 2 &&
+                        std::isdigit(static_cast<unsigned char>(argument[2])) != 0;
+  if (!is_short) return argument;
+  char* end = nullptr;
+  std::strtod(argument.c_str(), &end);
+  return *end == '\0' ? "-0" + argument.substr(1) : argument;
+}
+
+}  // namespace
 
 ProgressBar::ProgressBar() : terminal_(isatty(STDERR_FILENO) == 1) {}
 
@@ -73,9 +89,25 @@ int withOutputWritten(int exit_code) {
   return kExitBadInput;
 }
 
+std::optional<int> parseArguments(CLI::App& app, int argc, const char* const* argv) {
+  std::vector<std::string> words;
+  for (int i = 0; i < argc; ++i) words.push_back(withWholePart(argv[i]));
+  std::vector<const char*> pointers;
+  for (const std::string& word : words) pointers.push_back(word.c_str());
+  try {
+    app.parse(argc, pointers.data());
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    return withOutputWritten(app.exit(error) == 0 ? 0 : kExitBadInput);
+  }
+}
+
 int runProgram(const std::function<int()>& body) {
   try {
     return withOutputWritten(body());
+  } catch (const Interrupted&) {
+    std::fputs("stopped\n", stderr);
+    return kExitInterrupted;
   } catch (const BakeStopped&) {
     std::fputs("stopped\n", stderr);
     return kExitInterrupted;

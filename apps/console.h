@@ -1,9 +1,14 @@
 #pragma once
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace strandcast {
 
@@ -11,6 +16,9 @@ namespace strandcast {
 constexpr int kExitCheckFailed = 1;
 constexpr int kExitBadInput = 2;
 constexpr int kExitInterrupted = 130;
+
+/// Ctrl-C came before there was anything to end in order. Thrown up to runProgram().
+struct Interrupted {};
 
 /// In one line. Bytes of names that are no UTF-8, as those of files may be, become U+FFFD.
 std::string jsonText(const nlohmann::json& value);
@@ -49,8 +57,12 @@ class Report {
 /// printed on standard output did not get there. That nobody reads on (`| head`) is no failure.
 int withOutputWritten(int exit_code);
 
-/// Runs a program's body: an Error or a stray exception becomes one line on standard error and exit code 2, a
-/// BakeStopped exit code 130, else as withOutputWritten().
+/// Reads a program's arguments into `app`. The exit code where the program ends with it: it was asked for
+/// help, or told what it does not know.
+std::optional<int> parseArguments(CLI::App& app, int argc, const char* const* argv);
+
+/// Runs a program's body: an Error or a stray exception becomes one line on standard error and exit code 2,
+/// Interrupted or a BakeStopped exit code 130, else as withOutputWritten().
 int runProgram(const std::function<int()>& body);
 
 }  // namespace strandcast

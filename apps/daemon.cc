@@ -15,6 +15,7 @@
 #include "core/quantile.h"
 #include "transport/answers.h"
 #include "transport/collider_chunks.h"
+#include "transport/command_queue.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
@@ -317,7 +318,11 @@ void Daemon::publishStatus() {
 }
 
 bool Daemon::castFrame(const std::atomic<bool>& stop) {
-  while (const std::optional<Command> command = publisher_.takeCommand()) obey(*command);
+  for (size_t taken = 0; taken < kMaxCommandsPerFrame; ++taken) {
+    const std::optional<Command> command = publisher_.takeCommand();
+    if (!command) break;
+    obey(*command);
+  }
   const double step = simulation_.parameters().time_step;
   for (; steps_asked_ > 0 && !stop; --steps_asked_) advance();
   if (paused_) {

@@ -32,8 +32,8 @@ class Daemon {
 
   /// Until `stop`, a shutdown command, or settings.duration.
   DaemonSummary run(const std::atomic<bool>& stop);
-  /// What run() does for each frame: obeys commands, steps to its time, publishes it. False when `stop` came
-  /// first.
+  /// What run() does for each frame: obeys up to kMaxCommandsPerFrame commands, steps to its time, publishes
+  /// it. False when `stop` came first.
   bool castFrame(const std::atomic<bool>& stop);
   /// Called in the thread of run() after each frame, with the simulation as the frame has it.
   void setObserver(std::function<void(Simulation&)> observer) { observer_ = std::move(observer); }

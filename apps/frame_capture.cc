@@ -3,11 +3,20 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <utility>
 
 #include "apps/interrupt.h"
 
 namespace strandcast {
 namespace {
+
+constexpr double kSameTime = 1e-5;  // s, in which nothing moves visibly
+
+std::shared_ptr<const GuideFrame> between(const GuideFrame& a, const GuideFrame& b, double time) {
+  auto mixed = std::make_shared<GuideFrame>();
+  mixFrames(a, b, time, *mixed);
+  return mixed;
+}
 
 size_t bytesOf(const CapturedFrame& captured) { return captured.frame->positions.size() * sizeof(Vec3); }
 
@@ -50,8 +59,8 @@ bool FrameCapture::keep(CapturedFrame frame) {
 void FrameCapture::run() {
   Subscriber& subscriber = stream_.subscriber();
   std::shared_ptr<const GuideFrame> last;
-  int captured = 0;
-  double due = -1;
+  int captured = 0, due = 0;  // pictures, the latter since `start`
+  double start = -1;          // s of simulation time
   auto heard = std::chrono::steady_clock::now();
   while (captured < plan_.frames && !stop_ && !g_interrupted) {
     const auto frame = subscriber.waitForNext(last.get(), std::chrono::milliseconds(100));
@@ -61,18 +70,27 @@ void FrameCapture::run() {
     if (frame && (!last || is_other || last->simulation_time != frame->simulation_time)) heard = now;
     if (std::chrono::duration<double>(now - heard).count() > plan_.timeout) break;
     if (!frame) continue;
-    if (is_other) due = -1;
-    last = frame;
+    const bool fits_last = last && !is_other && last->revision == frame->revision &&
+                           last->positions.size() == frame->positions.size();
+    const auto before = std::exchange(last, frame);
+    if (is_other) start = -1;
     const StreamScene scene = StreamScene::of(subscriber);
     if (!scene.fits(*frame)) continue;  // its body is still to come
-    if (due < 0) due = frame->simulation_time + plan_.skip;
-    if (frame->simulation_time < due - 1e-9) continue;
-    due += 1 / plan_.fps;
-    if (keep({frame, scene})) {
-      ++captured;
-    } else if (passed_over_++ == 0) {
-      spdlog::warn("drawing is slower than the stream, and {} MiB of frames wait: some are passed over",
-                   plan_.room >> 20);
+    if (start < 0) {
+      start = frame->simulation_time + plan_.skip;
+      due = 0;
+    }
+    for (; captured < plan_.frames; ++due) {
+      const double time = start + due / plan_.fps;
+      if (frame->simulation_time < time - kSameTime) break;
+      const bool is_between =
+          fits_last && time < frame->simulation_time - kSameTime && time > before->simulation_time;
+      if (keep({is_between ? between(*before, *frame, time) : frame, scene})) {
+        ++captured;
+      } else if (passed_over_++ == 0) {
+        spdlog::warn("drawing is slower than the stream, and {} MiB of frames wait: some are passed over",
+                     plan_.room >> 20);
+      }
     }
   }
   const std::lock_guard lock(mutex_);

@@ -17,8 +17,9 @@ struct CapturedFrame {
   StreamScene scene;
 };
 
-/// Picks frames off the stream in its own thread, evenly in simulation time, and keeps them until they are
-/// drawn, so that drawing as slowly as it likes loses none while there is room for those that wait.
+/// Picks frames off the stream in its own thread, evenly in simulation time, between two of them where none
+/// is due at its time, and keeps them until they are drawn, so that drawing as slowly as it likes loses none
+/// while there is room for those that wait.
 class FrameCapture {
  public:
   struct Plan {

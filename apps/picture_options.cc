@@ -99,13 +99,16 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
   }
 }
 
-Box pictureBox(const GroomDescription& groom, const BodyDescription& body) {
+Box pictureBox(const GroomDescription& groom, const BodyDescription& body, float hair_reach) {
   Box box;
   for (const Vec3& p : groom.guides.positions) box.extend(Eigen::Vector3f(p));
-  if (body.mesh.empty()) return box;
+  const Eigen::Vector3f beside = Eigen::Vector3f::Constant(hair_reach);
+  Box hair;
+  if (!box.isEmpty()) hair = Box(box.min() - beside, box.max() + beside);
+  if (body.mesh.empty()) return hair;
   // The head stays in the picture under short hair, a whole figure does not shrink the hair to a dot.
   Box around(box.min() - box.sizes() * 0.35f, box.max() + box.sizes() * 0.35f);
-  return box.merged(around.intersection(body.mesh.bounds()));
+  return hair.merged(around.intersection(body.mesh.bounds()));
 }
 
 void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body) {

@@ -11,8 +11,9 @@ namespace strandcast {
 /// Every setting of pictures as an option, with help, and --preset.
 void addPictureOptions(CLI::App& app, PictureOptions& options);
 
-/// The box that pictures frame: of the hair, and of the body around it.
-Box pictureBox(const GroomDescription& groom, const BodyDescription& body);
+/// The box that pictures frame: of the hair, `hair_reach` metres to all sides of its guides, and of the body
+/// around it.
+Box pictureBox(const GroomDescription& groom, const BodyDescription& body, float hair_reach = 0);
 /// Tells the renderer what it draws.
 void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body);
 /// Keeps grown hair out of what it is to be kept out of, or marks where it is in it, where that is asked for.

@@ -91,7 +91,10 @@ void addPicture(std::vector<PictureSetting>& list) {
   const char* group = "Picture";
   list.push_back(number(group, "width", "pixels", 16, 16384, "of the picture", AT(settings.width)));
   list.push_back(number(group, "height", "pixels", 16, 16384, "of the picture", AT(settings.height)));
-  list.push_back(number(group, "samples", "", 1, 8, "per pixel (multisampling)", AT(settings.samples)));
+  list.push_back(
+      number(group, "samples", "", 1, 8,
+             "per pixel (multisampling); the device may have another number, which the summary tells",
+             AT(settings.samples)));
   list.push_back(choice<HairCoverage>(
       group, "coverage", "of hairs thinner than a pixel: other samples for each hair, or alpha to coverage",
       {{"stochastic", HairCoverage::kStochastic}, {"alpha", HairCoverage::kAlphaToCoverage}},
@@ -119,14 +122,20 @@ void addPicture(std::vector<PictureSetting>& list) {
                         "part by which hair may grow smaller in the picture before more is left out",
                         AT(settings.detail.hysteresis)));
   list.push_back(flag(group, "cull", "hair that cannot be in the picture is not grown", AT(settings.cull)));
-  list.push_back(choice<HairGeometry>(
-      group, "geometry", "hairs as lines with width as alpha, or as strips that face the eye",
-      {{"lines", HairGeometry::kLines}, {"strips", HairGeometry::kStrips}}, AT(settings.geometry)));
+  list.push_back(choice<HairGeometry>(group, "geometry",
+                                      "hairs as lines with width as alpha, or as strips that face the eye; "
+                                      "the tessellator (growth) draws lines",
+                                      {{"lines", HairGeometry::kLines}, {"strips", HairGeometry::kStrips}},
+                                      AT(settings.geometry)));
   list.push_back(number(group, "hair-width", "m", 1e-6, 0.1,
                         "drawn width of a hair; more where few stand for many", AT(settings.hair_width)));
   list.push_back(vector(group, "hair-color", "", 0, 1, "red green blue, linear", AT(settings.hair_color)));
   list.push_back(vector(group, "body-color", "", 0, 1, "red green blue, linear", AT(settings.body_color)));
-  list.push_back(vector(group, "background", "", 0, 1, "red green blue, linear", AT(settings.background)));
+  list.push_back(vector(
+      group, "background", "", 0, 1,
+      "red green blue, linear; 0.85 of it in the middle and a quarter in the corners, the ground is its "
+      "colour too, lit",
+      AT(settings.background)));
 }
 
 void addCamera(std::vector<PictureSetting>& list) {
@@ -191,10 +200,10 @@ void addGrowth(std::vector<PictureSetting>& list) {
                       &PictureOptions::importance_map));
   list.push_back(
       number(group, "hair-seed", "", 0, 1e15, "of the hairs' random numbers", AT(settings.growth.seed)));
-  list.push_back(
-      choice<GrowthPath>(group, "growth", "where hair is grown; the same hair",
-                         {{"compute", GrowthPath::kCompute}, {"tessellator", GrowthPath::kTessellator}},
-                         AT(settings.growth_path)));
+  list.push_back(choice<GrowthPath>(
+      group, "growth", "where hair is grown; the same hair, which the tessellator draws as lines",
+      {{"compute", GrowthPath::kCompute}, {"tessellator", GrowthPath::kTessellator}},
+      AT(settings.growth_path)));
 }
 
 void addShading(std::vector<PictureSetting>& list) {
@@ -222,8 +231,12 @@ void addLights(std::vector<PictureSetting>& list) {
   list.push_back(vector(group, "light-direction", "", -1, 1,
                         "the way that the light travels, of a spot its axis; not used by point",
                         AT(settings.lights[o.light].direction)));
-  list.push_back(vector(group, "light-position", "m", -1000, 1000, "of a point or spot light, Y up",
-                        AT(settings.lights[o.light].position)));
+  list.back().is_way = true;
+  list.push_back(vector(
+      group, "light-position", "m", -1000, 1000,
+      "of a point or spot light, Y up; what is more than 65 degrees off the way to the middle of the hair "
+      "gets less shadow, from 75 degrees on none",
+      AT(settings.lights[o.light].position)));
   list.push_back(degrees(group, "light-cone", 1, 85, "of a spot, from its axis to where its light ends",
                          AT(settings.lights[o.light].cone)));
   list.push_back(number(group, "light-edge", "", 0, 1,
@@ -310,6 +323,8 @@ void setPicture(PictureOptions& options, const PictureSetting& setting, const st
     if (!std::isfinite(v) || v < info.low || v > info.high || (info.whole && std::fmod(v, 1) != 0))
       throw Error(fmt::format("'{}' = {} is out of range", info.name, v), where,
                   fmt::format("give {}{} {}", info.whole ? "a whole number, " : "", info.range, info.unit));
+  if (setting.is_way && std::ranges::all_of(values, [](double v) { return std::abs(v) < 1e-6; }))
+    throw Error(fmt::format("'{}' has no direction", info.name), where, "give one that is not 0 0 0");
   setting.set(options, values);
 }
 

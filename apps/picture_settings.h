@@ -30,6 +30,7 @@ struct PictureSetting {
   std::function<void(PictureOptions&, const std::vector<double>&)> set{};  ///< unchecked
   std::filesystem::path PictureOptions::*file = nullptr;
   bool of_light = false;  ///< "light" is its kind, others have "light-" in front
+  bool is_way = false;    ///< of any length but 0
 };
 /// Settings of a group follow each other.
 const std::vector<PictureSetting>& pictureSettings();

@@ -151,6 +151,7 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
 
 SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   auto* scene = app.add_option_group("Scene", "what is simulated");
+  scene_ = scene;
   scene->add_option("--config", config_, "TOML file with any of these settings; options win over it");
   scene->add_option("--scene", given_.scene.name, sceneHelp());
   scene->add_option("--groom", groom_, "groom files (.tfx, .hair, .obj), separated by commas")
@@ -195,6 +196,7 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   scene->add_option("--material", material_, materialHelp());
 
   auto* simulation = app.add_option_group("Simulation", "how it is computed");
+  simulation_ = simulation;
   simulation
       ->add_option("--backend", given_.backend,
                    "auto, gpu, simd or reference; see `strandcast info --backends`")
@@ -234,6 +236,15 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
 
 bool SettingsOptions::namesScene() const {
   return app_.count("--scene") + app_.count("--groom") + app_.count("--body") + app_.count("--config") > 0;
+}
+
+void SettingsOptions::refuseWithoutScene() const {
+  if (namesScene()) return;
+  for (const CLI::App* const group : {scene_, simulation_})
+    for (const CLI::Option* const option : group->get_options())
+      if (option->count() > 0 && option->get_name() != "--threads")  // which encode, too
+        throw Error("what a daemon casts is as the daemon was told", option->get_name(),
+                    "leave it out, or name a --scene to simulate here");
 }
 
 Settings SettingsOptions::resolve() const {

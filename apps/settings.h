@@ -63,6 +63,9 @@ class SettingsOptions {
   const std::filesystem::path& config() const { return config_; }
   /// Whether a scene was asked for (--scene, --groom, --body or --config): then a viewer needs no daemon.
   bool namesScene() const;
+  /// Throws Error where scene or simulation are told of although no scene is named: another program
+  /// simulates, and it is told there.
+  void refuseWithoutScene() const;
 
  private:
   Settings over(Settings config) const;
@@ -70,6 +73,7 @@ class SettingsOptions {
   void refuseWhatIsIgnored(const Settings& settings) const;
 
   CLI::App& app_;
+  const CLI::App *scene_ = nullptr, *simulation_ = nullptr;  ///< groups of its options
   std::filesystem::path config_;
   Settings given_;
   std::string up_, solver_, codec_, body_contact_, body_clip_, body_joint_;

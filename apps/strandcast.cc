@@ -45,11 +45,7 @@ int main(int argc, char** argv) {
   add("keys", "Make the keys of a network where only known programs take part", addKeys);
   add("wire-reader", "The other process of `validate wire`", addWireReader);
   verbs.back().first->group("");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return withOutputWritten(app.exit(error) == 0 ? 0 : kExitBadInput);
-  }
+  if (const std::optional<int> ended = parseArguments(app, argc, argv)) return *ended;
   spdlog::set_default_logger(spdlog::stderr_color_mt("strandcast"));
   for (const auto& [verb, run] : verbs)
     if (verb->parsed()) {

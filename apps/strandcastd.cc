@@ -61,9 +61,9 @@ int main(int argc, char** argv) {
   std::filesystem::path file;
   CLI::Option* records = app.add_option(
       "--record", file,
-      "also write groom, frames and commands to this file: `strandcast replay FILE` casts it again, "
-      "`strandcast replay FILE --resimulate` simulates it again and compares every frame. Frames are written "
-      "with --codec");
+      "also write groom, frames and commands to this file, in place of an old one once it casts: `strandcast "
+      "replay FILE` casts it again, `strandcast replay FILE --resimulate` simulates it again and compares "
+      "every frame. Frames are written with --codec");
   uint32_t grids_every = 0;
   app.add_option(
          "--record-grids", grids_every,
@@ -72,17 +72,15 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000000))
       ->needs(records);
   uint32_t claim = 0;
-  const CLI::Option* claims = app.add_option(
-      "--claim", claim,
-      "share the groom with other daemons that claim it (DDS): the one with the largest number casts, the "
-      "others simulate in silence, and within half a second of its end the next takes over");
+  const CLI::Option* claims =
+      app.add_option(
+             "--claim", claim,
+             "share the groom with other daemons that claim it (DDS): the one with the largest number casts, "
+             "the others simulate in silence, and within half a second of its end the next takes over")
+          ->check(CLI::Range(0u, 4294967295u));
   app.add_flag("--json", json, "print the closing summary as one JSON object");
   app.add_flag("--quiet", quiet, "log warnings only");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return withOutputWritten(app.exit(error) == 0 ? 0 : kExitBadInput);
-  }
+  if (const std::optional<int> ended = parseArguments(app, argc, argv)) return *ended;
   spdlog::set_default_logger(spdlog::stderr_color_mt("strandcastd"));
   if (quiet) spdlog::set_level(spdlog::level::warn);
 
@@ -109,15 +107,17 @@ int main(int argc, char** argv) {
                        simulationSource(words, options, daemon.status().backend, daemon.status().device)});
     }
     if (grids_every > 0) daemon.setObserver(gridRecorder(*recording, grids_every));
+    if (g_interrupted) throw Interrupted();
     daemon.announce();
     spdlog::info("casting groom {} on {} at {:g} frames/s; Ctrl-C ends it", settings.groom_id,
                  networkName(settings), settings.rate);
     const DaemonSummary summary = daemon.run(g_interrupted);
     const std::string failure = recording != nullptr ? recording->close() : "";
+    const bool is_kept = failure.empty() && publisher->failure().empty();
     report(summary, json);
     if (grids_every > 0) warnWithoutGrids(recording->recorder());
     if (!failure.empty()) spdlog::error("{}", failure);
     if (g_interrupted) return kExitInterrupted;
-    return failure.empty() ? 0 : kExitCheckFailed;
+    return is_kept ? 0 : kExitCheckFailed;
   });
 }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -30,11 +31,22 @@ struct CtlOptions {
   double seconds = 0.2;
 };
 
-/// Polls until `ready` gives true; false on timeout or interrupt.
+/// CLI11 by itself takes an empty text for 0.
+CLI::Validator finiteNumber() {
+  const auto refuse = [](const std::string& text) {
+    double value = 0;
+    if (CLI::detail::lexical_cast(text, value) && std::isfinite(value)) return std::string();
+    return fmt::format("'{}' is not a finite number", text);
+  };
+  return {refuse, ""};
+}
+
+/// Polls until `ready` gives true; false on timeout. Throws Interrupted.
 bool waitUntil(double seconds, const std::function<bool()>& ready) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (!ready()) {
-    if (g_interrupted || std::chrono::steady_clock::now() > deadline) return false;
+    if (g_interrupted) throw Interrupted();
+    if (std::chrono::steady_clock::now() > deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return true;
@@ -50,8 +62,10 @@ int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
   command.name = name;
   command.values = values;
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(o.timeout);
-  const std::optional<std::string> refusal =
-      ask(*subscriber, command, [&] { return g_interrupted || std::chrono::steady_clock::now() > deadline; });
+  const std::optional<std::string> refusal = ask(*subscriber, command, [&] {
+    if (g_interrupted) throw Interrupted();
+    return std::chrono::steady_clock::now() > deadline;
+  });
   if (!refusal)
     throw Error("the daemon did not answer",
                 fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
@@ -225,7 +239,10 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
   CLI::App* add = app.add_subcommand("add", "a body that hair collides with, for as long as the daemon runs");
   add->add_option("NAME", o->name, "of its own")->required();
   add->add_option("SHAPE", o->shape, "what it is")->required();
-  add->add_option("VALUE", o->values, "m, in the world:" + shapes)->expected(4, 8)->required();
+  add->add_option("VALUE", o->values, "m, in the world:" + shapes)
+      ->expected(4, 8)
+      ->required()
+      ->check(finiteNumber());
   add->add_flag("--head", o->follows_head, "it moves with the head, which is at rest where it is placed");
   add->callback([o, run] {
     *run = [o] {
@@ -235,7 +252,10 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
   });
   CLI::App* move = app.add_subcommand("move", "to a pose, smoothly");
   move->add_option("NAME", o->name, "one that was added")->required();
-  move->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "m, degrees")->expected(3, 6)->required();
+  move->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "m, degrees")
+      ->expected(3, 6)
+      ->required()
+      ->check(finiteNumber());
   move->add_option("--seconds", o->seconds, "that it takes")
       ->check(finiteRange(0.0, 3600.0))
       ->capture_default_str();
@@ -283,16 +303,18 @@ Verb addCtl(CLI::App& app) {
        [o] { return sendCommand(*o, CommandKind::kSetParameter, "wind", o->values); })
       ->add_option("XYZ", o->values, "velocity, m/s")
       ->expected(3)
-      ->required();
+      ->required()
+      ->check(finiteNumber());
   CLI::App* set = verb("set", "set a parameter (names: strandcastd --help)",
                        [o] { return sendCommand(*o, CommandKind::kSetParameter, o->name, o->values); });
   set->add_option("NAME", o->name, "parameter")->required();
-  set->add_option("VALUE", o->values, "1 or 3 numbers")->expected(1, 3)->required();
+  set->add_option("VALUE", o->values, "1 or 3 numbers")->expected(1, 3)->required()->check(finiteNumber());
   verb("head", "move the head to a pose",
        [o] { return sendCommand(*o, CommandKind::kHeadPose, "", poseValues(o->values)); })
       ->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "offset from rest in m, angles in degrees")
       ->expected(3, 6)
-      ->required();
+      ->required()
+      ->check(finiteNumber());
   verb("motion", "give the head a motion",
        [o] { return sendCommand(*o, CommandKind::kHeadMotion, o->name, {}); })
       ->add_option("NAME", o->name, "still, nod, shake, turn, joined by +")
@@ -308,12 +330,14 @@ Verb addCtl(CLI::App& app) {
        [o] { return sendCommand(*o, CommandKind::kStep, "", o->values); })
       ->add_option("STEPS", o->values, "1 to 1000")
       ->expected(1)
-      ->required();
+      ->required()
+      ->check(finiteNumber());
   verb("pull", "a hand in the hair for a second; without numbers it lets go",
        [o] { return sendCommand(*o, CommandKind::kPull, "", o->values); })
       ->add_option("X Y Z RADIUS TOX TOY TOZ RATE", o->values,
                    "where it closes, m, about what, m, where it pulls to, m, and how hard, 1/s")
-      ->expected(0, 8);
+      ->expected(0, 8)
+      ->check(finiteNumber());
   verb("stop", "end the daemon", [o] { return sendCommand(*o, CommandKind::kShutdown, "", {}); });
   return [run] { return (*run)(); };
 }

@@ -62,6 +62,7 @@ int simulateAndRecord(const RecordOptions& o, const Settings& settings) {
   publisher.open(o.file, recordingOptions(settings));
   const Recorder& recorder = publisher.recorder();
   if (o.grids_every > 0) daemon.setObserver(gridRecorder(publisher, o.grids_every));
+  if (g_interrupted) throw Interrupted();
   daemon.announce();
   const auto start = std::chrono::steady_clock::now();
   const auto isLate = [&] {
@@ -124,6 +125,7 @@ int recordStream(const RecordOptions& o, const Settings& settings) {
 
 int record(const RecordOptions& o) {
   const Settings settings = o.settings->resolve();
+  o.settings->refuseWithoutScene();
   return o.settings->namesScene() ? simulateAndRecord(o, settings) : recordStream(o, settings);
 }
 

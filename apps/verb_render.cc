@@ -39,7 +39,7 @@ struct RenderOptions {
 
 /// `status`: the newest that was heard; the daemon may have ended since.
 void report(const RenderOptions& o, Subscriber& subscriber, const std::optional<Status>& status,
-            int passed_over, int drawn, double draw_ms) {
+            const FrameCapture& capture, int samples, int drawn, double draw_ms) {
   const ReceiveStatistics r = subscriber.statistics();
   Report out;
   if (const Status* s = status ? &*status : nullptr) {
@@ -65,9 +65,10 @@ void report(const RenderOptions& o, Subscriber& subscriber, const std::optional<
   }
   out.add("latency_ms_p50", "latency, median", r.latency_ms_p50, "ms", 3);
   out.add("latency_ms_p99", "latency, 99th percentile", r.latency_ms_p99, "ms", 3);
-  if (passed_over > 0)
-    out.addCount("frames_passed_over", "frames passed over", static_cast<uint64_t>(passed_over));
+  if (capture.passedOver() > 0)
+    out.addCount("frames_passed_over", "frames passed over", static_cast<uint64_t>(capture.passedOver()));
   out.addCount("frames_drawn", "frames drawn", static_cast<uint64_t>(drawn));
+  out.addCount("samples", "samples per pixel", static_cast<uint64_t>(samples));
   out.add("draw_ms", "drawing, mean", drawn > 0 ? draw_ms / drawn : 0, "ms per frame", 1);
   out.add("out", "pictures", (o.out / "frame_*.png").string());
   out.print(o.json);
@@ -82,13 +83,19 @@ int renderAir(const RenderOptions& o, const Settings& settings) {
   Simulation simulation = makeSimulation(scene, settings);
   AirFilm film(o.show, o.slice, std::min(o.picture.settings.width, o.picture.settings.height), o.out);
   ProgressBar bar;
+  const auto time_step = static_cast<double>(simulation.parameters().time_step);
+  if (o.fps * time_step > 1 + 1e-6)
+    spdlog::warn("the scene is simulated {:g} times a second: pictures are repeated", 1 / time_step);
+  const auto step = [&] {
+    const double end = simulation.time() + time_step;
+    moveTo(scene.skinned.get(), end, scene.motion(end), simulation);
+    simulation.step();
+    simulation.resetBroken();
+  };
+  step();  // there are no grids before
+  const double start = std::max(simulation.time(), o.skip);
   while (film.drawn() < o.frames && !g_interrupted) {
-    do {
-      const double end = simulation.time() + static_cast<double>(simulation.parameters().time_step);
-      moveTo(scene.skinned.get(), end, scene.motion(end), simulation);
-      simulation.step();
-      simulation.resetBroken();
-    } while (simulation.time() < o.skip + film.drawn() / o.fps && !g_interrupted);
+    while (simulation.time() < start + film.drawn() / o.fps - 0.5e-3 * time_step && !g_interrupted) step();
     film.draw(simulation);
     bar.show(fmt::format("slice {} of {}", film.drawn(), o.frames),
              static_cast<double>(film.drawn()) / o.frames);
@@ -111,6 +118,10 @@ int render(const RenderOptions& o) {
 
   FrameCapture capture(stream, {o.frames, o.fps, o.skip, o.timeout});
   Renderer renderer(renderSettings(o.picture));
+  const int samples = renderer.statistics().samples;
+  if (samples != renderer.settings().samples)
+    spdlog::warn("the OpenGL device has {} samples per pixel for the {} asked for", samples,
+                 renderer.settings().samples);
   StreamScene scene;
   std::shared_ptr<const ColliderSet> colliders;
   Box box;
@@ -124,7 +135,7 @@ int render(const RenderOptions& o) {
       if (is_new) {
         scene = captured->scene;
         setScene(renderer, *scene.groom, *scene.body);
-        box = pictureBox(*scene.groom, *scene.body);
+        box = pictureBox(*scene.groom, *scene.body, renderer.hairReach());
       }
       if (is_new || subscriber.colliders() != colliders) {
         colliders = subscriber.colliders();
@@ -142,7 +153,7 @@ int render(const RenderOptions& o) {
   }
   if (!o.movie.empty() && drawn > 0) makeMovie(o.out, drawn, o.fps, o.movie);
   if (const auto now = subscriber.status()) status = now;
-  report(o, subscriber, status, capture.passedOver(), drawn, draw_ms);
+  report(o, subscriber, status, capture, samples, drawn, draw_ms);
   if (g_interrupted) return kExitInterrupted;
   if (drawn < o.frames) {
     spdlog::warn("the stream ended after {} of {} frames", drawn, o.frames);
@@ -166,13 +177,17 @@ Verb addRender(CLI::App& app) {
   app.add_option("--frames", o->frames, "pictures to draw")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  app.add_option("--fps", o->fps, "pictures per second of simulated time")
+  app.add_option(
+         "--fps", o->fps,
+         "pictures per second of simulated time; those at which the stream has no frame are between two")
       ->check(finiteRange(0.1, 1000.0))
       ->capture_default_str();
   app.add_option("--skip", o->skip, "seconds of simulated time before the first picture")
       ->check(finiteRange(0.0, 1e6));
-  app.add_option("--show", o->show,
-                 "hair, or a slice through the grids of a scene: density, wind, pressure or divergence")
+  app.add_option(
+         "--show", o->show,
+         "hair, or a slice through the grids of a scene: density, wind, pressure or divergence, a square "
+         "whose sides are the shorter of --width and --height")
       ->check(CLI::IsMember({"hair", "density", "wind", "pressure", "divergence"}))
       ->capture_default_str();
   app.add_option("--slice", o->slice, "axis that the slice lies across")

@@ -102,9 +102,11 @@ const Entry& entry(const std::string& name, const std::string& where) {
 
 void checkRange(const Entry& e, const std::vector<double>& value, const std::string& where) {
   const ParameterInfo& info = e.info;
+  // The limits themselves are in the range, as floats too.
+  const double least = info.low - 1e-6 * std::fabs(info.low) - 1e-12;
+  const double most = info.high + 1e-6 * std::fabs(info.high);
   for (double v : value) {
-    if (!std::isfinite(v) || v < info.low * (1 - 1e-6) - 1e-12 || v > info.high * (1 + 1e-6) ||
-        (info.whole && std::fmod(v, info.multiple) != 0))
+    if (!std::isfinite(v) || v < least || v > most || (info.whole && std::fmod(v, info.multiple) != 0))
       throw Error(fmt::format("'{}' = {} is out of range", info.name, v), where,
                   fmt::format("give {}{} {}", info.whole ? "a whole number, " : "", info.range, info.unit));
   }

@@ -178,7 +178,7 @@ class RodStep {
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
   mask meets_;  // those with a vertex that a body is near in this substep
-  real stiffest_;       // the greatest kappa of an edge, see needMorePulls()
+  real stiffest_;       // the greatest kappa of an edge, see morePulls()
   real most_tension_;   // that is taken over from one substep to the next
 };
 
@@ -573,7 +573,7 @@ inline void RodStep::pullThroughBending(const mask& violent) {
     shift_in = shift;
   }
   real kept = lit(0);     // of the last direction
-  mask goes_on = violent;
+  real part = select(violent, lit(1), lit(0));  // of this iteration's step
   for (int iteration = 1;; ++iteration) {
     // Tip to root: the direction, and the elimination of bending under its pulls.
     real3 t_out = zero, y1 = zero, y2 = zero;
@@ -601,7 +601,7 @@ inline void RodStep::pullThroughBending(const mask& violent) {
       moved_in = moved;
     }
     // Root to tip: the step along the direction, and the elimination of the tridiagonal system.
-    const real step = select(goes_on, conjugateStep(product, curvature), lit(0));
+    const real step = conjugateStep(product, curvature) * part;
     moved_in = zero;
     real y = lit(0), left2 = lit(0);
     for (int e = 0; e < ne; ++e) {
@@ -617,8 +617,8 @@ inline void RodStep::pullThroughBending(const mask& violent) {
       set(kCorrection, e, y * get(kLengthPivot, e));
       moved_in = moved;
     }
-    if (iteration >= kPullIterations) goes_on = goes_on && needMorePulls(stiffest_, left2);
-    if (iteration == kMostPullIterations || !anyTrue(goes_on)) return;
+    if (iteration >= kPullIterations) part = select(meets_, lit(0), part * morePulls(stiffest_, left2));
+    if (iteration == kMostPullIterations || !anyTrue(part > lit(0))) return;
     // Tip to root: its substitution.
     real correction = lit(0), next = lit(0);
     for (int e = ne - 1; e >= 0; --e) {

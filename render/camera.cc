@@ -15,14 +15,18 @@ Camera orbit(const Box& box, float azimuth, float elevation, float zoom) {
                        std::cos(azimuth) * std::cos(elevation)};
   camera.target = center;
   camera.eye = Vec3(camera.target + distance * direction);
+  camera.up = Vec3(-std::sin(azimuth) * std::sin(elevation), std::cos(elevation),
+                   -std::cos(azimuth) * std::sin(elevation));
   return camera;
 }
 
-Eigen::Matrix4f viewMatrix(const Vec3& eye, const Vec3& target) {
+Eigen::Matrix4f viewMatrix(const Vec3& eye, const Vec3& target, const Vec3& wanted_up) {
   Vec3 back = eye - target;
   back = back.norm() > 1e-9f ? Vec3(back.normalized()) : Vec3(Vec3::UnitZ());
-  const Vec3 up = std::abs(back.y()) > 0.999f ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::UnitY());
-  const Vec3 right = up.cross(back).normalized();
+  Vec3 right = wanted_up.cross(back);
+  if (!(right.norm() > 0.0447f * wanted_up.norm()))  // within 2.5 degrees of the view
+    right = (std::abs(back.z()) < 0.9f ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::UnitY())).cross(back);
+  right.normalize();
   Eigen::Matrix4f view = Eigen::Matrix4f::Identity();
   view.block<1, 3>(0, 0) = right.transpose();
   view.block<1, 3>(1, 0) = back.cross(right).transpose();
@@ -30,6 +34,8 @@ Eigen::Matrix4f viewMatrix(const Vec3& eye, const Vec3& target) {
   view.block<3, 1>(0, 3) = -view.block<3, 3>(0, 0) * eye;
   return view;
 }
+
+Eigen::Matrix4f viewMatrix(const Camera& camera) { return viewMatrix(camera.eye, camera.target, camera.up); }
 
 Eigen::Matrix4f perspective(float vertical_fov, float aspect, float near_plane, float far_plane) {
   const float focal = 1 / std::tan(0.5f * vertical_fov);

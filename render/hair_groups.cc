@@ -55,11 +55,14 @@ HairGroups::HairGroups(const StrandSet& guides, std::span<const Hair> hairs, con
     group_of_.push_back(group_of_guide[hair.guides[0]]);
     Group& group = groups_[group_of_.back()];
     const float lock = std::hypot(hair.offset[0], hair.offset[1]) * profile;
-    group.reach = std::max(group.reach, lock + hair.tip_deviation + hair.whole_deviation + hair.curl_radius +
-                                            hair.example_scale * example_reach);
+    const float reach = lock + hair.tip_deviation + hair.whole_deviation + hair.curl_radius +
+                        hair.example_scale * example_reach;
+    group.reach = std::max(group.reach, reach);
+    mean_reach_ += reach / static_cast<float>(hairs.size());
     for (const uint32_t guide : hair.guides) group.guides.push_back(guide);
   }
   for (Group& group : groups_) {
+    reach_ = std::max(reach_, group.reach);
     std::sort(group.guides.begin(), group.guides.end());
     group.guides.erase(std::unique(group.guides.begin(), group.guides.end()), group.guides.end());
     float edge = 0;

@@ -19,6 +19,10 @@ class HairGroups {
   size_t count() const { return groups_.size(); }
   uint32_t groupOf(size_t hair) const { return group_of_[hair]; }
 
+  /// m, that any hair may be beside its guides' curves, and the mean of what each may.
+  float reach() const { return reach_; }
+  float meanReach() const { return mean_reach_; }
+
   /// Boxes of where the guides are now; `beside` metres are added to all sides.
   void place(std::span<const Vec3> positions, float beside);
   /// Holds every hair of the group; empty where no guide of it is finite.
@@ -34,6 +38,7 @@ class HairGroups {
   std::vector<Group> groups_;
   std::vector<uint32_t> group_of_;  ///< per hair
   std::vector<Box> guide_boxes_;
+  float reach_ = 0, mean_reach_ = 0;
 };
 
 }  // namespace strandcast

@@ -115,16 +115,21 @@ void HairPass::bindHair(const GuideNodes& nodes) const {
   list_buffer_.bindStorage(binding::kHairList);
 }
 
-void HairPass::drawFront(const GuideNodes& nodes, const HairDetail& detail, size_t light) const {
+void HairPass::drawFront(const GuideNodes& nodes, const HairDetail& detail, size_t light, float line) const {
   programs_.front.set("map_light", static_cast<int>(light));
+  glLineWidth(line);
   draw(programs_.front, nodes, detail, false);
+  glLineWidth(1);
 }
 
-void HairPass::drawOpacity(const GuideNodes& nodes, const HairDetail& detail, size_t light,
-                           int map_size) const {
+void HairPass::drawOpacity(const GuideNodes& nodes, const HairDetail& detail, size_t light, int map_size,
+                           float line) const {
   programs_.opacity.set("map_light", static_cast<int>(light));
   programs_.opacity.set("map_size", static_cast<float>(map_size));
+  programs_.opacity.set("line_texels", line);
+  glLineWidth(line);
   draw(programs_.opacity, nodes, detail, false);
+  glLineWidth(1);
 }
 
 void HairPass::drawColor(const GuideNodes& nodes, const SceneBlock& block, const HairDetail& detail) const {

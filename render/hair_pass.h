@@ -41,8 +41,10 @@ class HairPass {
   /// Once per picture, before it draws; `detail` holds what any pass will draw.
   void grow(const GuideNodes& nodes, const HairDetail& detail);
   /// Depth of the hair nearest to a light of SceneBlock::lights.
-  void drawFront(const GuideNodes& nodes, const HairDetail& detail, size_t light) const;
-  void drawOpacity(const GuideNodes& nodes, const HairDetail& detail, size_t light, int map_size) const;
+  /// `line`: texels that a hair is wide in the map, 1 or more.
+  void drawFront(const GuideNodes& nodes, const HairDetail& detail, size_t light, float line = 1) const;
+  void drawOpacity(const GuideNodes& nodes, const HairDetail& detail, size_t light, int map_size,
+                   float line = 1) const;
   void drawColor(const GuideNodes& nodes, const SceneBlock& block, const HairDetail& detail) const;
 
   /// With any program of grownStages or tessellatedStages, as the path is.

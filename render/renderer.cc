@@ -25,6 +25,7 @@ constexpr float kMaxCoordinate = 1e3f;  // m; a guide farther out does not widen
 
 constexpr double kLengthKept = 0.99;  // of hair of fewer segments
 constexpr float kTouching = 5e-5f;    // m, beyond its radius, at which a guide counts as touching
+constexpr float kBelowHair = 0.05f;   // m, of the ground below hair at rest
 constexpr float kShadowHairs = 8;     // times as many cast shadows as are drawn, up to all
 
 Box boundsOf(std::span<const Vec3> positions) {
@@ -32,6 +33,11 @@ Box boundsOf(std::span<const Vec3> positions) {
   for (const Vec3& p : positions)
     if (p.allFinite() && p.cwiseAbs().maxCoeff() < kMaxCoordinate) box.extend(Eigen::Vector3f(p));
   return box;
+}
+
+Box widened(const Box& box, float by) {
+  const Eigen::Vector3f margin = Eigen::Vector3f::Constant(by);
+  return {box.min() - margin, box.max() + margin};
 }
 
 Box moved(const Box& box, const Pose& pose) {
@@ -179,8 +185,10 @@ struct Renderer::Impl {
     statistics.hairs_grown = hair->hairs().size();
   }
 
+  /// Where hair and body are, hair as far as it stands from its guides.
   Box content() const {
     Box box = boundsOf(guides);
+    if (!box.isEmpty()) box = widened(box, groups.reach() + settings.hair_width);
     box.extend(moved(body.bounds(), head));
     box.extend(body.bounds());  // a part of it stays
     return box;
@@ -239,7 +247,7 @@ struct Renderer::Impl {
       if (sights[g] == Sight::kSeen && !groups.box(g).isEmpty())
         distance = std::min(distance, groups.box(g).exteriorDistance(block.eye.head<3>()));
     if (!std::isfinite(distance)) distance = 1;
-    return block.hair_color.w() * block.eye.w() / std::max(distance, 0.02f);
+    return block.hair_color.w() * block.eye.w() / std::max(distance, depth_range.near);
   }
 
   /// Pixels across lines: as the widest hair has where a guide in the picture is nearest. By the boxes they
@@ -248,11 +256,21 @@ struct Renderer::Impl {
     float nearest = std::numeric_limits<float>::infinity();
     for (const Vec3& p : guides) {
       const Eigen::Vector4f clip = block.view_projection * Eigen::Vector4f(p.x(), p.y(), p.z(), 1);
-      const bool seen = clip.w() > 0.02f && clip.head<2>().cwiseAbs().maxCoeff() < clip.w();
+      const bool seen = clip.w() > depth_range.near && clip.head<2>().cwiseAbs().maxCoeff() < clip.w();
       if (seen && clip.w() < nearest) nearest = clip.w();
     }
     const float widest = 1.25f * block.hair_color.w() * block.eye.w() / nearest;
     return std::clamp(widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
+  }
+
+  /// Whole texels across lines in a light's maps of `size` texels a side: as a hair of width 1 has in the
+  /// middle of what is lit.
+  float lineInMap(size_t light, int size) const {
+    const LightBlock& l = block.lights[light];
+    float per_metre = l.cone.z() * static_cast<float>(size) / static_cast<float>(shadows->opacitySize());
+    if (l.place.w() > 0) per_metre /= std::max((l.place.head<3>() - lit.center()).norm(), 0.1f);
+    const float width = settings.hair_width * std::max(1 / shadow_detail.threshold, 1.0f);
+    return std::clamp(std::round(width * per_metre), 1.0f, widest_line);
   }
 
   /// The hairs of this picture: first those that are drawn, then those that only cast shadows. Both details
@@ -279,15 +297,18 @@ struct Renderer::Impl {
     statistics.hairs_computed = computed_hairs;
   }
 
-  void placeGround() {
+  /// As in SceneBlock::ground: the body stands on it, and hair at rest hangs free of it.
+  Eigen::Vector4f ground() const {
     const Box& base = body.bounds().isEmpty() ? rest_bounds : body.bounds();
-    if (base.isEmpty()) {
-      block.ground = {0, -0.5f, 0, 2};
-      return;
-    }
-    const float drop = body.bounds().isEmpty() ? 0.05f : 0.0f;
-    block.ground << base.center().x(), base.min().y() - drop, base.center().z(),
-        std::max(4 * base.diagonal().norm(), 0.1f);
+    if (base.isEmpty()) return {0, -0.5f, 0, 2};
+    float height = base.min().y();
+    if (!rest_bounds.isEmpty()) height = std::min(height, rest_bounds.min().y() - kBelowHair);
+    return {base.center().x(), height, base.center().z(), std::max(4 * base.diagonal().norm(), 0.1f)};
+  }
+
+  static Box boxOfGround(const Eigen::Vector4f& ground) {
+    const Eigen::Vector3f middle = ground.head<3>(), radius(ground.w(), 0, ground.w());
+    return {middle - radius, middle + radius};
   }
 
   /// `widest`: pixels of a hair of width 1 where it is nearest.
@@ -343,11 +364,15 @@ struct Renderer::Impl {
     RenderSettings large = settings;
     large.width *= settings.supersampling;
     large.height *= settings.supersampling;
-    block = makeSceneBlock(large, camera);
-    const Box lit = content();
+    lit = content();
+    const Eigen::Vector4f below = ground();
+    depth_range =
+        depthRange(clipped(camera), static_cast<float>(large.width) / static_cast<float>(large.height),
+                   std::array{lit, boxOfGround(below)});
+    block = makeSceneBlock(large, camera, depth_range);
+    block.ground = below;
     for (size_t light = 0; light < shadows->lights(); ++light)
       map_widths[light] = shadows->fit(block.lights[light], lit);
-    placeGround();
     const std::vector<Sight> sights = sightsOfGroups();
     const float widest = held_width.of(widestHair(sights), settings.detail.hysteresis);
     block.sampling.x() = static_cast<float>(picture->samples());
@@ -381,9 +406,10 @@ struct Renderer::Impl {
       case RenderPass::kHairShadow:
         for (size_t light = 0; light < shadows->lights(); ++light) {
           shadows->beginHairFront(light);
-          hair->drawFront(*nodes, shadow_detail, light);
+          hair->drawFront(*nodes, shadow_detail, light, lineInMap(light, shadows->frontSize()));
           shadows->beginHairOpacity(light);
-          hair->drawOpacity(*nodes, shadow_detail, light, shadows->opacitySize());
+          hair->drawOpacity(*nodes, shadow_detail, light, shadows->opacitySize(),
+                            lineInMap(light, shadows->opacitySize()));
           shadows->end();
         }
         return;
@@ -453,6 +479,8 @@ struct Renderer::Impl {
   float hair_radius = 0;    // m, of the groom
   int least_segments = 1;
   // Of the picture that is being drawn.
+  Box lit;
+  DepthRange depth_range;
   SceneBlock block{};
   std::array<float, kMostLights> map_widths{};  // m, of each light's shadow maps at most
   HairDetail detail, shadow_detail;
@@ -531,8 +559,11 @@ void Renderer::present(int left, int below, int width, int height) {
                          left, below, left + width, below + height, GL_COLOR_BUFFER_BIT, GL_LINEAR);
 }
 
+float Renderer::hairReach() const { return impl_->groups.meanReach(); }
+
 RenderStatistics Renderer::statistics() const {
   RenderStatistics statistics = impl_->statistics;
+  statistics.samples = impl_->picture->samples();
   if (statistics.frames_drawn == 0) return statistics;
   statistics.passes.clear();
   for (size_t i = 0; i < impl_->settings.passes.size(); ++i)

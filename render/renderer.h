@@ -19,6 +19,7 @@ struct PassTime {
 /// What the renderer did, since it was made unless said.
 struct RenderStatistics {
   uint64_t frames_drawn = 0;
+  int samples = 1;  ///< per pixel, as the device has them
   uint64_t frames_ignored =
       0;              ///< frames that did not fit the groom; the guides of the frame before were drawn
   size_t guides = 0;  ///< of the groom
@@ -46,6 +47,8 @@ class Renderer {
   const RenderSettings& settings() const;  ///< clipped
   /// Chooses which guides each hair follows. Call again when the groom changes. An empty groom draws no hair.
   void setGroom(const GroomDescription& groom);
+  /// m, that hair of the groom may stand from its guides, the mean of all.
+  float hairReach() const;
   /// A mesh without triangles draws no body.
   void setBody(const BodyDescription& body);
   /// Bodies that grown hair is kept out of, or that are marked where it is not; none at first. Throws Error

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace strandcast {
 namespace {
 
-constexpr float kNear = 0.02f, kFar = 50;  // m
+constexpr float kFarOverNear = 20000;                   // at most, of 24 bits of depth
+constexpr float kNearestFar = 1e-4f, kFarthest = 1e7f;  // m
 
 float inRange(float value, float low, float high, float fallback) {
   return std::isfinite(value) ? std::clamp(value, low, high) : fallback;
@@ -29,15 +31,39 @@ LightBlock blockOf(const Light& light) {
 
 }  // namespace
 
-SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& camera) {
-  const float fov = inRange(camera.vertical_fov, 0.01f, 3.0f, 0.6f);
-  const Vec3 eye = camera.eye.allFinite() ? camera.eye : Vec3(0, 0, 1);
-  const Vec3 target = camera.target.allFinite() ? camera.target : Vec3(0, 0, 0);
+Camera clipped(const Camera& camera) {
+  Camera c = camera;
+  c.vertical_fov = inRange(c.vertical_fov, 0.01f, 3.0f, 0.6f);
+  if (!c.eye.allFinite()) c.eye = Vec3(0, 0, 1);
+  if (!c.target.allFinite()) c.target = Vec3(0, 0, 0);
+  if (!c.up.allFinite()) c.up = Vec3::UnitY();
+  return c;
+}
+
+DepthRange depthRange(const Camera& camera, float aspect, std::span<const Box> boxes) {
+  float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
+  for (const Box& box : boxes) {
+    if (box.isEmpty()) continue;
+    nearest = std::min(nearest, box.exteriorDistance(camera.eye));
+    const Eigen::Vector3f off = (camera.eye - box.center()).cwiseAbs() + 0.5f * box.sizes();
+    farthest = std::max(farthest, off.norm());
+  }
+  if (farthest == 0) return {};
+  // What is nearest may be in a corner of the picture, where the way along the view is shorter.
+  const float slope = std::tan(0.5f * camera.vertical_fov);
+  const float corner = 1 / std::sqrt(1 + slope * slope * (1 + aspect * aspect));
+  const float far = inRange(1.05f * farthest, kNearestFar, kFarthest, kFarthest);
+  return {inRange(0.5f * corner * nearest, far / kFarOverNear, 0.5f * far, far / kFarOverNear), far};
+}
+
+SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& wanted, const DepthRange& range) {
+  const Camera camera = clipped(wanted);
   const float height = static_cast<float>(settings.height),
               aspect = static_cast<float>(settings.width) / height;
   SceneBlock block{};
-  block.view_projection = perspective(fov, aspect, kNear, kFar) * viewMatrix(eye, target);
-  block.eye = withW(eye, height / (2 * std::tan(0.5f * fov)));
+  block.view_projection =
+      perspective(camera.vertical_fov, aspect, range.near, range.far) * viewMatrix(camera);
+  block.eye = withW(camera.eye, height / (2 * std::tan(0.5f * camera.vertical_fov)));
   block.hair_color = withW(settings.hair_color, settings.hair_width);
   block.body_color = withW(settings.body_color, static_cast<float>(settings.width));
   block.background = withW(settings.background, height);

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <span>
 
 #include "gl/buffer.h"
 #include "render/camera.h"
@@ -24,7 +25,7 @@ struct LightBlock {
                           ///< range of its shadow maps, m
   Eigen::Vector4f place;  ///< m; w: 1 for a light that is there, 0 for a directional one
   Eigen::Vector4f cone;   ///< coneCosines(); texels per metre of its opacity map, of a light with a place 1 m
-                          ///< from it; w: unused
+                          ///< from it; w: part of its maps, from their edge on, over which shadows fade out
   Eigen::Vector4f power;  ///< intensity times colour; w: unused
   float layer_ends[kMostOpacityLayers + 1];    ///< m behind the front of the hair, as layerEnds()
   float layer_limits[kMostOpacityLayers + 1];  ///< m: hair before it counts in the layer
@@ -47,7 +48,18 @@ struct SceneBlock {
 };
 static_assert(sizeof(LightBlock) == 256 && sizeof(SceneBlock) == 176 + kMostLights * sizeof(LightBlock));
 
+/// `camera` with values that a picture can be drawn with in place of those that it cannot.
+Camera clipped(const Camera& camera);
+
+/// Distances along the view that a picture holds, m.
+struct DepthRange {
+  float near = 0.02f, far = 50;
+};
+/// What holds all boxes, as near to the eye as the precision of depth allows; of a picture `aspect` times as
+/// wide as it is high.
+DepthRange depthRange(const Camera& camera, float aspect, std::span<const Box> boxes);
+
 /// All but what ShadowMaps::fit and the renderer fill in.
-SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& camera);
+SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& camera, const DepthRange& range = {});
 
 }  // namespace strandcast

@@ -25,15 +25,17 @@ void setBorder(const Texture& texture, float value) {
 /// What the light sees. Depth, the third row, is -1 to 1 before any division.
 struct LightView {
   Eigen::Matrix4f projection;
-  float range;   ///< m, of depth
-  float width;   ///< m, of the maps; of a light with a place 1 m from it
-  float widest;  ///< m, in their range
+  float range;     ///< m, of depth
+  float width;     ///< m, of the maps; of a light with a place 1 m from it
+  float widest;    ///< m, in their range
+  float fade = 0;  ///< part of them, from their edge on, over which shadows fade out
 };
 
 // In steps, so that the maps do not swim while the hair moves.
 constexpr float kStep = 0.05f;       // m
 constexpr float kWidestView = 1.3f;  // rad
 constexpr float kNearest = 0.01f;    // m, in which a light with a place casts no shadow
+constexpr float kFade = 0.4f;        // of half a map that does not take in everything: its outer 10 degrees
 
 LightView parallelView(const LightBlock& light, const Box& content, int texels) {
   const float radius =
@@ -68,6 +70,7 @@ LightView perspectiveView(const LightBlock& light, const Box& content, float mar
     half = cone;
     target = Vec3(eye + axis);
   }
+  const float fade = half < kWidestView ? 0 : kFade;
   const Vec3 looks = (target - eye).normalized();
   const float middle = (center - eye).dot(looks);
   const float near = std::max(middle - radius, kNearest), far = std::max(middle + radius, near + kStep);
@@ -77,7 +80,7 @@ LightView perspectiveView(const LightBlock& light, const Box& content, float mar
   projection(2, 2) = -2 / (far - near);
   projection(2, 3) = -(far + near) / (far - near);
   projection(3, 2) = -1;
-  return {projection * viewMatrix(eye, target), far - near, 2 * slope, 2 * slope * far};
+  return {projection * viewMatrix(eye, target), far - near, 2 * slope, 2 * slope * far, fade};
 }
 
 }  // namespace
@@ -107,6 +110,7 @@ float ShadowMaps::fit(LightBlock& light, const Box& content) const {
   light.view_projection = view.projection;
   light.way.w() = view.range;
   light.cone.z() = static_cast<float>(layers_.map_size) / view.width;
+  light.cone.w() = view.fade;
   const float depth = layers_.beyond == BeyondLayers::kReach ? view.range : layers_.depth;
   const auto ends = layerEnds(layers_, depth);
   const float last = layers_.beyond == BeyondLayers::kLastLayer ? 1e9f : ends[layers_.layers - 1];

@@ -20,7 +20,7 @@ class ShadowMaps {
   /// Sets the light's matrix, its depth range, the opacity map's scale and the layers so that its maps cover
   /// `content`. A directional light looks at it in parallel. A light with a place looks in perspective at the
   /// ball about it, or, being a spot whose cone is narrower, along its axis; from within or near the ball
-  /// through 75 degrees to either side at most, beside which there are no shadows. Depth is measured along
+  /// through 75 degrees to either side at most, towards which shadows fade out. Depth is measured along
   /// the way it looks. Returns how wide the maps are at most, m.
   float fit(LightBlock& light, const Box& content) const;
 
@@ -31,6 +31,7 @@ class ShadowMaps {
   void beginHairFront(size_t light) const;
   void beginHairOpacity(size_t light) const;            ///< leaves additive blending on
   int opacitySize() const { return layers_.map_size; }  ///< texels a side
+  int frontSize() const { return front_size_; }         ///< the same, of the hair's front
   size_t bytes() const;                                 ///< of device memory
   void end() const;
   void bindTextures() const;

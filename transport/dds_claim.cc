@@ -1,28 +1,42 @@
 #include "transport/dds_claim.h"
 
+#include <algorithm>
+
 namespace strandcast {
 namespace {
 constexpr std::chrono::milliseconds kClaimPeriod{40};
-constexpr std::chrono::milliseconds kFallsSilent{1000};  // in which every claimant has heard of a new holder
+constexpr size_t kProgramBytes = 12;  // of a GUID: they are alike in all that a participant writes
 }  // namespace
 
 DdsClaim::DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength)
     : groom_id_(groom_id),
       session_(session),
       strength_(strength),
-      listener_([this](v6::Claim& claim, const auto&) {
-        if (claim.groom_id() != groom_id_ || holder_.exchange(claim.session()) == claim.session()) return;
-        changed_ = std::chrono::steady_clock::now().time_since_epoch();
-        if (claim.session() == session_) ++turns_;
-      }) {}
+      listener_(
+          [this](v6::Claim& claim, const auto&) {
+            if (claim.groom_id() != groom_id_ || holder_.exchange(claim.session()) == claim.session()) return;
+            if (claim.session() == session_) ++turns_;
+          },
+          {.found =
+               [this](const auto& writer) {
+                 const std::lock_guard lock(writers_mutex_);
+                 writers_.insert(writer);
+               },
+           .left =
+               [this](const auto& writer) {
+                 const std::lock_guard lock(writers_mutex_);
+                 writers_.erase(writer);
+               }}) {}
 
 uint64_t DdsClaim::turn() const {
   return holder_ == session_ && std::chrono::steady_clock::now() >= settled_ ? turns_.load() : 0;
 }
 
-bool DdsClaim::isSettled() const {
-  const auto now = std::chrono::steady_clock::now();
-  return holder_ != 0 && now >= settled_ && now.time_since_epoch() - changed_.load() >= kFallsSilent;
+bool DdsClaim::isClaimants(const StatusBoard::WriterId& writer) const {
+  const std::lock_guard lock(writers_mutex_);
+  return std::any_of(writers_.begin(), writers_.end(), [&](const StatusBoard::WriterId& known) {
+    return std::equal(known.begin(), known.begin() + kProgramBytes, writer.begin());
+  });
 }
 
 void DdsClaim::start(DdsParticipant& participant, std::chrono::milliseconds settles) {

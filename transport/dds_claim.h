@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "transport/dds_participant.h"
@@ -24,11 +25,8 @@ class DdsClaim {
 
   /// How often it has become this daemon's turn, where it is; else 0.
   uint64_t turn() const;
-  /// Session of the daemon whose turn it is; 0 while that is not known.
-  uint64_t holder() const { return holder_; }
-  /// Whether a status of another session than the holder's must be of a daemon that does not share the groom:
-  /// one that does sends none once it knows whose turn it is.
-  bool isSettled() const;
+  /// Whether the program that this writer of any topic is of claims the groom too.
+  bool isClaimants(const StatusBoard::WriterId& writer) const;
 
  private:
   void claim(eprosima::fastdds::dds::DataWriter* writer);
@@ -36,9 +34,11 @@ class DdsClaim {
   const uint32_t groom_id_;
   const uint64_t session_;
   const uint32_t strength_;
-  std::atomic<uint64_t> holder_{0}, turns_{0};
-  std::atomic<std::chrono::steady_clock::duration> changed_{};  ///< since the clock's start: of the holder
+  std::atomic<uint64_t> holder_{0};  // session of the daemon whose turn it is; 0 while that is not known
+  std::atomic<uint64_t> turns_{0};
   std::chrono::steady_clock::time_point settled_;
+  mutable std::mutex writers_mutex_;
+  std::set<StatusBoard::WriterId> writers_;  // of claims, that are there
   TakingListener<v6::Claim> listener_;
   std::mutex mutex_;
   std::condition_variable wake_;

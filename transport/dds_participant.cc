@@ -28,12 +28,12 @@ namespace strandcast {
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 
-const TopicProfile kGroomTopic{"strandcast/groom", true, 1, kMaxChunks, true};
-const TopicProfile kBodiesTopic{"strandcast/bodies", true, 1, kMaxChunks, true};
-const TopicProfile kCollidersTopic{"strandcast/colliders", true, 1, kMaxChunks, true};
+const TopicProfile kGroomTopic{"strandcast/groom", true, 1, kMaxChunks, true, false, true};
+const TopicProfile kBodiesTopic{"strandcast/bodies", true, 1, kMaxChunks, true, false, true};
+const TopicProfile kCollidersTopic{"strandcast/colliders", true, 1, kMaxChunks, true, false, true};
 const TopicProfile kGuidesTopic{"strandcast/guides", false, 4, kMaxChunks, true};
 const TopicProfile kCommandTopic{"strandcast/command", false, 64, 4, true};
-const TopicProfile kStatusTopic{"strandcast/status", true, 1, 1024, false};
+const TopicProfile kStatusTopic{"strandcast/status", true, 1, 1024, false, false, true};
 const TopicProfile kClaimTopic{"strandcast/claim", false, 1, 4, true, true};
 
 namespace {
@@ -395,6 +395,10 @@ dds::DataReader* DdsParticipant::createReader(const TopicProfile& profile, dds::
   setCommon(qos, profile);
   if (!is_reliable) qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
   qos.reliable_reader_qos().times.heartbeatResponseDelay = {0, 0};
+  // With memory as large as what it holds, a reader of Fast DDS 2.9.1 refuses disposals, which hold nothing,
+  // for good, and is given nothing that comes behind one.
+  if (profile.is_withdrawn)
+    qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   dds::Subscriber* subscriber = profile.is_per_groom ? groom_subscriber_ : common_subscriber_;
   dds::DataReader* reader = subscriber->create_datareader(topic(profile, type), qos, listener,
                                                           dds::StatusMask::data_available()

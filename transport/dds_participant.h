@@ -29,6 +29,7 @@ struct TopicProfile {
   int max_instances;          // of a writer or a reader
   bool is_per_groom;          // in the groom's partition
   bool is_exclusive = false;  // readers are given what the strongest live writer wrote
+  bool is_withdrawn = false;  // writers dispose of what they wrote
 };
 extern const TopicProfile kGroomTopic, kBodiesTopic, kCollidersTopic, kGuidesTopic, kCommandTopic,
     kStatusTopic, kClaimTopic;
@@ -88,16 +89,22 @@ class DdsParticipant {
   eprosima::fastdds::dds::Subscriber* common_subscriber_ = nullptr;
 };
 
+/// What becomes of the writers of a topic.
+struct WriterHandlers {
+  using Handler = std::function<void(const StatusBoard::WriterId& writer)>;
+  Handler found = {}, left = {};
+  Handler disposed = {};  ///< of what it has written; it is still there
+};
+
 /// Takes every sample as it arrives, in Fast DDS's thread, and hands it on.
 template <class Wire>
 class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
  public:
   using Handler = std::function<void(Wire& sample, const StatusBoard::WriterId& writer)>;
-  using LossHandler = std::function<void(const StatusBoard::WriterId& writer)>;
-  /// `handler` may exchange the sample's arrays; `on_writer_gone` may be empty. Both may be called by several
+  /// `handler` may exchange the sample's arrays; those of writers may be empty. All may be called by several
   /// threads at once, lock what they share, and call no DDS while they hold it.
-  explicit TakingListener(Handler handler, LossHandler on_writer_gone = {})
-      : handler_(std::move(handler)), on_writer_gone_(std::move(on_writer_gone)) {}
+  explicit TakingListener(Handler handler, WriterHandlers writers = {})
+      : handler_(std::move(handler)), writers_(std::move(writers)) {}
 
   void on_data_available(eprosima::fastdds::dds::DataReader* reader) override {
     // Writers of this process deliver in their own threads, perhaps several at once and with the reader's
@@ -106,14 +113,18 @@ class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
     thread_local Wire sample;
     eprosima::fastdds::dds::SampleInfo info;
     while (reader->take_next_sample(&sample, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-      if (info.valid_data) handler_(sample, writerId(info.publication_handle));
+      const StatusBoard::WriterId writer = writerId(info.publication_handle);
+      if (info.valid_data)
+        handler_(sample, writer);
+      else if (writers_.disposed)
+        writers_.disposed(writer);
     }
   }
   void on_subscription_matched(eprosima::fastdds::dds::DataReader*,
                                const eprosima::fastdds::dds::SubscriptionMatchedStatus& status) override {
     matched_ = status.current_count;
-    if (status.current_count_change < 0 && on_writer_gone_)
-      on_writer_gone_(writerId(status.last_publication_handle));
+    const WriterHandlers::Handler& tell = status.current_count_change < 0 ? writers_.left : writers_.found;
+    if (tell) tell(writerId(status.last_publication_handle));
   }
   /// Writers that the reader is matched with.
   uint32_t matched() const { return static_cast<uint32_t>(matched_.load()); }
@@ -125,7 +136,7 @@ class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
     return id;
   }
   Handler handler_;
-  LossHandler on_writer_gone_;
+  WriterHandlers writers_;
   std::atomic<int> matched_{0};
 };
 

@@ -17,6 +17,8 @@ namespace dds = eprosima::fastdds::dds;
 const eprosima::fastrtps::Duration_t kFarewell{1, 0};
 /// A new daemon that shares its groom hears of no other for so long.
 constexpr std::chrono::milliseconds kSettles{1500};
+/// Who shares a groom is found by its claims and by its statuses, in either order, within so long.
+constexpr std::chrono::milliseconds kClaimsLate{2000};
 
 class DdsPublisher final : public Publisher {
  public:
@@ -25,7 +27,8 @@ class DdsPublisher final : public Publisher {
         announced_(options.groom_id, options.session, options.codec),
         command_listener_([this](v6::Command& wire, const auto&) { receive(wire); }),
         status_listener_([this](v6::Status& wire, const auto& writer) { hear(wire, writer); },
-                         [this](const auto& writer) { others_.remove(writer); }),
+                         {.left = [this](const auto& writer) { others_.remove(writer); },
+                          .disposed = [this](const auto& writer) { others_.remove(writer); }}),
         participant_(DdsNetwork(options), options.groom_id) {
     // Before the reader whose thread asks it.
     if (options.claim) claim_.emplace(options.groom_id, options.session, *options.claim);
@@ -86,6 +89,7 @@ class DdsPublisher final : public Publisher {
     sample.groom_id(options_.groom_id);
     sample.session(options_.session);
     status_writer_->write(&sample);
+    has_status_ = true;
   }
 
   std::optional<Command> takeCommand() override {
@@ -101,7 +105,12 @@ class DdsPublisher final : public Publisher {
 
   uint32_t matchedReaders() const override { return readers_.matched(); }
   EncodingReport encoding() const override { return announced_.encoding(); }
-  std::optional<Rival> rival() const override { return others_.rivalOf(options_.groom_id, options_.session); }
+  std::optional<Rival> rival() const override {
+    if (!claim_) return others_.rivalOf(options_.groom_id, options_.session);
+    return others_.rivalOf(options_.groom_id, options_.session, [this](const auto& writer, auto heard) {
+      return heard > kClaimsLate && !claim_->isClaimants(writer);
+    });
+  }
 
  private:
   void write(AnnouncedGroom::Chunks chunks) {
@@ -122,7 +131,17 @@ class DdsPublisher final : public Publisher {
       write(turn != 0 ? shared_colliders_ : std::vector<ColliderChunk>());
       announced_turn_ = turn;
     }
+    if (turn == 0 && has_status_) withdrawStatus();
     return turn != 0;
+  }
+
+  /// Readers are to forget a daemon that falls silent, and late ones not to hear what it said last.
+  void withdrawStatus() {
+    v6::Status sample;
+    sample.groom_id(options_.groom_id);
+    sample.session(options_.session);
+    status_writer_->dispose(&sample, eprosima::fastrtps::rtps::InstanceHandle_t());
+    has_status_ = false;
   }
 
   /// Writes all chunks and disposes of those that the last announcement had beyond them, so that late readers
@@ -156,8 +175,6 @@ class DdsPublisher final : public Publisher {
 
   void hear(const v6::Status& wire, const StatusBoard::WriterId& writer) {
     if (wire.groom_id() != options_.groom_id || wire.session() == options_.session) return;
-    if (claim_ && (wire.session() == claim_->holder() || !claim_->isSettled()))
-      return;  // it may share the groom
     Status status;
     fromWire(wire, status);
     others_.post(writer, std::move(status));
@@ -171,6 +188,7 @@ class DdsPublisher final : public Publisher {
   AnnouncedGroom::Chunks shared_;  // for when it is this one's turn
   std::vector<ColliderChunk> shared_colliders_;
   uint64_t announced_turn_ = 0;  // of DdsClaim::turn()
+  bool has_status_ = false;      // that readers know of
   v6::GuideChunk guide_sample_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter readers_;

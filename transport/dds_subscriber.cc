@@ -1,5 +1,6 @@
 #include <atomic>
 #include <condition_variable>
+#include <functional>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -20,6 +21,7 @@ namespace dds = eprosima::fastdds::dds;
 constexpr std::chrono::milliseconds kWatchPeriod{400};
 /// Fast DDS 2.9.1 repeats a message of a handshake that was lost only after a second.
 constexpr std::chrono::milliseconds kSecureAnswerTime{6000};
+const eprosima::fastrtps::Duration_t kAcknowledgmentLook{0, 50000000};
 constexpr int kPatience = 2;  // looks without a chunk; a daemon's status comes twice a second
 
 class DdsSubscriber final : public ReceivingSubscriber {
@@ -32,7 +34,8 @@ class DdsSubscriber final : public ReceivingSubscriber {
         collider_listener_([this](v6::ColliderChunk& wire, const auto&) { receive(wire); }),
         guide_listener_([this](v6::GuideChunk& wire, const auto&) { receive(wire); }),
         status_listener_([this](v6::Status& wire, const auto& writer) { receive(wire, writer); },
-                         [this](const auto& writer) { statuses_.remove(writer); }) {
+                         {.left = [this](const auto& writer) { statuses_.remove(writer); },
+                          .disposed = [this](const auto& writer) { statuses_.remove(writer); }}) {
     join(DdsNetwork(options));
     if (options.profile == DdsProfile::kLocal) watchdog_ = std::thread([this] { watch(); });
   }
@@ -49,7 +52,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
 
   bool mayCommand() const override { return options_.keys.empty() || command_writer_ != nullptr; }
 
-  void send(const Command& command) override {
+  void send(const Command& command, const std::function<bool()>& gives_up) override {
     checkCommand(command, options_.groom_id);
     if (!mayCommand()) {
       throw Error("these keys do not permit commands", options_.keys.string(),
@@ -59,13 +62,15 @@ class DdsSubscriber final : public ReceivingSubscriber {
         "groom " + std::to_string(options_.groom_id) + " in DDS domain " + std::to_string(options_.domain);
     const char* const remedy = "start strandcastd, or check --domain and the groom id";
     const auto answer_time = options_.keys.empty() ? kAnswerTime : kSecureAnswerTime;
-    const auto deadline = std::chrono::steady_clock::now() + answer_time;
+    const auto within = [&gives_up](std::chrono::milliseconds time) {
+      return [&gives_up, deadline = std::chrono::steady_clock::now() + time] {
+        return std::chrono::steady_clock::now() <= deadline && !(gives_up && gives_up());
+      };
+    };
     // Its status is what it answers with.
-    for (bool heard = daemons_.waitForMatch(answer_time); !heard || !status();
-         std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
-      if (!heard || std::chrono::steady_clock::now() > deadline)
-        throw Error("no daemon answers", where, remedy);
-    }
+    for (const auto may_come = within(answer_time); daemons_.matched() == 0 || !status();
+         std::this_thread::sleep_for(std::chrono::milliseconds(5)))
+      if (!may_come()) throw Error("no daemon answers", where, remedy);
     const std::lock_guard lock(send_mutex_);
     v6::Command sample;
     toWire(command, sample);
@@ -73,11 +78,10 @@ class DdsSubscriber final : public ReceivingSubscriber {
     if (!command_writer_ || !command_writer_->write(&sample))
       throw Error("the command cannot be written", where, remedy);
     // So that a program may end right after it.
-    const eprosima::fastrtps::Duration_t patience{static_cast<int32_t>(kAnswerTime.count() / 1000), 0};
-    if (command_writer_->wait_for_acknowledgments(patience) !=
-        eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-      throw Error("the daemon does not acknowledge the command", where, remedy);
-    }
+    const auto may_come = within(kAnswerTime);
+    while (command_writer_->wait_for_acknowledgments(kAcknowledgmentLook) !=
+           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
+      if (!may_come()) throw Error("the daemon does not acknowledge the command", where, remedy);
   }
 
  private:

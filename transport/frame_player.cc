@@ -45,6 +45,26 @@ void moveToHead(GuideFrame& frame, const Pose& head) {
   frame.head = head;
 }
 
+void mixFrames(const GuideFrame& a, const GuideFrame& b, double time, GuideFrame& out) {
+  const auto t = static_cast<float>((time - a.simulation_time) / (b.simulation_time - a.simulation_time));
+  out = b;
+  out.simulation_time = time;
+  out.head = interpolate(a.head, b.head, t);
+  for (PlacedCollider& placed : out.colliders) {
+    for (const PlacedCollider& before : a.colliders) {
+      if (before.id != placed.id) continue;
+      placed.pose = interpolate(before.pose, placed.pose, t);
+      if (!before.bend.isNone() || !placed.bend.isNone())
+        placed.bend = interpolate(before.bend, placed.bend, t);
+    }
+  }
+  const HeadFrame from_a(a.head), from_b(b.head), to(out.head);
+  for (size_t v = 0; v < out.positions.size(); ++v) {
+    const Vec3 start = from_a.toHead(a.positions[v]), end = from_b.toHead(b.positions[v]);
+    out.positions[v] = to.toWorld(start + t * (end - start));
+  }
+}
+
 struct FramePlayer::State {
   Subscriber& subscriber;
   const Playout playout;
@@ -89,24 +109,8 @@ struct FramePlayer::State {
   }
 
   Frame between(const GuideFrame& a, const GuideFrame& b, double time) {
-    const auto t = static_cast<float>((time - a.simulation_time) / (b.simulation_time - a.simulation_time));
     FramePool::Buffer mixed = pool.take();
-    *mixed = b;
-    mixed->simulation_time = time;
-    mixed->head = interpolate(a.head, b.head, t);
-    for (PlacedCollider& placed : mixed->colliders) {
-      for (const PlacedCollider& before : a.colliders) {
-        if (before.id != placed.id) continue;
-        placed.pose = interpolate(before.pose, placed.pose, t);
-        if (!before.bend.isNone() || !placed.bend.isNone())
-          placed.bend = interpolate(before.bend, placed.bend, t);
-      }
-    }
-    const HeadFrame from_a(a.head), from_b(b.head), to(mixed->head);
-    for (size_t v = 0; v < mixed->positions.size(); ++v) {
-      const Vec3 start = from_a.toHead(a.positions[v]), end = from_b.toHead(b.positions[v]);
-      mixed->positions[v] = to.toWorld(start + t * (end - start));
-    }
+    mixFrames(a, b, time, *mixed);
     return pool.share(std::move(mixed));
   }
 

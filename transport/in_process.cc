@@ -133,7 +133,7 @@ class InProcessSubscriber final : public Subscriber {
     return one ? std::vector<Status>{*one} : std::vector<Status>{};
   }
 
-  void send(const Command& command) override {
+  void send(const Command& command, const std::function<bool()>&) override {
     checkCommand(command, channel_->groom_id);
     const std::lock_guard lock(channel_->mutex);
     if (!channel_->has_publisher) {

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "transport/messages.h"
@@ -61,6 +62,9 @@ class Publisher {
   /// gone. A rival that was killed is never heard by a daemon started after its end, and is forgotten after
   /// its lease of 3 s by one that ran before. In-process: always empty.
   virtual std::optional<Rival> rival() const = 0;
+  /// Why what was published is not kept where it was to be, in an LCM log; empty where nothing went wrong. It
+  /// was logged, once.
+  virtual std::string failure() const { return {}; }
 };
 
 }  // namespace strandcast

@@ -11,7 +11,9 @@ constexpr size_t kMaxDaemons = 1024;
 bool StatusBoard::post(const WriterId& writer, Status status) {
   const std::lock_guard lock(mutex_);
   if (entries_.size() >= kMaxDaemons && !entries_.contains(writer)) return false;
-  entries_[writer] = {std::move(status), ++arrived_};
+  Entry& entry = entries_[writer];
+  entry.status = std::move(status);
+  entry.order = ++arrived_;
   return true;
 }
 
@@ -48,11 +50,14 @@ std::optional<Status> StatusBoard::ofGroom(uint32_t groom_id, uint64_t session) 
   return best ? std::optional(best->status) : std::nullopt;
 }
 
-std::optional<Rival> StatusBoard::rivalOf(uint32_t groom_id, uint64_t own) const {
+std::optional<Rival> StatusBoard::rivalOf(uint32_t groom_id, uint64_t own, const Condition& counts) const {
+  const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
   std::optional<Rival> strongest;
   for (const auto& [writer, entry] : entries_) {
-    if (entry.status.groom_id != groom_id || entry.status.session == own) continue;
+    if (entry.status.groom_id != groom_id || entry.status.session == own ||
+        (counts && !counts(writer, now - entry.since)))
+      continue;
     const Rival rival = Rival::of(entry.status);
     if (!strongest ||
         std::pair(!rival.casts, rival.session) < std::pair(!strongest->casts, strongest->session))

@@ -73,9 +73,10 @@ class Subscriber {
   /// Sends a command to the daemon of `command.groom_id` 's groom, which is this subscriber's (0 stands for
   /// it). Blocks until the daemon's machine has it (over LCM: until it is sent), and the daemon's answer can
   /// be heard. The command may be lost, and the daemon may end before it obeys: ask() sends until there is an
-  /// answer. Throws Error when no daemon of that groom answers within 2 s (6 s with keys), when `id` is 0,
-  /// when the command is longer than the wire takes, or without mayCommand().
-  virtual void send(const Command& command) = 0;
+  /// answer. Throws Error when no daemon of that groom answers within 2 s (6 s with keys), or until
+  /// `gives_up` where there is one, which is asked again and again; when `id` is 0, when the command is
+  /// longer than the wire takes, or without mayCommand().
+  virtual void send(const Command& command, const std::function<bool()>& gives_up = {}) = 0;
   /// The daemon's answer to the command of this id: empty text when it was carried out, the reason when it
   /// was refused, nothing on timeout. The newest 256 answers are kept, also when the daemon has ended.
   virtual std::optional<std::string> waitForAnswer(uint64_t command, std::chrono::milliseconds timeout) = 0;
@@ -83,8 +84,8 @@ class Subscriber {
 };
 
 /// Sends the command, again every half second, until the daemon has answered; however often it comes, a
-/// daemon obeys it once. Its answer as of waitForAnswer(); nothing, or the Error of the last send, once
-/// `gives_up`.
+/// daemon obeys it once. Its answer as of waitForAnswer(); nothing, or the Error of the last send, soon after
+/// `gives_up` is true.
 std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
                                const std::function<bool()>& gives_up);
 
@@ -105,6 +106,9 @@ struct PlayoutStatistics {
 /// Moves hair that was simulated on one head pose rigidly to another, newer one ("late latching"): a renderer
 /// that tracks the head itself then shows no delay of the head, only of the sway of the hair.
 void moveToHead(GuideFrame& frame, const Pose& head);
+/// A frame between two of one revision, at a time between theirs: positions go straight relative to the head,
+/// the head and colliders from pose to pose. All else is the later one's.
+void mixFrames(const GuideFrame& a, const GuideFrame& b, double time, GuideFrame& out);
 
 /// Picks frames for the pictures of a renderer, one thread at a time. `subscriber` outlives it.
 class FramePlayer {
@@ -119,9 +123,7 @@ class FramePlayer {
   ///
   /// kSmooth keeps the offset between this machine's clock and simulation time at the least that the last
   /// second or so of arrivals shows, and plays one frame interval and the jitter (at most a second interval)
-  /// behind it. Where frames stay away it stands still on the newest. Between two frames positions go
-  /// straight relative to the head, and the head from pose to pose; `frame` is the later one's number,
-  /// `simulation_time` the picture's own.
+  /// behind it, between two frames as mixFrames(). Where frames stay away it stands still on the newest.
   std::shared_ptr<const GuideFrame> next(
       const std::optional<Pose>& head = std::nullopt,
       std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());

@@ -14,8 +14,7 @@ constexpr float kFarthestHead = 0.6f;  // m
 }  // namespace
 
 std::optional<PicturePoint> projected(const Camera& camera, const Vec3& point, float aspect) {
-  const Eigen::Vector4f eye =
-      viewMatrix(camera.eye, camera.target) * Eigen::Vector4f(point.x(), point.y(), point.z(), 1);
+  const Eigen::Vector4f eye = viewMatrix(camera) * Eigen::Vector4f(point.x(), point.y(), point.z(), 1);
   if (!(eye.z() < -1e-4f)) return std::nullopt;
   const float focal = 1 / std::tan(0.5f * camera.vertical_fov);
   return PicturePoint{0.5f + 0.5f * focal / aspect * eye.x() / -eye.z(),
@@ -40,7 +39,7 @@ std::optional<uint32_t> pickedVertex(const Camera& camera, std::span<const Vec3>
 }
 
 Vec3 draggedTo(const Camera& camera, const Vec3& at, const PicturePoint& mouse) {
-  const Eigen::Matrix4f view = viewMatrix(camera.eye, camera.target);
+  const Eigen::Matrix4f view = viewMatrix(camera);
   const float depth = -(view * Eigen::Vector4f(at.x(), at.y(), at.z(), 1)).z();
   const float slope = std::tan(0.5f * camera.vertical_fov);
   const Eigen::Vector3f eye((2 * mouse.x - 1) * slope * mouse.aspect * depth,
@@ -81,8 +80,7 @@ void HairTool::drag(const Camera& camera, const PicturePoint& mouse, CommandSend
     const Vec3 way = draggedTo(camera, from_, mouse) - draggedTo(camera, from_, start_);
     pose.position += way * std::min(1.0f, kFarthestHead / std::max(way.norm(), 1e-6f));
   } else {
-    const Eigen::Vector3f across =
-        viewMatrix(camera.eye, camera.target).block<1, 3>(0, 0).transpose();  // to the right
+    const Eigen::Vector3f across = viewMatrix(camera).block<1, 3>(0, 0).transpose();  // to the right
     const Eigen::Quaternionf turn(
         Eigen::AngleAxisf(kTurn * (mouse.x - start_.x) * mouse.aspect, Eigen::Vector3f::UnitY()) *
         Eigen::AngleAxisf(kTurn * (mouse.y - start_.y), across));

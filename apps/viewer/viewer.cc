@@ -160,10 +160,13 @@ class Viewer {
     panel_.picture.settings.width = width;
     try {
       renderer_.setSettings(renderSettings(panel_.picture));
+      if (scene_.groom && scene_.body) frameScene();
     } catch (const Error& error) {
       panel_.say(error.what());
     }
   }
+
+  void frameScene() { box_ = pictureBox(*scene_.groom, *scene_.body, renderer_.hairReach()); }
 
   void setObstacles() {
     const RenderSettings& settings = panel_.picture.settings;
@@ -189,7 +192,7 @@ class Viewer {
       scene_ = now;
       setScene(renderer_, *scene_.groom, *scene_.body);
       obstacles_set_ = false;
-      box_ = pictureBox(*scene_.groom, *scene_.body);
+      frameScene();
     }
     frame_ = frame;
   }

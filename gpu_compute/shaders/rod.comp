@@ -368,8 +368,8 @@ bool anyStrand(bool own) {
 
 #if VIOLENT
 // The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the second
-// length system in the metric of the masses. Of other strands only the barriers are wanted.
-void pullThroughBending(bool violent) {
+// length system in the metric of the masses. Of other strands only the barriers are wanted. `meet`: a body is near the strand.
+void pullThroughBending(bool violent, bool meet) {
   const float calm_in = violent ? 0.0 : pull_in, calm_out = violent ? 0.0 : pull_out;
   float calm[PER_THREAD], excess[PER_THREAD], conjugate[PER_THREAD];
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
@@ -386,7 +386,7 @@ void pullThroughBending(bool violent) {
   if (violent) softness_in = 0.0;
   product = strandSum(product);
   float kept = 0.0;  // of the last direction
-  bool goes_on = violent;
+  float part = violent ? 1.0 : 0.0;  // of this iteration's step
   const float kappa = rest.stiffest * settings.substep * settings.substep;
   for (int iteration = 1; iteration <= REPEATS(most_pulls); ++iteration) {
     for (int p = 0; p < PER_THREAD; ++p) pull[p] = conjugate[p] = madd(conjugate[p], kept, pull[p]);
@@ -411,8 +411,7 @@ void pullThroughBending(bool violent) {
       curvature = madd(conjugate[p], shortened[p], curvature);
       moved_in = moved[p];
     }
-    float way = conjugateStep(product, strandSum(curvature));
-    if (!goes_on) way = 0.0;
+    float way = conjugateStep(product, strandSum(curvature)) * part;
     float left2 = 0.0;
     for (int p = 0; p < PER_THREAD; ++p) {
       if (violent) {
@@ -425,8 +424,9 @@ void pullThroughBending(bool violent) {
     }
     if (iteration == most_pulls) break;
     if (iteration >= kPullIterations) {
-      goes_on = goes_on && needMorePulls(kappa, strandMax(left2));
-      if (!anyStrand(goes_on)) break;
+      float more = morePulls(kappa, strandMax(left2));
+      part = meet ? 0.0 : part * more;
+      if (!anyStrand(part > 0.0)) break;
     }
     pull = excess;
     solveTridiagonal(slack, lower, pivot, pull);
@@ -445,18 +445,19 @@ void pullThroughBending(bool violent) {
 // After the first pass over lengths: whether the strand needs another, because it is violent or a body is near. The pulls of
 // violent ones go through bending.
 bool needsAgain() {
-  bool needs = false;
+#if BODIES
+  const bool meet = ofStrand(meets);
+#else
+  const bool meet = false;
+#endif
 #if VIOLENT
-  needs = ofStrand(isViolent(mostViolence()));
-  if (anyStrand(needs)) pullThroughBending(needs);
+  const bool violent = ofStrand(isViolent(mostViolence()));
+  if (anyStrand(violent)) pullThroughBending(violent, meet);
+  return violent || meet;
 #else
   most = max(most, mostViolence());
+  return meet;
 #endif
-#if BODIES
-  bool meet = ofStrand(meets);
-  needs = needs || meet;
-#endif
-  return needs;
 }
 
 // Of a strand that only goes along with others of its workgroup; nothing comes out otherwise for them. `pulled_in`: shift_in

@@ -19,7 +19,7 @@ void main() {
   vec3 n = normalize(normal), e = normalize(scene.eye.xyz - world);
   if (dot(n, e) < 0.0 && !gl_FrontFacing) n = -n;
   vec3 diffuse = vec3(0), sheen = vec3(0);
-  float clear = 0.0;
+  vec2 clear = vec2(0);
   for (int light = 0; light < LIGHTS; ++light) {
     vec3 l = towardsLight(light, world), h = normalize(l + e);
     float lit = 1.0, hair = 0.0;
@@ -27,7 +27,7 @@ void main() {
       vec3 at = lightCoordinates(light, world + 0.002 * n);
       lit = solidVisibility(light, at, 0.003, 1);
       hair = hairOpticalDepth(light, at, 0.0);
-      clear += exp(-0.15 * hair);
+      clear += clearAlong(light, exp(-0.15 * hair), lit);
     }
     vec3 direct = lightAt(light, world) * lit * exp(-hair * vec3(0.45, 0.55, 0.6));
     diffuse += wrappedDiffuse(dot(n, l)) * direct * 0.5;

@@ -10,6 +10,13 @@ float lobe(float inclination_light, float inclination_eye, float shift, float ex
   return pow(max(cos(inclination_light + inclination_eye - 2.0 * shift), 0.0), exponent);
 }
 
+// Light hair would scatter more than it gets: the integral of scattered() over all ways out, of light from straight across,
+// which is the most, kept below 1 by a factor that is 1 for dark hair. `brightest`: of the base's colours.
+float energyFactor(float brightest) {
+  float whole = brightest * (1.26 + 0.98 * sqrt(brightest)) + 0.07;
+  return pow(1.0 + pow(whole, 8.0), -0.125);
+}
+
 // Of one light, where nothing is between; `base` is the colour of light scattered in the hair.
 vec3 scattered(vec3 base, vec3 tangent, vec3 l, vec3 e) {
   float tl = clamp(dot(tangent, l), -1.0, 1.0), te = clamp(dot(tangent, e), -1.0, 1.0);
@@ -23,24 +30,26 @@ vec3 scattered(vec3 base, vec3 tangent, vec3 l, vec3 e) {
   float outer = lobe(il, ie, kShift, kExponent) * front;
   float inner = lobe(il, ie, kShiftInner, kExponentInner) * (0.3 + 0.7 * front);
   vec3 specular = vec3(0.17) * outer + 1.1 * sqrt(base) * base * inner;
-  return 0.5 * diffuse + specular * sine;
+  return (0.5 * diffuse + specular * sine) * energyFactor(max(base.r, max(base.g, base.b)));
 }
 
 vec3 hairRadiance(vec3 position, vec3 tangent, float along, float shade, float warmth) {
   vec3 e = normalize(scene.eye.xyz - position);
   vec3 base = scene.hair_color.rgb * (1.0 + 0.35 * shade) * mix(0.75, 1.25, along);
   base *= vec3(1.0 + 0.10 * warmth, 1.0, 1.0 - 0.10 * warmth);
+  base /= max(max(base.r, max(base.g, base.b)), 1.0);
   // Dense hair passes its own colour on: the least absorbed colour gets deepest.
   vec3 tint = scene.hair_color.rgb / max(max(scene.hair_color.r, scene.hair_color.g), max(scene.hair_color.b, 1e-3));
   vec3 direct = vec3(0);
-  float clear = 0.0;
+  vec2 clear = vec2(0);
   for (int light = 0; light < LIGHTS; ++light) {
     vec3 through = vec3(1);
     if (castsShadow(light)) {
       vec3 at = lightCoordinates(light, position);
       float depth = hairOpticalDepth(light, at, 0.0015);
       through = exp(-depth * mix(vec3(0.75), vec3(0.45), tint)) * solidVisibility(light, at, 0.006, 0);
-      clear += exp(-0.10 * depth);
+      // Behind a solid too: hair there is among other hair, for which what is before the solid stands.
+      clear += clearAlong(light, exp(-0.10 * depth), 1.0);
     }
     direct += lightAt(light, position) * through * scattered(base, tangent, towardsLight(light, position), e);
   }

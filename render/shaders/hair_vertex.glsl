@@ -30,10 +30,11 @@ float detailWidth(Hair hair, out float left) {
 }
 
 #ifndef COLOR
-uniform int map_light;  // whose maps these are
+uniform int map_light;            // whose maps these are
+uniform float line_texels = 1.0;  // across lines in the opacity map
 
 // What a hair of width 1 covers of each texel that its line has in the light's maps: as much of the light's rays as it is
-// across, shared out among the texels. A line has one in every column, or row, that it crosses.
+// across, shared out among the texels. A line has as many as it is across in every column, or row, that it crosses.
 float lengthInTexel(vec3 position, vec3 tangent, vec4 clip) {
   mat4 m = scene.lights[map_light].view_projection;
   vec3 off = position - scene.lights[map_light].place.xyz;
@@ -42,7 +43,7 @@ float lengthInTexel(vec3 position, vec3 tangent, vec4 clip) {
   vec4 along = m * vec4(tangent, 0);
   vec2 way = abs(along.xy * clip.w - clip.xy * along.w);
   float across = length(cross(tangent, ray)) * length(vec3(m[0].x, m[1].x, m[2].x));
-  return scene.lights[map_light].cone.z * across / max(max(way.x, way.y), 1e-12);
+  return scene.lights[map_light].cone.z * across / (line_texels * max(max(way.x, way.y), 1e-12));
 }
 #endif
 

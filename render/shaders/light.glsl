@@ -31,5 +31,9 @@ vec4 lightClip(int light, vec3 world) {
   return clip;
 }
 
-// Of light from all around: the mean of what each light that casts shadows finds of it, `sum` added up; 1 without any.
-float clearAround(float sum) { return CASTERS > 0 ? sum / float(max(CASTERS, 1)) : 1.0; }
+// Of light from all around: the mean of what each light that casts shadows finds of it, by their power. clearAlong() is to be
+// added up; 1 without any. What hair there is before a solid says nothing of what is behind it: `past_solids` 0.
+vec2 clearAlong(int light, float through_hair, float past_solids) {
+  return dot(scene.lights[light].power.rgb, vec3(1)) * vec2(mix(1.0, through_hair, past_solids), 1);
+}
+float clearAround(vec2 sum) { return sum.y > 0.0 ? sum.x / sum.y : 1.0; }

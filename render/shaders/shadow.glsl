@@ -11,6 +11,14 @@ vec3 lightCoordinates(int light, vec3 world) {
   return clip.w > 0.0 ? vec3(0.5 * clip.xy / clip.w, 0.5 * clip.z) + 0.5 : vec3(-1);
 }
 
+// 1 in the maps, falling to 0 towards their edge where they do not take in everything that the light does.
+float withinMaps(int light, vec3 light_coordinates) {
+  float fade = scene.lights[light].cone.w;
+  if (fade <= 0.0) return 1.0;
+  vec2 off = abs(2.0 * light_coordinates.xy - 1.0);
+  return 1.0 - smoothstep(1.0 - fade, 1.0, max(off.x, off.y));
+}
+
 // Metres behind the front of the hair, `without` where there is no front. Bilinear over the texels that hair reaches, so
 // that the front goes on smoothly past its outline.
 float behindFront(int light, vec3 light_coordinates, float without) {
@@ -44,7 +52,7 @@ float hairOpticalDepth(int light, vec3 light_coordinates, float margin) {
   float sum = 0.0;
   for (int y = -radius; y <= radius; ++y)
     for (int x = -radius; x <= radius; ++x) sum += depthInLayers(light, light_coordinates.xy + texel * vec2(x, y), depth);
-  return sum / float((2 * radius + 1) * (2 * radius + 1));
+  return withinMaps(light, light_coordinates) * sum / float((2 * radius + 1) * (2 * radius + 1));
 }
 
 // 1 in the light, 0 in the shadow of the body. Filtered over (2 radius + 1)^2 bilinear taps.
@@ -56,5 +64,5 @@ float solidVisibility(int light, vec3 light_coordinates, float bias_meters, int 
   for (int y = -radius; y <= radius; ++y)
     for (int x = -radius; x <= radius; ++x)
       sum += texture(solid_depth, vec4(light_coordinates.xy + texel * vec2(x, y), light, reference));
-  return sum / float((2 * radius + 1) * (2 * radius + 1));
+  return mix(1.0, sum / float((2 * radius + 1) * (2 * radius + 1)), withinMaps(light, light_coordinates));
 }

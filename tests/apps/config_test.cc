@@ -177,6 +177,13 @@ TEST(Config, WrongTypesAndRangesAreRefused) {
                            "[[body.primitives]]\nkind = \"torus\"",
                            "[[body.primitives]]\nkind = \"box\"",
                            "[[body.primitives]]\nkind = \"box\"\nextent = [1, 1, 1]\nrotation = [0, 0, 0, 0]",
+                           "seed = 1.5",
+                           "motion = \"\"",
+                           "[groom]\nfiles = []",
+                           "[groom]\nstrands = 10.5",
+                           "[daemon]\nthreads = 1.7",
+                           "[transport]\ngroom_id = 1.5",
+                           "[transport]\npeers = []",
                            "[body]\ncontact = \"cage\"",
                            "[[body.primitives]]\nkind = \"plane\"\nb = [0, 0, 0]",
                            "[parameters]\ngravity = [0, inf, 0]",
@@ -199,6 +206,10 @@ TEST(Config, WrongTypesAndRangesAreRefused) {
     EXPECT_NE(error.find("hair.toml"), std::string::npos) << text << ": " << error;
     EXPECT_EQ(error.find('\n'), std::string::npos) << "one line: " << error;
   }
+  EXPECT_EQ(
+      errorOf("[transport]\ngroom_id = 1.5"),
+      "'transport.groom_id' has a wrong value: hair.toml line 2; give a whole number from 1 to 4294967295");
+  EXPECT_EQ(errorOf("seed = 7.0"), "") << "it is whole";
 }
 
 TEST(Config, OtherThanAsciiIsForStringsAndComments) {

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "transport/command_queue.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
@@ -71,6 +72,18 @@ TEST_F(DaemonTest, ItsStatusTellsParametersAsTheyAre) {
   EXPECT_EQ(order(CommandKind::kSetParameter, {1, 0, -3}, "wind"), "");
   EXPECT_EQ(told("wind"), (std::vector<double>{1, 0, -3}));
   EXPECT_EQ(namedValues(subscriber_->status()->parameters).size(), parameterList().size());
+}
+
+TEST_F(DaemonTest, AFloodOfCommandsDoesNotHoldTheHair) {
+  cast(1);
+  const double before = seconds();
+  for (uint64_t id = 1; id <= kMaxQueuedCommands; ++id)
+    subscriber_->send({.id = id, .kind = CommandKind::kSetParameter, .name = "air_drag", .values = {1}});
+  cast(1);
+  EXPECT_EQ(subscriber_->status()->last_command, kMaxCommandsPerFrame);
+  EXPECT_GT(seconds(), before);
+  cast(1);
+  EXPECT_EQ(subscriber_->status()->last_command, 2 * kMaxCommandsPerFrame) << "the others waited";
 }
 
 TEST_F(DaemonTest, TheObserverSeesEveryFrame) {

@@ -36,6 +36,14 @@ TEST(PictureSettings, HaveNamesOfTheirOwnUnitsOrRangesAndHelp) {
   }
 }
 
+TEST(PictureSettings, RefuseALightThatGoesNowhere) {
+  PictureOptions options;
+  const PictureSetting& setting = pictureSetting("light-direction", "test");
+  EXPECT_THROW(setPicture(options, setting, {0, 0, 0}, "test"), Error);
+  EXPECT_EQ(options.settings.lights[0].direction, Light{}.direction);
+  EXPECT_NO_THROW(setPicture(options, setting, {0, 0, -0.1}, "test"));
+}
+
 TEST(PictureSettings, RendererKeepsEveryValueThatTheyAllow) {
   for (const PictureSetting& setting : pictureSettings()) {
     if (setting.file != nullptr || setting.info.name == "light-direction") continue;  // which is made unit

@@ -452,6 +452,42 @@ TEST_F(Programs, ATakeOutlivesARecordThatHearsNothing) {
   EXPECT_EQ(contents(take), "an old take");
 }
 
+TEST_F(Programs, AnInterruptWhileADaemonListensForOthersEndsItAtOnce) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::filesystem::path take = write("take.rec", "an old take");
+  const pid_t daemon =
+      start({daemon_, "--scene", "straight", "--strands", "20", "--body-contact", "spheres", "--backend",
+             "reference", "--domain", domain_, "--claim", "1", "--quiet", "--record", take.string()},
+            "daemon.txt");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  ASSERT_TRUE(isRunning(daemon));
+  kill(daemon, SIGINT);
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(wait(daemon), 130);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3)) << "it would listen for 6 s";
+  EXPECT_EQ(contents(take), "an old take");
+}
+
+TEST_F(Programs, CtlWaitsNoLongerThanItIsToldTo) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const auto seconds = [&](const std::string& command, int exit_code) {
+    const auto start = std::chrono::steady_clock::now();
+    const Outcome r = run(command);
+    EXPECT_EQ(r.exit_code, exit_code) << command << "\n" << r.out << r.err;
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const std::string ctl = program_ + " ctl wind 1 0 0 --domain " + domain_;
+  EXPECT_LT(seconds(ctl + " --timeout 0.1", 2), 1.5);
+  for (const char* verb : {"wind 1 0 0", "status", "list"}) {
+    const pid_t child = ProgramFixture::start(
+        {"sh", "-c", "exec " + program_ + " ctl " + verb + " --domain " + domain_}, "ctl.txt");
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    kill(child, SIGINT);
+    EXPECT_EQ(wait(child), 130) << verb;
+    EXPECT_EQ(contents(folder_ / "ctl.txt"), "") << verb;
+  }
+}
+
 TEST_F(Programs, SeveralLightsAreDrawn) {
   if (run(program_ + " render --help").exit_code != 0) GTEST_SKIP() << "made without render";
   const auto picture = [&](const std::string& lights) {

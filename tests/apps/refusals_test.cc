@@ -46,6 +46,41 @@ TEST_F(Refusals, ANumberThatIsNoneIsInNoRange) {
   EXPECT_FALSE(std::filesystem::exists(absent));
 }
 
+TEST_F(Refusals, ANumberThatIsEmptyIsNone) {
+  for (const std::string& command :
+       {program_ + " ctl wind '' 5 5", program_ + " ctl set air_drag ''", program_ + " ctl head 0 0 ''",
+        program_ + " ctl wind 1 nan 5", program_ + " ctl collider add ball sphere 0 0 0 ''",
+        daemon_ + " --claim '' --duration 0.1"}) {
+    const Outcome r = tryFor(10, command);
+    EXPECT_EQ(r.exit_code, 2) << command << "\n" << r.err;
+    const bool is_told = r.err.find("not a finite number") != std::string::npos ||
+                         r.err.find("not in range") != std::string::npos;
+    EXPECT_TRUE(is_told) << command << "\n" << r.err;
+  }
+}
+
+TEST_F(Refusals, ANumberBelowZeroNeedsNoWholePart) {
+  // Refused behind its numbers, and where there is no LCM, too.
+  const std::string nowhere = " --transport lcm --lcm-url file:///absent/a.log?mode=r";
+  const Outcome told = tryFor(10, program_ + " ctl wind -.5 0 -.5e1" + nowhere);
+  EXPECT_EQ(told.exit_code, 2);
+  EXPECT_NE(told.err.find("error: LCM"), std::string::npos) << told.err;
+  const Outcome unknown = tryFor(10, program_ + " ctl wind -.x 0 0" + nowhere);
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_EQ(unknown.err.find("error: LCM"), std::string::npos) << unknown.err;
+}
+
+TEST_F(Refusals, AStreamIsNotToldWhatADaemonSimulates) {
+  const std::filesystem::path take = write("take.rec", "an old take");
+  for (const char* options : {" --strands 3", " --set wind=1,0,0", " --motion shake", " --rate 30",
+                              " --no-sag-free", " --backend reference"}) {
+    const Outcome r = tryFor(10, program_ + " record " + take.string() + " --timeout 0.1" + options);
+    EXPECT_EQ(r.exit_code, 2) << options;
+    EXPECT_NE(r.err.find("name a --scene"), std::string::npos) << options << "\n" << r.err;
+  }
+  EXPECT_EQ(contents(take), "an old take");
+}
+
 TEST_F(Refusals, WhatWouldBeIgnoredIsRefused) {
   StrandSet strands;
   strands.append(std::vector<Vec3>{Vec3(0, 0, 0), Vec3(0, 0.1f, 0), Vec3(0, 0.2f, 0)});

@@ -31,5 +31,19 @@ TEST(Camera, MatricesPutTheTargetInTheMiddleAndTheNearPlaneAtMinusOne) {
   EXPECT_TRUE(viewMatrix(Vec3(0, 1, 0), Vec3::Zero()).allFinite());
 }
 
+TEST(Camera, OrbitTurnsAboutStraightAboveWithoutTurningThePictureOver) {
+  const Box box(Eigen::Vector3f(-1, -1, -1), Eigen::Vector3f(1, 1, 1));
+  for (const float azimuth : {0.0f, 1.0f, 2.5f, -2.0f}) {
+    for (const float degrees : {-89.0f, -60.0f, 0.0f, 86.0f, 88.0f, 89.0f}) {
+      const Camera camera = orbit(box, azimuth, degrees * 0.0174533f, 1);
+      const Eigen::Matrix4f view = viewMatrix(camera);
+      const Vec3 right = view.block<1, 3>(0, 0).transpose(), up = view.block<1, 3>(1, 0).transpose();
+      EXPECT_LT((right - Vec3(std::cos(azimuth), 0, -std::sin(azimuth))).norm(), 1e-3)
+          << azimuth << " " << degrees;
+      EXPECT_GT(up.y(), 0) << azimuth << " " << degrees;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace strandcast

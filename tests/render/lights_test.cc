@@ -57,16 +57,20 @@ class Lights : public OffscreenTest {
     return renderer.read();
   }
   /// A picture is the sum of each light's and that of the light from all around, which is what is left where
-  /// lights have no intensity; hair and skin take its shadow from the mean over the lights that cast any.
+  /// lights have hardly any intensity; hair and skin take its shadow from the mean over the lights that cast
+  /// any, by their power.
   void expectSum(const std::vector<Light>& lights) const {
     const Image all = draw(lights);
     std::vector<Image> with, without;
-    size_t casters = 0;
+    const auto power = [](const Light& light) {
+      return light.casts_shadow ? static_cast<double>(light.intensity * light.color.sum()) : 0.0;
+    };
+    double casters = 0;
     for (Light light : lights) {
       with.push_back(draw({light}));
-      light.intensity = 0;
+      casters += power(light);
+      light.intensity = 1e-6f;
       without.push_back(draw({light}));
-      casters += light.casts_shadow;
     }
     int differs = 0, wrong = 0, lit = 0;
     for (size_t i = 0; i < all.rgb.size(); ++i) {
@@ -74,9 +78,8 @@ class Lights : public OffscreenTest {
       Between sum{0, 0};
       for (size_t l = 0; l < lights.size(); ++l) {
         const Between a = radianceOf(with[l].rgb[i]), b = radianceOf(without[l].rgb[i]);
-        const double share = lights[l].casts_shadow ? 1.0 / static_cast<double>(casters)
-                             : casters > 0          ? 0
-                                                    : 1.0 / static_cast<double>(lights.size());
+        const double share =
+            casters > 0 ? power(lights[l]) / casters : 1.0 / static_cast<double>(lights.size());
         sum.low += a.low - (1 - share) * b.high;
         sum.high += a.high - (1 - share) * b.low;
         differs += with[l].rgb[i] != all.rgb[i];
@@ -132,6 +135,8 @@ TEST_F(Lights, TheirOrderDoesNotMatterAndNoneLeavesTheLightFromAllAround) {
   dark.casts_shadow = false;
   EXPECT_EQ(draw({}).rgb, draw({dark}).rgb);
   EXPECT_NE(draw({}).rgb, one.rgb);
+  dark.casts_shadow = true;
+  EXPECT_EQ(draw({}).rgb, draw({dark}).rgb) << "nothing to cast a shadow of";
 }
 
 TEST_F(Lights, MapsOfSeveralAreThoseOfEach) {

@@ -376,6 +376,152 @@ TEST_F(Picture, SettingsThatChangeLaterGiveThePictureThatTheyGiveFromTheStart) {
   }
 }
 
+TEST_F(Picture, HoldsWhatItFramesOfAnySize) {
+  RenderSettings settings = smallPicture();
+  settings.growth.hairs = 200;
+  for (const float size : {5e-4f, 0.1f, 60.0f}) {
+    const BodyDescription body = sphere(size, Vec3(0, size, 0));
+    GroomDescription groom;
+    for (int i = 0; i < 9; ++i)
+      groom.guides.append(std::vector<Vec3>{Vec3(size * Vec3(0.1f * (i % 3), 2, 0.1f * (i / 3))),
+                                            Vec3(size * Vec3(0.1f * (i % 3), 3, 0.1f * (i / 3)))});
+    Box box = Box(Eigen::Vector3f(-size, 0, -size), Eigen::Vector3f(size, 3 * size, size));
+    settings.hair_width = std::min(0.02f * size, 0.1f);
+    settings.growth.clump_radius = settings.growth.tip_deviation = settings.growth.whole_deviation =
+        0.01f * size;
+    Renderer renderer(settings);
+    renderer.setBody(body);
+    renderer.setGroom(groom);
+    renderer.draw(restFrame(groom), orbit(box, 0.3f, 0.1f, 1));
+    const Image image = renderer.read();
+    int skin = 0, hair = 0;
+    for (int y = 0; y < 128; ++y)
+      for (int x = 0; x < 128; ++x)  // both are redder than anything else
+        (y < 52 ? hair : skin) += linearValue(image, x, y, 0) > linearValue(image, x, y, 2) + 0.02;
+    EXPECT_GT(skin, 1000) << size;
+    EXPECT_GT(hair, 40) << size;
+  }
+}
+
+TEST_F(Picture, SkinIsNotDarkenedByHairBehindTheSolidThatItIsOf) {
+  RenderSettings settings = smallPicture();
+  settings.growth.hairs = 4000;
+  settings.hair_width = 1e-3f;
+  settings.lights[0].direction = Vec3(0, 0, 1);  // from behind
+  GroomDescription groom = verticalBundle(10, 4, 0.01f, 0.06f, 0.12f, 8);
+  for (Vec3& p : groom.guides.positions) p.z() -= 0.16f;
+  Renderer renderer(settings);
+  renderer.setGroom(groom);
+  renderer.setBody(sphere(0.12f, Vec3::Zero()));
+  Camera camera;
+  camera.eye = Vec3(0, 0, 0.6f);
+  camera.target = Vec3::Zero();
+  GuideFrame frame = restFrame(groom);
+  renderer.draw(frame, camera);
+  const Image with = renderer.read();
+  for (Vec3& p : frame.positions) p.y() = std::numeric_limits<float>::quiet_NaN();
+  renderer.draw(frame, camera);
+  const Image without = renderer.read();
+  for (int y = 44; y < 84; ++y)
+    for (int x = 44; x < 84; ++x)
+      ASSERT_NEAR(linearValue(with, x, y, 1), linearValue(without, x, y, 1), 0.005) << x << " " << y;
+}
+
+TEST_F(Picture, GroundIsBelowHairThatIsLongerThanItsBody) {
+  RenderSettings settings = smallPicture();
+  settings.growth.hairs = 2000;
+  settings.hair_width = 1e-3f;
+  settings.shadows = false;
+  settings.background = Vec3(0.8f, 0.8f, 0.8f);
+  settings.hair_color = Vec3::Zero();
+  settings.lights[0].direction = Vec3(0, -1, 0);  // along the hair
+  const GroomDescription groom = verticalBundle(12, 12, 0.008f, 0, 0.5f, 8);
+  Renderer renderer(settings);
+  renderer.setGroom(groom);
+  renderer.setBody(sphere(0.06f, Vec3(0, 0.05f, 0)));
+  Camera camera;
+  camera.eye = Vec3(0, 0.2f, 1.2f);
+  camera.target = Vec3(0, -0.4f, 0);  // where the hair is, far below the body
+  camera.vertical_fov = 0.1f;
+  renderer.draw(restFrame(groom), camera);
+  EXPECT_LT(linearValue(renderer.read(), 64, 64, 1), 0.05);
+}
+
+TEST_F(Picture, HairFarFromItsGuidesCastsItsShadowToo) {
+  RenderSettings settings = smallPicture();
+  settings.growth.hairs = 2000;
+  settings.growth.curl_radius = 0.4f;
+  settings.growth.curl_pitch = 0.15f;
+  settings.segments = 64;
+  settings.hair_width = 2e-3f;
+  settings.background = Vec3(0.8f, 0.8f, 0.8f);
+  settings.lights[0].direction = Vec3(1, -1, 0);
+  std::erase(settings.passes, RenderPass::kHair);  // the ground alone
+  const GroomDescription groom = verticalBundle(2, 2, 0.01f, 0.15f, 0.3f, 8);
+  Camera camera;
+  camera.eye = Vec3(0.2f, 2, 0);  // z is up in the picture
+  camera.target = Vec3(0.2f, -0.2f, 0);
+  camera.vertical_fov = 0.8f;
+  const auto picture = [&](bool shadows) {
+    settings.shadows = shadows;
+    Renderer renderer(settings);
+    renderer.setGroom(groom);
+    renderer.draw(restFrame(groom), camera);
+    return renderer.read();
+  };
+  const Image lit = picture(false), shaded = picture(true);
+  const double pixel = 2 * 2.2 * std::tan(0.4) / 128;
+  int dark = 0;
+  for (int y = 0; y < 128; ++y) {
+    if (std::abs(y - 63.5) * pixel < 0.25) continue;  // m: where a map about the guides alone has its edge
+    for (int x = 0; x < 128; ++x) dark += linearValue(shaded, x, y, 1) < 0.9 * linearValue(lit, x, y, 1);
+  }
+  EXPECT_GT(dark, 200);
+}
+
+TEST_F(Picture, ShadowOfABroadHairIsAsBroad) {
+  RenderSettings settings = smallPicture();
+  settings.growth.hairs = 1;
+  settings.growth.tip_deviation = settings.growth.whole_deviation = settings.growth.clump_radius = 0;
+  settings.hair_width = 0.03f;  // of the map's texels, some 25
+  settings.background = Vec3(0.8f, 0.8f, 0.8f);
+  std::erase(settings.passes, RenderPass::kHair);
+  Camera camera;
+  camera.eye = Vec3(0.3f, 2, 0);
+  camera.target = Vec3(0.3f, -0.2f, 0);
+  camera.vertical_fov = 0.3f;
+  const GroomDescription groom = verticalBundle(1, 1, 0.01f, 0.15f, 0.3f, 8);
+  const Hair hair = growHairs(groom.guides, settings.growth).front();
+  Light lamp;
+  lamp.kind = LightKind::kPoint;
+  lamp.position = Vec3(-2, 2, 0);
+  lamp.intensity = 8;
+  Light sun;
+  sun.direction = Vec3(1, -1, 0);
+  for (const Light& light : {sun, lamp}) {
+    settings.lights = {light};
+    const auto picture = [&](bool shadows) {
+      settings.shadows = shadows;
+      Renderer renderer(settings);
+      renderer.setGroom(groom);
+      renderer.draw(restFrame(groom), camera);
+      return renderer.read();
+    };
+    const Image lit = picture(false), shaded = picture(true);
+    const double pixel = 2 * 2.2 * std::tan(0.15) / 128;
+    int dark = 0;  // in the column below the middle of the hair
+    for (int y = 0; y < 128; ++y) {
+      bool is_dark = false;
+      for (int x = 60; x < 68; ++x)
+        is_dark |= linearValue(shaded, x, y, 1) < 0.95 * linearValue(lit, x, y, 1);
+      dark += is_dark;
+    }
+    const double width = 0.03 * static_cast<double>(hair.width);
+    EXPECT_GT(dark * pixel, 0.6 * width) << static_cast<int>(light.kind);
+    EXPECT_LT(dark * pixel, 1.6 * width) << static_cast<int>(light.kind);
+  }
+}
+
 TEST_F(Picture, BodyFollowsTheHeadByItsWeights) {
   RenderSettings settings = smallPicture();
   BodyDescription body = sphere(0.1f, Vec3::Zero());

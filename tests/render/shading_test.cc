@@ -38,14 +38,20 @@ double radiance(const RenderSettings& s, const Hair& hair, const Vec& position, 
   const double tl = t.dot(l), te = t.dot(e), sine = std::sqrt(1 - tl * tl);
   const Vec la = l - tl * t, ea = e - te * t;
   const double front = std::sqrt(0.5 + 0.5 * la.normalized().dot(ea.normalized()));
-  const double base = s.hair_color.y() * (1 + 0.35 * hair.shade) * (0.75 + 0.5 * along);
+  Eigen::Array3d colors =
+      s.hair_color.cast<double>().array() * (1 + 0.35 * hair.shade) * (0.75 + 0.5 * along);
+  colors *= Eigen::Array3d(1 + 0.1 * hair.warmth, 1, 1 - 0.1 * hair.warmth);
+  colors /= std::max(colors.maxCoeff(), 1.0);
+  const double base = colors.y(), brightest = colors.maxCoeff();
+  const double whole = brightest * (1.26 + 0.98 * std::sqrt(brightest)) + 0.07;
+  const double factor = std::pow(1 + std::pow(whole, 8), -0.125);
   const double outer = lobe(std::asin(tl), std::asin(te), -0.06, 60) * front;
   const double inner = lobe(std::asin(tl), std::asin(te), 0.10, 14) * (0.3 + 0.7 * front);
   const double specular = 0.17 * outer + 1.1 * std::sqrt(base) * base * inner;
   const double rise = std::clamp(along / 0.25, 0.0, 1.0),
                occlusion = 0.45 + 0.55 * rise * rise * (3 - 2 * rise);
   const double ambient = 0.13 + (0.38 - 0.13) * (0.5 + 0.5 * ea.normalized().y());
-  return 2.17 * light.irradiance * (0.5 * base * sine * (0.45 + 0.55 * front) + specular * sine) +
+  return 2.17 * light.irradiance * factor * (0.5 * base * sine * (0.45 + 0.55 * front) + specular * sine) +
          base * ambient * occlusion * 0.65;
 }
 
@@ -125,6 +131,41 @@ TEST_F(LightOnHair, HighlightOfABentBundleIsWhereAndAsBrightAsTheFormulaSays) {
                                                                      // shades spread by a fifth
     }
   }
+}
+
+/// Part of the light from straight across a hair of one colour that it sends on, by scattered() of
+/// hair_shading.glsl without its factor.
+double scatteredPart(double base) {
+  constexpr int kParts = 300;
+  constexpr double kPi = std::numbers::pi;
+  double sum = 0;
+  for (int i = 0; i < kParts; ++i) {
+    const double ie = kPi * ((i + 0.5) / kParts - 0.5);
+    for (int j = 0; j < kParts; ++j) {
+      const double front = std::cos(kPi * ((j + 0.5) / kParts - 0.5));
+      const double radiance = 0.5 * base * (0.45 + 0.55 * front) + 0.17 * lobe(0, ie, -0.06, 60) * front +
+                              1.1 * std::pow(base, 1.5) * lobe(0, ie, 0.10, 14) * (0.3 + 0.7 * front);
+      sum += radiance * std::pow(std::cos(ie), 2) / kPi * (kPi / kParts) * (2 * kPi / kParts);
+    }
+  }
+  return sum;
+}
+
+TEST(ScatteredLight, IsAllThatArrivesAtMostAndThatOfDarkHairIsLeftAsItIs) {
+  for (const double base : {0.05, 0.17, 0.3, 0.5, 0.7, 1.0}) {
+    const double whole = base * (1.26 + 0.98 * std::sqrt(base)) + 0.07,
+                 factor = std::pow(1 + std::pow(whole, 8), -0.125);
+    EXPECT_NEAR(whole, scatteredPart(base), 0.02) << base;
+    EXPECT_LE(factor * scatteredPart(base), 1.001) << base;
+    EXPECT_GT(factor, base <= 0.3 ? 0.995 : 0) << base;
+  }
+}
+
+TEST_F(LightOnHair, OfWhiteHairIsAsTheFormulaSays) {
+  RenderSettings settings = smallPicture();
+  settings.hair_color = Vec3(0.95f, 0.9f, 0.8f);
+  const HighlightError error = highlightError(settings, 64, HairShading::kFragment, sun());
+  EXPECT_LT(error.worst, 0.08);
 }
 
 TEST_F(LightOnHair, IsNearerToTheFormulaInEveryFragmentWhereHairHasFewSegments) {

@@ -205,6 +205,11 @@ TEST_F(Dds, ANewRevisionReplacesTheGroomForOldAndNewReaders) {
   for (uint64_t number = 1; number <= 5; ++number) publisher->publish(sampleFrame(smaller, number));
   EXPECT_TRUE(becomesTrue([&] { return early->frame() && early->frame()->frame == 5; }));
   EXPECT_THROW(publisher->announce(smaller, sampleBody(4)), Error);
+  for (smaller.revision = 3; smaller.revision < 5; ++smaller.revision) {
+    publisher->announce(smaller, sampleBody(4));
+    EXPECT_TRUE(becomesTrue([&] { return early->groom()->revision == smaller.revision; }))
+        << "what was taken back does not hold what follows";
+  }
 }
 
 TEST_F(Dds, GroomsDoNotMixButAllStatusesAreSeen) {
@@ -240,6 +245,43 @@ TEST_F(Dds, ARivalIsHeardAndForgotten) {
   EXPECT_TRUE(becomesTrue([&] { return first->rival() == Rival{22}; }, kRivalListenTime));
   second.reset();
   EXPECT_TRUE(becomesTrue([&] { return !first->rival(); }));
+}
+
+TEST_F(Dds, AStatusGoesWithTheTurnOfWhoSharesAGroom) {
+  const int domain = testDomain(15);
+  const GroomDescription groom = uniformGroom(10, 4);
+  const auto claims = [&](uint64_t session, uint32_t strength) {
+    auto publisher = makeDdsPublisher({domain, 1, session, {Codec::kFloat32}, strength});
+    publisher->announce(groom, sampleBody(4));
+    return publisher;
+  };
+  const auto first = claims(11, 1);
+  const auto reader = makeDdsSubscriber({domain, 1, 0, {}});
+  uint64_t number = 0;
+  Status status;
+  status.strands = 10;
+  const auto isTheOne = [](const Subscriber& by, uint64_t session) {
+    const std::vector<Status> all = by.allStatuses();
+    return all.size() == 1 && all[0].session == session;
+  };
+  const auto becomesTheOne = [&](uint64_t session, const std::vector<Publisher*>& publishers) {
+    return becomesTrue([&] {
+      ++number;
+      for (Publisher* const publisher : publishers) {
+        publisher->publish(sampleFrame(groom, number));
+        publisher->publishStatus(status);
+        EXPECT_FALSE(publisher->rival()) << "they share the groom";
+      }
+      return isTheOne(*reader, session);
+    });
+  };
+  ASSERT_TRUE(becomesTheOne(11, {first.get()}));
+  const auto second = claims(22, 2);
+  EXPECT_TRUE(becomesTheOne(22, {first.get(), second.get()}));
+  const auto late = makeDdsSubscriber({domain, 1, 0, {}});
+  ASSERT_TRUE(becomesTrue([&] { return !late->allStatuses().empty(); }));
+  std::this_thread::sleep_for(milliseconds(200));
+  EXPECT_TRUE(isTheOne(*late, 22)) << "nor does who comes later hear of it";
 }
 
 TEST_F(Dds, WhoOnlySteersIsNoReader) {

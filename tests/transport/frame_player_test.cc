@@ -40,7 +40,7 @@ class ScriptedSubscriber final : public Subscriber {
   bool waitForGroom(milliseconds) override { return true; }
   std::optional<Status> status() const override { return std::nullopt; }
   std::vector<Status> allStatuses() const override { return {}; }
-  void send(const Command&) override {}
+  void send(const Command&, const std::function<bool()>&) override {}
   std::optional<std::string> waitForAnswer(uint64_t, milliseconds) override { return std::nullopt; }
   ReceiveStatistics statistics() const override { return {}; }
 

@@ -1,11 +1,15 @@
 #include "transport/lcm.h"
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <sstream>
 #include <thread>
 
 #include "dds_domain.h"
@@ -13,6 +17,7 @@
 #include "moving_hair.h"
 #include "steering.h"
 #include "tests/error_of.h"
+#include "tests/full_disk.h"
 #include "transport/lcm/lcm_channels.h"
 #include "transport/lcm/lcm_ends.h"
 #include "transport/lcm/lcm_messages.h"
@@ -170,6 +175,28 @@ TEST_F(LcmItself, ALogFileIsReplayed) {
     EXPECT_EQ(subscriber->groom()->guides.positions, groom.guides.positions);
     EXPECT_EQ(subscriber->statistics().frames_received, 5u);
   }
+  std::filesystem::remove(file);
+}
+
+TEST_F(LcmItself, ALogThatCannotBeWrittenIsSaidOnce) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("strandcast_full_" + std::to_string(getpid()) + ".log");
+  const GroomDescription groom = hair(100);
+  const auto publisher = makeLcmPublisher({"file://" + file.string() + "?mode=w", 1, 11, {}});
+  publisher->announce(groom, sampleBody(3));
+  EXPECT_EQ(publisher->failure(), "");
+  std::ostringstream log;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
+  {
+    const FullDisk disk(std::filesystem::file_size(file) + 10000);
+    for (uint64_t number = 1; number <= 9; ++number) publisher->publish(hairFrame(groom, number));
+  }
+  spdlog::set_default_logger(before);
+  EXPECT_NE(publisher->failure().find("is the disk full?"), std::string::npos) << publisher->failure();
+  const std::string said = log.str();
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
   std::filesystem::remove(file);
 }
 
@@ -353,6 +380,10 @@ TEST(Lcm, BadOptionsAreRefused) {
     EXPECT_NE(error.find(refusal.complaint), std::string::npos) << refusal.url << ": " << error;
   }
   EXPECT_NE(errorOf([] { lcmUrl(233); }), "");
+  EXPECT_NE(errorOf([] {
+              makeLcmPublisher({"file:///tmp/absent.log?mode=r", 1, 1, {}});
+            }).find("writes its log"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "moving_hair.h"
 #include "recording_fuzz.h"
+#include "tests/error_of.h"
 #include "tests/full_disk.h"
 #include "tests/groom/scratch_folder.h"
 #include "transport/in_process.h"
@@ -399,6 +400,7 @@ TEST(RecordingTest, AFullDiskIsSaidAndCastingGoesOn) {
   }
   EXPECT_EQ(subscriber->frame()->frame, 9u);
   EXPECT_NE(failure.find("is the disk full?"), std::string::npos) << failure;
+  EXPECT_NE(failure.find("can be replayed"), std::string::npos) << failure;
   Recording recorded(folder / "a.rec");
   EXPECT_TRUE(recorded.isCut());
   EXPECT_GE(recorded.frames(), 3u);
@@ -449,6 +451,39 @@ TEST(RecordingTest, AnOldFileStaysUntilThereIsAGroom) {
   EXPECT_FALSE(Recording(file).isCut());
   EXPECT_THROW(Recorder(folder / "absent" / "a.rec", {}, MakeFile::kWithGroom), Error) << "said at once";
   EXPECT_THROW(Recorder(folder / "", {}, MakeFile::kWithGroom), Error) << "a folder";
+}
+
+TEST(RecordingTest, AFileThatIsInUseIsNotReplaced) {
+  const ScratchFolder folder;
+  const auto file = folder / "a.rec";
+  const GroomDescription groom = smallGroom();
+  const auto refusal = [&](MakeFile when) { return errorOf([&] { Recorder(file, {}, when); }); };
+  record(file, 3);
+  {
+    const Recording reader(file);
+    EXPECT_NE(refusal(MakeFile::kAtOnce).find("another program writes or reads it"), std::string::npos);
+    EXPECT_NE(refusal(MakeFile::kWithGroom).find("another program writes or reads it"), std::string::npos);
+  }
+  EXPECT_EQ(Recording(file).frames(), 3u);
+  Recorder writer(file, {});
+  writer.setGroom(groom, sampleBody(3));
+  for (uint64_t i = 1; i <= 4; ++i) EXPECT_TRUE(writer.addFrame(hairFrame(groom, i)));
+  EXPECT_NE(refusal(MakeFile::kAtOnce), "");
+  EXPECT_NE(refusal(MakeFile::kWithGroom), "");
+  EXPECT_EQ(Recording(file).frames(), 4u) << "what is written so far can be read";
+  EXPECT_TRUE(writer.addFrame(hairFrame(groom, 5)));
+  writer.close();
+  EXPECT_EQ(Recording(file).frames(), 5u);
+}
+
+TEST(RecordingTest, OneWithoutAFrameIsNotCalledWorthReplaying) {
+  const ScratchFolder folder;
+  const std::string failure = errorOf([&] {
+    const FullDisk disk(100);
+    Recorder(folder / "a.rec", {});
+  });
+  EXPECT_NE(failure.find("holds no frame yet"), std::string::npos) << failure;
+  EXPECT_EQ(failure.find("can be replayed"), std::string::npos) << failure;
 }
 
 TEST(RecordingTest, APublisherRecordsFramesAndCommandsInTheirOrder) {

@@ -82,5 +82,31 @@ TEST(RogueWriter, BadSamplesOnEveryTopicDoNoHarm) {
   EXPECT_EQ(subscriber->statistics().frames_lost, 0u);
 }
 
+TEST(Claims, AStatusThatComesBeforeItsClaimIsNoRivals) {
+  const int domain = testDomain(8);
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}, 1});
+  std::this_thread::sleep_for(std::chrono::milliseconds(2700));  // until it knows its turn
+  const auto speak = [](DdsParticipant& participant, uint64_t session, MatchCounter& match) {
+    auto* const writer = participant.createWriter(kStatusTopic, new StatusType, &match);
+    v6::Status status;
+    status.groom_id(1);
+    status.session(session);
+    status.strands(10);
+    writer->write(&status);
+    return match.waitForMatch(std::chrono::milliseconds(5000));
+  };
+  DdsParticipant sharer(DdsNetwork(domain), 1), stranger(DdsNetwork(domain), 1);
+  MatchCounter sharers, strangers;
+  ASSERT_TRUE(speak(sharer, 22, sharers));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_FALSE(publisher->rival()) << "its claim may come";
+  sharer.createWriter(kClaimTopic, new ClaimType, nullptr, 2);
+  ASSERT_TRUE(speak(stranger, 33, strangers));
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (!publisher->rival() && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(publisher->rival(), (Rival{33, true})) << "who claims nothing shares nothing";
+}
+
 }  // namespace
 }  // namespace strandcast

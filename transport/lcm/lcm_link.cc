@@ -1,6 +1,12 @@
 #include "transport/lcm/lcm_link.h"
 
+#include <spdlog/spdlog.h>
+
+#include <cerrno>
+#include <cstring>
+
 #include "core/error.h"
+#include "transport/lcm/lcm_ends.h"
 
 namespace strandcast {
 namespace {
@@ -60,8 +66,23 @@ std::vector<MessageLink::Listening> LcmLink::listen(std::vector<Channel> channel
 }
 
 void LcmLink::send(const std::string& channel, std::span<const uint8_t> message) {
-  // What cannot be sent is lost, as on the network.
-  lcm_publish(lcm_, channel.c_str(), message.data(), static_cast<unsigned>(message.size()));
+  errno = 0;
+  const int result =
+      lcm_publish(lcm_, channel.c_str(), message.data(), static_cast<unsigned>(message.size()));
+  // What a network does not take is lost, as on its way. LCM 1.3.1 gives 0 where it cannot write a log, too.
+  const int cause = errno;
+  if (!isWrittenLog(url_) || (result == 0 && cause == 0)) return;
+  const std::lock_guard lock(mutex_);
+  if (!failure_.empty()) return;
+  failure_ = Error(std::string("the LCM log cannot be written (") + std::strerror(cause) + ")", url_,
+                   "is the disk full?")
+                 .what();
+  spdlog::error("{}", failure_);
+}
+
+std::string LcmLink::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
 }
 
 void LcmLink::drain() {

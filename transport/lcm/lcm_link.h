@@ -19,14 +19,17 @@ class LcmLink final : public MessageLink {
   explicit LcmLink(const std::string& url);
   ~LcmLink() override;
   std::vector<Listening> listen(std::vector<Channel> channels) override;
+  /// What a log does not take is an error, and said once.
   void send(const std::string& channel, std::span<const uint8_t> message) override;
+  std::string failure() const override;
 
  private:
   void drain();
   const std::string url_;
   lcm_t* lcm_ = nullptr;
-  std::mutex mutex_;  // of ears_
+  mutable std::mutex mutex_;  // of ears_ and failure_
   std::vector<std::shared_ptr<Ear>> ears_;
+  std::string failure_;
   std::atomic<bool> stop_{false};
   std::thread drain_;  // from the first listen() on
 };

@@ -127,6 +127,8 @@ class LcmPublisher final : public Publisher {
     return Clock::now() - rival_heard_ > kLcmSilence ? std::nullopt : rival_;
   }
 
+  std::string failure() const override { return link_->failure(); }
+
  private:
   struct Message {
     std::string channel;
@@ -252,6 +254,11 @@ void checkOneEnd(const LcmOptions& options) {
                 "make them with makeLcmChannel()");
 }
 
+bool isWrittenLog(const std::string& url) {
+  return url.starts_with("file://") &&
+         (url.find("mode=w") != std::string::npos || url.find("mode=a") != std::string::npos);
+}
+
 bool lcmAvailable(std::string* reason) {
   if (reason) reason->clear();
   return true;
@@ -265,6 +272,8 @@ std::unique_ptr<Publisher> makeLcmPublisher(std::shared_ptr<MessageLink> link, c
 std::unique_ptr<Publisher> makeLcmPublisher(const LcmOptions& options) {
   checkPublisher(options);
   checkOneEnd(options);
+  if (options.url.starts_with("file://") && !isWrittenLog(options.url))
+    throw Error("a publisher writes its log", options.url, "give mode=w");
   return makeLcmPublisher(std::make_shared<LcmLink>(options.url), options);
 }
 

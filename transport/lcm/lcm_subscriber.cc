@@ -70,11 +70,11 @@ class LcmSubscriber final : public ReceivingSubscriber {
     return ReceivingSubscriber::allStatuses();
   }
 
-  void send(const Command& command) override {
+  void send(const Command& command, const std::function<bool()>& gives_up) override {
     checkCommand(command, options_.groom_id);
     const auto deadline = Clock::now() + kAnswerTime;
     while (!status()) {
-      if (Clock::now() > deadline) {
+      if (Clock::now() > deadline || (gives_up && gives_up())) {
         throw Error("no daemon answers",
                     "groom " + std::to_string(options_.groom_id) + " on LCM " + options_.url,
                     "start strandcastd --transport lcm, or check --domain, --lcm-url and the groom id");
@@ -189,8 +189,7 @@ std::unique_ptr<Subscriber> makeLcmSubscriber(std::shared_ptr<MessageLink> link,
 
 std::unique_ptr<Subscriber> makeLcmSubscriber(const LcmOptions& options) {
   checkOneEnd(options);
-  if (options.url.starts_with("file://") && options.url.find("mode=w") != std::string::npos)
-    throw Error("a reader would replace the log", options.url, "give mode=r");
+  if (isWrittenLog(options.url)) throw Error("a reader would replace the log", options.url, "give mode=r");
   return makeLcmSubscriber(std::make_shared<LcmLink>(options.url), options);
 }
 

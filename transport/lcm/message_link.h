@@ -52,6 +52,8 @@ class MessageLink {
   [[nodiscard]] virtual std::vector<Listening> listen(std::vector<Channel> channels) = 0;
   /// Thread-safe, also within a handler; neither waits for readers nor throws.
   virtual void send(const std::string& channel, std::span<const uint8_t> message) = 0;
+  /// Why messages are lost that were to be kept; empty where all are, or none was to be.
+  virtual std::string failure() const { return {}; }
 };
 
 }  // namespace strandcast

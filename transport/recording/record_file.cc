@@ -1,6 +1,7 @@
 #include "transport/recording/record_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -23,6 +24,11 @@ uint64_t recordHash(RecordKind kind, std::span<const uint8_t> bytes) {
   return hash.value();
 }
 
+bool isFile(int file) {
+  struct stat about {};
+  return fstat(file, &about) == 0 && S_ISREG(about.st_mode);
+}
+
 class FileBytes final : public RecordingBytes {
  public:
   explicit FileBytes(const std::filesystem::path& file) : file_(open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
@@ -33,6 +39,8 @@ class FileBytes final : public RecordingBytes {
       throw Error("the recording cannot be read (" + cause + ")", file.string(), "check its path");
     }
     size_ = static_cast<uint64_t>(about.st_size);
+    // So that no writer empties it meanwhile. One that is under way only adds to it.
+    flock(file_, LOCK_SH | LOCK_NB);
   }
   ~FileBytes() override { close(file_); }
   FileBytes(const FileBytes&) = delete;
@@ -60,10 +68,30 @@ class FileBytes final : public RecordingBytes {
               "check its folder");
 }
 
+/// Throws Error where another program has the file. A file system that knows no locks is not asked.
+void lock(int file, const std::string& name) {
+  if (!isFile(file) || flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  close(file);
+  throw Error("the recording cannot be made: another program writes or reads it", name,
+              "wait until it has ended, or name another file");
+}
+
+/// An old file is emptied once nobody else has it.
+std::FILE* emptied(const std::filesystem::path& path) {
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (file < 0) failToMake(path.string(), errno);
+  lock(file, path.string());
+  if (isFile(file) && ftruncate(file, 0) != 0) {
+    const int cause = errno;
+    close(file);
+    failToMake(path.string(), cause);
+  }
+  return fdopen(file, "wb");
+}
+
 }  // namespace
 
-RecordWriter::RecordWriter(const std::filesystem::path& file)
-    : name_(file.string()), file_(std::fopen(file.c_str(), "wb")) {
+RecordWriter::RecordWriter(const std::filesystem::path& file) : name_(file.string()), file_(emptied(file)) {
   if (!file_) failToMake(name_, errno);
   std::setvbuf(file_.get(), nullptr, _IOFBF, 1 << 18);
   put(kRecordingMagic, sizeof kRecordingMagic);
@@ -75,11 +103,17 @@ void RecordWriter::check(const std::filesystem::path& file) {
   const bool is_there = std::filesystem::exists(file, unknown);
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   if (::access(is_there ? file.c_str() : folder.c_str(), W_OK) != 0) failToMake(file.string(), errno);
+  if (!std::filesystem::is_regular_file(file, unknown)) return;
+  const int old = open(file.c_str(), O_WRONLY | O_CLOEXEC);
+  if (old < 0) failToMake(file.string(), errno);
+  lock(old, file.string());
+  close(old);
 }
 
 void RecordWriter::fail() const {
   throw Error(std::string("the recording cannot be written (") + std::strerror(errno) + ")", name_,
-              "is the disk full? What was written up to here can be replayed");
+              has_whole_frame_ ? "is the disk full? What was written up to here can be replayed"
+                               : "is the disk full? It holds no frame yet");
 }
 
 void RecordWriter::put(const void* data, size_t bytes) {
@@ -97,11 +131,13 @@ uint64_t RecordWriter::write(RecordKind kind, std::span<const uint8_t> bytes) {
   storeBigEndian(recordHash(kind, bytes), head + 8);
   put(head, sizeof head);
   put(bytes.data(), bytes.size());
+  has_frame_ = has_frame_ || kind == RecordKind::kFrame;
   return offset;
 }
 
 void RecordWriter::flush() {
   if (std::fflush(file_.get()) != 0) fail();
+  has_whole_frame_ = has_frame_;
 }
 
 std::unique_ptr<RecordingBytes> openRecordingFile(const std::filesystem::path& file) {

@@ -29,13 +29,13 @@ inline constexpr uint32_t kMaxRecordBytes = 4u << 20;  ///< behind its head
 /// Writes records one behind the other.
 class RecordWriter {
  public:
-  /// Throws Error when the file cannot be made. An old one is emptied.
+  /// Throws Error when the file cannot be made, or another program writes or reads it. An old one is emptied.
   explicit RecordWriter(const std::filesystem::path& file);
   /// Throws Error where the constructor would, as far as can be known while the file stays as it is.
   static void check(const std::filesystem::path& file);
   /// Where the record begins. Throws Error when it cannot be written.
   uint64_t write(RecordKind kind, std::span<const uint8_t> bytes);
-  /// Hands everything to the system. Throws Error.
+  /// Hands everything to the system, behind the last record of a frame. Throws Error.
   void flush();
   uint64_t size() const { return size_; }
 
@@ -49,6 +49,7 @@ class RecordWriter {
   const std::string name_;
   std::unique_ptr<std::FILE, Close> file_;
   uint64_t size_ = 0;
+  bool has_frame_ = false, has_whole_frame_ = false;  // written, and flushed
 };
 
 /// The bytes of a recording, wherever they are.
@@ -59,7 +60,8 @@ class RecordingBytes {
   /// False when they cannot be read. The caller asks only for bytes within size().
   virtual bool read(uint64_t offset, std::span<uint8_t> to) = 0;
 };
-/// Throws Error when the file cannot be opened.
+/// Throws Error when the file cannot be opened. While it is open no RecordWriter empties it; one that writes
+/// it already goes on, and what it adds is not seen.
 std::unique_ptr<RecordingBytes> openRecordingFile(const std::filesystem::path& file);
 
 /// Reads one record at a time; its memory is that of the largest record.

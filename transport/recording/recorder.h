@@ -29,7 +29,7 @@ enum class MakeFile {
 /// it dies. Memory is that of a frame's largest chunk and of kIndexFrames places.
 class Recorder {
  public:
-  /// Throws Error when the file cannot be made, or could not be later.
+  /// Throws Error when the file cannot be made, or could not be later: another program may have it open.
   Recorder(const std::filesystem::path& file, const RecordingOptions& options,
            MakeFile when = MakeFile::kAtOnce);
   /// Closes it; what goes wrong then goes unsaid.

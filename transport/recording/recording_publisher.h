@@ -14,9 +14,10 @@ namespace strandcast {
 class RecordingPublisher final : public Publisher {
  public:
   explicit RecordingPublisher(std::unique_ptr<Publisher> publisher) : publisher_(std::move(publisher)) {}
-  /// Records from now on; before announce(). Throws Error when the file cannot be made.
+  /// Records from announce() on, which makes the file: an old one stays until then. Throws Error when it
+  /// cannot be made.
   void open(const std::filesystem::path& file, const RecordingOptions& options) {
-    recorder_.emplace(file, options);
+    recorder_.emplace(file, options, MakeFile::kWithGroom);
   }
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override;
@@ -27,6 +28,7 @@ class RecordingPublisher final : public Publisher {
   uint32_t matchedReaders() const override { return publisher_->matchedReaders(); }
   EncodingReport encoding() const override { return publisher_->encoding(); }
   std::optional<Rival> rival() const override { return publisher_->rival(); }
+  std::string failure() const override { return publisher_->failure(); }
 
   /// Those of the frame that was published last, as Recorder.
   void addGrids(const AirGrids& grids);
