@@ -161,6 +161,7 @@ RodStrands::RodStrands(const StrandModel& model, size_t few)
   std::vector<StrandRest> strands(model.strands());
   for (uint32_t s = 0; s < model.strands(); ++s) {
     strands[s] = strandRest(model, s);
+    stiffest_ = std::max(stiffest_, strands[s].stiffest);
     for (uint32_t v = model.offsets[s]; v + 1 < model.offsets[s + 1]; ++v) {
       const Vec3& strain = model.rest_strain[v];
       joints[v] = {strain.x(), strain.y(), strain.z(), model.bend[v]};
@@ -178,9 +179,6 @@ RodStrands::RodStrands(const StrandModel& model, size_t few)
                       std::all_of(members.begin(), members.end(),
                                   [&](uint32_t s) { return model.verticesOf(s) == vertices; });
     edges_of_.push_back(same ? static_cast<uint32_t>(vertices) - 1 : 0);
-    float stiffest = 0;
-    for (const uint32_t s : members) stiffest = std::max(stiffest, strands[s].stiffest);
-    stiffest_of_.push_back(stiffest);
   }
 }
 
@@ -213,11 +211,12 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
         "rod.comp", shaders::kRodComp,
         fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n"
                     "#define PINNED {:d}\n#define BODIES {:d}\n#define TURNING {}\n#define GROOMED {:d}\n"
-                    "#define DAMPED {}\n#define VIOLENT {:d}\n#define ASTRAY {:d}\n#define SHUFFLED {:d}\n"
+                    "#define DAMPED {}\n#define VIOLENT {:d}\n#define STIFF {:d}\n#define ASTRAY "
+                    "{:d}\n#define SHUFFLED {:d}\n"
                     "#define ACCELERATED {:d}\n",
                     spread.per_thread, spread.threads, edges_of_[g], (key & kGeneral) == 0 && !groomed,
                     (key & kPinned) != 0, needs.bodies, astray ? needs.turning : 0, groomed, needs.damping,
-                    violent, astray, shuffled_, needs.accelerated));
+                    violent, violent && isStiff(needs), astray, shuffled_, needs.accelerated));
   };
   Programs out;
   for (size_t g = 0; g < edges_of_.size(); ++g) {
@@ -232,9 +231,9 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
 
 void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) {
   const int dispatches = needs.bodies ? substeps : 1;
-  Programs& mine =
-      programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
-                8 * static_cast<size_t>(needs.damping) + 24 * static_cast<size_t>(needs.turning)];
+  Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
+                             8 * static_cast<size_t>(needs.damping) +
+                             24 * static_cast<size_t>(needs.turning) + (isStiff(needs) ? 72 : 0)];
   if (mine.violent.empty()) mine = compile(needs, programs);
   work_.bindStorage(5);
   joints_.bindStorage(10);
@@ -280,13 +279,11 @@ void RodStrands::solve(const Programs& programs, const Needs& needs, int first, 
   for (size_t g = 0; g < groups.size(); ++g) {
     const gl::Program& program = few ? *programs.violent[g] : *programs.calm[g];
     placeWork(program, needs, g, first, end);
-    if (few) placePulls(program, needs, g);
     dispatch(program, groups[g].count, kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
   }
   if (few) return;
   auto doListed = [&](const gl::Program& program, size_t g, size_t at) {
     placeWork(program, needs, g, first, end);
-    placePulls(program, needs, g);
     program.use();
     glDispatchComputeIndirect(static_cast<GLintptr>(at * sizeof(uint32_t)));
   };
@@ -326,10 +323,8 @@ void RodStrands::placeWork(const gl::Program& program, const Needs& needs, size_
   glProgramUniform1ui(program.id(), 9, apart ? static_cast<GLuint>(astrayLists() + own.first) : violent_list);
 }
 
-void RodStrands::placePulls(const gl::Program& violent, const Needs& needs, size_t group) const {
-  const bool stiff = kernels::f32::isStiff(stiffest_of_[group] * needs.substep * needs.substep);
-  glProgramUniform1i(violent.id(), 10,
-                     stiff ? kernels::f32::kMostPullIterations : kernels::f32::kPullIterations);
+bool RodStrands::isStiff(const Needs& needs) const {
+  return kernels::f32::isStiff(stiffest_ * needs.substep * needs.substep);
 }
 
 }  // namespace strandcast::gpu

@@ -40,6 +40,8 @@ class RodStrands {
     GroupPrograms calm, violent, astray;
   };
   bool areFew(bool bodies) const;
+  /// Whether any strand is, in these substeps.
+  bool isStiff(const Needs& needs) const;
   bool doesAstrayApart(const StrandGroup& group) const;
   /// Whether the keys of some groups have one of these.
   bool anyGroup(uint32_t bits) const;
@@ -58,18 +60,16 @@ class RodStrands {
   size_t lostList() const;
   /// Tells the program what to do and where in work_ it lists the group's strands.
   void placeWork(const gl::Program& program, const Needs& needs, size_t group, int first, int end) const;
-  /// What a program of violent strands is told besides.
-  void placePulls(const gl::Program& violent, const Needs& needs, size_t group) const;
 
   const StrandModel& model_;
   StrandGroups groups_;             ///< key: see rod_strands.cc
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
-  std::vector<float> stiffest_of_;  ///< per group: the greatest StrandRest::stiffest
+  float stiffest_ = 0;              ///< the greatest StrandRest::stiffest
   gl::Buffer work_, joints_, strands_;
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
   const size_t few_;
   const bool shuffled_;
-  std::array<Programs, 72> programs_;           ///< by needs; empty until first needed
+  std::array<Programs, 144> programs_;          ///< by needs; empty until first needed
   std::array<LazyProgram, 3> look_, keep_out_;  ///< by Needs::turning
 };
 

@@ -29,9 +29,6 @@ layout(location = 2) uniform uint violent_dispatch;
 layout(location = 3) uniform uint violent_list;
 layout(location = 4) uniform int first_substep;
 layout(location = 5) uniform int end_substep;  // the first that is not done
-#if VIOLENT
-layout(location = 10) uniform int most_pulls;  // kPullIterations where no strand is stiff, else kMostPullIterations
-#endif
 #if BODIES
 layout(location = 6) uniform uint lost_count;
 layout(location = 7) uniform uint lost_list;
