@@ -617,7 +617,7 @@ inline void RodStep::pullThroughBending(const mask& violent) {
       set(kCorrection, e, y * get(kLengthPivot, e));
       moved_in = moved;
     }
-    if (iteration >= kPullIterations) part = select(meets_, lit(0), part * morePulls(stiffest_, left2));
+    if (iteration >= kPullIterations) part = in.primitives.empty() ? part * morePulls(stiffest_, left2) : lit(0);
     if (iteration == kMostPullIterations || !anyTrue(part > lit(0))) return;
     // Tip to root: its substitution.
     real correction = lit(0), next = lit(0);

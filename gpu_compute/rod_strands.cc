@@ -324,7 +324,7 @@ void RodStrands::placeWork(const gl::Program& program, const Needs& needs, size_
 }
 
 bool RodStrands::isStiff(const Needs& needs) const {
-  return kernels::f32::isStiff(stiffest_ * needs.substep * needs.substep);
+  return !needs.bodies && kernels::f32::isStiff(stiffest_ * needs.substep * needs.substep);
 }
 
 }  // namespace strandcast::gpu

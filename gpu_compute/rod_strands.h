@@ -40,7 +40,7 @@ class RodStrands {
     GroupPrograms calm, violent, astray;
   };
   bool areFew(bool bodies) const;
-  /// Whether any strand is, in these substeps.
+  /// Whether any strand is, in these substeps, and there are no bodies.
   bool isStiff(const Needs& needs) const;
   bool doesAstrayApart(const StrandGroup& group) const;
   /// Whether the keys of some groups have one of these.

@@ -182,12 +182,12 @@ FN real3 missingLength(IN(real3) edge, IN(real3) otherwise, IN(real) rest_length
 const int kPullIterations = 2;
 const int kMostPullIterations = 100;
 FN mask isStiff(IN(real) kappa) { return kappa > lit(30); }
-// What part of an iteration a strand that no body is near needs after so many: none where the last left little, so that one more or
-// less is no jump. (What bodies hold upright is nearly singular; more iterations on it are more rounding.)
+// What part of an iteration a strand needs after so many where there are no bodies: none where the last left little, so that one more
+// or less is no jump. (Among bodies the system is nearly singular; more iterations on it are more rounding.)
 // `kappa`: the greatest of its edges', see timeBlend(); `left2`: the greatest square of what is left of the excess of an edge, over
 // its length.
 FN real morePulls(IN(real) kappa, IN(real) left2) {
-  return select(isStiff(kappa), clamp(madd(lit(100), kappa * left2, lit(-1)), lit(0), lit(1)), lit(0));
+  return select(isStiff(kappa), clamp(madd(lit(25), kappa * left2, lit(-1)), lit(0), lit(1)), lit(0));
 }
 FN real conjugateStep(IN(real) numerator, IN(real) denominator) {
   mask some = denominator > lit(1e-30);

@@ -3,7 +3,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=2 GROOMED=0 DAMPED=2 VIOLENT=1 STIFF=1 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
+// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=2 GROOMED=0 DAMPED=2 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
 // One step of strands as inextensible rods: core/rod_sweep.inl with the state in registers, PER_THREAD (2 or 4) edges per
 // invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand become: own slots by
 // elimination, then the strand's invocations together by cyclic reduction.
@@ -15,7 +15,7 @@
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
-// STIFF: some strand is (isStiff in kernels/rod.h); then the pulls of violent ones take more.
+// STIFF: some strand is (isStiff in kernels/rod.h), and there are no bodies; then the pulls of violent ones take more.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 // What differs between invocations is chosen by select(), not by if.
 #define WORKGROUP 32
@@ -369,8 +369,8 @@ bool anyStrand(bool own) {
 
 #if VIOLENT
 // The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the second
-// length system in the metric of the masses. Of other strands only the barriers are wanted. `meet`: a body is near the strand.
-void pullThroughBending(bool violent, bool meet) {
+// length system in the metric of the masses. Of other strands only the barriers are wanted.
+void pullThroughBending(bool violent) {
   const float calm_in = violent ? 0.0 : pull_in, calm_out = violent ? 0.0 : pull_out;
   float calm[PER_THREAD], excess[PER_THREAD], conjugate[PER_THREAD];
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
@@ -435,8 +435,7 @@ void pullThroughBending(bool violent, bool meet) {
 #if STIFF
     if (iteration == most_pulls) break;
     if (iteration >= kPullIterations) {
-      float more = morePulls(rest.stiffest * settings.substep * settings.substep, strandMax(left2));
-      part = meet ? 0.0 : part * more;
+      part *= morePulls(rest.stiffest * settings.substep * settings.substep, strandMax(left2));
       if (!anyStrand(part > 0.0)) break;
     }
 #else
@@ -459,19 +458,18 @@ void pullThroughBending(bool violent, bool meet) {
 // After the first pass over lengths: whether the strand needs another, because it is violent or a body is near. The pulls of
 // violent ones go through bending.
 bool needsAgain() {
-#if BODIES
-  const bool meet = ofStrand(meets);
-#else
-  const bool meet = false;
-#endif
+  bool needs = false;
 #if VIOLENT
-  const bool violent = ofStrand(isViolent(mostViolence()));
-  if (anyStrand(violent)) pullThroughBending(violent, meet);
-  return violent || meet;
+  needs = ofStrand(isViolent(mostViolence()));
+  if (anyStrand(needs)) pullThroughBending(needs);
 #else
   most = max(most, mostViolence());
-  return meet;
 #endif
+#if BODIES
+  bool meet = ofStrand(meets);
+  needs = needs || meet;
+#endif
+  return needs;
 }
 
 // Of a strand that only goes along with others of its workgroup; nothing comes out otherwise for them. `pulled_in`: shift_in

@@ -131,7 +131,7 @@ bool tooDense(const StrandModel& model, size_t s, double substep) {
 double leftByPulls(const StrandModel& model, size_t s, double substep) {
   const double kappa = stiffnessOf(model, s, substep);
   if (!kernels::f64::isStiff(kappa)) return 0;
-  constexpr double kLeft = 0.02;  // kappa x its square where morePulls() is 1
+  constexpr double kLeft = 0.08;  // kappa x its square where morePulls() is 1
   return std::sqrt(kLeft / kappa);
 }
 
@@ -289,8 +289,7 @@ struct Disagreement {
     for (size_t s = 0; s < error.size(); ++s) {
       if (tooDense(step.model, s, step.substep())) continue;
       ++compared;
-      off += error[s] >= kRodOneStepTolerance + kSensitivityFactor * step.sensitivity[s] +
-                             leftByPulls(step.model, s, step.substep());
+      off += error[s] >= kRodOneStepTolerance + kSensitivityFactor * step.sensitivity[s];
       far += error[s] >= kGrazingTolerance;
     }
   }
