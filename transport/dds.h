@@ -53,8 +53,9 @@ struct DdsOptions {
 /// Whether this build has DDS, and why not.
 bool ddsAvailable(std::string* reason = nullptr);
 
-/// Fast DDS over UDPv4, and shared memory with DdsProfile::kLocal. A groom id is a DDS partition ("groom1"), so that a machine receives the frames of
-/// the grooms it asked for and no others; statuses go to everyone in the domain. Listening ports: 7400 + 250
+/// Fast DDS over UDPv4, and shared memory with DdsProfile::kLocal. A groom id is a DDS partition ("groom1"),
+/// so that a machine receives the frames of the grooms it asked for and no others; statuses go to everyone in
+/// the domain. Listening ports: 7400 + 250
 /// * domain (UDP multicast 239.255.0.1, discovery) and those following it. Frames of 1 MB or less need
 /// net.core.rmem_max >= 4194304 on the reader's machine to survive bursts without repair.
 ///
