@@ -55,10 +55,7 @@ class RodStep {
 
   void run() {
     real length = lit(0), hung = lit(0);
-    stiffest_ = lit(0);
     for (int e = 0; e < ne; ++e) {
-      const real il = inverseLength(e);
-      stiffest_ = max(stiffest_, bend(e) * il * il * lit(h * h) * state(b.weight, 0, rowOfVertex(e + 1)));
       length = length + lengthOf(e);
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
@@ -178,7 +175,6 @@ class RodStep {
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
   mask meets_;  // those with a vertex that a body is near in this substep
-  real stiffest_;       // the greatest kappa of an edge, see morePulls()
   real most_tension_;   // that is taken over from one substep to the next
 };
 
@@ -572,8 +568,7 @@ inline void RodStep::pullThroughBending(const mask& violent) {
     old_in = old;
     shift_in = shift;
   }
-  real kept = lit(0);     // of the last direction
-  real part = select(violent, lit(1), lit(0));  // of this iteration's step
+  real kept = lit(0);  // of the last direction
   for (int iteration = 1;; ++iteration) {
     // Tip to root: the direction, and the elimination of bending under its pulls.
     real3 t_out = zero, y1 = zero, y2 = zero;
@@ -601,9 +596,9 @@ inline void RodStep::pullThroughBending(const mask& violent) {
       moved_in = moved;
     }
     // Root to tip: the step along the direction, and the elimination of the tridiagonal system.
-    const real step = conjugateStep(product, curvature) * part;
+    const real step = conjugateStep(product, curvature);
     moved_in = zero;
-    real y = lit(0), left2 = lit(0);
+    real y = lit(0);
     for (int e = 0; e < ne; ++e) {
       const real3 moved = get3(kStrain, e), shift = get3(kShift, e + 1);
       const real tension = state(b.tension, 0, e);
@@ -611,14 +606,11 @@ inline void RodStep::pullThroughBending(const mask& violent) {
       store(select(violent, madd(get(kConjugate, e), step, tension), tension), b.tension + at(0, e));
       const real residual = get(kResidual, e) - step * dot(get3(kTangent, e), moved_in - moved);
       set(kResidual, e, residual);
-      const real left = residual * inverseLength(e);
-      left2 = max(left2, left * left);
       y = e > 0 ? residual - get(kLengthFactor, e) * y : residual;
       set(kCorrection, e, y * get(kLengthPivot, e));
       moved_in = moved;
     }
-    if (iteration >= kPullIterations) part = in.primitives.empty() ? part * morePulls(stiffest_, left2) : lit(0);
-    if (iteration == kMostPullIterations || !anyTrue(part > lit(0))) return;
+    if (iteration == kPullIterations) return;
     // Tip to root: its substitution.
     real correction = lit(0), next = lit(0);
     for (int e = ne - 1; e >= 0; --e) {

@@ -175,20 +175,10 @@ FN real3 missingLength(IN(real3) edge, IN(real3) otherwise, IN(real) rest_length
   return t * (rest_length - dot(edge, t));
 }
 // The length system of violent motion has the dense metric after all: J A^-1 J'. So many conjugate gradient iterations
-// (Shewchuk 1994, algorithm B3), preconditioned with the tridiagonal system, solve it well enough where an edge is not stiff: what
-// they leave is made good by exact lengths, which bends joints, and what is stiff and bent is thrown about by that for ever.
-// conjugateStep() is a quotient of theirs, 0 where there is nothing left to do. It is bounded: longer steps, on strands far
+// (Shewchuk 1994, algorithm B3), preconditioned with the tridiagonal system, solve it well enough; after one, some stiff strands
+// never calm down. This is a quotient of theirs, 0 where there is nothing left to do. It is bounded: longer steps, on strands far
 // from their lengths, are more rounding than progress.
 const int kPullIterations = 2;
-const int kMostPullIterations = 100;
-FN mask isStiff(IN(real) kappa) { return kappa > lit(30); }
-// What part of an iteration a strand needs after so many where there are no bodies: none where the last left little, so that one more
-// or less is no jump. (Among bodies the system is nearly singular; more iterations on it are more rounding.)
-// `kappa`: the greatest of its edges', see timeBlend(); `left2`: the greatest square of what is left of the excess of an edge, over
-// its length.
-FN real morePulls(IN(real) kappa, IN(real) left2) {
-  return select(isStiff(kappa), clamp(madd(lit(25), kappa * left2, lit(-1)), lit(0), lit(1)), lit(0));
-}
 FN real conjugateStep(IN(real) numerator, IN(real) denominator) {
   mask some = denominator > lit(1e-30);
   return min(select(some, numerator, lit(0)) * inverse(select(some, denominator, lit(1))), lit(16));

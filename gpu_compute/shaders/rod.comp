@@ -3,7 +3,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=2 GROOMED=0 DAMPED=2 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
+// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=2 GROOMED=0 DAMPED=2 VIOLENT=1 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
 // One step of strands as inextensible rods: core/rod_sweep.inl with the state in registers, PER_THREAD (2 or 4) edges per
 // invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand become: own slots by
 // elimination, then the strand's invocations together by cyclic reduction.
@@ -15,7 +15,6 @@
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
-// STIFF: some strand is (isStiff in kernels/rod.h), and there are no bodies; then the pulls of violent ones take more.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 // What differs between invocations is chosen by select(), not by if.
 #define WORKGROUP 32
@@ -387,13 +386,7 @@ void pullThroughBending(bool violent) {
   if (violent) softness_in = 0.0;
   product = strandSum(product);
   float kept = 0.0;  // of the last direction
-#if STIFF
-  float part = violent ? 1.0 : 0.0;  // of this iteration's step
-  const int most_pulls = settings.substeps > 0u ? kMostPullIterations : 0;  // not to be unrolled
-#else
-  const int most_pulls = REPEATS(kPullIterations);
-#endif
-  for (int iteration = 1; iteration <= most_pulls; ++iteration) {
+  for (int iteration = 1; iteration <= REPEATS(kPullIterations); ++iteration) {
     for (int p = 0; p < PER_THREAD; ++p) pull[p] = conjugate[p] = madd(conjugate[p], kept, pull[p]);
     send_d(pull[0]);
     rendezvous();
@@ -417,30 +410,14 @@ void pullThroughBending(bool violent) {
       moved_in = moved[p];
     }
     float way = conjugateStep(product, strandSum(curvature));
-#if STIFF
-    way *= part;
-    float left2 = 0.0;
-#endif
     for (int p = 0; p < PER_THREAD; ++p) {
       if (violent) {
         shift[p] = madd(moved[p], way, shift[p]);
         tension[p] = madd(conjugate[p], way, tension[p]);
       }
       excess[p] -= way * shortened[p];
-#if STIFF
-      float left = isEdge(p) ? excess[p] * inverseLength(p) : 0.0;
-      left2 = max(left2, left * left);
-#endif
     }
-#if STIFF
-    if (iteration == most_pulls) break;
-    if (iteration >= kPullIterations) {
-      part *= morePulls(rest.stiffest * settings.substep * settings.substep, strandMax(left2));
-      if (!anyStrand(part > 0.0)) break;
-    }
-#else
     if (iteration == kPullIterations) break;
-#endif
     pull = excess;
     solveTridiagonal(slack, lower, pivot, pull);
     float next = 0.0;
