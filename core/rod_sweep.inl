@@ -124,7 +124,7 @@ class RodStep {
 
   void predict(const RootFrame& root, double time);
   real3 ownShift(int i) const;
-  real3 inertialShift(int i, const RootFrame& root, double time) const;
+  real3 inertialShift(int i, const real3& own, const RootFrame& root, double time) const;
   real aheadNow(const RootFrame& root, double time) const;
   void eliminateTwist();
   void eliminateBending();
@@ -188,9 +188,9 @@ inline void RodStep::noteForces() {
 
 // How far vertex i would go by itself in this substep, whose jump_ is known.
 inline real3 RodStep::ownShift(int i) const { return madd(state3(b.velocity, i), lit(h * keep_), jump_); }
-// The same with the air drag of its own, to its inertial point; pinned ones ride on their bones.
-inline real3 RodStep::inertialShift(int i, const RootFrame& root, double time) const {
-  const real3 shift = grooming_.on() ? madd(state3(b.velocity, i), grooming_.keep(i) * lit(h), jump_) : ownShift(i);
+// `own` of it with the air drag of its own, to its inertial point; pinned ones ride on their bones.
+inline real3 RodStep::inertialShift(int i, const real3& own, const RootFrame& root, double time) const {
+  const real3 shift = grooming_.on() ? madd(state3(b.velocity, i), grooming_.keep(i) * lit(h), jump_) : own;
   if (!b.pinned) return shift;
   return select(weight(i) > lit(0), shift, heldPoint(b, root, i, time) - state3(b.position, i));
 }
@@ -201,7 +201,7 @@ inline real RodStep::aheadNow(const RootFrame& root, double time) const {
   real fastest2 = lit(0);
   real3 shift_in = root.position - state3(b.position, 0);
   for (int e = 0; e < ne; ++e) {
-    const real3 shift = inertialShift(e + 1, root, time), advance = (shift - shift_in) * inverseLength(e);
+    const real3 shift = inertialShift(e + 1, ownShift(e + 1), root, time), advance = (shift - shift_in) * inverseLength(e);
     fastest2 = max(fastest2, dot(advance, advance));
     shift_in = shift;
   }
@@ -223,10 +223,10 @@ inline void RodStep::predict(const RootFrame& root, double time) {
   set3(kShift, 0, shift_in);
   real3 unit_before = tangent_old_;
   for (int e = 0; e < ne; ++e) {
-    const real3 x = state3(b.position, e + 1), shift = inertialShift(e + 1, root, time);
+    const real3 x = state3(b.position, e + 1), own = ownShift(e + 1), shift = inertialShift(e + 1, own, root, time);
     set3(kShift, e + 1, shift);
     if (among_bodies_) {
-      near_.lookAhead(e + 1, x + ownShift(e + 1), x);
+      near_.lookAhead(e + 1, x + own, x);
       faces_[e + 1] = false;
       if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(h * h), b.contact, e + 1);
     }

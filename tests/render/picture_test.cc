@@ -447,6 +447,19 @@ TEST_F(Picture, GroundIsBelowHairThatIsLongerThanItsBody) {
   EXPECT_LT(linearValue(renderer.read(), 64, 64, 1), 0.05);
 }
 
+std::pair<Image, Image> withoutAndWithShadows(RenderSettings settings, const GroomDescription& groom,
+                                              const Camera& camera) {
+  const auto picture = [&](bool shadows) {
+    settings.shadows = shadows;
+    Renderer renderer(settings);
+    renderer.setGroom(groom);
+    renderer.draw(restFrame(groom), camera);
+    return renderer.read();
+  };
+  Image lit = picture(false);
+  return {std::move(lit), picture(true)};
+}
+
 TEST_F(Picture, HairFarFromItsGuidesCastsItsShadowToo) {
   RenderSettings settings = smallPicture();
   settings.growth.hairs = 2000;
@@ -462,14 +475,7 @@ TEST_F(Picture, HairFarFromItsGuidesCastsItsShadowToo) {
   camera.eye = Vec3(0.2f, 2, 0);  // z is up in the picture
   camera.target = Vec3(0.2f, -0.2f, 0);
   camera.vertical_fov = 0.8f;
-  const auto picture = [&](bool shadows) {
-    settings.shadows = shadows;
-    Renderer renderer(settings);
-    renderer.setGroom(groom);
-    renderer.draw(restFrame(groom), camera);
-    return renderer.read();
-  };
-  const Image lit = picture(false), shaded = picture(true);
+  const auto [lit, shaded] = withoutAndWithShadows(settings, groom, camera);
   const double pixel = 2 * 2.2 * std::tan(0.4) / 128;
   int dark = 0;
   for (int y = 0; y < 128; ++y) {
@@ -500,14 +506,7 @@ TEST_F(Picture, ShadowOfABroadHairIsAsBroad) {
   sun.direction = Vec3(1, -1, 0);
   for (const Light& light : {sun, lamp}) {
     settings.lights = {light};
-    const auto picture = [&](bool shadows) {
-      settings.shadows = shadows;
-      Renderer renderer(settings);
-      renderer.setGroom(groom);
-      renderer.draw(restFrame(groom), camera);
-      return renderer.read();
-    };
-    const Image lit = picture(false), shaded = picture(true);
+    const auto [lit, shaded] = withoutAndWithShadows(settings, groom, camera);
     const double pixel = 2 * 2.2 * std::tan(0.15) / 128;
     int dark = 0;  // in the column below the middle of the hair
     for (int y = 0; y < 128; ++y) {
