@@ -1,5 +1,6 @@
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "offscreen.h"
 #include "render/hair_growth.h"
