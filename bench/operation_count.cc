@@ -18,6 +18,7 @@ namespace kernels::counting {
 #include "kernels/distance_field.h"
 #include "kernels/surface_bend.h"
 #include "kernels/rod.h"
+#include "kernels/stiff_pulls.h"
 #include "kernels/grooming.h"
 #include "kernels/end_lanes.inl"
 #include "core/block_step.inl"

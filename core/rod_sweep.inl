@@ -54,11 +54,14 @@ class RodStep {
   }
 
   void run() {
-    real length = lit(0), hung = lit(0);
+    real length = lit(0), hung = lit(0), stiffest = lit(0);
     for (int e = 0; e < ne; ++e) {
+      const real il = inverseLength(e);
+      stiffest = max(stiffest, bend(e) * il * il * lit(h * h) * state(b.weight, 0, rowOfVertex(e + 1)));
       length = length + lengthOf(e);
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
+    stiff_ = isStiff(stiffest);
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
     if (among_bodies_) {
       noteForces();
@@ -76,7 +79,8 @@ class RodStep {
       meets_ = !again_;
       moveByForces();
       const mask violent = isViolent(substituteLengths());
-      if (anyTrue(violent)) pullThroughBending(violent);
+      if (anyTrue(violent && !stiff_)) pullThroughBending(violent && !stiff_);
+      if (anyTrue(violent && stiff_)) pullStiff(violent && stiff_);
       again_ = violent || meets_;
       if (anyTrue(again_)) {
         moveByPulls();
@@ -134,6 +138,7 @@ class RodStep {
   void moveAndEliminateLengths(Shift shift);
   real substituteLengths();
   void pullThroughBending(const mask& violent);
+  void pullStiff(const mask& violent);
   class BentMoves;
   class Pulls;
   void finish();
@@ -175,6 +180,7 @@ class RodStep {
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
   mask meets_;  // those with a vertex that a body is near in this substep
+  mask stiff_;  // whose pulls are found by elimination
   real most_tension_;   // that is taken over from one substep to the next
 };
 
@@ -302,7 +308,12 @@ inline void RodStep::eliminateBending() {
   real3 t = get3(kTangent, ne - 1), t_out = t, t_out2 = t;
   real3 direction = damped_ ? get3(kDirection, ne - 1) : t;  // in which the forces of edge e act
   real3 moment_out = zero, force_out = zero, y1 = zero, y2 = zero;
-  real edge_out = lit(0), id1 = lit(0), id2 = lit(0), l1_out = lit(0);
+  // Of the rows of the next two vertices outwards, without those still farther out: inverse pivots, and what the rows sum up to. In the
+  // matrix they sum up to the masses: moved as a whole, a strand is not bent. Pivots follow from sums, and not by taking from large
+  // stiffnesses other large ones.
+  real id1 = lit(0), id2 = lit(0), sum1 = lit(0), sum2 = lit(0);
+  real across = lit(0);                      // couples the vertex to the next one outwards, without those farther out
+  real second = lit(0), second_in = lit(0);  // couple it, and the one inside it, to the next but one outwards
   for (int e = ne - 1; e >= 0; --e) {
     const real3 t_in = e > 0 ? get3(kTangent, e - 1) : t;
     const real turn_in = e > 0 ? get(kRight, e - 1) - get(kFactor1, e - 1) * turn : lit(0);
@@ -324,19 +335,16 @@ inline void RodStep::eliminateBending() {
                                  : madd(way, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
     if (among_bodies_ && forced_[e + 1]) total = total + state3(b.contact, e + 1);
 
-    const real il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
-    const real il_out2 = e + 2 < ne ? inverseLength(e + 2) : lit(0);
-    const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1), k2 = get(kStiffness, e + 2);
+    const real il_in = e > 0 ? inverseLength(e - 1) : lit(0), il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
+    const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1);
     const real edge = edgeMatrixStiffness(get(kMargin, e) + get(kMargin, e + 1), il, kept, get(kBlend, e));
     set(kSoftness, e + 1, curlSoftness(weight(e + 1), k1, il, t_in, t, t_out, t_out2));
-    const real diagonal = m + bendOwn(k0, k1, k2, il, il_out) + edge + edge_out;
-    const real first = bendAcross(k1, k2, il, il_out, il_out2) - edge_out;
-    const real second = bendAcrossTwo(k2, il_out, il_out2);
 
-    const real l2 = second * id2;
-    const real u1 = first - second * l1_out;
-    const real l1 = u1 * id1;
-    const real pivot = inverse(diagonal - l1 * u1 - l2 * second);
+    const real l1 = across * id1, l2 = second * id2;
+    const real sum = m - l1 * sum1 - l2 * sum2;
+    const real across_in = bendAcross(k0, k1, il_in, il, il_out) - edge - second_in * l1;
+    const real second_in2 = bendAcrossTwo(k0, il_in, il);
+    const real pivot = inverse(sum - across_in - second_in2);
     const real3 y = total - y1 * l1 - y2 * l2;
     set3(kStrain, e, y * pivot);
     set(kFactor1, e, l1);
@@ -346,9 +354,12 @@ inline void RodStep::eliminateBending() {
     y1 = y;
     id2 = id1;
     id1 = pivot;
-    l1_out = l1;
+    sum2 = sum1;
+    sum1 = sum;
+    across = across_in;
+    second = second_in;
+    second_in = second_in2;
     force_out = force;
-    edge_out = edge;
     moment_out = moment;
     t_out2 = t_out;
     t_out = t;
@@ -655,6 +666,8 @@ inline void RodStep::finish() {
     pulled_in = pulled;
   }
 }
+
+#include "core/stiff_pulls.inl"
 
 inline void stepRod(const Block& b, const StepInput& input, Scalar* scratch) { RodStep(b, input, scratch).run(); }
 

@@ -98,14 +98,18 @@ constexpr float kShortestEdge = 0.1f;  ///< of the strand's mean: shorter edges 
 constexpr int kMostLanes = 64;  ///< strands of a block, at most
 
 constexpr int kSolverPlanes = 22;   ///< scratch numbers per vertex of a solver,
+constexpr int kPullPlanes = 29;     ///< of the pulls of stiff strands,
 constexpr int kGroomingRows = 5;    ///< of core/grooming.inl
 constexpr int kContactPlanes = 21;  ///< and of core/near_bodies.inl,
 constexpr int kPlacedBodies = 16;   ///< which has one for each of so many bodies too, whatever the lanes
 
 /// Scalars of scratch memory that a step of a block needs: those of its solver, of grooming, of contact, and
 /// its strands' accelerations.
-constexpr size_t solverScratch(int vertices, int lanes) {
+constexpr size_t rodScratch(int vertices, int lanes) {
   return static_cast<size_t>(kSolverPlanes) * (vertices + 2) * lanes;
+}
+constexpr size_t solverScratch(int vertices, int lanes) {
+  return rodScratch(vertices, lanes) + static_cast<size_t>(kPullPlanes) * vertices * lanes;
 }
 constexpr size_t groomingScratch(int vertices, int lanes) {
   return static_cast<size_t>(kGroomingRows) * vertices * lanes;

@@ -269,6 +269,7 @@ void GpuStrands::step(const StepInput& input) {
                 .goal = goal,
                 .accelerated = accelerated,
                 .damping = dampingOf(*input.parameters),
+                .substep = input.parameters->time_step / static_cast<float>(input.parameters->substeps),
                 .same_bodies = seen_.holdsIn(input)},
                input.parameters->substeps, programs_);
   else

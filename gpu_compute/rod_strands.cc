@@ -8,6 +8,7 @@
 
 #include "core/strand_block.h"
 #include "gpu_compute/shaders.h"
+#include "kernels/scalar_float.h"
 
 namespace strandcast::gpu {
 namespace {
@@ -60,7 +61,7 @@ constexpr std::array<const char*, 3> kTurning = {"#define TURNING 0\n", "#define
 
 /// Of shaders/rod_strand.glsl.
 struct StrandRest {
-  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length;
+  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, stiffest;
 };
 
 float restLength(const StrandModel& model, uint32_t edge) {
@@ -80,10 +81,15 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
   const uint32_t first = model.offsets[strand], edges = edgesOf(model, strand);
   const float length = arcLength({model.rest_local.data() + first, edges + 1});
   const float mean = length / static_cast<float>(edges);
-  float free_mass = 0;
-  for (uint32_t v = first + 1; v <= first + edges; ++v)
-    if (!model.isPinned(strand, v)) free_mass += model.mass[v];
-  return {mean, 1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass, length};
+  float free_mass = 0, stiffest = 0;
+  for (uint32_t v = first + 1; v <= first + edges; ++v) {
+    if (model.isPinned(strand, v)) continue;
+    const float bends_over = std::max(restLength(model, v - 1), kShortestEdge * mean);
+    free_mass += model.mass[v];
+    stiffest = std::max(stiffest, model.bend[v - 1] / (bends_over * bends_over * model.mass[v]));
+  }
+  return {mean,   1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass,
+          length, stiffest};
 }
 
 /// Of shaders/rod_strand.glsl.
@@ -155,6 +161,7 @@ RodStrands::RodStrands(const StrandModel& model, size_t few)
   std::vector<StrandRest> strands(model.strands());
   for (uint32_t s = 0; s < model.strands(); ++s) {
     strands[s] = strandRest(model, s);
+    stiffest_ = std::max(stiffest_, strands[s].stiffest);
     for (uint32_t v = model.offsets[s]; v + 1 < model.offsets[s + 1]; ++v) {
       const Vec3& strain = model.rest_strain[v];
       joints[v] = {strain.x(), strain.y(), strain.z(), model.bend[v]};
@@ -188,6 +195,10 @@ bool RodStrands::doesAstrayApart(const StrandGroup& group) const {
   return !areFew(true) && group.count >= kAstrayApart;
 }
 
+bool RodStrands::isStiff(const Needs& needs) const {
+  return kernels::f32::isStiff(stiffest_ * needs.substep * needs.substep);
+}
+
 bool RodStrands::holdsVertices() const { return anyGroup(kPinned | kGroomed); }
 
 void RodStrands::expect(bool goal, bool bodies) {
@@ -204,11 +215,11 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
         "rod.comp", shaders::kRodComp,
         fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n"
                     "#define PINNED {:d}\n#define BODIES {:d}\n#define TURNING {}\n#define GROOMED {:d}\n"
-                    "#define DAMPED {}\n#define VIOLENT {:d}\n#define ASTRAY {:d}\n#define SHUFFLED {:d}\n"
-                    "#define ACCELERATED {:d}\n",
+                    "#define DAMPED {}\n#define VIOLENT {:d}\n#define STIFF {:d}\n#define ASTRAY {:d}\n"
+                    "#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
                     spread.per_thread, spread.threads, edges_of_[g], (key & kGeneral) == 0 && !groomed,
                     (key & kPinned) != 0, needs.bodies, astray ? needs.turning : 0, groomed, needs.damping,
-                    violent, astray, shuffled_, needs.accelerated));
+                    violent, violent && isStiff(needs), astray, shuffled_, needs.accelerated));
   };
   Programs out;
   for (size_t g = 0; g < edges_of_.size(); ++g) {
@@ -223,9 +234,9 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
 
 void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) {
   const int dispatches = needs.bodies ? substeps : 1;
-  Programs& mine =
-      programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
-                8 * static_cast<size_t>(needs.damping) + 24 * static_cast<size_t>(needs.turning)];
+  Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
+                             8 * static_cast<size_t>(needs.damping) +
+                             24 * static_cast<size_t>(needs.turning) + (isStiff(needs) ? 72 : 0)];
   if (mine.violent.empty()) mine = compile(needs, programs);
   work_.bindStorage(5);
   joints_.bindStorage(10);

@@ -24,6 +24,7 @@ class RodStrands {
     bool goal;         ///< all strands are pulled towards their goals
     bool accelerated;  ///< StepInput::accelerations
     int damping;       ///< 1: there is internal damping; 2: some by more than kFreelyAhead substeps
+    float substep;     ///< s
     bool same_bodies;  ///< what vertices have seen of bodies in the step before holds on
   };
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs
@@ -40,6 +41,8 @@ class RodStrands {
   };
   bool areFew(bool bodies) const;
   bool doesAstrayApart(const StrandGroup& group) const;
+  /// Whether any strand is, in these substeps.
+  bool isStiff(const Needs& needs) const;
   /// Whether the keys of some groups have one of these.
   bool anyGroup(uint32_t bits) const;
   Programs compile(const Needs& needs, ProgramCache& programs) const;
@@ -61,11 +64,12 @@ class RodStrands {
   const StrandModel& model_;
   StrandGroups groups_;             ///< key: see rod_strands.cc
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
+  float stiffest_ = 0;              ///< the greatest StrandRest::stiffest
   gl::Buffer work_, joints_, strands_;
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
   const size_t few_;
   const bool shuffled_;
-  std::array<Programs, 72> programs_;           ///< by needs; empty until first needed
+  std::array<Programs, 144> programs_;          ///< by needs; empty until first needed
   std::array<LazyProgram, 3> look_, keep_out_;  ///< by Needs::turning
 };
 

@@ -195,6 +195,37 @@ std::vector<Case> thrown(const Laboratory& laboratory) {
   return {absoluteCase({kThrown, "strands of 100 faster than 10 mm/s", ""}, moving, 0, 1)};
 }
 
+// Hair with a kink in every joint, of many short edges: kappa 330 to 1600.
+constexpr const char* kKinked = "kinked: at rest";
+
+std::vector<Case> kinked(const Laboratory& laboratory) {
+  constexpr int kStrands = 8;
+  constexpr double kSettling = 8;   // s
+  constexpr double kMoving = 0.02;  // m/s
+  std::mt19937 random(7);
+  auto any = [&] { return static_cast<float>(random()) / 2147483648.0f - 1; };
+  std::vector<StrandPoints> strands;
+  for (int s = 0; s < kStrands; ++s) {
+    const int edges = s % 2 == 0 ? 63 : 95;
+    const float edge = (s % 2 == 0 ? 0.1f : 0.2f) / static_cast<float>(edges);
+    Vec3 x = Vec3::Zero(), direction = Vec3(any(), any(), any()).normalized();
+    StrandPoints points = {x};
+    for (int e = 0; e < edges; ++e) {
+      points.push_back(x += edge * direction);
+      direction = (direction + 0.1f * Vec3(any(), any(), any())).normalized();
+    }
+    strands.push_back(points);
+  }
+  Simulation simulation = laboratory.simulation(modelOf(strands, std::vector<Material>(strands.size())),
+                                                laboratory.parameters(kRate, kDrag));
+  laboratory.advance(simulation, kSettling, {});
+  const StrandState state = simulation.state();
+  double moving = 0;
+  for (size_t s = 0; s < kStrands; ++s)
+    if (!(rmsSpeedOf(simulation.model(), state, s) < kMoving)) ++moving;
+  return {absoluteCase({kKinked, "strands of 8 faster than 20 mm/s", ""}, moving, 0, 0)};
+}
+
 }  // namespace
 
 void addGuardExperiments(std::vector<Experiment>& experiments) {
@@ -215,6 +246,8 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
       {"100 strands of any shape, up to 1000 times as stiff as hair, shaken and carried away",
        {kThrown},
        thrown});
+  experiments.push_back(
+      {"strands of 64 and 96 vertices with a kink in every joint, let go", {kKinked}, kinked});
 }
 
 }  // namespace strandcast

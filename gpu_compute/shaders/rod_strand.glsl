@@ -19,6 +19,7 @@ struct StrandRest {      // gpu_compute/rod_strands.cc
   float shortest;        // m; shorter edges bend as if they were this long
   float free_mass;       // of all vertices that are not pinned
   float arc_length;      // m
+  float stiffest;        // 1/s^2: the greatest kappa of an edge (isStiff) over the square of the substep
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
 // Of this group; places in work[].
