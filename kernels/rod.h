@@ -181,7 +181,7 @@ FN real3 missingLength(IN(real3) edge, IN(real3) otherwise, IN(real) rest_length
 const int kPullIterations = 2;
 // Stiff strands have theirs found by elimination (kernels/stiff_pulls.h): what iterations leave is made good by exact lengths, which
 // bends joints, and what is stiff and kinked was thrown about by that for ever. `kappa`: the greatest of its edges', see timeBlend().
-FN mask isStiff(IN(real) kappa) { return kappa > lit(30); }
+FN mask isStiff(IN(real) kappa) { return kappa > lit(100); }
 FN real conjugateStep(IN(real) numerator, IN(real) denominator) {
   mask some = denominator > lit(1e-30);
   return min(select(some, numerator, lit(0)) * inverse(select(some, denominator, lit(1))), lit(16));
