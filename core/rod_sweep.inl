@@ -61,7 +61,6 @@ class RodStep {
       length = length + lengthOf(e);
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
-    stiff_ = isStiff(stiffest);
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
     if (among_bodies_) {
       noteForces();
@@ -78,9 +77,10 @@ class RodStep {
       again_ = lit(0) < lit(1);
       meets_ = !again_;
       moveByForces();
-      const mask violent = isViolent(substituteLengths());
-      if (anyTrue(violent && !stiff_)) pullThroughBending(violent && !stiff_);
-      if (anyTrue(violent && stiff_)) pullStiff(violent && stiff_);
+      const real most = substituteLengths();
+      const mask violent = isViolent(most), eliminated = isEliminated(stiffest, most);
+      if (anyTrue(violent && !eliminated)) pullThroughBending(violent && !eliminated);
+      if (anyTrue(eliminated)) pullByElimination(eliminated);
       again_ = violent || meets_;
       if (anyTrue(again_)) {
         moveByPulls();
@@ -138,7 +138,7 @@ class RodStep {
   void moveAndEliminateLengths(Shift shift);
   real substituteLengths();
   void pullThroughBending(const mask& violent);
-  void pullStiff(const mask& violent);
+  void pullByElimination(const mask& strands);
   class BentMoves;
   class Pulls;
   void finish();
@@ -180,7 +180,6 @@ class RodStep {
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
   mask meets_;  // those with a vertex that a body is near in this substep
-  mask stiff_;  // whose pulls are found by elimination
   real most_tension_;   // that is taken over from one substep to the next
 };
 

@@ -1,7 +1,7 @@
-// The pulls of stiff strands in violent motion: kernels/stiff_pulls.h along the strands of a block. Included in core/rod_sweep.inl.
+// The pulls of stiff strands in very violent motion: kernels/stiff_pulls.h along the strands of a block. Included in core/rod_sweep.inl.
 
-// As pullThroughBending(), by elimination.
-inline void RodStep::pullStiff(const mask& violent) {
+// The same as pullThroughBending().
+inline void RodStep::pullByElimination(const mask& strands) {
   static_assert(sizeof(PullRow) == kPullPlanes * kLanes * sizeof(Scalar));
   PullRow* const rows = reinterpret_cast<PullRow*>(scratch_ + rodScratch(n, kLanes));
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
@@ -22,10 +22,10 @@ inline void RodStep::pullStiff(const mask& violent) {
   for (int e = 0; e < ne; ++e) {
     const real3 moved = shiftOf(rows[e], near, far, pull), before = get3(kShift, e + 1);
     const real tension = state(b.tension, 0, e);
-    store(select(violent, tension + pull, tension), b.tension + at(0, e));
-    set3(kShift, e + 1, select(violent, before + moved, before));
-    set(kRight, e, select(violent, lit(0), get(kRight, e)));
-    set(kSoftness, e + 1, select(violent, lit(0), get(kSoftness, e + 1)));
+    store(select(strands, tension + pull, tension), b.tension + at(0, e));
+    set3(kShift, e + 1, select(strands, before + moved, before));
+    set(kRight, e, select(strands, lit(0), get(kRight, e)));
+    set(kSoftness, e + 1, select(strands, lit(0), get(kSoftness, e + 1)));
     pull = pullOf(rows[e], near, far, pull);
     far = near;
     near = moved;

@@ -176,12 +176,13 @@ FN real3 missingLength(IN(real3) edge, IN(real3) otherwise, IN(real) rest_length
 }
 // The length system of violent motion has the dense metric after all: J A^-1 J'. So many conjugate gradient iterations
 // (Shewchuk 1994, algorithm B3), preconditioned with the tridiagonal system, solve it well enough; after one, some stiff strands
-// never calm down. This is a quotient of theirs, 0 where there is nothing left to do. It is bounded: longer steps, on strands far
-// from their lengths, are more rounding than progress.
+// never calm down. conjugateStep() is a quotient of theirs, 0 where there is nothing left to do. It is bounded: longer steps, on
+// strands far from their lengths, are more rounding than progress.
 const int kPullIterations = 2;
-// Stiff strands have theirs found by elimination (kernels/stiff_pulls.h): what iterations leave is made good by exact lengths, which
-// bends joints, and what is stiff and kinked was thrown about by that for ever. `kappa`: the greatest of its edges', see timeBlend().
+// What iterations leave is made good by exact lengths, which bends joints; what is stiff and kinked was thrown about by that for ever. So
+// where that may be, pulls are found by elimination (kernels/stiff_pulls.h). `kappa`: the greatest of a strand's edges, see timeBlend().
 FN mask isStiff(IN(real) kappa) { return kappa > lit(100); }
+FN mask isEliminated(IN(real) kappa, IN(real) violence) { return isStiff(kappa) && violence > lit(0.3); }
 FN real conjugateStep(IN(real) numerator, IN(real) denominator) {
   mask some = denominator > lit(1e-30);
   return min(select(some, numerator, lit(0)) * inverse(select(some, denominator, lit(1))), lit(16));

@@ -1,4 +1,4 @@
-// Kernel text: see kernels/README.md. The pulls of a stiff strand in violent motion, and what they move, by elimination: pulls p of
+// Kernel text: see kernels/README.md. The pulls of a stiff strand in very violent motion (isEliminated), and what they move, by elimination: pulls p of
 // edges and shifts d of vertices with A d = B' p and B d + slack p = excess, where A is the bending matrix and B tells how far
 // shifts shorten edges. From tip to root, a vertex together with the edge after it, in blocks of three: A is the same along x, y
 // and z, but tensions act along edges.

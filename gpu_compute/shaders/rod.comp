@@ -15,7 +15,7 @@
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
-// STIFF: some strand of the group is (isStiff in kernels/rod.h): the pulls of these, in violent motion, are found by elimination.
+// STIFF: some strand is (isStiff in kernels/rod.h); the pulls of such a one may be found by elimination.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 // What differs between invocations is chosen by select(), not by if.
 #define WORKGROUP 32
@@ -445,12 +445,14 @@ void pullThroughBending(bool violent) {
 bool needsAgain() {
   bool needs = false;
 #if VIOLENT
-  needs = ofStrand(isViolent(mostViolence()));
 #if STIFF
-  const bool stiff = isStiff(rest.stiffest * settings.substep * settings.substep);
-  if (anyStrand(needs && stiff)) pullStiff(needs && stiff);
-  if (anyStrand(needs && !stiff)) pullThroughBending(needs && !stiff);
+  const float greatest = strandMax(mostViolence());
+  needs = isViolent(greatest);
+  const bool eliminated = isEliminated(rest.stiffest * settings.substep * settings.substep, greatest);
+  if (anyStrand(eliminated)) pullByElimination(eliminated);
+  if (anyStrand(needs && !eliminated)) pullThroughBending(needs && !eliminated);
 #else
+  needs = ofStrand(isViolent(mostViolence()));
   if (anyStrand(needs)) pullThroughBending(needs);
 #endif
 #else

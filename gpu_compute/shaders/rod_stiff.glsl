@@ -1,4 +1,4 @@
-// The pulls of stiff strands in violent motion: kernels/stiff_pulls.h, one invocation to a strand, while the others wait. Its part of
+// The pulls of stiff strands in very violent motion: kernels/stiff_pulls.h, one invocation to a strand, while the others wait. Its part of
 // rod.comp.
 
 // An edge and the vertex at its end. Once the bending matrix is eliminated, the inverse pivot of the vertex stands in place of its mass
@@ -87,7 +87,8 @@ void pullAlong(uint at) {
   }
 }
 
-void pullStiff(bool violent) {
+// The same as pullThroughBending(). `mine`: of this strand.
+void pullByElimination(bool mine) {
   const uint own = me * PER_THREAD, of_strand = (me - uint(rank)) * PER_THREAD;
   for (int p = 0; p < PER_THREAD; ++p) {
     StiffEdge edge;
@@ -106,10 +107,10 @@ void pullStiff(bool violent) {
   }
   memoryBarrierShared();
   barrier();
-  if (violent && rank == 0) pullAlong(of_strand);
+  if (mine && rank == 0) pullAlong(of_strand);
   memoryBarrierShared();
   barrier();
-  if (!violent) return;
+  if (!mine) return;
   for (int p = 0; p < PER_THREAD; ++p) {
     if (!isEdge(p)) continue;
     shift[p] += stiff_edges[own + p].tangent;
