@@ -78,7 +78,7 @@ class RodStep {
       meets_ = !again_;
       moveByForces();
       const real most = substituteLengths();
-      const mask violent = isViolent(most), eliminated = isEliminated(stiffest, most);
+      const mask violent = isViolent(most), eliminated = isEliminated(stiffest, most) && !meets_;
       if (anyTrue(violent && !eliminated)) pullThroughBending(violent && !eliminated);
       if (anyTrue(eliminated)) pullByElimination(eliminated);
       again_ = violent || meets_;

@@ -444,25 +444,24 @@ void pullThroughBending(bool violent) {
 // violent ones go through bending.
 bool needsAgain() {
   bool needs = false;
-#if VIOLENT
+#if BODIES
+  const bool meet = ofStrand(meets);
+#else
+  const bool meet = false;
+#endif
 #if STIFF
   const float greatest = strandMax(mostViolence());
   needs = isViolent(greatest);
-  const bool eliminated = isEliminated(rest.stiffest * settings.substep * settings.substep, greatest);
+  const bool eliminated = !meet && isEliminated(rest.stiffest * settings.substep * settings.substep, greatest);
   if (anyStrand(eliminated)) pullByElimination(eliminated);
   if (anyStrand(needs && !eliminated)) pullThroughBending(needs && !eliminated);
-#else
+#elif VIOLENT
   needs = ofStrand(isViolent(mostViolence()));
   if (anyStrand(needs)) pullThroughBending(needs);
-#endif
 #else
   most = max(most, mostViolence());
 #endif
-#if BODIES
-  bool meet = ofStrand(meets);
-  needs = needs || meet;
-#endif
-  return needs;
+  return needs || meet;
 }
 
 // Of a strand that only goes along with others of its workgroup; nothing comes out otherwise for them. `pulled_in`: shift_in
