@@ -54,10 +54,10 @@ class RodStep {
   }
 
   void run() {
-    real length = lit(0), hung = lit(0), stiffest = lit(0);
+    real length = lit(0), hung = lit(0), stiffest = lit(0);  // of strands without bodies
     for (int e = 0; e < ne; ++e) {
       const real il = inverseLength(e);
-      stiffest = max(stiffest, bend(e) * il * il * lit(h * h) * state(b.weight, 0, rowOfVertex(e + 1)));
+      if (in.primitives.empty()) stiffest = max(stiffest, bend(e) * il * il * lit(h * h) * state(b.weight, 0, rowOfVertex(e + 1)));
       length = length + lengthOf(e);
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
@@ -78,7 +78,7 @@ class RodStep {
       meets_ = !again_;
       moveByForces();
       const real most = substituteLengths();
-      const mask violent = isViolent(most), eliminated = isEliminated(stiffest, most) && !meets_;
+      const mask violent = isViolent(most), eliminated = isEliminated(stiffest, most);
       if (anyTrue(violent && !eliminated)) pullThroughBending(violent && !eliminated);
       if (anyTrue(eliminated)) pullByElimination(eliminated);
       again_ = violent || meets_;

@@ -1,6 +1,6 @@
 // The pulls of stiff strands in very violent motion: kernels/stiff_pulls.h along the strands of a block. Included in core/rod_sweep.inl.
 
-// The same as pullThroughBending().
+// The same as pullThroughBending(), where there are no bodies.
 inline void RodStep::pullByElimination(const mask& strands) {
   static_assert(sizeof(PullRow) == kPullPlanes * kLanes * sizeof(Scalar));
   PullRow* const rows = reinterpret_cast<PullRow*>(scratch_ + rodScratch(n, kLanes));
@@ -8,14 +8,11 @@ inline void RodStep::pullByElimination(const mask& strands) {
   OuterPulls outside = noOuterPulls();
   for (int e = ne - 1; e >= 0; --e) {
     const mask moves = weight(e + 1) > lit(0), moves_in = lit(e) > lit(0) && weight(e) > lit(0);
-    const real3 t = get3(kTangent, e), normal = normalAt(e + 1), normal_in = e > 0 ? normalAt(e) : zero;
+    const real3 t = get3(kTangent, e);
     const real3 edge = (state3(b.position, e + 1) - state3(b.position, e)) + (get3(kShift, e + 1) - get3(kShift, e));
-    const real alone = get(kPivot, e), alone_in = e > 0 ? get(kPivot, e - 1) : lit(0);
-    const real slack = pullSlack(select(moves, alone, lit(0)), dot(t, normal)) +
-                       pullSlack(select(moves_in, alone_in, lit(0)), dot(t, normal_in));
-    rows[e] = eliminatePull(outside, moves, alone, e > 0 ? get(kFactor1, e - 1) : lit(0),
-                            e > 1 ? get(kFactor2, e - 2) : lit(0), select(moves, t, zero), select(moves_in, t, zero), normal,
-                            toMend(e, dot(edge, t)), slack);
+    rows[e] = eliminatePull(outside, moves, get(kPivot, e), e > 0 ? get(kFactor1, e - 1) : lit(0),
+                            e > 1 ? get(kFactor2, e - 2) : lit(0), select(moves, t, zero), select(moves_in, t, zero),
+                            toMend(e, dot(edge, t)));
   }
   real3 near = zero, far = zero;  // shifts of the next two vertices inwards
   real pull = firstPull(outside);

@@ -1,5 +1,5 @@
 // Kernel text: see kernels/README.md. The pulls of a stiff strand in very violent motion (isEliminated), and what they move, by elimination: pulls p of
-// edges and shifts d of vertices with A d = B' p and B d + slack p = excess, where A is the bending matrix and B tells how far
+// edges and shifts d of vertices with A d = B' p and B d = excess, where A is the bending matrix and B tells how far
 // shifts shorten edges. From tip to root, a vertex together with the edge after it, in blocks of three: A is the same along x, y
 // and z, but tensions act along edges.
 
@@ -50,24 +50,6 @@ FN real3 solved(IN(Triangles) t, IN(real3) v) {
   return makeReal3(madd(lit(0) - t.xy, y, madd(lit(0) - t.xz, z, v.x * t.pivots.x)), y, z);
 }
 
-// How a vertex gives way to a push: in contact along the surface only, and not at all where it is pinned (moves = 0).
-struct Yielding {
-  Triangles triangles;
-  real3 normal, against;  // how it would to the normal; over its part along that
-  real moves;
-};
-FN real3 yielded(IN(Yielding) by, IN(real3) push) {
-  real3 free = solved(by.triangles, push);
-  return madd(by.against, lit(0) - dot(by.normal, free), free) * by.moves;
-}
-
-// How far pulls give way beyond what they move, for each end of the edge: it keeps regular what is held at both ends. `alone`: how far
-// the end gives way in A without the vertices inside it (its inverse pivot), 0 where it is pinned; `upright`: of the tangent on the
-// normal of its contact.
-FN real pullSlack(IN(real) alone, IN(real) upright) {
-  return madd(alone, max(upright * upright - lit(0.9), lit(1e-6)), lit(1e-9));
-}
-
 // What is left of all that is farther out when a vertex is eliminated. Of pulls: what they add to what the elimination of A alone
 // leaves of the vertex and of the next one inwards, on their diagonals and in what couples them (columns), and right-hand sides. (A alone
 // is not eliminated again: its small numbers would be lost in the sums.) Of the edge after the vertex: how its pull acts on both, how far it
@@ -101,32 +83,26 @@ struct PullRow {
 };
 // A vertex and the edge after it. `alone`, `factor`, `factor2`: of the elimination of A, the vertex' inverse pivot and the factors of
 // the next two inwards on it; `outer`, `inner`: how the pull of the edge before the vertex acts on it and on the next one inwards: its
-// tangent, or 0 where that is pinned; `normal`: of the contact along which the vertex slides, or 0.
+// tangent, or 0 where that is pinned.
 FN PullRow eliminatePull(INOUT(OuterPulls) outside, IN(mask) moves, IN(real) alone, IN(real) factor, IN(real) factor2,
-                         IN(real3) outer, IN(real3) inner, IN(real3) normal, IN(real) excess, IN(real) slack) {
+                         IN(real3) outer, IN(real3) inner, IN(real) excess) {
   Symmetric added = outside.near;
   real3 added_x = outside.column_x, added_y = outside.column_y, added_z = outside.column_z;
   real pivot = inverse(alone), first = pivot * factor, second = pivot * factor2;  // what A couples to the next two
-  Yielding by;
-  by.triangles = trianglesOf(plusEverywhere(added, pivot));
-  by.normal = normal;
-  real3 against = solved(by.triangles, normal);
-  real upright = dot(normal, against);
-  by.against = against * select(upright > lit(0), inverse(max(upright, lit(1e-30))), lit(0));
-  by.moves = select(moves, lit(1), lit(0));
-  // How much less it gives way than in A alone.
-  real3 less_x = solved(by.triangles, columnX(added)), less_y = solved(by.triangles, columnY(added));
-  real3 less_z = solved(by.triangles, columnZ(added));
-  Symmetric less = scaled(makeSymmetric(makeReal3(less_x.x, less_y.y, less_z.z), makeReal3(less_z.y, less_x.z, less_y.x)), alone);
-  less = plusEverywhere(scaled(plusProduct(less, against, by.against), by.moves), alone - alone * by.moves);
+  Triangles gives = trianglesOf(plusEverywhere(added, pivot));  // how the vertex gives way to a push
+  real some = select(moves, lit(1), lit(0));
+  // How much less it does than in A alone.
+  real3 less_x = solved(gives, columnX(added)), less_y = solved(gives, columnY(added)), less_z = solved(gives, columnZ(added));
+  Symmetric less = makeSymmetric(makeReal3(less_x.x, less_y.y, less_z.z), makeReal3(less_z.y, less_x.z, less_y.x));
+  less = plusEverywhere(scaled(less, alone * some), alone - alone * some);
   // What that makes of the coupling to the next vertex, without `factor`, and all of it.
-  real3 x = yielded(by, added_x) - columnX(less) * first, y = yielded(by, added_y) - columnY(less) * first;
-  real3 z = yielded(by, added_z) - columnZ(less) * first;
+  real3 x = solved(gives, added_x) * some - columnX(less) * first, y = solved(gives, added_y) * some - columnY(less) * first;
+  real3 z = solved(gives, added_z) * some - columnZ(less) * first;
   real3 all_x = makeReal3(x.x + factor, x.y, x.z), all_y = makeReal3(y.x, y.y + factor, y.z);
   real3 all_z = makeReal3(z.x, z.y, z.z + factor);
 
   // The edge after the vertex: how the vertex gives way to its pull, and what that pull is.
-  real3 to_edge = yielded(by, outside.along), moved = yielded(by, outside.right);
+  real3 to_edge = solved(gives, outside.along) * some, moved = solved(gives, outside.right) * some;
   real share = inverse(dot(outside.along, to_edge) + outside.yields);
   real3 pull_near = madd(to_edge, first, makeReal3(dot(added_x, to_edge), dot(added_y, to_edge), dot(added_z, to_edge))) -
                     outside.along_far;
@@ -141,7 +117,7 @@ FN PullRow eliminatePull(INOUT(OuterPulls) outside, IN(mask) moves, IN(real) alo
   row.column_y = all_y - to_edge * row.pull_near.y;
   row.column_z = all_z - to_edge * row.pull_near.z;
   row.far = scaled(plusEverywhere(plusProduct(less, to_edge, to_edge * share), lit(0) - alone), lit(0) - second);
-  row.by_pull = madd(to_edge, lit(0) - row.pull_by_pull, yielded(by, outer));
+  row.by_pull = madd(to_edge, lit(0) - row.pull_by_pull, solved(gives, outer) * some);
 
   // What is left for the next one.
   OuterPulls left;
@@ -160,7 +136,7 @@ FN PullRow eliminatePull(INOUT(OuterPulls) outside, IN(mask) moves, IN(real) alo
   left.along = madd(row.by_pull, first, inner) + makeReal3(dot(added_x, row.by_pull), dot(added_y, row.by_pull), dot(added_z, row.by_pull)) +
                outside.along_far * row.pull_by_pull;
   left.along_far = row.by_pull * second;
-  left.yields = dot(outer, row.by_pull) + slack;
+  left.yields = dot(outer, row.by_pull) + lit(1e-9);  // regular where both ends are pinned, too
   left.excess = madd(row.pull_by_pull, outside.excess, excess + dot(row.by_pull, outside.right));
   outside = left;
   return row;

@@ -7,7 +7,6 @@
 struct StiffEdge {
   vec3 tangent;
   float excess;
-  vec3 normal;
   float weight, mass, first, second;
 };
 shared StiffEdge stiff_edges[WORKGROUP * PER_THREAD];
@@ -68,11 +67,9 @@ void pullAlong(uint at) {
   for (int e = edges - 1; e >= 0; --e) {
     const StiffEdge edge = stiff_edges[at + uint(e)], inside = stiff_edges[at + uint(max(e - 1, 0))];
     const bool moves = edge.weight > 0.0, moves_in = e > 0 && inside.weight > 0.0;
-    const float slack = pullSlack(select(moves, edge.mass, 0.0), dot(edge.tangent, edge.normal)) +
-                        pullSlack(select(moves_in, inside.mass, 0.0), dot(edge.tangent, inside.normal));
     putPullRow(at + uint(e), eliminatePull(outside, moves, edge.mass, edge.first, edge.second,
                                            select(moves, edge.tangent, vec3(0)), select(moves_in, edge.tangent, vec3(0)),
-                                           edge.normal, edge.excess, slack));
+                                           edge.excess));
   }
   vec3 near = vec3(0), far = vec3(0);  // shifts of the next two vertices inwards
   float pulled = firstPull(outside);
@@ -87,14 +84,13 @@ void pullAlong(uint at) {
   }
 }
 
-// The same as pullThroughBending(). `mine`: of this strand.
+// The same as pullThroughBending(), where there are no bodies. `mine`: of this strand.
 void pullByElimination(bool mine) {
   const uint own = me * PER_THREAD, of_strand = (me - uint(rank)) * PER_THREAD;
   for (int p = 0; p < PER_THREAD; ++p) {
     StiffEdge edge;
     edge.tangent = tangent[p];
     edge.excess = toMend(p, dot(newEdge(p), tangent[p]));
-    edge.normal = NORMAL(p);
     edge.weight = weight(p);
     edge.mass = mass(p);
     edge.first = p > 0 ? first[max(p - 1, 0)] : across.y;
