@@ -54,7 +54,8 @@ class RodStep {
   }
 
   void run() {
-    real length = lit(0), hung = lit(0), stiffest = lit(0);  // of strands without bodies
+    real length = lit(0), hung = lit(0);
+    real stiffest = lit(0);  // the greatest kappa; stays 0 where there are bodies, among which no pulls are eliminated
     for (int e = 0; e < ne; ++e) {
       const real il = inverseLength(e);
       if (in.primitives.empty()) stiffest = max(stiffest, bend(e) * il * il * lit(h * h) * state(b.weight, 0, rowOfVertex(e + 1)));

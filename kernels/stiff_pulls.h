@@ -1,6 +1,6 @@
-// Kernel text: see kernels/README.md. The pulls of a stiff strand in very violent motion (isEliminated), and what they move, by elimination: pulls p of
-// edges and shifts d of vertices with A d = B' p and B d = excess, where A is the bending matrix and B tells how far
-// shifts shorten edges. From tip to root, a vertex together with the edge after it, in blocks of three: A is the same along x, y
+// Kernel text: see kernels/README.md. The pulls of a stiff strand in very violent motion (isEliminated), and what they move, by
+// elimination: pulls p of edges and shifts d of vertices with A d = B' p and B d = excess, where A is the bending matrix and B
+// tells how far shifts shorten edges. From tip to root, a vertex together with the edge after it, in blocks of three: A is the same along x, y
 // and z, but tensions act along edges.
 
 // A symmetric matrix: xx, yy, zz and yz, zx, xy.
@@ -116,7 +116,8 @@ FN PullRow eliminatePull(INOUT(OuterPulls) outside, IN(mask) moves, IN(real) alo
   row.column_x = all_x - to_edge * row.pull_near.x;
   row.column_y = all_y - to_edge * row.pull_near.y;
   row.column_z = all_z - to_edge * row.pull_near.z;
-  row.far = scaled(plusEverywhere(plusProduct(less, to_edge, to_edge * share), lit(0) - alone), lit(0) - second);
+  Symmetric kept = plusProduct(less, to_edge, to_edge * share);  // how much less it gives way with the edge than in A alone
+  row.far = scaled(plusEverywhere(kept, lit(0) - alone), lit(0) - second);
   row.by_pull = madd(to_edge, lit(0) - row.pull_by_pull, solved(gives, outer) * some);
 
   // What is left for the next one.
@@ -126,7 +127,7 @@ FN PullRow eliminatePull(INOUT(OuterPulls) outside, IN(mask) moves, IN(real) alo
                                             madd(first, z.z, dot(added_z, all_z)));
   left.near.mixed = left.near.mixed - makeReal3(madd(first, z.y, dot(added_y, all_z)), madd(first, x.z, dot(added_z, all_x)),
                                                 madd(first, y.x, dot(added_x, all_y)));
-  left.far = scaled(plusProduct(less, to_edge, to_edge * share), second * second);
+  left.far = scaled(kept, second * second);
   left.column_x = pull_near * row.pull_far.x - makeReal3(x.x, y.x, z.x) * second;
   left.column_y = pull_near * row.pull_far.y - makeReal3(x.y, y.y, z.y) * second;
   left.column_z = pull_near * row.pull_far.z - makeReal3(x.z, y.z, z.z) * second;
