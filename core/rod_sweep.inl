@@ -55,10 +55,10 @@ class RodStep {
 
   void run() {
     real length = lit(0), hung = lit(0);
-    real stiffest = lit(0);  // the greatest kappa; stays 0 where there are bodies, among which no pulls are eliminated
+    real stiffest = lit(0);  // the greatest kappa
     for (int e = 0; e < ne; ++e) {
       const real il = inverseLength(e);
-      if (in.primitives.empty()) stiffest = max(stiffest, bend(e) * il * il * lit(h * h) * state(b.weight, 0, rowOfVertex(e + 1)));
+      stiffest = max(stiffest, bend(e) * il * il * lit(h * h) * state(b.weight, 0, rowOfVertex(e + 1)));
       length = length + lengthOf(e);
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
@@ -76,10 +76,10 @@ class RodStep {
       eliminateTwist();
       eliminateBending();
       again_ = lit(0) < lit(1);
-      meets_ = !again_;
+      meets_ = presses_ = !again_;
       moveByForces();
       const real most = substituteLengths();
-      const mask violent = isViolent(most), eliminated = isEliminated(stiffest, most);
+      const mask violent = isViolent(most), eliminated = isEliminated(stiffest, most) && !presses_;
       if (anyTrue(violent && !eliminated)) pullThroughBending(violent && !eliminated);
       if (anyTrue(eliminated)) pullByElimination(eliminated);
       again_ = violent || meets_;
@@ -181,6 +181,7 @@ class RodStep {
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
   mask meets_;  // those with a vertex that a body is near in this substep
+  mask presses_;  // those with a vertex that a body presses
   real most_tension_;   // that is taken over from one substep to the next
 };
 
@@ -391,6 +392,7 @@ inline real3 RodStep::collide(int i, const real3& shift, const real3& moved) {
   const real3 out = resolveContact(x, touch.carried, moved, touch.normal, touch.gap, touch.friction,
                                    select(touches, weight(i), lit(1)), force);
   const mask presses = touches && (touch.gap < lit(0) || dot(force, force) > lit(0));
+  presses_ = presses_ || presses;
   store3(select(touches, force, before), b.contact, i);
   set3(kNormal, i, select(presses, touch.normal, normalAt(i)));
   forced_[i] = faces_[i] = true;

@@ -1,6 +1,6 @@
 // The pulls of stiff strands in very violent motion: kernels/stiff_pulls.h along the strands of a block. Included in core/rod_sweep.inl.
 
-// The same as pullThroughBending(), where there are no bodies.
+// The same as pullThroughBending(), of strands that no body presses.
 inline void RodStep::pullByElimination(const mask& strands) {
   static_assert(sizeof(PullRow) == kPullPlanes * kLanes * sizeof(Scalar));
   PullRow* const rows = reinterpret_cast<PullRow*>(scratch_ + rodScratch(n, kLanes));

@@ -196,7 +196,7 @@ bool RodStrands::doesAstrayApart(const StrandGroup& group) const {
 }
 
 bool RodStrands::isStiff(const Needs& needs) const {
-  return !needs.bodies && kernels::f32::isStiff(stiffest_ * needs.substep * needs.substep);
+  return kernels::f32::isStiff(stiffest_ * needs.substep * needs.substep);
 }
 
 bool RodStrands::holdsVertices() const { return anyGroup(kPinned | kGroomed); }

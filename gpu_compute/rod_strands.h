@@ -41,7 +41,7 @@ class RodStrands {
   };
   bool areFew(bool bodies) const;
   bool doesAstrayApart(const StrandGroup& group) const;
-  /// Whether any strand is, in these substeps, and there are no bodies.
+  /// Whether any strand is, in these substeps.
   bool isStiff(const Needs& needs) const;
   /// Whether the keys of some groups have one of these.
   bool anyGroup(uint32_t bits) const;

@@ -3,7 +3,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=2 GROOMED=0 DAMPED=2 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
+// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=2 GROOMED=0 DAMPED=2 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
 // One step of strands as inextensible rods: core/rod_sweep.inl with the state in registers, PER_THREAD (2 or 4) edges per
 // invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand become: own slots by
 // elimination, then the strand's invocations together by cyclic reduction.
@@ -15,7 +15,7 @@
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
-// STIFF: some strand is (isStiff in kernels/rod.h), and there are no bodies; the pulls of such a one may be found by elimination.
+// STIFF: some strand is (isStiff in kernels/rod.h); the pulls of such a one may be found by elimination.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 // What differs between invocations is chosen by select(), not by if.
 #define WORKGROUP 32
@@ -67,6 +67,7 @@ float most;                         // violence of this invocation, of all subst
 vec3 pressing[PER_THREAD];            // m: StrandState::contacts x substep^2
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
 bool meets;                           // of this invocation's vertices: a body is near in this substep
+bool presses;                         // of these: a body presses one
 bool lost;                            // of these: isLost()
 bool astray;                          // of these: isAstray()
 #define NORMAL(p) normals[p]
@@ -445,9 +446,14 @@ void pullThroughBending(bool violent) {
 bool needsAgain() {
   bool needs = false;
 #if STIFF
+#if BODIES
+  const bool pressed = ofStrand(presses);
+#else
+  const bool pressed = false;
+#endif
   const float greatest = strandMax(mostViolence());
   needs = isViolent(greatest);
-  const bool eliminated = isEliminated(rest.stiffest * settings.substep * settings.substep, greatest);
+  const bool eliminated = !pressed && isEliminated(rest.stiffest * settings.substep * settings.substep, greatest);
   if (anyStrand(eliminated)) pullByElimination(eliminated);
   if (anyStrand(needs && !eliminated)) pullThroughBending(needs && !eliminated);
 #elif VIOLENT
@@ -584,7 +590,7 @@ void stepStrands(uint list, uint first, uint count) {
 #if BODIES
     vec3 checked[PER_THREAD];  // the shifts that contact leaves the vertices with
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
-    meets = false;
+    meets = presses = false;
 #endif
     bool again = true;  // this strand has its lengths solved in this pass
     for (int pass = 0; pass < passes; ++pass) {

@@ -73,6 +73,7 @@ void collide(int substep, vec3 moved[PER_THREAD]) {
     place = resolveContact(place, touch.carried, moved[p], touch.normal, touch.gap, touch.friction, weight(p), pressing[p]);
     shift[p] = place - x[p];
     if (touch.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0) {
+      presses = true;
       normals[p] = touch.normal;
       softness[p] = 0.0;
     }

@@ -84,7 +84,7 @@ void pullAlong(uint at) {
   }
 }
 
-// The same as pullThroughBending(), where there are no bodies. `mine`: of this strand.
+// The same as pullThroughBending(), of strands that no body presses. `mine`: of this strand.
 void pullByElimination(bool mine) {
   const uint own = me * PER_THREAD, of_strand = (me - uint(rank)) * PER_THREAD;
   for (int p = 0; p < PER_THREAD; ++p) {

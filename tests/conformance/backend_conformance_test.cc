@@ -53,11 +53,11 @@ constexpr double kRodOneStepTolerance = 2.5e-5, kGoalTolerance = 3e-5;
 constexpr double kDensestRod = 30000;
 // A vertex that grazes a body may touch it in one precision and not in the other; the length solve then holds
 // it or does not. Of the rod's strands among bodies, how many may differ from the oracle by more than a
-// rounding explains (kAmongBodiesTolerance), and by more than kGrazingTolerance: up to 0.05 and 0.02 % do on
-// CPUs, 0.25 and 0.07 % on llvmpipe, 0.3 and 0.15 % on an H100.
+// rounding explains (kAmongBodiesTolerance), and by more than kGrazingTolerance: up to 0.1 and 0.02 % do on
+// CPUs, 0.6 and 0.11 % on llvmpipe, 0.3 and 0.15 % on an H100.
 constexpr double kDensestAmongBodies = 3000;
 constexpr double kAmongBodiesTolerance = 4e-5, kGrazingTolerance = 5e-3;
-constexpr double kMostOff = 0.005, kMostFar = 0.0015;
+constexpr double kMostOff = 0.0025, kMostOffOnGpu = 0.0075, kMostFar = 0.0015;
 constexpr double kSensitivityFactor = 10;
 
 class Conformance : public testing::TestWithParam<Contestant> {
@@ -82,6 +82,8 @@ class Conformance : public testing::TestWithParam<Contestant> {
     backend_->download(state);
     return state;
   }
+
+  double mostOff() const { return backend_->name() == "gpu" ? kMostOffOnGpu : kMostOff; }
 
   std::unique_ptr<Backend> backend_;
   Parameters parameters_;
@@ -287,9 +289,9 @@ struct Disagreement {
                   stiffnessOf(step.model, s, step.substep()), error[s]);
     }
   }
-  void expectLittle() const {
+  void expectLittle(double most_off) const {
     std::printf("             of %zu strands %zu are off, %zu of them far\n", compared, off, far);
-    EXPECT_LT(static_cast<double>(off), kMostOff * static_cast<double>(compared));
+    EXPECT_LT(static_cast<double>(off), most_off * static_cast<double>(compared));
     EXPECT_LT(static_cast<double>(far), kMostFar * static_cast<double>(compared));
   }
 };
@@ -302,7 +304,7 @@ TEST_P(Conformance, NearlyAllStrandsAmongBodiesAgreeWithTheOracle) {
   for (const StepAmongBodies& step : steps)
     all.add(step,
             errors(step.model, stepped(step.model, step.from, step.input()), step.truth, step.substep()));
-  all.expectLittle();
+  all.expectLittle(mostOff());
 }
 
 TEST_P(Conformance, AStepUnderAccelerationsAgreesWithTheOracle) {
@@ -379,7 +381,7 @@ TEST_P(Conformance, OneStepWithEveryKindOfBodyAgreesWithTheOracle) {
                 moved_by_body, strands, worst);
     EXPECT_GT(moved_by_body, strands / 8);
   }
-  if (rod) all.expectLittle();
+  if (rod) all.expectLittle(mostOff());
 }
 
 // Sixty balls about the head and in the hair, most of them out of a strand's reach; the head moves. Only
