@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "transport/answers.h"
+#include "transport/command_queue.h"
 #include "transport/frame_queue.h"
 #include "transport/parameter_table.h"
 
@@ -145,7 +146,11 @@ ReplaySummary Replay::run(const std::atomic<bool>& stop) {
   Clock::time_point shown = start, status_due = start;
   target_ = options_.from;
   while (!stop && !shutdown_) {
-    while (const std::optional<Command> command = publisher_.takeCommand()) obey(*command);
+    for (size_t taken = 0; taken < kMaxCommandsPerFrame; ++taken) {
+      const std::optional<Command> command = publisher_.takeCommand();
+      if (!command) break;
+      obey(*command);
+    }
     const double waited = secondsSince(shown), speed = options_.speed;
     const uint64_t next = number_ + 1;
     double due = kStillInterval;  // s after the frame that is shown

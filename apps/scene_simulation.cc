@@ -2,6 +2,10 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "apps/backends.h"
 #include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
@@ -17,9 +21,31 @@ Parameters sceneParameters(const Scene& scene, const Settings& settings) {
   return parameters;
 }
 
+// Coils of hardly more than two vertices a turn do not come to rest, and are none.
+void warnOfSharpTurns(const StrandModel& model, const std::string& name) {
+  constexpr double kSharp = 150;  // degrees, from edge to edge
+  size_t sharp = 0;
+  double sharpest = 0;
+  for (size_t s = 0; s < model.strands(); ++s) {
+    double most = 0;
+    for (uint32_t j = model.offsets[s]; j + 1 < model.offsets[s + 1]; ++j)
+      most = std::max(most, static_cast<double>(model.rest_strain[j].head<2>().norm()));
+    const double degrees = 2 * std::atan(most / 2) * 180 / std::numbers::pi;
+    sharp += degrees > kSharp;
+    sharpest = std::max(sharpest, degrees);
+  }
+  if (sharp > 0)
+    spdlog::warn(
+        "{}: {} of {} strands turn by up to {:.0f} degrees at a vertex: too few vertices for their curls, "
+        "which may never rest; give them more (--vertices)",
+        name, sharp, model.strands(), sharpest);
+}
+
 StrandModel modelOf(const Scene& scene, const Settings& settings, const Vec3& gravity) {
   StrandModel model = sceneModel(scene);
-  if (!settings.sag_free || settings.solver != SolverKind::kRod) return model;
+  if (settings.solver != SolverKind::kRod) return model;
+  warnOfSharpTurns(model, scene.name);
+  if (!settings.sag_free) return model;
   const SagFreeReport report = makeSagFree(model, gravity);
   if (!report.stiffened.empty())
     spdlog::info("{}: {} of {} strands stiffened, up to x{:.0f}, to hold their shape under gravity",

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -34,6 +35,9 @@ int convert(const ConvertOptions& o) {
   }
   if (o.vertices > 0) strands = resample(strands, o.vertices);
   writeGroom(o.out, strands, up);
+  const std::vector<std::string> left_out = leftOutOf(o.out, strands);
+  if (!left_out.empty())
+    spdlog::warn("{}: this format has no {}; {} has", o.out, fmt::join(left_out, " and no "), o.in);
   fmt::print("{}: {} strands, {} vertices\n", o.out, strands.strands(), strands.vertices());
   return 0;
 }
@@ -44,7 +48,9 @@ Verb addConvert(CLI::App& app) {
   const auto o = std::make_shared<ConvertOptions>();
   app.footer(
       "Positions pass through bit for bit unless --clean, --unit-meters, --up or --vertices asks for a "
-      "change; between .hair, where Z is up, and the others, where Y is, they are turned.\n"
+      "change; between .hair, where Z is up, and the others, where Y is, they are turned. .tfx keeps pins "
+      "and UVs, .hair radii; "
+      "what is left out is warned of.\n"
       "Example: strandcast convert bob.tfx bob.hair");
   app.add_option("IN", o->in, "groom to read: .tfx (3 and 4), .hair, .obj polylines")->required();
   app.add_option("OUT", o->out, "groom to write: .tfx (4) or .hair, by extension")->required();

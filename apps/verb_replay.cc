@@ -194,7 +194,7 @@ int cast(Recording& recording, const ReplayVerbOptions& o) {
   out.add("wall_seconds", "ran for", summary.seconds, "s", 1);
   out.print(o.json);
   if (g_interrupted) return kExitInterrupted;
-  return summary.damaged == 0 ? 0 : kExitCheckFailed;
+  return summary.damaged == 0 && publisher->failure().empty() ? 0 : kExitCheckFailed;
 }
 
 int replay(const ReplayVerbOptions& o) {

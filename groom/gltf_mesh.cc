@@ -1,7 +1,10 @@
-// Triangle meshes from glTF 2.0: every triangle primitive of the scene, placed by its nodes.
+// Triangle meshes from glTF 2.0: every triangle primitive of the scene, placed by its nodes, or by the joints
+// of its skin.
 #include "groom/gltf_mesh.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "groom/gltf_document.h"
 #include "groom/gltf_primitives.h"
@@ -29,27 +32,33 @@ GltfTransform localTransform(const GltfDocument& document, const json& node, con
   return local.matrix();
 }
 
-}  // namespace
-
-TriangleMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
-                          const std::optional<std::filesystem::path>& folder) {
-  const GltfDocument document(bytes, name, folder);
+TriangleMesh placedByNodes(const GltfDocument& document, const std::vector<GltfNode>& nodes) {
   GltfPrimitives primitives(document);
   std::vector<GltfTransform> to_world;
-  for (const GltfNode& visit : sceneNodes(document)) {
+  for (const GltfNode& visit : nodes) {
     const json& node = document.entry("nodes", visit.index, "a scene or node");
     const std::string part = gltfNodePart(visit.index);
     const GltfTransform parent = visit.parent < 0 ? GltfTransform(GltfTransform::Identity())
                                                   : to_world[static_cast<size_t>(visit.parent)];
     to_world.emplace_back(parent * localTransform(document, node, part));
-    if (const auto mesh = document.unsignedMember(node, "mesh", part)) {
-      // The specification places a skinned mesh by its joints alone; at rest that is where its vertices are.
-      const GltfTransform place =
-          node.contains("skin") ? GltfTransform(GltfTransform::Identity()) : to_world.back();
+    const GltfTransform& place = to_world.back();
+    if (const auto mesh = document.unsignedMember(node, "mesh", part))
       primitives.add(*mesh, place, place.topLeftCorner<3, 3>().determinant() < 0, part);
-    }
   }
-  TriangleMesh mesh = primitives.take();
+  return primitives.take();
+}
+
+}  // namespace
+
+TriangleMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
+                          const std::optional<std::filesystem::path>& folder) {
+  const GltfDocument document(bytes, name, folder);
+  const std::vector<GltfNode> nodes = sceneNodes(document);
+  const bool skinned = std::any_of(nodes.begin(), nodes.end(), [&](const GltfNode& visit) {
+    const json& node = document.entry("nodes", visit.index, "a scene or node");
+    return node.contains("mesh") && node.contains("skin");
+  });
+  TriangleMesh mesh = skinned ? skinAtRest(document) : placedByNodes(document, nodes);
   mesh.name = name;
   computeNormals(mesh);
   return mesh;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/triangle_mesh.h"
+#include "groom/gltf_document.h"
 #include "groom/skinned_mesh.h"
 
 namespace strandcast {
@@ -15,5 +16,9 @@ TriangleMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& n
 /// The same of readGltfSkin() of skinned_mesh.h.
 SkinnedMesh readGltfSkin(std::span<const std::byte> bytes, const std::string& name,
                          const std::optional<std::filesystem::path>& folder);
+
+/// The mesh of a document with a skin, without normals, where its joints are at rest. Clips are not looked
+/// at.
+TriangleMesh skinAtRest(const GltfDocument& document);
 
 }  // namespace strandcast

@@ -62,7 +62,8 @@ class SkinReader {
  public:
   explicit SkinReader(const GltfDocument& document) : document_(document), primitives_(document) {}
 
-  SkinnedMesh read() {
+  /// Without clips.
+  SkinnedMesh readAtRest() {
     const std::vector<GltfNode> nodes = sceneNodes(document_);
     for (const GltfNode& visit : nodes) {
       const std::string part = gltfNodePart(visit.index);
@@ -84,8 +85,12 @@ class SkinReader {
     for (size_t v = 0; v < out_.mesh.positions.size(); ++v)
       if (!out_.mesh.positions[v].allFinite())
         document_.fail(fmt::format("vertex {} is placed at no finite point", v), "skins");
-    readClips();
     return std::move(out_);
+  }
+  SkinnedMesh read() {
+    SkinnedMesh skin = readAtRest();
+    readClips(skin.clips);
+    return skin;
   }
 
  private:
@@ -182,14 +187,14 @@ class SkinReader {
     }
   }
 
-  void readClips() {
+  void readClips(std::vector<SkeletonClip>& clips) {
     const auto list = document_.root().find("animations");
     if (list == document_.root().end()) return;
     if (!list->is_array()) document_.fail("this is not an array", "animations");
     for (size_t a = 0; a < list->size(); ++a) {
       SkeletonClip clip =
           readClip(document_.entry("animations", a, "animations"), fmt::format("animations[{}]", a));
-      if (!clip.channels.empty()) out_.clips.push_back(std::move(clip));
+      if (!clip.channels.empty()) clips.push_back(std::move(clip));
     }
   }
 
@@ -321,6 +326,8 @@ SkinnedMesh readGltfSkin(std::span<const std::byte> bytes, const std::string& na
   computeNormals(skin.mesh);
   return skin;
 }
+
+TriangleMesh skinAtRest(const GltfDocument& document) { return SkinReader(document).readAtRest().mesh; }
 
 SkinnedMesh readGltfSkin(std::span<const std::byte> bytes, const std::string& name) {
   return readGltfSkin(bytes, name, std::nullopt);

@@ -53,6 +53,10 @@ RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& nam
 /// a failed write.
 void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpAxis up = UpAxis::kY);
 
+/// What `strands` have that writeGroom() leaves out of this file: "pins", "UVs", "radii". A pin of the second
+/// vertex alone does not count: it is the root's clamp, which all hair has.
+std::vector<std::string> leftOutOf(const std::filesystem::path& file, const StrandSet& strands);
+
 /// Reads one or more files (at most 65,535) into one groom in metres, Y up, and cleans it (cleanStrands);
 /// `parts` says which file each strand came from. One unit holds for all files, the up axis is each file's
 /// own unless given. A pin of vertex 1 is dropped where vertex 0 is pinned and vertex 2 free: the root's

@@ -126,6 +126,18 @@ void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpA
   throw Error("grooms cannot be written in this format", file.string(), "use .tfx or .hair");
 }
 
+std::vector<std::string> leftOutOf(const std::filesystem::path& file, const StrandSet& strands) {
+  if (lowerExtension(file) == ".tfx")
+    return strands.radii.empty() ? std::vector<std::string>() : std::vector<std::string>{"radii"};
+  std::vector<std::string> out;
+  bool pins = false;
+  for (size_t s = 0; s < strands.strands(); ++s)
+    for (size_t i = 2; i < strands.verticesOf(s); ++i) pins = pins || strands.isPinned(s, i);
+  if (pins) out.emplace_back("pins");
+  if (!strands.uvs.empty()) out.emplace_back("UVs");
+  return out;
+}
+
 Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options) {
   checkUnit(options.unit_meters);
   if (files.empty())

@@ -24,9 +24,9 @@ TriangleMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions&
 /// `skip_groups` are left out, and so are vertices that no triangle uses.
 TriangleMesh readObjMesh(std::span<const std::byte> bytes, const std::string& name,
                          const std::vector<std::string>& skip_groups = {});
-/// glTF: all triangle lists, strips and fans of the default scene, placed by their nodes (skinned ones as
-/// their vertices are stored). External buffers, sparse accessors and compressed meshes are refused; images
-/// are never opened.
+/// glTF: all triangle lists, strips and fans of the default scene, placed by their nodes, or, where there is
+/// a skin, by the joints at rest (as readGltfSkin(), whose demands they must meet, but for clips). External
+/// buffers, sparse accessors and compressed meshes are refused; images are never opened.
 TriangleMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace strandcast

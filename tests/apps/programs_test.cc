@@ -237,6 +237,28 @@ TEST_F(Programs, ConvertKeepsEveryBitOfThePositions) {
     EXPECT_EQ(back.strands.positions[i], strands.positions[i]);
 }
 
+TEST_F(Programs, ConvertSaysWhatTheOtherFormatHasNoPlaceFor) {
+  StrandSet strands;
+  strands.append(std::vector<Vec3>{{0, 0, 0}, {0, 0.1f, 0}, {0, 0.2f, 0}, {0, 0.3f, 0}});
+  strands.pinned = {1, 1, 0, 0};
+  const std::string tfx = (folder_ / "a.tfx").string(), hair = (folder_ / "a.hair").string();
+  const auto converted = [&](const std::string& from, const std::string& to) {
+    const auto r = run(program_ + " convert " + from + " " + to);
+    EXPECT_EQ(r.exit_code, 0);
+    return r.err;
+  };
+  writeGroom(tfx, strands);
+  EXPECT_EQ(converted(tfx, hair), "") << "its second vertex is clamped as all hair's";
+  strands.pinned = {1, 1, 0, 1};
+  strands.uvs = {Vec2(0.5f, 0.25f)};
+  writeGroom(tfx, strands);
+  EXPECT_NE(converted(tfx, hair).find("no pins and no UVs"), std::string::npos);
+  EXPECT_EQ(converted(tfx, tfx + ".tfx"), "");
+  strands.radii.assign(4, 4e-5f);
+  writeGroom(hair, strands);
+  EXPECT_NE(converted(hair, tfx).find("no radii"), std::string::npos);
+}
+
 TEST_F(Programs, BakeWritesAFieldSaysHowGoodItIsAndFindsItAgain) {
   const std::filesystem::path cube = write("cube.obj", kCube), out = folder_ / "cube.sdf";
   const std::string command = program_ + " bake " + cube.string() + " --unit-meters 1 --cell 0.002 --out " +

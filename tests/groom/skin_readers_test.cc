@@ -1,4 +1,5 @@
 // Skins, skeletons and clips of glTF: what is read, and what is refused and how.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,6 +39,20 @@ TEST(GltfSkin, AtRestTheMeshIsWhereItIsWithoutItsSkin) {
     EXPECT_EQ(skin.clips[0].name, "bend");
     EXPECT_EQ(skin.clips[0].duration, 2);
   }
+}
+
+TEST(GltfSkin, ABodyWhoseJointsRestInAnotherPoseThanTheyWereBoundInIsReadWhereTheyAre) {
+  const std::string bone = fmt::format(R"("name":"head","translation":[0,{},0])", smallArm().bone);
+  const auto bytes = armWith(smallArm(), bone, bone + R"(,"rotation":[0,0,0.5,0.8660254])");
+  const SkinnedMesh skin = readGltfSkin(bytes, "arm.gltf");
+  const TriangleMesh rigid = readGltfMesh(bytes, "arm.gltf"),
+                     straight = readGltfMesh(samples::armGltf(smallArm()), "arm.gltf");
+  EXPECT_EQ(rigid.positions, skin.mesh.positions);
+  EXPECT_EQ(rigid.triangles, straight.triangles);
+  float moved = 0;
+  for (size_t v = 0; v < rigid.positions.size(); ++v)
+    moved = std::max(moved, (rigid.positions[v] - straight.positions[v]).norm());
+  EXPECT_GT(moved, 0.8f * smallArm().bone) << "its tip, by 60 degrees";
 }
 
 TEST(GltfSkin, VerticesGoWithTheirJointAndBlendBetween) {
