@@ -58,7 +58,7 @@ class RodStep {
     real stiffest = lit(0);  // the greatest kappa
     for (int e = 0; e < ne; ++e) {
       const real il = inverseLength(e);
-      stiffest = max(stiffest, bend(e) * il * il * lit(h * h) * state(b.weight, 0, rowOfVertex(e + 1)));
+      stiffest = max(stiffest, stiffnessOf(bend(e), il, lit(h * h), state(b.weight, 0, rowOfVertex(e + 1))));
       length = length + lengthOf(e);
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
@@ -244,7 +244,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     const real kept = min(keptTension(state(b.tension, 0, e) * lit(h * h), advance * il, bend(e), il, lit(h * h)),
                           most_tension_);
     store(kept, b.tension + at(0, e));
-    const real blend = timeBlend(advance * il, unit - unit_before, bend(e) * il * il * lit(h * h) * weight(e + 1));
+    const real blend = timeBlend(advance * il, unit - unit_before, stiffnessOf(bend(e), il, lit(h * h), weight(e + 1)));
     set(kBlend, e, blend);
     // Internal damping acts through frames that are ahead of the motion by the damping time; tension is not damped.
     const quat frame = state4(b.frame, e);

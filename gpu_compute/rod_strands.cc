@@ -86,7 +86,8 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
     if (model.isPinned(strand, v)) continue;
     const float bends_over = std::max(restLength(model, v - 1), kShortestEdge * mean);
     free_mass += model.mass[v];
-    stiffest = std::max(stiffest, model.bend[v - 1] / (bends_over * bends_over * model.mass[v]));
+    stiffest = std::max(stiffest,
+                        kernels::f32::stiffnessOf(model.bend[v - 1], 1 / bends_over, 1, 1 / model.mass[v]));
   }
   return {mean,   1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass,
           length, stiffest};

@@ -70,12 +70,16 @@ FN quat twistFrame(IN(quat) q, IN(real) phi) {
                                 madd(lit(0) - q.z, h, q.w)));
 }
 
+// Stiffness of an edge against the inertia of its outer vertex: kappa = dt^2 bend / (mass length^2).
+FN real stiffnessOf(IN(real) bend, IN(real) inverse_length, IN(real) time2, IN(real) weight) {
+  return bend * inverse_length * inverse_length * time2 * weight;
+}
+
 // Forces on an edge are taken at a blend of its old position (1) and the inertial point (0). 0 is implicit Euler, which
 // damps a motion of angular frequency w by zeta = w dt / 2; 1 is the average acceleration method (Newmark 1959), which
 // damps nothing. Here 0.9 where the motion is smooth and 0 where the edge turns by more than 18 to 26 degrees in the
 // substep; less where a joint with some stiffness is bent and where `kappa` is large. `advance`: of the inertial edge on
-// the old one, `kink`: of the old edge on the one before it, both over the edge's length. `kappa` = dt^2 bend / (mass
-// length^2).
+// the old one, `kink`: of the old edge on the one before it, both over the edge's length. `kappa`: see stiffnessOf().
 FN real timeBlend(IN(real3) advance, IN(real3) kink, IN(real) kappa) {
   real slow = clamp(lit(2) - lit(10) * dot(advance, advance), lit(0), lit(1));
   return lit(0.9) * slow *
@@ -180,7 +184,7 @@ FN real3 missingLength(IN(real3) edge, IN(real3) otherwise, IN(real) rest_length
 // strands far from their lengths, are more rounding than progress.
 const int kPullIterations = 2;
 // What iterations leave is made good by exact lengths, which bends joints; what is stiff and kinked was thrown about by that for ever. So
-// where that may be, pulls are found by elimination (kernels/stiff_pulls.h). `kappa`: the greatest of a strand's edges, see timeBlend().
+// where that may be, pulls are found by elimination (kernels/stiff_pulls.h). `kappa`: the greatest of a strand's edges, see stiffnessOf().
 FN mask isStiff(IN(real) kappa) { return kappa > lit(100); }
 FN mask isEliminated(IN(real) kappa, IN(real) violence) { return isStiff(kappa) && violence > lit(0.3); }
 FN real conjugateStep(IN(real) numerator, IN(real) denominator) {

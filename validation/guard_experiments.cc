@@ -196,9 +196,10 @@ std::vector<Case> thrown(const Laboratory& laboratory) {
 }
 
 // Hair with a kink in every joint, of many short edges: kappa 330 to 1600.
-constexpr const char* kKinked = "kinked: at rest";
+constexpr const char *kKinked = "kinked: at rest", *kKinkedBesideABall = "kinked: at rest beside a ball";
 
-std::vector<Case> kinked(const Laboratory& laboratory) {
+std::vector<Case> kinked(const Laboratory& laboratory, const char* name,
+                         const std::vector<RigidBody>& bodies) {
   constexpr int kStrands = 8;
   constexpr double kSettling = 8;   // s
   constexpr double kMoving = 0.02;  // m/s
@@ -217,13 +218,13 @@ std::vector<Case> kinked(const Laboratory& laboratory) {
     strands.push_back(points);
   }
   Simulation simulation = laboratory.simulation(modelOf(strands, std::vector<Material>(strands.size())),
-                                                laboratory.parameters(kRate, kDrag));
+                                                bodies, laboratory.parameters(kRate, kDrag));
   laboratory.advance(simulation, kSettling, {});
   const StrandState state = simulation.state();
   double moving = 0;
   for (size_t s = 0; s < kStrands; ++s)
     if (!(rmsSpeedOf(simulation.model(), state, s) < kMoving)) ++moving;
-  return {absoluteCase({kKinked, "strands of 8 faster than 20 mm/s", ""}, moving, 0, 0)};
+  return {absoluteCase({name, "strands of 8 faster than 20 mm/s", ""}, moving, 0, 0)};
 }
 
 }  // namespace
@@ -246,8 +247,16 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
       {"100 strands of any shape, up to 1000 times as stiff as hair, shaken and carried away",
        {kThrown},
        thrown});
-  experiments.push_back(
-      {"strands of 64 and 96 vertices with a kink in every joint, let go", {kKinked}, kinked});
+  experiments.push_back({"strands of 64 and 96 vertices with a kink in every joint, let go",
+                         {kKinked},
+                         [](const Laboratory& laboratory) { return kinked(laboratory, kKinked, {}); }});
+  experiments.push_back({"the same beside a ball that none of them touches",
+                         {kKinkedBesideABall},
+                         [](const Laboratory& laboratory) {
+                           const Vec3 place(0.02f, -0.04f, 0);
+                           const ContactPrimitive ball{PrimitiveKind::kSphere, place, place, 0.001f};
+                           return kinked(laboratory, kKinkedBesideABall, {{{ball}, false}});
+                         }});
 }
 
 }  // namespace strandcast

@@ -123,7 +123,7 @@ float predictEdge(int p, vec3 unit_in) {
   float il = inverseLength(p);
   vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
   tension[p] = min(keptTension(tension[p], advance * il, bend(p), il, dt2), most_tension);
-  float blend = timeBlend(advance * il, old * il - unit_in, bend(p) * il * il * dt2 * weight(p));
+  float blend = timeBlend(advance * il, old * il - unit_in, stiffnessOf(bend(p), il, dt2, weight(p)));
 #if DAMPED
   float ahead = substepsAhead() - blend;
 #else
