@@ -94,7 +94,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
           if (!anyTrue(touches)) continue;
           real3 force = zero;
           const real3 out =
-              resolveContact(reached, touch.carried, zero, touch.normal, touch.gap, touch.friction, lit(1), force);
+              resolveContact(reached, touch.carried, touch.normal, touch.gap, touch.friction, lit(1), force);
           store3(select(touches, out, reached), b.position, i);
         }
       }

@@ -76,10 +76,10 @@ class RodStep {
       eliminateTwist();
       eliminateBending();
       again_ = lit(0) < lit(1);
-      meets_ = presses_ = !again_;
+      meets_ = touches_ = !again_;
       moveByForces();
       const real most = substituteLengths();
-      const mask violent = isViolent(most), eliminated = isEliminated(stiffest, most) && !presses_;
+      const mask violent = isViolent(most), eliminated = isEliminated(stiffest, most, touches_);
       if (anyTrue(violent && !eliminated)) pullThroughBending(violent && !eliminated);
       if (anyTrue(eliminated)) pullByElimination(eliminated);
       again_ = violent || meets_;
@@ -137,14 +137,19 @@ class RodStep {
   void moveByPulls();
   template <class Shift>
   void moveAndEliminateLengths(Shift shift);
+  void touch(int i, const real3& shift, const real3& moved);
+  void touched(int i, const real3& x, const real3& moved);
+  void pressThroughBending();
+  struct HeldRow;
+  HeldRow& heldRow(int i) const;
   real substituteLengths();
   void pullThroughBending(const mask& violent);
   void pullByElimination(const mask& strands);
   class BentMoves;
   class Pulls;
   void finish();
-  real3 collide(int i, const real3& shift, const real3& moved);
-  real3 pressed(int i, const real3& shift, const real3& x, const real3& moved);
+  real3 collide(int i, const real3& shift);
+  real3 pressed(int i, const real3& shift, const real3& x);
   real3 keptOut(int i, const real3& shift, const real3& inner);
   real3 turnedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes);
   bool faces(int i) const { return among_bodies_ && faces_[i]; }
@@ -181,7 +186,7 @@ class RodStep {
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
   mask meets_;  // those with a vertex that a body is near in this substep
-  mask presses_;  // those with a vertex that a body presses
+  mask touches_;  // those with a vertex that a body presses, or has
   real most_tension_;   // that is taken over from one substep to the next
 };
 
@@ -371,16 +376,16 @@ inline void RodStep::eliminateBending() {
   }
 }
 
-// Contact of vertex i, shifted so, of which forces have just moved it by `moved`. Gives its shift.
-inline real3 RodStep::collide(int i, const real3& shift, const real3& moved) {
+// Contact of vertex i, shifted so, by itself. Gives its shift.
+inline real3 RodStep::collide(int i, const real3& shift) {
   const real3 x = state3(b.position, i) + shift;
   near_.lookOn(i, x, state3(b.position, i), again_);
-  return near_.sees(i) || forced_[i] ? pressed(i, shift, x, moved) : shift;
+  return near_.sees(i) || forced_[i] ? pressed(i, shift, x) : shift;
 }
 
 // The same of a vertex that may touch something; the normal is kept for the length solve, which must not push it back in. By
 // itself, as keptOut(), so that sweeps of hair that is near no body stay small.
-[[gnu::noinline]] inline real3 RodStep::pressed(int i, const real3& shift, const real3& x, const real3& moved) {
+[[gnu::noinline]] inline real3 RodStep::pressed(int i, const real3& shift, const real3& x) {
   const real3 before = forced_[i] ? state3(b.contact, i) : makeReal3(lit(0), lit(0), lit(0));
   const mask pressed_before = dot(before, before) > lit(0);
   const real gap = near_.gap(i, x);
@@ -389,10 +394,8 @@ inline real3 RodStep::collide(int i, const real3& shift, const real3& moved) {
   if (!anyTrue(touches)) return shift;
   const Touch touch = near_.touch(i, x);
   real3 force = before;
-  const real3 out = resolveContact(x, touch.carried, moved, touch.normal, touch.gap, touch.friction,
-                                   select(touches, weight(i), lit(1)), force);
+  const real3 out = resolveContact(x, touch.carried, touch.normal, touch.gap, touch.friction, select(touches, weight(i), lit(1)), force);
   const mask presses = touches && (touch.gap < lit(0) || dot(force, force) > lit(0));
-  presses_ = presses_ || presses;
   store3(select(touches, force, before), b.contact, i);
   set3(kNormal, i, select(presses, touch.normal, normalAt(i)));
   forced_[i] = faces_[i] = true;
@@ -467,8 +470,7 @@ class RodStep::Pulls {
   real3 t_;
 };
 
-// From root to tip: every vertex shifted by shift(e, by_forces) in all, edge e before it, contact, and the elimination of the
-// length system. by_forces: how far the forces of the bending system have moved it just now, else left as it is, 0.
+// From root to tip: every vertex shifted by shift(e) in all, edge e before it, and the elimination of the length system.
 template <class Shift>
 void RodStep::moveAndEliminateLengths(Shift shift) {
   real3 old_in = state3(b.position, 0), shift_in = get3(kShift, 0);
@@ -487,9 +489,7 @@ void RodStep::moveAndEliminateLengths(Shift shift) {
   };
   for (int e = 0; e < ne; ++e) {
     const real3 t_before = get3(kTangent, e);
-    real3 by_forces = makeReal3(lit(0), lit(0), lit(0));
-    const real3 reached = shift(e, by_forces);
-    const real3 shifted = among_bodies_ ? collide(e + 1, reached, by_forces) : reached;
+    const real3 shifted = shift(e);
     set3(kShift, e + 1, shifted);
     const real3 old = state3(b.position, e + 1), edge = (old - old_in) + (shifted - shift_in);
     const real3 t = directionOr(edge, t_before);
@@ -543,11 +543,21 @@ class RodStep::BentMoves {
 
 inline void RodStep::moveByForces() {
   BentMoves moves(*this);
-  moveAndEliminateLengths([&](int e, real3& by_forces) {
-    by_forces = moves.next(e);
-    const real3 d = by_forces, shift = get3(kShift, e + 1);
-    return b.pinned ? select(weight(e + 1) > lit(0), shift + d, shift) : shift + d;
-  });
+  real3 moved;
+  auto byForces = [&](int e) {
+    moved = moves.next(e);
+    const real3 shift = get3(kShift, e + 1);
+    return b.pinned ? select(weight(e + 1) > lit(0), shift + moved, shift) : shift + moved;
+  };
+  if (!among_bodies_) return moveAndEliminateLengths(byForces);
+  for (int e = 0; e < ne; ++e) {
+    const real3 shift = byForces(e);
+    set3(kShift, e + 1, shift);
+    touch(e + 1, shift, moved);
+  }
+  if (anyTrue(touches_)) pressThroughBending();
+  else for (int i = 1; i < n; ++i) faces_[i] = false;
+  moveAndEliminateLengths([&](int e) { return get3(kShift, e + 1); });
 }
 
 // The length system substituted from tip to root; gives the strand's violence.
@@ -639,9 +649,10 @@ inline void RodStep::pullThroughBending(const mask& violent) {
 // Every vertex moved by its pulls, of those who have their lengths solved again. The others' system comes out as it was.
 inline void RodStep::moveByPulls() {
   Pulls pulls(*this);
-  moveAndEliminateLengths([&](int e, real3&) {
+  moveAndEliminateLengths([&](int e) {
     store(select(again_, pulls.tension(e), state(b.tension, 0, e)), b.tension + at(0, e));
-    return select(again_, pulls.shifted(e), get3(kShift, e + 1));
+    const real3 shift = select(again_, pulls.shifted(e), get3(kShift, e + 1));
+    return among_bodies_ ? collide(e + 1, shift) : shift;
   });
 }
 
@@ -669,6 +680,7 @@ inline void RodStep::finish() {
   }
 }
 
+#include "core/held_contact.inl"
 #include "core/stiff_pulls.inl"
 
 inline void stepRod(const Block& b, const StepInput& input, Scalar* scratch) { RodStep(b, input, scratch).run(); }

@@ -1,6 +1,6 @@
 // The pulls of stiff strands in very violent motion: kernels/stiff_pulls.h along the strands of a block. Included in core/rod_sweep.inl.
 
-// The same as pullThroughBending(), of strands that no body presses.
+// The same as pullThroughBending().
 inline void RodStep::pullByElimination(const mask& strands) {
   static_assert(sizeof(PullRow) == kPullPlanes * kLanes * sizeof(Scalar));
   PullRow* const rows = reinterpret_cast<PullRow*>(scratch_ + rodScratch(n, kLanes));
@@ -12,7 +12,7 @@ inline void RodStep::pullByElimination(const mask& strands) {
     const real3 edge = (state3(b.position, e + 1) - state3(b.position, e)) + (get3(kShift, e + 1) - get3(kShift, e));
     rows[e] = eliminatePull(outside, moves, get(kPivot, e), e > 0 ? get(kFactor1, e - 1) : lit(0),
                             e > 1 ? get(kFactor2, e - 2) : lit(0), select(moves, t, zero), select(moves_in, t, zero),
-                            toMend(e, dot(edge, t)));
+                            toMend(e, dot(edge, t)), normalAt(e + 1));
   }
   real3 near = zero, far = zero;  // shifts of the next two vertices inwards
   real pull = firstPull(outside);

@@ -122,36 +122,64 @@ FN real contactSlack() { return lit(2e-5); }
 // with all of it a blow would be answered twice, by the surface and by the force, which adds energy.
 FN real contactFollows() { return lit(0.5); }
 
-// Contact of a vertex at x: where it has to go. `force` is what the body pressed it with in the last substep, in units of
-// length x mass (force x substep^2), and has acted already; the vertex is moved by what that was too little or too much,
-// as Coulomb's law has it: normal forces only push, friction is at most friction x normal force and only takes back slip.
-// `gap` < 0 is depth. `carried`: where the surface has taken the point at which the vertex was. `moved`: how far forces have
-// moved x in this substep. What they did is kept in `force` for the next one, at rest all of it; what the vertex's own
-// speed did is over with the substep. A vertex that was pressed too much comes back, but by no more than it was moved.
-FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real3) normal, IN(real) gap, IN(real) friction,
-                        IN(real) weight, INOUT(real3) force) {
+// What Coulomb's law leaves of the slip of a vertex at x, which started out at `carried` and is pressed with `pressure`: its new place.
+// Friction is at most friction x pressure and only takes back slip. `drag`: the friction that has acted already, `total`: all of it.
+FN real3 withFriction(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(real) pressure, IN(real) friction, IN(real) weight,
+                      IN(real3) drag, OUT(real3) total, OUT(mask) slides) {
+  real3 slip = tangentialPart(x - carried, normal);
+  real3 wanted = madd(slip, lit(0) - inverse(weight), drag);
+  real amount = length(wanted), most = friction * pressure;
+  slides = amount >= most;
+  total = wanted * (most / select(slides, max(amount, lit(1e-30)), lit(1)));
+  real taken = dot(drag - total, slip) * weight / max(dot(slip, slip), lit(1e-30));
+  return madd(slip, lit(0) - select(slides, clamp(taken, lit(0), lit(1)), lit(1)), x);
+}
+// `force` where Coulomb's law allows it: normal forces only push, friction is at most friction x normal force.
+FN real3 inFrictionCone(IN(real3) force, IN(real3) normal, IN(real) friction) {
+  real3 along = tangentialPart(force, normal);
+  real pressure = max(dot(force, normal), lit(0));
+  return madd(normal, pressure, along * min(friction * pressure / max(length(along), lit(1e-30)), lit(1)));
+}
+
+// Contact of a vertex at x by itself, in units of length x mass (force x substep^2). `force` is what the body presses it with; the vertex
+// is moved by what that was too little. `gap` < 0 is depth. `carried`: where the surface has taken the point at which the vertex was.
+FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(real) gap, IN(real) friction, IN(real) weight,
+                        INOUT(real3) force) {
   real mass = inverse(weight);
   real held = max(dot(force, normal), lit(0));
-  real rise = dot(moved, normal);
-  real pressure = max(held - gap * mass, lit(0));
-  real back = min(held * weight, max(rise, lit(0)));
-  real3 out_x = madd(normal, max(lit(0) - gap, lit(0) - back), x);
-
-  real3 drag = tangentialPart(force, normal), slip = tangentialPart(out_x - carried, normal);
-  real3 wanted = madd(slip, lit(0) - mass, drag);
-  real amount = length(wanted), most = friction * pressure;
-  mask slides = amount >= most;
-  real3 total = wanted * (most / select(slides, max(amount, lit(1e-30)), lit(1)));
-  real taken = dot(drag - total, slip) * weight / max(dot(slip, slip), lit(1e-30));
-  out_x = madd(slip, lit(0) - select(slides, clamp(taken, lit(0), lit(1)), lit(1)), out_x);
-
-  real follows = contactFollows();
-  real kept = max(held + min(lit(0) - gap, lit(0) - rise * follows) * mass, lit(0));
-  real3 stuck = madd(tangentialPart(moved, normal), lit(0) - mass * follows, drag);
-  real3 sliding = total * (kept / max(pressure, lit(1e-30)));
-  real share = min(friction * kept / max(length(stuck), lit(1e-30)), lit(1));
-  force = madd(normal, kept, select(slides, sliding, stuck * share));
+  real pressure = max(held - gap * mass, lit(0)), kept = max(held - max(gap, lit(0)) * mass, lit(0));
+  real3 drag = tangentialPart(force, normal), total;
+  mask slides;
+  real3 out_x = withFriction(madd(normal, max(lit(0) - gap, lit(0)), x), carried, normal, pressure, friction, weight, drag, total, slides);
+  real3 sliding = madd(normal, kept, total * (kept / max(pressure, lit(1e-30))));
+  force = select(slides, sliding, inFrictionCone(madd(normal, kept, drag), normal, friction));
   return out_x;
+}
+
+// Contact of a vertex that is part of a bent strand, in two steps. First, where it is to be held: on the surface. `force` has pressed it
+// in the last substep and acts in this one; `moved` is how far forces have moved x. `follows`: the part of the normal reaction that is
+// kept for the next substep, `rubs`: the friction that is. At rest that is all of it; what the strand's own speed called for is over with
+// the substep.
+FN real3 heldPlace(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real3) normal, IN(real) gap, IN(real) friction, IN(real) weight,
+                   IN(real3) force, OUT(real) follows, OUT(real3) rubs) {
+  real mass = inverse(weight);
+  follows = select(gap < lit(0), clamp(dot(moved, normal) * contactFollows() / min(gap, lit(-1e-12)), lit(0), lit(1)), lit(1));
+  real3 drag = tangentialPart(force, normal), total;
+  mask slides;
+  real3 place = withFriction(madd(normal, lit(0) - gap, x), carried, normal, max(dot(force, normal) - gap * mass, lit(0)), friction, weight,
+                             drag, total, slides);
+  rubs = select(slides, total, madd(tangentialPart(moved, normal), lit(0) - mass * contactFollows(), drag));
+  return place;
+}
+// Then, from the reaction of the bending system to all that are held: who pulls at the body is let go, and the system solved again so
+// without its force, at most so many times in all.
+const int kHoldRounds = 8;
+FN mask letsGo(IN(real3) force, IN(real3) reaction, IN(real3) normal) { return dot(force + reaction, normal) < lit(0); }
+// One that is not held and gets deeper than where it would be is held after all.
+FN mask isPushed(IN(real3) push, IN(real3) moved, IN(real3) normal) { return dot(moved - push, normal) < lit(0) - lit(1e-7); }
+// The force that is kept of one that is held.
+FN real3 heldForce(IN(real3) force, IN(real3) reaction, IN(real) follows, IN(real3) rubs, IN(real3) normal, IN(real) friction) {
+  return inFrictionCone(madd(normal, dot(madd(reaction, follows, force), normal), rubs), normal, friction);
 }
 
 // An edge from `inner` to x, `gap` < 0 behind the plane across `normal`, turned towards where the nearest point of that plane is:

@@ -184,9 +184,12 @@ FN real3 missingLength(IN(real3) edge, IN(real3) otherwise, IN(real) rest_length
 // strands far from their lengths, are more rounding than progress.
 const int kPullIterations = 2;
 // What iterations leave is made good by exact lengths, which bends joints; what is stiff and kinked was thrown about by that for ever. So
-// where that may be, pulls are found by elimination (kernels/stiff_pulls.h). `kappa`: the greatest of a strand's edges, see stiffnessOf().
+// where that may be, pulls are found by elimination (kernels/stiff_pulls.h). `kappa`: the greatest of a strand's edges, see stiffnessOf();
+// `pressed`: by a body, which leaves less room.
 FN mask isStiff(IN(real) kappa) { return kappa > lit(100); }
-FN mask isEliminated(IN(real) kappa, IN(real) violence) { return isStiff(kappa) && violence > lit(0.3); }
+FN mask isEliminated(IN(real) kappa, IN(real) violence, IN(mask) pressed) {
+  return isStiff(kappa) && (violence > lit(0.3) || (pressed && isViolent(violence)));
+}
 FN real conjugateStep(IN(real) numerator, IN(real) denominator) {
   mask some = denominator > lit(1e-30);
   return min(select(some, numerator, lit(0)) * inverse(select(some, denominator, lit(1))), lit(16));

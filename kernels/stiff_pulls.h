@@ -50,6 +50,11 @@ FN real3 solved(IN(Triangles) t, IN(real3) v) {
   return makeReal3(madd(lit(0) - t.xy, y, madd(lit(0) - t.xz, z, v.x * t.pivots.x)), y, z);
 }
 
+// How a vertex gives way to a push, which `some` (1, else 0) lets move: less `held` times what the push does along `off`.
+FN real3 pushed(IN(Triangles) gives, IN(real) some, IN(real3) off, IN(real3) held, IN(real3) push) {
+  return madd(held, lit(0) - dot(off, push), solved(gives, push) * some);
+}
+
 // What is left of all that is farther out when a vertex is eliminated. Of pulls: what they add to what the elimination of A alone
 // leaves of the vertex and of the next one inwards, on their diagonals and in what couples them (columns), and right-hand sides. (A alone
 // is not eliminated again: its small numbers would be lost in the sums.) Of the edge after the vertex: how its pull acts on both, how far it
@@ -83,26 +88,31 @@ struct PullRow {
 };
 // A vertex and the edge after it. `alone`, `factor`, `factor2`: of the elimination of A, the vertex' inverse pivot and the factors of
 // the next two inwards on it; `outer`, `inner`: how the pull of the edge before the vertex acts on it and on the next one inwards: its
-// tangent, or 0 where that is pinned.
+// tangent, or 0 where that is pinned; `normal`: of a body that presses the vertex, which then gives way along the surface only, or 0.
 FN PullRow eliminatePull(INOUT(OuterPulls) outside, IN(mask) moves, IN(real) alone, IN(real) factor, IN(real) factor2,
-                         IN(real3) outer, IN(real3) inner, IN(real) excess) {
+                         IN(real3) outer, IN(real3) inner, IN(real) excess, IN(real3) normal) {
   Symmetric added = outside.near;
   real3 added_x = outside.column_x, added_y = outside.column_y, added_z = outside.column_z;
   real pivot = inverse(alone), first = pivot * factor, second = pivot * factor2;  // what A couples to the next two
   Triangles gives = trianglesOf(plusEverywhere(added, pivot));  // how the vertex gives way to a push
   real some = select(moves, lit(1), lit(0));
+  // A body takes this away: how it would give way to a push along the normal, as much as makes it stay on the surface.
+  real3 off = solved(gives, normal) * some;
+  real along = dot(normal, off);
+  real3 held = off * select(along > lit(0), inverse(select(along > lit(0), along, lit(1))), lit(0));
   // How much less it does than in A alone.
   real3 less_x = solved(gives, columnX(added)), less_y = solved(gives, columnY(added)), less_z = solved(gives, columnZ(added));
   Symmetric less = makeSymmetric(makeReal3(less_x.x, less_y.y, less_z.z), makeReal3(less_z.y, less_x.z, less_y.x));
   less = plusEverywhere(scaled(less, alone * some), alone - alone * some);
+  less = plusProduct(less, off, held);
   // What that makes of the coupling to the next vertex, without `factor`, and all of it.
-  real3 x = solved(gives, added_x) * some - columnX(less) * first, y = solved(gives, added_y) * some - columnY(less) * first;
-  real3 z = solved(gives, added_z) * some - columnZ(less) * first;
+  real3 x = pushed(gives, some, off, held, added_x) - columnX(less) * first, y = pushed(gives, some, off, held, added_y) - columnY(less) * first;
+  real3 z = pushed(gives, some, off, held, added_z) - columnZ(less) * first;
   real3 all_x = makeReal3(x.x + factor, x.y, x.z), all_y = makeReal3(y.x, y.y + factor, y.z);
   real3 all_z = makeReal3(z.x, z.y, z.z + factor);
 
   // The edge after the vertex: how the vertex gives way to its pull, and what that pull is.
-  real3 to_edge = solved(gives, outside.along) * some, moved = solved(gives, outside.right) * some;
+  real3 to_edge = pushed(gives, some, off, held, outside.along), moved = pushed(gives, some, off, held, outside.right);
   real share = inverse(dot(outside.along, to_edge) + outside.yields);
   real3 pull_near = madd(to_edge, first, makeReal3(dot(added_x, to_edge), dot(added_y, to_edge), dot(added_z, to_edge))) -
                     outside.along_far;
@@ -118,7 +128,7 @@ FN PullRow eliminatePull(INOUT(OuterPulls) outside, IN(mask) moves, IN(real) alo
   row.column_z = all_z - to_edge * row.pull_near.z;
   Symmetric kept = plusProduct(less, to_edge, to_edge * share);  // how much less it gives way with the edge than in A alone
   row.far = scaled(plusEverywhere(kept, lit(0) - alone), lit(0) - second);
-  row.by_pull = madd(to_edge, lit(0) - row.pull_by_pull, solved(gives, outer) * some);
+  row.by_pull = madd(to_edge, lit(0) - row.pull_by_pull, pushed(gives, some, off, held, outer));
 
   // What is left for the next one.
   OuterPulls left;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "collision/field_bake.h"
 #include "core/joint_law.h"
@@ -221,6 +222,40 @@ std::vector<Case> rockingMesh(const Laboratory& laboratory) {
   return motionCases("mesh tilted and moved", depths);
 }
 
+// Hair that stands off a ball in all directions, with a kink in every joint, falls on it and on a capsule
+// below it.
+constexpr const char* kKinkedPressed = "kinked, pressed by two bodies: speed";
+
+std::vector<Case> kinkedPressed(const Laboratory& laboratory) {
+  constexpr int kStrands = 32;
+  constexpr double kSettling = 8;  // s
+  std::mt19937 random(7);
+  auto any = [&] { return static_cast<float>(random()) / 2147483648.0f - 1; };
+  std::vector<StrandPoints> strands;
+  for (int s = 0; s < kStrands; ++s) {
+    const int edges = s % 2 == 0 ? 23 : 31;
+    const float edge = (s % 2 == 0 ? 0.15f : 0.25f) / static_cast<float>(edges);
+    const Vec3 out = Vec3(any(), std::abs(any()) + 0.1f, any()).normalized();
+    Vec3 x = (kBall + 5e-4f) * out, direction = (out + 0.5f * Vec3(any(), any(), any())).normalized();
+    StrandPoints points = {x};
+    for (int e = 0; e < edges; ++e) {
+      points.push_back(x += edge * direction);
+      direction = (direction + 0.3f * Vec3(any(), any(), any())).normalized();
+    }
+    strands.push_back(points);
+  }
+  const ContactPrimitive capsule{PrimitiveKind::kCapsule, Vec3(-0.2f, -0.17f, 0), Vec3(0.2f, -0.17f, 0),
+                                 0.05f};
+  Simulation simulation =
+      laboratory.simulation(modelOf(strands), {{{ballShape(), capsule}, false}}, frames(laboratory, 5));
+  laboratory.advance(simulation, kSettling);
+  const StrandState state = simulation.state();
+  double fastest = 0;
+  for (size_t s = 0; s < kStrands; ++s)
+    fastest = worse(fastest, 1e3 * rmsSpeedOf(simulation.model(), state, s));
+  return {absoluteCase({kKinkedPressed, "largest rms speed of a strand after 8 s", "mm/s"}, fastest, 0, 1)};
+}
+
 // Hair all over a ball of 0.1 m that is the head.
 StrandModel headOfHair() {
   std::vector<StrandPoints> strands;
@@ -335,6 +370,9 @@ std::vector<Case> energyOfFall(const Laboratory& laboratory) {
 
 void addContactExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back({"25 strands dropped on one shape after another", namesOfDrops(), droppedOn});
+  experiments.push_back({"32 kinked strands fall on the ball that they stand on and a capsule",
+                         {kKinkedPressed},
+                         kinkedPressed});
   experiments.push_back({"25 strands on a mesh that is tilted by 23 degrees and moved by 5 cm, once a second",
                          {"mesh tilted and moved: vertices", "mesh tilted and moved: segments"},
                          rockingMesh});

@@ -61,7 +61,7 @@ vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, float frictio
   }
   if (touch.gap >= 0.0) return x;
   vec3 force = vec3(0);
-  return resolveContact(x, touch.carried, vec3(0), touch.normal, touch.gap, touch.friction * friction_scale, 1.0, force);
+  return resolveContact(x, touch.carried, touch.normal, touch.gap, touch.friction * friction_scale, 1.0, force);
 }
 
 void main() {

@@ -67,7 +67,6 @@ float most;                         // violence of this invocation, of all subst
 vec3 pressing[PER_THREAD];            // m: StrandState::contacts x substep^2
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
 bool meets;                           // of this invocation's vertices: a body is near in this substep
-bool presses;                         // of these: a body presses one
 bool lost;                            // of these: isLost()
 bool astray;                          // of these: isAstray()
 #define NORMAL(p) normals[p]
@@ -348,10 +347,6 @@ void moveByForces(out vec3 moved[PER_THREAD]) {
   }
 }
 
-#if BODIES
-#include "gpu_compute/shaders/rod_contact.glsl"
-#endif
-
 #include "gpu_compute/shaders/rod_lengths.glsl"
 
 // Whether this holds for any invocation of the strand.
@@ -369,6 +364,10 @@ bool anyStrand(bool own) {
   }
   return strands > 0.0;
 }
+#endif
+
+#if BODIES
+#include "gpu_compute/shaders/rod_contact.glsl"
 #endif
 
 #if VIOLENT
@@ -442,18 +441,13 @@ void pullThroughBending(bool violent) {
 #endif
 
 // After the first pass over lengths: whether the strand needs another, because it is violent or a body is near. The pulls of
-// violent ones go through bending.
-bool needsAgain() {
+// violent ones go through bending. `pressed`: by a body.
+bool needsAgain(bool pressed) {
   bool needs = false;
 #if STIFF
-#if BODIES
-  const bool pressed = ofStrand(presses);
-#else
-  const bool pressed = false;
-#endif
   const float greatest = strandMax(mostViolence());
   needs = isViolent(greatest);
-  const bool eliminated = !pressed && isEliminated(rest.stiffest * settings.substep * settings.substep, greatest);
+  const bool eliminated = isEliminated(rest.stiffest * settings.substep * settings.substep, greatest, pressed);
   if (anyStrand(eliminated)) pullByElimination(eliminated);
   if (anyStrand(needs && !eliminated)) pullThroughBending(needs && !eliminated);
 #elif VIOLENT
@@ -590,13 +584,15 @@ void stepStrands(uint list, uint first, uint count) {
 #if BODIES
     vec3 checked[PER_THREAD];  // the shifts that contact leaves the vertices with
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
-    meets = presses = false;
+    meets = false;
+    const bool pressed = pressThroughBending(substep, moved);
+#else
+    const bool pressed = false;
 #endif
     bool again = true;  // this strand has its lengths solved in this pass
     for (int pass = 0; pass < passes; ++pass) {
 #if BODIES
-      if (again) collide(substep, moved);
-      for (int p = 0; p < PER_THREAD; ++p) moved[p] = vec3(0);
+      if (again && pass > 0) collide(substep);
 #endif
       const vec3 pulled_in = shift_in;
       solveLengths(root);
@@ -604,7 +600,7 @@ void stepStrands(uint list, uint first, uint count) {
 #if BODIES
       if (again) checked = shift;
 #endif
-      if (pass == 0) again = needsAgain();
+      if (pass == 0) again = needsAgain(pressed);
       moveByPulls();
 #if VIOLENT || BODIES
       if (pass == 0 && !anyStrand(again)) break;

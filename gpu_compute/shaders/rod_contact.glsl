@@ -55,29 +55,116 @@ void lookOn(int substep) {
 }
 #endif
 
-// Contact of the vertices, which forces have moved by `moved` just now; the normals are kept for the length solve, which must
-// not push them back in.
-void collide(int substep, vec3 moved[PER_THREAD]) {
+// What the bodies are to the vertex of slot p at `place`; whether one is near or has pressed it.
+bool nearBody(int p, vec3 place, out Touch touch) {
+  touch = untouched(place, contactReach());
+  const bool pressed = dot(pressing[p], pressing[p]) > 0.0;
+  if (!(sees[p] || pressed) || !isEdge(p) || weight(p) == 0.0) return false;
+  if (sees[p]) touch = touchOf(vertexOf(p), place);
+#if GROOMED
+  touch.friction *= strand_grooming.x;
+#endif
+  const bool near = pressed || touch.gap < contactReach();
+  meets = meets || near;
+  return near;
+}
+
+// Contact of the vertices by themselves; the normals are kept for the length solve, which must not push them back in.
+void collide(int substep) {
   lookOn(substep);
   for (int p = 0; p < PER_THREAD; ++p) {
-    bool pressed = dot(pressing[p], pressing[p]) > 0.0;
-    if (!(sees[p] || pressed) || !isEdge(p) || weight(p) == 0.0) continue;
     vec3 place = x[p] + shift[p];
-    Touch touch = untouched(place, contactReach());
-    if (sees[p]) touch = touchOf(vertexOf(p), place);
-    meets = meets || pressed || touch.gap < contactReach();
-    if (!(touch.gap < 0.0 || pressed)) continue;
-#if GROOMED
-    touch.friction *= strand_grooming.x;
-#endif
-    place = resolveContact(place, touch.carried, moved[p], touch.normal, touch.gap, touch.friction, weight(p), pressing[p]);
+    Touch touch;
+    if (!nearBody(p, place, touch) || !(touch.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0)) continue;
+    place = resolveContact(place, touch.carried, touch.normal, touch.gap, touch.friction, weight(p), pressing[p]);
     shift[p] = place - x[p];
     if (touch.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0) {
-      presses = true;
       normals[p] = touch.normal;
       softness[p] = 0.0;
     }
   }
+}
+
+// Contact through the bending matrix of strands whose vertices forces have just moved by `moved`: core/held_contact.inl, which names the
+// same things. Whether bodies press the strand, or have.
+bool pressThroughBending(int substep, vec3 moved[PER_THREAD]) {
+  lookOn(substep);
+  vec3 push[PER_THREAD], rubs[PER_THREAD], load[PER_THREAD], reaction[PER_THREAD], way[PER_THREAD];
+  float follows[PER_THREAD], friction[PER_THREAD];
+  bool held[PER_THREAD], touches = false;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    push[p] = rubs[p] = load[p] = vec3(0);
+    follows[p] = friction[p] = 0.0;
+    held[p] = false;
+    const vec3 place = x[p] + shift[p];
+    Touch touch;
+    if (!nearBody(p, place, touch)) continue;
+    const bool touched = touch.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0;
+    touches = touches || touched;
+    held[p] = touched && touch.gap < contactReach();
+    push[p] = heldPlace(place, touch.carried, moved[p], touch.normal, touch.gap, touch.friction, weight(p), pressing[p], follows[p], rubs[p]) - place;
+    friction[p] = touch.friction;
+    normals[p] = touch.normal;
+    if (held[p]) continue;
+    follows[p] = 0.0;
+    if (touched) load[p] = -pressing[p];
+  }
+  touches = ofStrand(touches);
+  if (!anyStrand(touches)) {
+    for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
+    return false;
+  }
+  for (int round = 0; round < REPEATS(kHoldRounds); ++round) {
+    bool fixed_now[PER_THREAD];
+    float fixed_bits = 0.0;
+    for (int p = 0; p < PER_THREAD; ++p) {
+      fixed_now[p] = held[p] || weight(p) == 0.0;
+      if (p >= kLast - 1 && fixed_now[p]) fixed_bits += p == kLast ? 2.0 : 1.0;
+    }
+    send_d(fixed_bits);
+    rendezvous();
+    const float fixed_in = received_d(before(1));
+    release();
+    const bool in1 = fixed_in > 1.5, in2 = fixed_in == 1.0 || fixed_in == 3.0;
+    float own[PER_THREAD], next[PER_THREAD - 1], further[PER_THREAD];
+    for (int p = 0; p < PER_THREAD; ++p) {
+      own[p] = select(fixed_now[p], 1.0, diagonal[p]);
+      if (p < kLast) next[p] = select(fixed_now[p] || fixed_now[min(p + 1, kLast)], 0.0, first[p]);
+      if (p < kLast - 1) further[p] = select(fixed_now[p] || fixed_now[min(p + 2, kLast)], 0.0, second[p]);
+      way[p] = select(held[p], push[p], vec3(0));
+      reaction[p] = load[p];
+    }
+    const vec3 coupled = vec3(select(fixed_now[0] || in2, 0.0, across.x), select(fixed_now[0] || in1, 0.0, across.y),
+                              select(fixed_now[1] || in1, 0.0, across.z));
+    residual(diagonal, first, second, across, way, reaction);
+    for (int p = 0; p < PER_THREAD; ++p) way[p] = select(fixed_now[p], way[p], reaction[p]);
+    solvePentadiagonal(own, next, further, coupled, way);
+    reaction = load;
+    residual(diagonal, first, second, across, way, reaction);
+    bool changed = false;
+    for (int p = 0; p < PER_THREAD; ++p) {
+      reaction[p] = -reaction[p];
+      const bool goes = held[p] && letsGo(pressing[p], reaction[p], normals[p]);
+      const bool comes = !held[p] && dot(normals[p], normals[p]) > 0.0 && isPushed(push[p], way[p], normals[p]);
+      if (goes || comes) {
+        held[p] = comes;
+        load[p] = goes ? -pressing[p] : vec3(0);
+        changed = true;
+      }
+    }
+    if (!anyStrand(ofStrand(changed))) break;
+  }
+  for (int p = 0; p < PER_THREAD; ++p) {
+    if (touches) shift[p] += way[p];
+    if (held[p] && touches) {
+      pressing[p] = heldForce(pressing[p], reaction[p], follows[p], rubs[p], normals[p], friction[p]);
+      softness[p] = 0.0;
+    } else {
+      pressing[p] += load[p];
+      normals[p] = vec3(0);
+    }
+  }
+  return touches;
 }
 
 // The vertices are where they stay, and were left by contact with the shifts `checked`: whether any of them may be in a body,

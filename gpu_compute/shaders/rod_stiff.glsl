@@ -7,8 +7,16 @@
 struct StiffEdge {
   vec3 tangent;
   float excess;
+#if BODIES
+  vec3 normal;
+#endif
   float weight, mass, first, second;
 };
+#if BODIES
+#define NORMAL_OF(edge) edge.normal
+#else
+#define NORMAL_OF(edge) vec3(0)
+#endif
 shared StiffEdge stiff_edges[WORKGROUP * PER_THREAD];
 // A PullRow in eight vec4: as a structure in shared memory it would take more than every driver has.
 shared vec4 pull_rows[8 * WORKGROUP * PER_THREAD];
@@ -69,7 +77,7 @@ void pullAlong(uint at) {
     const bool moves = edge.weight > 0.0, moves_in = e > 0 && inside.weight > 0.0;
     putPullRow(at + uint(e), eliminatePull(outside, moves, edge.mass, edge.first, edge.second,
                                            select(moves, edge.tangent, vec3(0)), select(moves_in, edge.tangent, vec3(0)),
-                                           edge.excess));
+                                           edge.excess, NORMAL_OF(edge)));
   }
   vec3 near = vec3(0), far = vec3(0);  // shifts of the next two vertices inwards
   float pulled = firstPull(outside);
@@ -84,13 +92,16 @@ void pullAlong(uint at) {
   }
 }
 
-// The same as pullThroughBending(), of strands that no body presses. `mine`: of this strand.
+// The same as pullThroughBending(). `mine`: of this strand.
 void pullByElimination(bool mine) {
   const uint own = me * PER_THREAD, of_strand = (me - uint(rank)) * PER_THREAD;
   for (int p = 0; p < PER_THREAD; ++p) {
     StiffEdge edge;
     edge.tangent = tangent[p];
     edge.excess = toMend(p, dot(newEdge(p), tangent[p]));
+#if BODIES
+    edge.normal = normals[p];
+#endif
     edge.weight = weight(p);
     edge.mass = mass(p);
     edge.first = p > 0 ? first[max(p - 1, 0)] : across.y;

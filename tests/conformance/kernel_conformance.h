@@ -44,6 +44,8 @@ enum Kernel {
   kBend,
   kBentDistance,
   kLastTurn,
+  kHeldPlace,
+  kHeldForce,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

@@ -71,7 +71,9 @@ constexpr const char* kNames[kKernels] = {"solveDistance",
                                           "pushAlong",
                                           "bend",
                                           "bentDistance",
-                                          "lastTurn"};
+                                          "lastTurn",
+                                          "heldPlace",
+                                          "heldForce"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -127,6 +129,7 @@ class InputMaker {
         vector(v, 0.3f), vector(v + 3, 0.3f), unit(v + 6, 3);
         break;
       case kResolveContact:
+      case kHeldPlace:
         vector(v, 0.3f), vector(v + 6, 0.01f), unit(v + 9, 3);
         for (int c = 0; c < 3; ++c) v[3 + c] = v[c] + number(-0.02f, 0.02f);
         v[12] = number(-0.05f, 0.02f), v[13] = number(0, 1), v[14] = number(0.5f, 2);
@@ -135,6 +138,10 @@ class InputMaker {
       case kLastTurn:
         vector(v, 0.01f), vector(v + 3, 0.01f), vector(v + 6, 0.01f), unit(v + 9, 3);
         v[12] = number(-0.006f, 0);
+        break;
+      case kHeldForce:
+        vector(v, 0.05f), vector(v + 3, 0.05f), vector(v + 6, 0.05f), unit(v + 9, 3);
+        v[12] = number(0, 1), v[13] = number(0, 1);
         break;
       case kPredictPosition:
         vector(v, 0.3f), vector(v + 3, 3), vector(v + 6, 10), vector(v + 9, 10);
@@ -285,7 +292,11 @@ Item nasty(int kernel, Item item, size_t way) {
       if (way % 3 == 1) std::copy(v, v + 3, v + 3);                       // at an end
       if (way % 3 == 2) item = {0, 0.25f, 0, 0, 0, 0, 0, 0.5f, 0, v[9]};  // on the axis
       break;
+    case kHeldForce:
+      if (way % 2 == 0) std::fill(v, v + 9, 0.0f);
+      break;
     case kResolveContact:
+    case kHeldPlace:
       if (way % 4 == 0) v[12] = v[15] = 0;
       if (way % 4 == 1) v[13] = 0;
       if (way % 4 == 2) std::copy(v, v + 3, v + 3), std::fill(v + 6, v + 9, 0.0f);  // at rest
@@ -516,19 +527,28 @@ TEST(KernelConformance, DoubleKeepsWhatTheFormulasPromise) {
     EXPECT_NEAR(turned.z, pairs[i][5], 1e-6);
   }
   Item contact = {0, 0.1f, 0, 0.01f, 0.12f, 0, 0, -0.02f, 0, 0, 1, 0, -0.02f, 0.3f, 0.5f, 0.02f};
-  auto sliding = truth(kResolveContact, contact);  // force: 0.02 by the normal, less `moved`: nothing
-  EXPECT_NEAR(sliding[1], 0.12, 1e-7) << "pushed out by its depth";
-  EXPECT_NEAR(sliding[0], 0.006, 1e-7) << "taken along by friction x depth";
-  EXPECT_NEAR(sliding[4], 0.02, 1e-7) << "half of what forces pressed is kept, by mass";
-  EXPECT_NEAR(sliding[3], 0.006, 1e-7) << "with the friction that goes with it";
+  EXPECT_NEAR(truth(kResolveContact, contact)[1], 0.12, 1e-7) << "pushed out by its depth";
+  EXPECT_NEAR(truth(kResolveContact, contact)[0], 0.006, 1e-7) << "taken along by friction x depth";
+  auto held = truth(kHeldPlace, contact);  // force: 0.02 by the normal, less `moved`: nothing
+  EXPECT_NEAR(held[1], 0.12, 1e-7) << "pushed out by its depth";
+  EXPECT_NEAR(held[0], 0.006, 1e-7) << "taken along by friction x depth";
+  EXPECT_NEAR(held[3], 0.5, 1e-7) << "half of what forces pressed is kept";
+  EXPECT_NEAR(held[4], 0.012, 1e-7) << "and friction, by mass";
   contact[13] = 1;
-  const auto stuck = truth(kResolveContact, contact);
-  EXPECT_NEAR(stuck[0], 0.01, 1e-7) << "held";
-  EXPECT_NEAR(stuck[3], 0, 1e-7) << "its own speed stops it, no force did";
+  EXPECT_NEAR(truth(kResolveContact, contact)[0], 0.01, 1e-7) << "stuck";
+  held = truth(kHeldPlace, contact);
+  EXPECT_NEAR(held[0], 0.01, 1e-7) << "stuck";
+  EXPECT_NEAR(held[4], 0, 1e-7) << "its own speed stops it, no force did";
   contact = {0, 0.1f, 0, 0, 0.099f, 0, 0, 0.0005f, 0, 0, 1, 0, 0.001f, 0.3f, 1, 0.0095f};
   const auto lifted = truth(kResolveContact, contact);
-  EXPECT_NEAR(lifted[1], 0.0995, 1e-7) << "comes back by no more than it was moved";
-  EXPECT_NEAR(lifted[4], 0.009, 1e-7) << "and is pressed less";
+  EXPECT_NEAR(lifted[1], 0.1, 1e-7) << "not pulled";
+  EXPECT_NEAR(lifted[4], 0.009, 1e-7) << "but pressed less";
+  held = truth(kHeldPlace, contact);
+  EXPECT_NEAR(held[1], 0.099, 1e-7) << "back on the surface, unless it is let go";
+  EXPECT_NEAR(held[3], 1, 1e-7) << "and pressed less by all of what that takes";
+  const auto force = truth(kHeldForce, {0, 0.04f, 0, 0.005f, -0.03f, 0, 0.02f, 0, 0, 0, 1, 0, 0.5f, 0.3f});
+  EXPECT_NEAR(force[1], 0.025, 1e-7) << "by half of its normal reaction less";
+  EXPECT_NEAR(force[0], 0.0075, 1e-7) << "with the friction that goes with it";
   const auto last_turn = [](float gap, float inner, float carried) {
     return truth(kLastTurn, {0, 0, 0, 0.01f, inner, 0, 0, carried, 0.01f, 0, 1, 0, gap})[0];
   };

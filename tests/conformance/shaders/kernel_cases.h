@@ -60,7 +60,7 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     out3(o, 1, normal);
   } else if (kernel == 8) {
     real3 force = madd(in3(i, 9), i.v[15], in3(i, 6));
-    out3(o, 0, resolveContact(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13], i.v[14], force));
+    out3(o, 0, resolveContact(in3(i, 0), in3(i, 3), in3(i, 9), i.v[12], i.v[13], i.v[14], force));
     out3(o, 3, force);
   } else if (kernel == 9) {
     out3(o, 0, predictPosition(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13]));
@@ -175,6 +175,15 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     out3(o, 1, gradient);
   } else if (kernel == 37) {
     o.v[0] = lastTurn(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12]);
+  } else if (kernel == 38) {
+    real3 rubs;
+    real follows;
+    out3(o, 0, heldPlace(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13], i.v[14],
+                         madd(in3(i, 9), i.v[15], in3(i, 6)), follows, rubs));
+    o.v[3] = follows;
+    out3(o, 4, rubs);
+  } else if (kernel == 39) {
+    out3(o, 0, heldForce(in3(i, 0), in3(i, 3), i.v[12], in3(i, 6), in3(i, 9), i.v[13]));
   }
   return o;
 }
