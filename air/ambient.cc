@@ -69,32 +69,47 @@ void Ambient::configure(const Parameters& p) {
   gust_period_ = p.gust_period;
   turbulence_ = p.turbulence * p.wind.norm();
   turbulence_length_ = p.turbulence_length;
-  setTime(time_);
+  setProgress(progress_);
 }
 
-void Ambient::setTime(double seconds) {
-  time_ = seconds;
+void Ambient::advance(double seconds) {
+  Progress next = progress_;
+  next.carried += wind_.cast<double>() * (seconds / static_cast<double>(turbulence_length_));
+  next.carried -= next.carried.array().floor().matrix();
+  next.gust += seconds / static_cast<double>(gust_period_);
+  next.gust -= std::floor(next.gust);
+  setProgress(next);
+}
+
+void Ambient::setProgress(const Progress& progress) {
+  progress_ = progress;
+  carried_ = (progress.carried * static_cast<double>(turbulence_length_)).cast<float>();
+  findMean();
+}
+
+void Ambient::findMean() {
   double sum = 0, square = 0;
   for (int n = 1; n <= kGusts; ++n) {
     const double amplitude = std::pow(n, -5.0 / 6);
-    sum += amplitude * std::cos(kTurn * n * seconds / gust_period_ + gust_phases_[n - 1]);
+    sum += amplitude * std::cos(kTurn * n * progress_.gust + gust_phases_[n - 1]);
     square += amplitude * amplitude / 2;
   }
   mean_ = wind_ * static_cast<float>(1 + gust_ * sum / std::sqrt(square));
-  carried_ = wind_ * static_cast<float>(std::fmod(seconds, 1e4));
 }
 
 Vec3 Ambient::at(const Vec3& point) const {
   if (!(turbulence_ > 0)) return mean_;
   const Vec3 place = (point - carried_) * boxPlacesPerMetre();
+  if (!place.allFinite()) return mean_;  // of a strand that went wrong
   const Vec3 low = place.array().floor(), part = place - low;
+  const Vec3 first = low - kBox * (low / kBox).array().floor().matrix();  // in the box, exactly
   Vec3 out = Vec3::Zero();
   for (int c = 0; c < 8; ++c) {
     float weight = turbulence_;
     for (int axis = 0; axis < 3; ++axis) weight *= (c >> axis & 1) != 0 ? part[axis] : 1 - part[axis];
-    out +=
-        weight * box_[boxIndex(static_cast<int>(low.x()) + (c & 1), static_cast<int>(low.y()) + (c >> 1 & 1),
-                               static_cast<int>(low.z()) + (c >> 2))];
+    out += weight *
+           box_[boxIndex(static_cast<int>(first.x()) + (c & 1), static_cast<int>(first.y()) + (c >> 1 & 1),
+                         static_cast<int>(first.z()) + (c >> 2))];
   }
   return mean_ + out;
 }

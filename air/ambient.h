@@ -15,11 +15,18 @@ namespace strandcast {
 /// with whole wave numbers 1 <= |n| < 8 and energy E(n) as n^(-5/3); rms of each component turbulence |wind|.
 class Ambient {
  public:
+  /// How far it has come, summed up step by step, so that other settings move neither eddies nor gusts.
+  struct Progress {
+    Eigen::Vector3d carried = Eigen::Vector3d::Zero();  ///< boxes of turbulence, each 0 to 1: it is periodic
+    double gust = 0;                                    ///< periods of the slowest gust, 0 to 1
+  };
+
   Ambient();
   /// Takes the settings; makes a new box where the seed is another.
   void configure(const Parameters& parameters);
-  void setTime(double seconds);
-  double time() const { return time_; }
+  void advance(double seconds);
+  const Progress& progress() const { return progress_; }
+  void setProgress(const Progress& progress);
 
   /// m/s without turbulence.
   const Vec3& mean() const { return mean_; }
@@ -28,7 +35,7 @@ class Ambient {
   // What a GPU needs to do the same as at().
   int seed() const { return seed_; }
   float turbulence() const { return turbulence_; }  ///< m/s
-  const Vec3& carried() const { return carried_; }  ///< m, how far the wind has carried the turbulence
+  const Vec3& carried() const { return carried_; }  ///< m, where the box of turbulence has its corner
   float boxPlacesPerMetre() const;
   std::span<const Vec3> box() const { return box_; }  ///< 32^3 places, x fastest
   /// Mean over the three components and all points of the box of the square of what it holds: 1.
@@ -36,11 +43,12 @@ class Ambient {
 
  private:
   void makeBox(uint64_t seed);
+  void findMean();
 
   Vec3 wind_ = Vec3::Zero(), mean_ = Vec3::Zero(), carried_ = Vec3::Zero();
   float gust_ = 0, gust_period_ = 1, turbulence_ = 0, turbulence_length_ = 1;
   int seed_ = -1;
-  double time_ = 0;
+  Progress progress_;
   std::vector<float> gust_phases_;
   std::vector<Vec3> box_;
 };

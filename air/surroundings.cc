@@ -42,7 +42,7 @@ class StrandSurroundings final : public Surroundings, public AirFields {
     if (other_wind) wind_ = std::move(wind);
     if (wind_) wind_->ambient().configure(p);
     if (other_wind) {
-      wind_->ambient().setTime(time_);
+      wind_->ambient().setProgress(progress_);
       wind_->centreAt(Vec3(box_.center()));
       wind_->reset();
     }
@@ -65,7 +65,6 @@ class StrandSurroundings final : public Surroundings, public AirFields {
     const Parameters& p = *input.parameters;
     const std::span<const Vec3> positions = backend.guides();
     const double dt = p.time_step;
-    time_ += dt;
     const Pose head = input.bones_begin.empty() ? Pose{} : input.bones_begin[0];
     head_ = head;
     seconds_ = dt;
@@ -76,10 +75,11 @@ class StrandSurroundings final : public Surroundings, public AirFields {
     blows_ = p.wind_grid > 0;
     if (splatted_) hair_->splat();
     if (forces_) hair_->findForces(p, dt);
-    if (p.wind_grid == 0) {
-      free_wind_->setTime(time_);
-    } else {
-      wind_->ambient().setTime(time_);
+    Ambient& blown = blows_ ? wind_->ambient() : *free_wind_;
+    blown.setProgress(progress_);
+    blown.advance(dt);
+    progress_ = blown.progress();
+    if (blows_) {
       wind_->centreAt(head.apply(Vec3(box_.center())));
       wind_->clearSolids();
       wind_->addSolids(input.primitives, input.shapes ? input.shapes->words : std::span<const uint32_t>(),
@@ -228,7 +228,7 @@ class StrandSurroundings final : public Surroundings, public AirFields {
   bool forces_ = false, splatted_ = false, blows_ = false;  ///< in the newest step
   Pose head_;                                               ///< at its start
   double seconds_ = 0;                                      ///< its length
-  double time_ = 0;
+  Ambient::Progress progress_;
   std::vector<Vec3> accelerations_;
 };
 

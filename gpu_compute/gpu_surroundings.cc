@@ -97,7 +97,7 @@ void GpuSurroundings::makeGrids(Passes& our, const StrandModel& model, const Par
   if (other_wind) our.wind = std::move(wind);
   if (our.wind) our.wind->ambient().configure(p);
   if (!other_wind) return;
-  our.wind->ambient().setTime(time_);
+  our.wind->ambient().setProgress(progress_);
   static_cast<void>(our.wind->moveTo(Vec3(box_.center()), our.block.settings));
   our.wind->reset(our.block);
   our.wind->takeSources(sources_);
@@ -114,7 +114,6 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   AirSettings& settings = our.block.settings;
   const double dt = p.time_step;
   image_.reset();
-  time_ += dt;
   seconds_ = dt;
   head_ = input.bones_begin.empty() ? Pose{} : input.bones_begin[0];
   const bool crowds = p.volume_stiffness > 0, rubs = p.hair_friction > 0, forces = crowds || rubs;
@@ -127,7 +126,9 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   }
 
   Ambient& blown = on_grid ? our.wind->ambient() : *our.free_wind;
-  blown.setTime(time_);
+  blown.setProgress(progress_);
+  blown.advance(dt);
+  progress_ = blown.progress();
   hair.describe(settings, head_, p, dt);
   settings.uniform_wind = {p.wind.x(), p.wind.y(), p.wind.z(), 1 - p.air_drag_along};
   settings.drag = dragRate(p, 1);

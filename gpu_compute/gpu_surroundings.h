@@ -52,7 +52,7 @@ class GpuSurroundings final : public Surroundings, public AirFields, public Meas
   bool splatted_ = false, blows_ = false;  ///< in the newest step
   Pose head_;                              ///< at its start
   double seconds_ = 0;                     ///< its length
-  double time_ = 0;
+  Ambient::Progress progress_;
   bool restarts_ = false;  ///< before the next step all is as at the start
   std::vector<Vec3> read_;
   mutable std::unique_ptr<Image> image_;  ///< of the newest step; null until it is looked at

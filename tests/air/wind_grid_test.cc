@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "core/error.h"
 
@@ -293,13 +294,40 @@ TEST(Ambient, GustsHaveTheirStrength) {
   double sum = 0, squares = 0;
   constexpr int kTimes = 400;
   for (int i = 0; i < kTimes; ++i) {
-    ambient.setTime(4.0 * i / kTimes);
+    ambient.advance(4.0 / kTimes);
     const double speed = static_cast<double>(ambient.mean().x());
     sum += speed / kTimes;
     squares += (speed - 2) * (speed - 2) / kTimes;
   }
   EXPECT_NEAR(sum, 2, 1e-3);
   EXPECT_NEAR(std::sqrt(squares), 1, 1e-3);
+}
+
+TEST(Ambient, BlowsAfterADayAsAtTheStart) {
+  Parameters parameters = windOf(Vec3(30, -2, 5));
+  parameters.turbulence = 0.3f;
+  Ambient ambient;
+  ambient.configure(parameters);
+  ambient.advance(86400.1);
+  std::set<float> speeds;
+  for (int i = 0; i < 200; ++i) speeds.insert(ambient.at(Vec3(5e-4f * static_cast<float>(i), 1.6f, 0)).y());
+  EXPECT_GT(speeds.size(), 190u);
+  EXPECT_EQ(ambient.at(Vec3::Constant(std::nanf(""))), ambient.mean());
+  EXPECT_TRUE(ambient.at(Vec3::Constant(3e30f)).allFinite());
+}
+
+TEST(Ambient, OtherSettingsMoveNeitherEddiesNorGusts) {
+  Parameters parameters = windOf(Vec3(3, 0, 0));
+  parameters.turbulence = 0.3f;
+  parameters.gust = 0.5f;
+  Ambient ambient;
+  ambient.configure(parameters);
+  for (int hour = 0; hour < 4; ++hour) ambient.advance(3600 / 7.0);
+  const Vec3 before = ambient.at(Vec3(0.05f, 0, 0));
+  parameters.wind.x() = 3.01f;
+  parameters.gust_period = 4.01f;
+  ambient.configure(parameters);
+  EXPECT_LT((ambient.at(Vec3(0.05f, 0, 0)) - before).norm(), 0.03f);
 }
 
 }  // namespace

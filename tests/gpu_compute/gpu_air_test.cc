@@ -35,7 +35,7 @@ std::unique_ptr<Wind> blown(const AirMaker& maker, bool mac_cormack, Wind::Borde
   parameters.turbulence = 0.3f;
   parameters.gust = 0.2f;
   wind->ambient().configure(parameters);
-  wind->ambient().setTime(0.7);
+  wind->ambient().advance(0.7);
   wind->centreAt(Vec3(0.2f, 1.6f, -0.1f));
   wind->reset();
   if (border == Wind::Border::kClosed)
