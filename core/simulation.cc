@@ -90,7 +90,7 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
   if (!rooted.empty())
     model_->rest_distance = restDistances(*model_, rooted, shapes_.words, depths, parameters_.hair_radius);
   backend_->load(*model_, restState(*model_, model_->rest_roots));
-  surrounded_ = configureSurroundings(parameters_);
+  surrounded_ = configureSurroundings(stepped_);
   reserveForBodies();
   backend_->expect(stepped_, !primitives_.empty());
 }
@@ -232,10 +232,11 @@ void Simulation::setParameters(const Parameters& parameters) {
   if (parameters.solver != parameters_.solver)
     throw Error("the solver of a simulation does not change", "Simulation::setParameters",
                 "make another simulation");
-  backend_->expect(parameters, !primitives_.empty());
-  surrounded_ = configureSurroundings(parameters);
+  const Parameters stepped = inShortSubsteps(parameters);
+  backend_->expect(stepped, !primitives_.empty());
+  surrounded_ = configureSurroundings(stepped);
   parameters_ = parameters;
-  stepped_ = inShortSubsteps(parameters_);
+  stepped_ = stepped;
 }
 
 void Simulation::placePrimitives() {
