@@ -38,7 +38,7 @@ StrandPieces piecesOf(const StrandModel& model, size_t strand, float cell) {
 StrandSamples strandSamples(const StrandModel& model, float cell) {
   StrandSamples out;
   out.offsets.push_back(0);
-  out.edge_masses.assign(model.vertices(), 0);
+  out.edge_masses.assign(model.vertices(), {0, 0});
   std::vector<double> of_vertex(model.vertices());
   for (size_t s = 0; s < model.strands(); ++s) {
     StrandPieces strand = piecesOf(model, s, cell);
@@ -56,25 +56,26 @@ StrandSamples strandSamples(const StrandModel& model, float cell) {
         of_vertex[vertex + i] += masses[i];
       }
     };
-    // Vertices have half the mass of each edge; the model's masses are such halves added up, so that an
-    // edge's is known from the root on.
-    double total = 0, long_ = 0;
-    for (uint32_t v = first; v <= last; ++v) total += model.mass[v];
-    for (uint32_t e = first; e < last; ++e) long_ += edgeLength(model, e);
-    for (uint32_t e = first; e < last; ++e)
-      out.edge_masses[e] = static_cast<float>(total * model.reference_mass[s] * edgeLength(model, e) / long_);
+    // A vertex stands for half of each edge beside it, of the hair as thick as it is there.
+    auto part = [&](uint32_t vertex, uint32_t edge) {
+      const double before = vertex > first ? edgeLength(model, vertex - 1) : 0,
+                   behind = vertex < last ? edgeLength(model, vertex) : 0;
+      return static_cast<float>(double{model.mass[vertex]} * model.reference_mass[s] *
+                                edgeLength(model, edge) / (before + behind));
+    };
+    for (uint32_t e = first; e < last; ++e) out.edge_masses[e] = {part(e, e), part(e + 1, e)};
     for (uint32_t e = first; strand.parts > 1 && e < last; ++e)
       for (int p = 0; p < strand.parts; ++p) {
-        const double at = (p + 0.5) / strand.parts, mass = double{out.edge_masses[e]} / strand.parts;
-        add(e, {mass * (1 - at), mass * at});
+        const double at = (p + 0.5) / strand.parts, share = 2.0 / strand.parts;
+        add(e,
+            {share * (1 - at) * double{out.edge_masses[e][0]}, share * at * double{out.edge_masses[e][1]}});
       }
     for (uint32_t p = 0; strand.parts == 1 && p < strand.pieces; ++p) {
       const uint32_t begin = strand.firstEdge(p), end = strand.firstEdge(p + 1);
       std::vector<double> masses(end - begin + 1);
       for (uint32_t e = begin; e < end; ++e) {
-        const double half = double{out.edge_masses[first + e]} / 2;
-        masses[e - begin] += half;
-        masses[e - begin + 1] += half;
+        masses[e - begin] += double{out.edge_masses[first + e][0]};
+        masses[e - begin + 1] += double{out.edge_masses[first + e][1]};
       }
       add(first + begin, masses);
     }

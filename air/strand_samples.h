@@ -1,4 +1,7 @@
 #pragma once
+#include <array>
+#include <vector>
+
 #include "air/grid_passes.h"
 #include "core/strand_model.h"
 
@@ -23,7 +26,8 @@ struct StrandSamples {
   std::vector<float> shares;          ///< of each sample's vertices in it, sum 1
   std::vector<StrandPieces> strands;  ///< per strand
   std::vector<uint32_t> offsets;      ///< strands + 1: first sample of each strand
-  std::vector<float> edge_masses;     ///< kg, per vertex: of the edge that starts there, 0 at tips
+  /// kg, per vertex: what the edge that starts there has at its start and at its end, 0 at tips.
+  std::vector<std::array<float, 2>> edge_masses;
   /// Per entry of shares: the sample's mass at that vertex over the mass of the vertex. Its sum over all
   /// samples of a vertex is 1.
   std::vector<float> vertex_parts;

@@ -40,7 +40,7 @@ HairPasses::HairPasses(const StrandModel& model, const Box& box, int cells, AirB
   sample_tiles_ = gl::Buffer(std::span<const SampleTile>(tiles.tiles));
   roots_ = gl::Buffer(std::span<const uint32_t>(tiles.roots));
   order_ = gl::Buffer(std::span<const uint32_t>(tiles.order));
-  edge_masses_ = gl::Buffer(std::span<const float>(samples.edge_masses));
+  edge_masses_ = gl::Buffer(std::span<const std::array<float, 2>>(samples.edge_masses));
   resting_ = gl::Buffer(std::span<const std::array<float, 2>>(resting));
   held_ = zeros<float>(places);
   places_ = zeros<float>(3 * places);

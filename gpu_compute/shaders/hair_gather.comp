@@ -143,7 +143,7 @@ void main() {
   for (uint n = me; n < vertices * tile.strands; n += uint(TILE_SAMPLES)) {
     uvec2 at = divided(n, vertices);  // strand and vertex
     uint strand = at.x, edge = first_vertex + at.y, vertex = roots[tile.first_strand + strand] + edge;
-    float before = edge > 0u ? edge_masses[vertex - 1u] : 0.0, behind = edge < tile.edges ? edge_masses[vertex] : 0.0;
+    float before = edge > 0u ? edge_masses[vertex - 1u].y : 0.0, behind = edge < tile.edges ? edge_masses[vertex].x : 0.0;
 #if RATES
     float rate = rates[vertex];
 #else

@@ -12,7 +12,7 @@ struct SampleTile {
 layout(std430, binding = 2) readonly buffer Tiles { SampleTile tiles[]; };
 layout(std430, binding = 3) readonly buffer Roots { uint roots[]; };  // the first vertices of strands
 layout(std430, binding = 10) readonly buffer Order { uint order[]; };  // by place: strand + 65536 piece
-layout(std430, binding = 4) readonly buffer EdgeMasses { float edge_masses[]; };  // kg; 0 at tips
+layout(std430, binding = 4) readonly buffer EdgeMasses { vec2 edge_masses[]; };  // kg, at start and end; 0 at tips
 
 // What splatting finds, in planes of all samples: places in nodes, below 0 where hair went wrong, and velocities in
 // m/s.
@@ -40,17 +40,18 @@ struct Sample {
 // `root`: of its strand.
 Sample sampleOf(SampleTile tile, uint root, uint piece) {
   uint first = root + edgeOf(tile, piece), last = tile.parts > 1u ? first + 1u : root + edgeOf(tile, piece + 1u);
-  // Where along each edge its mass is: of whole edges half is at either end.
-  float per_part = 1.0, at = 0.5;
+  // What of an edge's mass at either end is the piece's.
+  vec2 share = vec2(1);
   if (tile.parts > 1u) {
-    per_part = 1.0 / float(tile.parts);
-    at = (float(piece % tile.parts) + 0.5) * per_part;
+    float at = (float(piece % tile.parts) + 0.5) / float(tile.parts);
+    share = vec2(1.0 - at, at) * (2.0 / float(tile.parts));
   }
   vec3 x = positions[first].xyz, u = velocities[first].xyz;
   Sample sum = Sample(vec3(0), vec3(0), 0.0);
   for (uint v = first; v < last; ++v) {
     vec3 x_next = positions[v + 1u].xyz, u_next = velocities[v + 1u].xyz;
-    float m = edge_masses[v] * per_part;
+    vec2 ends = edge_masses[v] * share;
+    float m = ends.x + ends.y, at = ends.y * inverse(max(m, 1e-30));
     sum.mass += m;
     vec3 middle = madd(x_next - x, at, x), mean = madd(u_next - u, at, u);
     if (last == first + 1u) return Sample(middle, mean, m);

@@ -63,6 +63,30 @@ TEST(StrandSamples, HoldAllOfTheHair) {
   }
 }
 
+TEST(StrandSamples, WeighWhatTheTaperLeaves) {
+  StrandSet strands;
+  std::vector<Vec3> points;
+  for (int i = 0; i < 33; ++i) points.emplace_back(0, -0.01f * static_cast<float>(i), 0);
+  strands.append(points);
+  Material material;
+  material.radius_scale.knots = {{0.0f, 1.0f}, {1.0f, 0.1f}};
+  const StrandModel model = makeStrandModel(strands, {material});
+  for (const float cell : {0.002f, 0.01f, 0.05f}) {
+    const StrandSamples samples = strandSamples(model, cell);
+    std::vector<double> masses(model.vertices());
+    for (const StrandSample& sample : samples.samples)
+      for (uint32_t i = 0; i < sample.count; ++i)
+        masses[sample.vertex + i] += double{sample.mass} * double{samples.shares[sample.share + i]};
+    for (size_t v = 0; v < masses.size(); ++v)
+      EXPECT_NEAR(masses[v] / (double{model.mass[v]} * double{model.reference_mass[0]}), 1, 1e-5) << v;
+    for (size_t e = 0; e < 32; ++e) {
+      const double radius = 40e-6 * (1 - 0.9 * (static_cast<double>(e) + 0.5) / 32);
+      const double mass = 1300 * 3.14159265 * radius * radius * 0.01;
+      EXPECT_NEAR(double{samples.edge_masses[e][0] + samples.edge_masses[e][1]} / mass, 1, 0.03) << e;
+    }
+  }
+}
+
 TEST(HairGrid, AnyNumberOfThreadsGivesTheSameBits) {
   const Hair hair;
   uint64_t one = 0;
