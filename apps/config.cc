@@ -12,6 +12,7 @@
 #include "apps/settings.h"
 #include "apps/toml.h"
 #include "core/error.h"
+#include "groom/file_bytes.h"
 #include "transport/dds.h"
 
 namespace strandcast {
@@ -276,7 +277,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   root.text("scene", [&](const std::string& v) { s.scene.name = v; });
   root.text("motion", [&](const std::string& v) {
     if (v.empty()) throw Error("the motion has no name", root.place("motion"), "e.g. motion = \"shake\"");
-    s.scene.motion = v.ends_with(".bvh") ? path(v).string() : v;
+    s.scene.motion = lowerExtension(v) == ".bvh" ? path(v).string() : v;
   });
   root.wholeNumber("seed", 0, kLargestSeed, [&](double v) { s.scene.seed = static_cast<uint64_t>(v); });
   root.section("groom", [&](Section& groom) {
@@ -295,8 +296,9 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     const auto skinned = [&]() -> SkinnedMotion& {
       return s.scene.skinned ? *s.scene.skinned : s.scene.skinned.emplace();
     };
-    body.text("clip",
-              [&](const std::string& v) { skinned().clip = v.ends_with(".bvh") ? path(v).string() : v; });
+    body.text("clip", [&](const std::string& v) {
+      skinned().clip = lowerExtension(v) == ".bvh" ? path(v).string() : v;
+    });
     body.text("joint", [&](const std::string& v) { skinned().joint = v; });
     body.number("cell", 1e-6, 1e3, [&](double v) { s.scene.body_cell = static_cast<float>(v); });
     body.wholeNumber("fitted_spheres", 0, 64,

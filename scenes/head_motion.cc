@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "groom/file_bytes.h"
 #include "scenes/bvh.h"
 #include "scenes/ease.h"
 
@@ -141,8 +142,7 @@ HeadMotion endingAt(HeadMotion motion, double end, const Vec3& pivot) {
 }
 
 HeadMotion headMotion(const std::string& description, const Vec3& pivot) {
-  if (description.size() > 4 && description.substr(description.size() - 4) == ".bvh")
-    return bvhMotion(description, 0, pivot);
+  if (lowerExtension(description) == ".bvh") return bvhMotion(description, 0, pivot);
   return proceduralMotion(description, pivot);
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/nearest_name.h"
+#include "groom/file_bytes.h"
 #include "scenes/bvh_skeleton.h"
 #include "scenes/ease.h"
 
@@ -48,7 +49,7 @@ size_t jointNamed(const SkinnedMesh& skin, const std::string& name) {
 
 SkeletonClip clipNamed(const SkinnedMesh& skin, const std::string& name, std::vector<std::string>& notes) {
   if (name.empty()) return {};
-  if (name.ends_with(".bvh")) {
+  if (lowerExtension(name) == ".bvh") {
     const BvhClip bvh = readBvh(std::filesystem::path(name));
     BvhOnSkeleton found = onSkeleton(bvh, skin.skeleton, 0, name);
     notes.push_back(fmt::format("{} of {} joints of the body are moved by {}", found.joints,

@@ -28,7 +28,7 @@ vertices = 16
 file = "head.obj"
 contact = "spheres"
 cell = 0.003
-clip = "walk.bvh"
+clip = "Walk.BVH"
 joint = "Head"
 fitted_spheres = 12
 [[body.primitives]]
@@ -102,7 +102,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(s.scene.body_contact, BodyContact::kSpheres);
   EXPECT_FLOAT_EQ(s.scene.body_cell, 0.003f);
   ASSERT_TRUE(s.scene.skinned);
-  EXPECT_EQ(s.scene.skinned->clip, "some/walk.bvh");
+  EXPECT_EQ(s.scene.skinned->clip, "some/Walk.BVH");
   EXPECT_EQ(s.scene.skinned->joint, "Head");
   ASSERT_EQ(s.scene.primitives.size(), 2u);
   EXPECT_EQ(s.scene.primitives[1].kind, PrimitiveKind::kEllipsoid);

@@ -20,6 +20,13 @@ double degreesBetween(const Pose& a, const Pose& b) {
   return a.rotation.angularDistance(b.rotation) * 180 / std::numbers::pi;
 }
 
+TEST(HeadMotion, AClipIsKnownByItsExtensionInAnyCase) {
+  for (const char* name : {"walk.bvh", "Walk.BVH", "walk.Bvh"}) {
+    const ScratchFile clip(name, kSampleClip);
+    EXPECT_NO_THROW(headMotion(clip.path.string(), kPivot)) << name;
+  }
+}
+
 TEST(HeadMotion, StillStaysStill) {
   const HeadMotion motion = headMotion("still", kPivot);
   EXPECT_EQ(motion(3.7).position, Vec3(0, 0, 0));

@@ -72,8 +72,8 @@ std::string bendingBvh(const std::string& upper, const std::string& lower) {
 
 TEST(SkinnedBody, ABvhClipMovesTheJointsOfItsNames) {
   const ScratchFolder folder;
-  std::ofstream(folder / "bend.bvh") << bendingBvh("upper", "lower");
-  const SkinnedBody bvh = arm({(folder / "bend.bvh").string(), "lower"}), own = arm({"bend", "lower"});
+  std::ofstream(folder / "Bend.BVH") << bendingBvh("upper", "lower");
+  const SkinnedBody bvh = arm({(folder / "Bend.BVH").string(), "lower"}), own = arm({"bend", "lower"});
   ASSERT_EQ(bvh.notes().size(), 1u);
   EXPECT_NE(bvh.notes()[0].find("2 of 3 joints"), std::string::npos) << bvh.notes()[0];
   for (const double t : {0.2, 0.5, 0.75, 0.9, 1.5})  // not at the turn, which a spline rounds
