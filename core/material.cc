@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -83,13 +84,14 @@ void checkCurve(const Entry& entry, const RootTipCurve& curve, const std::string
 
 void setShearModulus(Material& material, double shear, const std::string& where) {
   const double ratio = material.youngs_modulus / (2 * shear) - 1;
-  if (!(ratio >= -0.9 && ratio <= 0.5))
+  constexpr double kRounding = 1e-5;  // the limits that the message names are in the range
+  if (!(ratio >= -0.9 - kRounding && ratio <= 0.5 + kRounding))
     throw Error(
         fmt::format("'{}' = {:g} does not go with youngs_modulus = {:g}", kShearModulus, shear,
                     material.youngs_modulus),
         where,
         fmt::format("give {:g} to {:g} Pa", material.youngs_modulus / 3, material.youngs_modulus / 0.2));
-  material.poisson_ratio = static_cast<float>(ratio);
+  material.poisson_ratio = static_cast<float>(std::clamp(ratio, -0.9, 0.5));
 }
 
 const Entry& entryOf(const std::string& name, const std::string& where) {

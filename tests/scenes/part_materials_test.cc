@@ -47,6 +47,8 @@ TEST(PartMaterials, AShearModulusGoesWithTheYoungsModulusOfItsRule) {
   });
   EXPECT_NE(both.find("twice: line 1"), std::string::npos) << both;
   EXPECT_NE(errorOf("shear_modulus", {1e9}).find("give 1.33333e+09 to 2e+10 Pa"), std::string::npos);
+  EXPECT_EQ(errorOf("shear_modulus", {1.33333e9}), "");
+  EXPECT_EQ(errorOf("shear_modulus", {2e10}), "");
 }
 
 TEST(MaterialSettings, EveryOneTakesTheLimitsOfItsRangeAndNothingBeyond) {
