@@ -71,6 +71,15 @@ TEST(ObjMesh, BadLinesAreRefusedWithTheirNumber) {
   expectObjError(triangle + "f 1 1 1\n", "no faces");
 }
 
+TEST(ObjMesh, NumbersTooSmallForADoubleAreZero) {
+  const std::string small = "v 1e-400 -0.00012e-999 +0." + std::string(400, '0') + "1\n";
+  const TriangleMesh mesh = readObjMesh(samples::fromText(small + "v 1 0 0\nv 0 1 0\nf 1 2 3\n"), "body.obj");
+  EXPECT_EQ(mesh.positions[0], Vec3(0, 0, 0));
+  for (const char* large : {"1e400", "-12e+999", "1e-400x", "1e39"})
+    expectObjError(std::string("v 0 0 ") + large + "\n", "line 1");
+  expectObjError("v 0 0 1" + std::string(400, '0') + "e-5\n", "line 1");
+}
+
 TEST(GltfMesh, NodesPlaceTheirMeshes) {
   for (const Bytes& bytes : {samples::glb(), samples::gltf()}) {
     const TriangleMesh mesh = readGltfMesh(bytes, "body.glb");
