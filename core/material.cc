@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "core/nearest_name.h"
@@ -82,6 +83,34 @@ void checkCurve(const Entry& entry, const RootTipCurve& curve, const std::string
   }
 }
 
+/// What floats can still solve: the last masses and stiffnesses along a strand are there beside the first.
+void checkTaper(const Material& material, const std::string& where) {
+  constexpr double kMostRadii = 100, kMostBending = 1e10, kRounding = 1e-6;
+  const RootTipCurve &radius = material.radius_scale, &stiffness = material.stiffness_scale;
+  double thinnest = radius.knots[0].second, thickest = thinnest;
+  double limpest = std::numeric_limits<double>::max(), stiffest = 0;
+  const auto bend = [&](double radius_factor, double stiffness_factor) {
+    const double bending = std::pow(radius_factor, 4) * stiffness_factor;
+    limpest = std::min(limpest, bending);
+    stiffest = std::max(stiffest, bending);
+  };
+  for (const auto& [place, factor] : radius.knots) {
+    thinnest = std::min<double>(thinnest, factor);
+    thickest = std::max<double>(thickest, factor);
+    bend(factor, stiffness.at(place));
+  }
+  for (const auto& [place, factor] : stiffness.knots) bend(radius.at(place), factor);
+  if (thickest > thinnest * kMostRadii * (1 + kRounding))
+    throw Error(fmt::format("'radius_curve' makes hair {:g} times as thick in one place as in another",
+                            thickest / thinnest),
+                where, fmt::format("let its factors differ by {:g} times at most", kMostRadii));
+  if (stiffest > limpest * kMostBending * (1 + kRounding))
+    throw Error(fmt::format("'radius_curve' and 'stiffness_curve' make hair {:g} times as stiff in one place "
+                            "as in another",
+                            stiffest / limpest),
+                where, fmt::format("let radius^4 x stiffness differ by {:g} times at most", kMostBending));
+}
+
 void setShearModulus(Material& material, double shear, const std::string& where) {
   const double ratio = material.youngs_modulus / (2 * shear) - 1;
   constexpr double kRounding = 1e-5;  // the limits that the message names are in the range
@@ -134,6 +163,7 @@ void checkMaterial(const Material& material, const std::string& where) {
     else
       checkCurve(entry, material.*entry.curve, where);
   }
+  checkTaper(material, where);
 }
 
 const std::vector<MaterialSettingInfo>& materialSettingList() {

@@ -49,6 +49,8 @@ std::vector<Material> partMaterials(const std::vector<MaterialRule>& rules,
       for (Material& material : materials) apply(rule, material);
     for (const std::string& part : rule.parts) apply(rule, materials[partOf(part, part_names, rule.where)]);
   }
+  for (size_t i = 0; i < materials.size(); ++i)
+    checkMaterial(materials[i], fmt::format("material of part '{}'", part_names[i]));
   return materials;
 }
 

@@ -51,6 +51,21 @@ TEST(PartMaterials, AShearModulusGoesWithTheYoungsModulusOfItsRule) {
   EXPECT_EQ(errorOf("shear_modulus", {2e10}), "");
 }
 
+TEST(PartMaterials, ATaperThatFloatsCannotSolveIsRefused) {
+  const auto taken = [](const std::vector<double>& radii, const std::vector<double>& stiffnesses) {
+    return strandcast::errorOf([&] {
+      partMaterials({{{}, {{"radius_curve", radii, "a"}, {"stiffness_curve", stiffnesses, "a"}}, "a"}},
+                    {"cap", "tail"});
+    });
+  };
+  EXPECT_EQ(taken({0, 10, 1, 0.1}, {0, 10, 1, 0.1}), "");
+  EXPECT_EQ(taken({0, 1, 0.5, 0.1, 1, 1}, {0, 0.001, 1, 1000}), "");
+  EXPECT_EQ(taken({0, 0.1, 1, 1000}, {1}),
+            "'radius_curve' makes hair 10000 times as thick in one place as in another: material of part "
+            "'cap'; let its factors differ by 100 times at most");
+  EXPECT_NE(taken({0, 1, 1, 100}, {0, 0.001, 1, 1000}).find("1e+14 times as stiff"), std::string::npos);
+}
+
 TEST(MaterialSettings, EveryOneTakesTheLimitsOfItsRangeAndNothingBeyond) {
   for (const MaterialSettingInfo& info : materialSettingList()) {
     EXPECT_FALSE(info.help.empty()) << info.name;
