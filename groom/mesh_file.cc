@@ -7,12 +7,16 @@
 
 namespace strandcast {
 
+bool isGltf(const std::filesystem::path& file) {
+  const std::string extension = lowerExtension(file);
+  return extension == ".glb" || extension == ".gltf";
+}
+
 TriangleMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
                       const std::vector<std::string>& skip_groups) {
   checkUnit(options.unit_meters);
-  const std::string extension = lowerExtension(file);
-  const bool is_gltf = extension == ".glb" || extension == ".gltf";
-  if (!is_gltf && extension != ".obj")
+  const bool is_gltf = isGltf(file);
+  if (!is_gltf && lowerExtension(file) != ".obj")
     throw Error("this is no known mesh format", file.string() + ", byte 0", "use .obj, .gltf or .glb");
   const std::vector<std::byte> bytes = readFileBytes(file);
   TriangleMesh mesh = is_gltf ? readGltfMesh(bytes, file.string(), file.parent_path())

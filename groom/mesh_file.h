@@ -8,11 +8,14 @@
 
 namespace strandcast {
 
+/// Whether a file is glTF 2.0 by its extension: .gltf or .glb.
+bool isGltf(const std::filesystem::path& file);
+
 /// Reads a triangle mesh from .obj or glTF 2.0 (.gltf, .glb) by extension, in metres, Y up, with normals.
 /// Throws Error (file, line, byte offset or part, remedy) on bad input. Without `unit_meters` a glTF file is
 /// in metres, as its specification says, and the unit of an .obj file is guessed as a groom's is: pass
-/// GroomReport::unit_meters to give a body the scale of its hair. The buffers that a .gltf names are read
-/// from its own folder and nowhere else.
+/// GroomReport::unit_meters to give an .obj body the scale of its hair. The buffers that a .gltf names are
+/// read from its own folder and nowhere else.
 TriangleMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
                       const std::vector<std::string>& skip_groups = {"helper-", "joint-"});
 

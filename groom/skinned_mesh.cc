@@ -30,9 +30,7 @@ std::vector<Vec3> SkinnedMesh::blended(std::span<const Placement> world) const {
 
 SkinnedMesh loadSkinnedMesh(const std::filesystem::path& file, const GroomReadOptions& options) {
   checkUnit(options.unit_meters);
-  const std::string extension = lowerExtension(file);
-  if (extension != ".glb" && extension != ".gltf")
-    throw Error("this format has no skins", file.string() + ", byte 0", "use .gltf or .glb");
+  if (!isGltf(file)) throw Error("this format has no skins", file.string() + ", byte 0", "use .gltf or .glb");
   const std::vector<std::byte> bytes = readFileBytes(file);
   SkinnedMesh skin = readGltfSkin(bytes, file.string(), file.parent_path());
   std::array<Vec3, 3> axes{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};

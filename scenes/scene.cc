@@ -248,6 +248,18 @@ void noteHairInBody(const StrandSet& strands, const std::vector<RigidBody>& bodi
                     100.0 * static_cast<double>(inside) / static_cast<double>(free), -1e3 * deepest));
 }
 
+/// Hair and body of different units.
+void warnOfFarRoots(const TriangleMesh& body, const RootBinding& binding,
+                    std::vector<std::string>& warnings) {
+  constexpr float kFar = 0.1f;  // of the body's diagonal
+  const float size = body.bounds().diagonal().norm();
+  if (binding.mean_distance > kFar * size)
+    warnings.push_back(
+        fmt::format("roots are {:.3g} m off the body on average, whose diagonal is {:.3g} m: do groom and "
+                    "body have one unit (--unit-meters) and one place?",
+                    binding.mean_distance, size));
+}
+
 void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
   report(progress, "reading the body", 0.2);
   std::shared_ptr<SkinnedBody> skinned;
@@ -269,6 +281,7 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
   const RootBinding binding = bindRoots(scene.groom.strands, scalp);
   scene.notes.push_back(fmt::format("roots are {:.1f} mm off the body on average, {:.1f} mm at most",
                                     1000 * binding.mean_distance, 1000 * binding.max_distance));
+  warnOfFarRoots(scene.body, binding, scene.warnings);
   if (skinned) {
     bakeParts(options, progress, scene, std::move(skinned));
     noteFollowing(scene);
@@ -287,7 +300,9 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   report(progress, "reading the groom", 0.1);
   scene.groom = loadGroom(options.groom, options.units);
   SceneOptions resolved = options;
-  if (resolved.units.unit_meters <= 0) resolved.units.unit_meters = scene.groom.report.unit_meters;
+  // A guess is of grooms and .obj bodies: glTF says that it is in metres.
+  if (resolved.units.unit_meters <= 0 && !isGltf(options.body))
+    resolved.units.unit_meters = scene.groom.report.unit_meters;
   if (!options.body.empty()) fitBody(resolved, progress, scene);
   StrandSet& strands = scene.groom.strands;
   if (options.strands > 0 && static_cast<size_t>(options.strands) < strands.strands()) {

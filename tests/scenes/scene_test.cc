@@ -10,8 +10,11 @@
 #include "collision/field_bake.h"
 #include "core/error.h"
 #include "core/sag_free.h"
+#include "groom/file_bytes.h"
+#include "groom/mesh_file.h"
 #include "simd/simd_backend.h"
 #include "tests/collision/shapes.h"
+#include "tests/groom/sample_files.h"
 #include "tests/groom/scratch_folder.h"
 #include "tests/real_data.h"
 
@@ -125,10 +128,11 @@ class BallScene : public testing::Test {
     options_.field_cache = folder_ / "fields";
   }
 
-  bool noted(const Scene& scene, const std::string& text) {
-    return std::any_of(scene.notes.begin(), scene.notes.end(),
-                       [&](const std::string& note) { return note.find(text) != std::string::npos; });
+  static bool isIn(const std::vector<std::string>& lines, const std::string& text) {
+    return std::any_of(lines.begin(), lines.end(),
+                       [&](const std::string& line) { return line.find(text) != std::string::npos; });
   }
+  static bool noted(const Scene& scene, const std::string& text) { return isIn(scene.notes, text); }
 
   static constexpr int kStrands = 60, kVertices = 12;
   ScratchFolder folder_;
@@ -192,6 +196,34 @@ TEST_F(BallScene, TheFieldIsBakedOnceAndSpheresStandInForIt) {
   for (const ContactPrimitive& sphere : scene.bodies[0].primitives)
     EXPECT_EQ(sphere.kind, PrimitiveKind::kSphere);
   EXPECT_FALSE(scene.bodies[0].holds_roots);
+}
+
+// Hair of 30 cm, in centimetres, with its roots where `root` is in metres.
+void writeHair(const std::filesystem::path& file, const Vec3& root) {
+  std::ofstream hair(file);
+  for (int s = 0; s < 4; ++s) {
+    for (int i = 0; i < 4; ++i)
+      hair << "v " << 100 * root.x() + s << ' ' << 100 * root.y() + 10 * i << ' ' << 100 * root.z() << '\n';
+    hair << "l -4 -3 -2 -1\n";
+  }
+}
+
+TEST_F(BallScene, AGltfBodyIsInMetresWhateverTheUnitOfItsHair) {
+  writeFileBytes(folder_ / "quad.glb", samples::glb());
+  const TriangleMesh quad = loadMesh(folder_ / "quad.glb", {});
+  options_.body = folder_ / "quad.glb";
+  options_.body_cell = 0.05f;
+  options_.units.unit_meters = 0;
+  writeHair(options_.groom[0], quad.positions[0]);
+  const Scene scene = makeScene(options_);
+  EXPECT_FLOAT_EQ(scene.groom.report.unit_meters, 0.01f);
+  EXPECT_EQ(scene.body.positions, quad.positions);
+  EXPECT_FALSE(isIn(scene.warnings, "off the body"));
+  writeHair(options_.groom[0], quad.positions[0] + Vec3(0, 0, 5));
+  EXPECT_TRUE(isIn(makeScene(options_).warnings, "off the body"));
+  options_.body = folder_ / "ball.obj";
+  options_.body_cell = 0;
+  EXPECT_NEAR(makeScene(options_).body.bounds().max().x(), 0.001f, 1e-5f) << "the guess is its own too";
 }
 
 TEST_F(BallScene, ProgressGoesForwardAndStopsTheBake) {
