@@ -9,6 +9,7 @@
 
 #include "core/broad_phase.h"
 #include "core/error.h"
+#include "core/pose_check.h"
 #include "kernels/scalar_float.h"
 
 namespace strandcast {
@@ -88,6 +89,13 @@ void checkPrimitive(const ContactPrimitive& p, const std::string& where) {
     throw Error("a convex body has no planes", where, "make it with convexBody()");
   if (p.kind == PrimitiveKind::kField && (p.field == nullptr || p.field->index.empty()))
     throw Error("a body has no distance field", where, "bake it (FieldBaker)");
+  const Turning turning = turningOf(p);
+  const Vec3 places = p.a.cwiseAbs().cwiseMax(turning.middle.cwiseAbs());
+  const Vec3 second = p.kind == PrimitiveKind::kPlane ? Vec3(Vec3::Zero()) : Vec3(p.b.cwiseAbs());
+  const float sizes = std::max({p.radius, p.radius_b, p.extent.cwiseAbs().maxCoeff(), turning.radius});
+  if (!(std::max({places.maxCoeff(), second.maxCoeff(), sizes}) <= kFarthestPose))
+    throw Error("a body's shape is larger, or farther from its origin, than 10 km", where,
+                "give points and sizes in metres");
 }
 
 uint32_t ShapeData::add(const ContactPrimitive& primitive) {

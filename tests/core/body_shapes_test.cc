@@ -287,6 +287,12 @@ TEST(BodyShapes, BadShapesAreRefused) {
   ContactPrimitive shape;
   shape.radius = 0.1f;
   EXPECT_NO_THROW(checkPrimitive(shape, "a test"));
+  shape.radius = 3e38f;
+  refused(shape);
+  shape.radius = 0.1f;
+  shape.a.x() = -1.1e4f;
+  refused(shape);
+  shape.a.x() = 0;
   shape.friction = -1;
   refused(shape);
   shape = {};
