@@ -49,6 +49,30 @@ std::vector<uint64_t> rootNodes(const GltfDocument& document) {
 
 std::string gltfNodePart(uint64_t node) { return fmt::format("nodes[{}]", node); }
 
+std::optional<Placement> gltfNodeMatrix(const GltfDocument& document, const json& node,
+                                        const std::string& part) {
+  const auto numbers = document.numbers(node, "matrix", 16, part);
+  if (!numbers) return {};
+  Placement matrix = Placement::Identity();
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 3; ++r)
+      matrix.matrix()(r, c) = static_cast<double>((*numbers)[static_cast<size_t>(4 * c + r)]);
+  return matrix;
+}
+
+JointTransform gltfNodeTransform(const GltfDocument& document, const json& node, const std::string& part) {
+  JointTransform out;
+  if (const auto t = document.numbers(node, "translation", 3, part))
+    out.translation = Vec3((*t)[0], (*t)[1], (*t)[2]);
+  if (const auto r = document.numbers(node, "rotation", 4, part)) {
+    const Eigen::Quaterniond rotation((*r)[3], (*r)[0], (*r)[1], (*r)[2]);
+    if (!(rotation.norm() > 0)) document.fail("the rotation has no length", part);
+    out.rotation = rotation.normalized().cast<float>();
+  }
+  if (const auto s = document.numbers(node, "scale", 3, part)) out.scale = Vec3((*s)[0], (*s)[1], (*s)[2]);
+  return out;
+}
+
 std::vector<GltfNode> sceneNodes(const GltfDocument& document) {
   std::vector<bool> visited(nodeCount(document));
   std::vector<GltfNode> out, stack;

@@ -1,9 +1,11 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "groom/gltf_document.h"
+#include "groom/skeleton.h"
 
 namespace strandcast {
 
@@ -19,5 +21,12 @@ std::vector<GltfNode> sceneNodes(const GltfDocument& document);
 
 /// "nodes[7]", for errors.
 std::string gltfNodePart(uint64_t node);
+
+/// What places a node in its parent: its matrix, which few have,
+std::optional<Placement> gltfNodeMatrix(const GltfDocument& document, const nlohmann::json& node,
+                                        const std::string& part);
+/// or its translation, rotation and scale. Throw Error naming `part`.
+JointTransform gltfNodeTransform(const GltfDocument& document, const nlohmann::json& node,
+                                 const std::string& part);
 
 }  // namespace strandcast
