@@ -79,7 +79,8 @@ TEST_F(GpuAir, WindIsThatOfTheReference) {
   }
 }
 
-// A squeezed tuft of hair with strands of several counts of vertices, some of edges longer than cells.
+// A squeezed tuft of tapered hair with strands of several counts of vertices, some of edges longer than
+// cells.
 struct Tuft {
   StrandModel model;
   StrandState state;
@@ -93,7 +94,9 @@ struct Tuft {
       for (Vec3& p : points) p += root;
       strands.push_back(points);
     }
-    model = modelOf(strands);
+    Material tapered;
+    tapered.radius_scale.knots = {{0.0f, 1.0f}, {1.0f, 0.3f}};
+    model = modelOf(strands, tapered);
     state = restState(model, model.rest_roots);
     for (size_t v = 0; v < model.vertices(); ++v) {
       const auto n = static_cast<float>(v);
