@@ -8,6 +8,7 @@
 #include "apps/settings.h"
 #include "apps/verbs.h"
 #include "groom/clean.h"
+#include "groom/file_bytes.h"
 #include "groom/groom_file.h"
 
 namespace strandcast {
@@ -19,6 +20,19 @@ struct ConvertOptions {
   int vertices = 0;
   bool clean = false;
 };
+
+/// What resampling got into one place goes, but for .tfx, whose strands all have one count of vertices.
+void cleanAgain(StrandSet& strands, const std::string& out) {
+  Groom groom;
+  groom.strands = strands;
+  cleanStrands(groom);
+  const size_t merged = groom.report.duplicate_vertices, dropped = groom.report.dropped_short;
+  const bool keeps_all = lowerExtension(out) == ".tfx";
+  if (merged + dropped > 0)
+    spdlog::warn("{}: {} vertices in the place of a neighbour and {} strands too short to simulate are {}",
+                 out, merged, dropped, keeps_all ? "kept, as .tfx has one count of vertices" : "left out");
+  if (!keeps_all) strands = std::move(groom.strands);
+}
 
 int convert(const ConvertOptions& o) {
   StrandSet strands;
@@ -33,7 +47,10 @@ int convert(const ConvertOptions& o) {
     strands = std::move(raw.strands);
     up = raw.native_up;
   }
-  if (o.vertices > 0) strands = resample(strands, o.vertices);
+  if (o.vertices > 0) {
+    strands = resample(strands, o.vertices);
+    cleanAgain(strands, o.out);
+  }
   writeGroom(o.out, strands, up);
   const std::vector<std::string> left_out = leftOutOf(o.out, strands);
   if (!left_out.empty())

@@ -312,6 +312,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   if (options.vertices > 0) {
     strands = resample(strands, options.vertices);
     scene.groom.report.resampled = strands.strands();
+    cleanStrands(scene.groom);
   }
   noteReport(scene.groom.report, scene.notes);
   noteHairInBody(strands, scene.bodies, scene.notes);

@@ -259,6 +259,20 @@ TEST_F(Programs, ConvertSaysWhatTheOtherFormatHasNoPlaceFor) {
   EXPECT_NE(converted(hair, tfx).find("no radii"), std::string::npos);
 }
 
+TEST_F(Programs, ConvertCleansWhatResamplingGetsIntoOnePlace) {
+  StrandSet strands;
+  strands.append(std::vector<Vec3>{{0, 0, 0}, {0, 0.1f, 0}, {0, 0, 0}});
+  strands.append(std::vector<Vec3>{{0.1f, 0, 0}, {0.1f, 0.1f, 0}, {0.1f, 0.3f, 0}});
+  const std::string in = (folder_ / "in.tfx").string(), hair = (folder_ / "out.hair").string();
+  writeGroom(in, strands);
+  const auto r = run(program_ + " convert --vertices 4 " + in + " " + hair);
+  EXPECT_NE(r.err.find("1 vertices in the place of a neighbour and 0 strands"), std::string::npos) << r.err;
+  EXPECT_EQ(readRawGroom(hair).strands.offsets, (std::vector<uint32_t>{0, 3, 7}));
+  const auto kept = run(program_ + " convert --vertices 4 " + in + " " + in + ".tfx");
+  EXPECT_NE(kept.err.find("are kept"), std::string::npos) << kept.err;
+  EXPECT_EQ(readRawGroom(in + ".tfx").strands.offsets, (std::vector<uint32_t>{0, 4, 8}));
+}
+
 TEST_F(Programs, BakeWritesAFieldSaysHowGoodItIsAndFindsItAgain) {
   const std::filesystem::path cube = write("cube.obj", kCube), out = folder_ / "cube.sdf";
   const std::string command = program_ + " bake " + cube.string() + " --unit-meters 1 --cell 0.002 --out " +

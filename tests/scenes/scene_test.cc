@@ -226,6 +226,21 @@ TEST_F(BallScene, AGltfBodyIsInMetresWhateverTheUnitOfItsHair) {
   EXPECT_NEAR(makeScene(options_).body.bounds().max().x(), 0.001f, 1e-5f) << "the guess is its own too";
 }
 
+TEST_F(BallScene, AStrandThatRunsBackAlongItselfIsCleanedAfterResampling) {
+  std::ofstream hair(options_.groom[0]);
+  hair << "v 0 0 0\nv 0 0.1 0\nv 0 0.001 0\nv 0.1 0 0\nv 0.2 0 0\nv 0.3 0 0\nl 1 2 3\nl 4 5 6\n";
+  hair << "v 0 0.3 0\nv 0 0.2 0\nv 0 0.3 0\nl 7 8 9\n";
+  hair.close();
+  options_.body.clear();
+  for (const int vertices : {2, 3, 4, 16, 100, 128}) {
+    options_.vertices = vertices;
+    const StrandModel model = sceneModel(makeScene(options_));
+    for (size_t s = 0; s < model.strands(); ++s)
+      for (uint32_t v = model.offsets[s] + 1; v < model.offsets[s + 1]; ++v)
+        EXPECT_GT((model.rest_local[v] - model.rest_local[v - 1]).norm(), 1e-7f) << vertices;
+  }
+}
+
 TEST_F(BallScene, ProgressGoesForwardAndStopsTheBake) {
   double last = 0;
   std::string all;
