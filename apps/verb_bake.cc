@@ -129,6 +129,7 @@ int bake(BakeOptions o) {
 #ifdef STRANDCAST_HAS_RENDER
     if (!o.slices.empty()) writeFieldSlices(baked.field, o.slices);
 #endif
+    if (!baked.field.hasInside()) fmt::print(stderr, "warning: {}: {}\n", o.file, kNoInside);
     report(o, mesh.bounds(), baker, baked, accuracy).print(o.json);
   } catch (const BakeStopped&) {
     fmt::print(stderr, "stopped; nothing was written\n");

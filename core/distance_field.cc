@@ -52,6 +52,13 @@ void addSteps(const uint32_t* brick, const uint32_t (&first)[3], const uint32_t 
 
 }  // namespace
 
+bool DistanceField::hasInside() const {
+  const auto is_inside = [](uint32_t words) { return (words & 0x80008000u) != 0; };  // two signed numbers
+  const float deep = -0.5f * grid.quantum;  // on a sheet corners are rounded to either side of it
+  return std::any_of(corners.begin(), corners.end(), [&](float distance) { return distance < deep; }) ||
+         std::any_of(samples.begin(), samples.end(), is_inside);
+}
+
 std::vector<uint32_t> DistanceField::evenness() const {
   constexpr int kMostCells = 2;
   std::vector<uint32_t> words((storedBricks() + kEvennessesPerWord - 1) / kEvennessesPerWord);

@@ -64,6 +64,8 @@ struct DistanceField {
   size_t bricks() const { return index.size(); }
   size_t storedBricks() const { return samples.size() / kBrickWords; }
   size_t bytes() const;
+  /// Whether any sample is inside. Where none is, hair goes through it.
+  bool hasInside() const;
 
   /// Any point, in metres. In stored bricks the trilinear interpolant and its exact gradient; elsewhere a
   /// distance that is never farther from 0 than the true one, and the direction of the corners' interpolant.
@@ -71,6 +73,10 @@ struct DistanceField {
   /// Of all stored bricks, as words.
   std::vector<uint32_t> evenness() const;
 };
+
+/// What is wrong with a mesh whose field has no inside.
+constexpr const char* kNoInside =
+    "nothing is inside it, so hair goes through it: the mesh encloses no volume, or is thinner than a cell";
 
 /// The position of sample `i` `j` `k` of the whole grid (brick * kBrickCells + sample in the brick).
 Vec3 samplePosition(const FieldGrid& grid, uint32_t i, uint32_t j, uint32_t k);

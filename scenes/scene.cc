@@ -133,7 +133,7 @@ void fillBody(const SceneOptions& options, const Progress& progress, Scene& scen
   RigidBody body{fitSpheres(scene.body, fit), true};
   keepOutOfRestingHair(scene.groom.strands, scene.parameters.hair_radius, body.primitives);
   if (body.primitives.empty())
-    scene.notes.push_back("the body mesh encloses no volume: hair will not collide with it");
+    scene.warnings.push_back("the body mesh encloses no volume: hair goes through it");
   else
     scene.notes.push_back(fmt::format("{} spheres stand for the body in collisions", body.primitives.size()));
   scene.bodies.push_back(std::move(body));
@@ -152,6 +152,7 @@ void bakeBody(const SceneOptions& options, const Progress& progress, Scene& scen
   ContactPrimitive shape;
   shape.kind = PrimitiveKind::kField;
   shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
+  if (!shape.field->hasInside()) scene.warnings.push_back(fmt::format("the body: {}", kNoInside));
   scene.bodies.push_back({{std::move(shape)}, true, true});
 }
 
@@ -181,6 +182,7 @@ void bakeParts(const SceneOptions& options, const Progress& progress, Scene& sce
     ContactPrimitive shape;
     shape.kind = PrimitiveKind::kField;
     shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
+    if (!shape.field->hasInside()) scene.warnings.push_back(fmt::format("{}: {}", part.name, kNoInside));
     scene.bodies.push_back(
         {.primitives = {std::move(shape)}, .holds_roots = true, .bends = !part.samples.empty()});
   }

@@ -198,6 +198,17 @@ TEST_F(BallScene, TheFieldIsBakedOnceAndSpheresStandInForIt) {
   EXPECT_FALSE(scene.bodies[0].holds_roots);
 }
 
+TEST_F(BallScene, ABodyThatEnclosesNothingIsWarnedOf) {
+  EXPECT_TRUE(makeScene(options_).warnings.empty());
+  std::ofstream(folder_ / "quad.obj") << "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nf 1 2 3 4\n";
+  std::ofstream(folder_ / "sliver.obj") << "v 0 0 0\nv 0.1 0 0\nv 0.1 1e-7 0\nf 1 2 3\n";
+  options_.body_cell = 0;
+  for (const char* body : {"quad.obj", "sliver.obj"}) {
+    options_.body = folder_ / body;
+    EXPECT_TRUE(isIn(makeScene(options_).warnings, "hair goes through it")) << body;
+  }
+}
+
 // Hair of 30 cm, in centimetres, with its roots where `root` is in metres.
 void writeHair(const std::filesystem::path& file, const Vec3& root) {
   std::ofstream hair(file);
