@@ -13,6 +13,7 @@
 #include "apps/scene_simulation.h"
 #include "core/error.h"
 #include "core/quantile.h"
+#include "core/smooth_step.h"
 #include "transport/answers.h"
 #include "transport/collider_chunks.h"
 #include "transport/command_queue.h"
@@ -33,8 +34,7 @@ double milliseconds(Clock::duration d) { return std::chrono::duration<double, st
 
 /// From one pose to another and then still, with no jump in velocity.
 Pose onTheWay(const Pose& from, const Pose& to, double seconds, double of) {
-  const double t = of > 0 ? std::clamp(seconds / of, 0.0, 1.0) : 1;
-  return interpolate(from, to, static_cast<float>(t * t * (3 - 2 * t)));
+  return interpolate(from, to, static_cast<float>(smoothStep(of > 0 ? seconds / of : 1)));
 }
 
 HeadMotion rampTo(const Pose& from, const Pose& to) {

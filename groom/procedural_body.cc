@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "core/error.h"
+#include "core/smooth_step.h"
 
 namespace strandcast {
 namespace {
@@ -429,21 +430,17 @@ float scalpDensity(const Vec3& point) {
   for (size_t k = 1; k < kHairline.size(); ++k) {
     if (angle > kHairline[k].degrees) continue;
     const float t = (angle - kHairline[k - 1].degrees) / (kHairline[k].degrees - kHairline[k - 1].degrees);
-    line = kHairline[k - 1].height + (kHairline[k].height - kHairline[k - 1].height) * t * t * (3 - 2 * t);
+    line = kHairline[k - 1].height + (kHairline[k].height - kHairline[k - 1].height) * smoothStep(t);
     break;
   }
-  const auto ramp = [](float d, float width) {
-    const float t = std::clamp(0.5f + d / width, 0.0f, 1.0f);
-    return t * t * (3 - 2 * t);
-  };
+  const auto ramp = [](float d, float width) { return smoothStep(0.5f + d / width); };
   return ramp(p.y() - line, 14) * ramp(ellipsoid(p, {83, -22, -16}, {22, 33, 22}), 6);
 }
 
 float bodyHeadWeight(const Vec3& point) {
   // Along a plane that tilts from the chin to the nape.
   const Vec3 p = point * kMetre;
-  const float t = std::clamp((p.y() + 0.55f * p.z() + 205.0f) / 95.0f, 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
+  return smoothStep((p.y() + 0.55f * p.z() + 205.0f) / 95.0f);
 }
 
 namespace {

@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "core/smooth_step.h"
+#include "core/split_mix.h"
 #include "groom/procedural_body.h"
 
 namespace strandcast {
@@ -18,28 +20,18 @@ constexpr float kWinding = 12;  // a strand that winds more than this between tw
 const Vec3 kTie(0, 0.022f, -0.122f);  // m, centre of the ponytail's tie
 const Vec3 kTieAxis = Vec3(0, 0.25f, -1).normalized();
 
-uint64_t mix(uint64_t x) {  // splitmix64
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
 // Numbers in [0, 1) that depend on a seed and a stream only.
 class Random {
  public:
-  Random(uint64_t seed, uint64_t stream) : state_(mix(seed) ^ mix(~stream)) {}
-  float uniform() { return static_cast<float>(mix(state_++) >> 40) * 0x1p-24f; }
+  Random(uint64_t seed, uint64_t stream) : state_(splitMix64(seed) ^ splitMix64(~stream)) {}
+  float uniform() { return static_cast<float>(splitMix64(state_++) >> 40) * 0x1p-24f; }
   float between(float low, float high) { return low + (high - low) * uniform(); }
 
  private:
   uint64_t state_;
 };
 
-float smooth(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
-}
+float smooth(float low, float high, float x) { return smoothStep((x - low) / (high - low)); }
 Vec3 unit(const Vec3& v) {
   const float length = v.norm();
   return length > 1e-9f ? Vec3(v / length) : Vec3(0, -1, 0);
@@ -122,7 +114,7 @@ struct Character {
 Random lockRandom(const Vec3& root, float cell, uint64_t seed) {
   uint64_t key = 7;
   for (int c = 0; c < 3; ++c)
-    key = mix(key + static_cast<uint64_t>(static_cast<int64_t>(std::floor(root[c] / cell)) + 4096));
+    key = splitMix64(key + static_cast<uint64_t>(static_cast<int64_t>(std::floor(root[c] / cell)) + 4096));
   return Random(seed ^ 0x10c4u, key);
 }
 

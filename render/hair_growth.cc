@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/split_mix.h"
 #include "render/hair_detail.h"
 #include "render/root_triangles.h"
 
@@ -12,17 +13,13 @@ namespace {
 
 constexpr float kLeastImportance = 0.02f;
 
-/// SplitMix64 (Steele et al. 2014): a stream of bits from any seed.
 class RandomStream {
  public:
   explicit RandomStream(uint64_t seed) : state_(seed) {}
   float uniform() {  ///< [0, 1)
-    state_ += 0x9e3779b97f4a7c15u;
-    uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    z ^= z >> 31;
-    return static_cast<float>(z >> 40) * 0x1p-24f;
+    const uint64_t bits = splitMix64(state_);
+    state_ += kSplitMixStep;
+    return static_cast<float>(bits >> 40) * 0x1p-24f;
   }
   float between(float low, float high) { return low + (high - low) * uniform(); }
 

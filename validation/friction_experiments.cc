@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/smooth_step.h"
 #include "validation/experiments.h"
 #include "validation/pressed_elastica.h"
 #include "validation/runge_kutta.h"
@@ -88,8 +89,7 @@ double slipThreshold(const Laboratory& laboratory, double shortening, double tru
   laboratory.advance(
       simulation, 2 * duration + kResting,
       [&](double t) {
-        const double part = std::min(t / (2 * duration), 1.0);
-        const double way = kSpeed * duration * part * part * (3 - 2 * part);
+        const double way = kSpeed * duration * smoothStep(t / (2 * duration));
         return Pose{Vec3(0, static_cast<float>(-way), 0), Quat::Identity()};
       },
       [&] {

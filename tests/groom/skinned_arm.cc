@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "core/smooth_step.h"
 #include "groom/byte_writer.h"
 #include "tests/groom/sample_files.h"
 
@@ -70,8 +71,8 @@ Arm arm(const ArmOptions& o) {
 std::pair<size_t, float> shareAt(const ArmOptions& o, float y) {
   const auto last = static_cast<float>(o.joints.size() - 1);
   const float nearest = std::clamp(std::round(y / o.bone), 1.0f, std::max(last, 1.0f));
-  const float t = std::clamp((y - nearest * o.bone + o.blend) / (2 * o.blend), 0.0f, 1.0f);
-  return {static_cast<size_t>(nearest) - 1, t * t * (3 - 2 * t)};
+  const float share = smoothStep((y - nearest * o.bone + o.blend) / (2 * o.blend));
+  return {static_cast<size_t>(nearest) - 1, share};
 }
 
 class Asset {
