@@ -15,7 +15,8 @@ bool StreamRecording::describe(const GuideFrame& frame) {
 bool StreamRecording::take(std::chrono::milliseconds timeout) {
   const auto frame = subscriber_.waitForNext(last_.get(), timeout);
   if (!frame) return false;
-  const bool is_new = frame->session != session_ || frame->revision != revision_;
+  const bool is_new = frame->session != session_ || frame->revision != revision_ ||
+                      frame->frame <= last_->frame;  // the count began anew
   if (!is_new && frame->frame > last_->frame + 1) skipped_ += frame->frame - last_->frame - 1;
   const bool is_same = !is_new && frame->simulation_time == last_->simulation_time;  // of a paused daemon
   last_ = frame;

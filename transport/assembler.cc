@@ -13,6 +13,8 @@ namespace {
 
 constexpr size_t kDescriptionsUnderWay = 2;
 constexpr size_t kFramesUnderWay = 4;
+/// Frames begun since the last chunk of one came, after which no more will come.
+constexpr uint64_t kForgottenAfter = 8;
 
 /// An optional array: present with this many entries, or absent and empty.
 template <class T>
@@ -250,10 +252,14 @@ void GuideAssembler::setGroom(std::shared_ptr<const GroomDescription> groom) {
   groom_ = std::move(groom);
   decoder_.setGroom(groom_->guides);
   if (conceals_) concealment_.setGroom(groom_->guides);
+  newest_colliders_.clear();
+  beginAnew();
+}
+
+void GuideAssembler::beginAnew() {
   for (Pending& pending : pending_) pool_.giveBack(std::move(pending.frame));
   pending_.clear();
-  newest_ = 0;
-  newest_colliders_.clear();
+  sequence_.beginAnew();
 }
 
 bool GuideAssembler::fits(const GuideChunk& chunk) const {
@@ -280,11 +286,12 @@ GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
     pending_.splice(pending_.begin(), pending_, found);
     return &pending_.front();
   }
-  if (pending_.size() == kFramesUnderWay) {
-    // The one not fed for longest, not the one with the lowest number: a damaged number must not hold its
-    // place for ever.
+  ++begun_;
+  // The one not fed for longest, not the one with the lowest number: a damaged number must not hold its
+  // place for ever, nor have all before it taken for overdue.
+  while (!pending_.empty() &&
+         (pending_.size() == kFramesUnderWay || begun_ - pending_.back().fed > kForgottenAfter))
     drop(std::prev(pending_.end()));
-  }
   Pending& pending = pending_.emplace_front();
   pending.header.frame = chunk.frame;
   pending.header.chunk_count = chunk.chunk_count;
@@ -305,7 +312,17 @@ std::shared_ptr<const GuideFrame> GuideAssembler::add(const GuideChunk& chunk) {
     ++statistics_.chunks_rejected;
     return nullptr;
   }
-  if (chunk.frame <= newest_) return nullptr;  // late; counted as lost when the newer frame was completed
+  switch (sequence_.look(chunk.frame)) {
+    case FrameSequence::Place::kNext:
+      break;
+    case FrameSequence::Place::kLate:
+      return nullptr;  // counted as lost when the newer frame was completed
+    case FrameSequence::Place::kFar:
+      ++statistics_.chunks_rejected;
+      return nullptr;
+    case FrameSequence::Place::kAnew:
+      beginAnew();
+  }
   // Before anything is kept of it: a damaged payload leaves no trace.
   decoded_.resize(chunk.vertex_count);
   const DecodeResult decoded = decoder_.decode(chunk, decoded_);
@@ -319,6 +336,7 @@ std::shared_ptr<const GuideFrame> GuideAssembler::add(const GuideChunk& chunk) {
   run = {chunk.first_strand, chunk.strand_count, chunk.first_vertex, chunk.vertex_count};
   std::copy(decoded_.begin(), decoded_.end(), pending->frame->positions.begin() + run.first_vertex);
   if (chunk.chunk_index == 0) placeColliders(chunk, *pending->frame);
+  pending->fed = begun_;
   pending->bytes += chunk.payload.size();
   return ++pending->received == chunk.chunk_count ? complete(pending_.begin()) : nullptr;
 }
@@ -374,18 +392,19 @@ std::shared_ptr<const GuideFrame> GuideAssembler::release(std::list<Pending>::it
       return nullptr;
     }
   }
-  if (newest_ != 0) statistics_.frames_lost += frame.frame - newest_ - 1;
-  newest_ = frame.frame;
+  if (sequence_.newest() != 0) statistics_.frames_lost += frame.frame - sequence_.newest() - 1;
+  sequence_.take(frame.frame);
   newest_colliders_ = frame.colliders;
   ++statistics_.frames_received;
   statistics_.payload_bytes += pending->bytes;
   statistics_.strands_concealed += frame.strands_concealed;
   statistics_.frames_concealed += frame.strands_concealed > 0 ? 1 : 0;
+  const uint64_t frame_number = frame.frame;
   FramePool::Buffer buffer = std::move(pending->frame);
   pending_.erase(pending);
   for (auto older = pending_.begin(); older != pending_.end();) {
     const auto here = older++;
-    if (here->header.frame <= newest_) drop(here);
+    if (here->header.frame <= frame_number) drop(here);
   }
   return pool_.share(std::move(buffer));
 }

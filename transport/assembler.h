@@ -8,6 +8,7 @@
 #include "transport/codec/guide_decoder.h"
 #include "transport/concealment.h"
 #include "transport/frame_queue.h"
+#include "transport/frame_sequence.h"
 #include "transport/messages.h"
 
 namespace strandcast {
@@ -48,7 +49,10 @@ class GuideAssembler {
   /// `groom` as an assembler or a checked announcement made it. Frames under way are dropped and the count of
   /// lost frames starts anew with the first complete frame.
   void setGroom(std::shared_ptr<const GroomDescription> groom);
-  /// The frame that this chunk completed, or null.
+  /// The next frame may have any number: who reads a file goes where it likes. Frames under way are dropped.
+  void beginAnew();
+  /// The frame that this chunk completed, or null. Its number is less than those before it where the stream
+  /// is found to go on from there (FrameSequence).
   std::shared_ptr<const GuideFrame> add(const GuideChunk& chunk);
   /// A frame that will not be completed any more, its lost strands concealed; null when there is none. Call
   /// after add() on links that do not repair losses: a frame is given up once a quarter of a later one is
@@ -66,6 +70,7 @@ class GuideAssembler {
     std::vector<StrandRun> runs;  // by chunk index; strand_count 0 = not received
     uint32_t received = 0;
     uint64_t bytes = 0;
+    uint64_t fed = 0;  // frames that had been begun when its last chunk came
   };
   bool fits(const GuideChunk& chunk) const;
   Pending* pendingFor(const GuideChunk& chunk);
@@ -80,8 +85,9 @@ class GuideAssembler {
   GuideDecoder decoder_;
   std::vector<Vec3> decoded_;                     // of the chunk under way
   std::list<Pending> pending_;                    // fed last first; at most kFramesUnderWay
-  uint64_t newest_ = 0;                           // complete frame of this groom, 0 = none
-  std::vector<PlacedCollider> newest_colliders_;  // of that frame
+  uint64_t begun_ = 0;                            // frames of which a chunk came
+  FrameSequence sequence_;                        // of the complete frames of this groom
+  std::vector<PlacedCollider> newest_colliders_;  // of the newest of them
   ReceiveStatistics statistics_;
 };
 

@@ -82,7 +82,8 @@ struct FramePlayer::State {
                                                  std::chrono::milliseconds(0));
       if (!frame) break;
       const bool is_new = !frames.empty() && (frame->session != frames.back()->session ||
-                                              frame->revision != frames.back()->revision);
+                                              frame->revision != frames.back()->revision ||
+                                              frame->frame <= frames.back()->frame);
       if (is_new || frames.empty()) {
         frames.clear();
         clock.reset();

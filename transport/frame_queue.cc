@@ -55,6 +55,7 @@ void FrameQueue::setColliders(std::shared_ptr<const ColliderSet> colliders) {
 void FrameQueue::push(std::shared_ptr<const GuideFrame> frame, double latency_ms) {
   const std::lock_guard lock(mutex_);
   if (!groom_ || frame->session != groom_->session || frame->revision != groom_->revision) return;
+  if (!frames_.empty() && frame->frame <= frames_.back()->frame) frames_.clear();  // the count began anew
   frames_.push_back(std::move(frame));
   if (frames_.size() > kFrameQueueLength) frames_.pop_front();
   latencies_ms_[latencies_++ % latencies_ms_.size()] = static_cast<float>(latency_ms);
@@ -109,7 +110,8 @@ std::shared_ptr<const GuideFrame> FrameQueue::waitForFrame(uint64_t after,
 std::shared_ptr<const GuideFrame> FrameQueue::waitForNext(const GuideFrame* last,
                                                           std::chrono::milliseconds timeout) {
   return waitBeyond(timeout, [=](const GuideFrame& newest) {
-    return last != nullptr && last->session == newest.session ? last->frame : 0;
+    const bool is_before = last != nullptr && last->session == newest.session && last->frame <= newest.frame;
+    return is_before ? last->frame : 0;
   });
 }
 

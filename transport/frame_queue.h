@@ -40,7 +40,8 @@ class FrameQueue {
   bool setGroom(std::shared_ptr<const GroomDescription> groom);
   void setBody(std::shared_ptr<const BodyDescription> body);
   void setColliders(std::shared_ptr<const ColliderSet> colliders);
-  /// Ignores a frame that does not fit groom(). `latency_ms` from publication to now.
+  /// Ignores a frame that does not fit groom(); one that is no newer than the newest begins the count anew.
+  /// `latency_ms` from publication to now.
   void push(std::shared_ptr<const GuideFrame> frame, double latency_ms);
 
   std::shared_ptr<const GroomDescription> groom() const;

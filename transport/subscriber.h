@@ -14,12 +14,12 @@ struct ReceiveStatistics {
   uint64_t frames_received = 0;  ///< complete frames, concealed ones among them
   /// Frame numbers from the first to the newest complete frame of each session and revision that never became
   /// complete: gaps in the count, and frames left incomplete when a newer one was completed. Frames that the
-  /// renderer did not look at in time are not lost.
+  /// renderer did not look at in time are not lost, nor are those of a leap by more than 4096 frames.
   uint64_t frames_lost = 0;
   /// Of the frames received: those with strands that were lost and are put where they probably are, and these
   /// strands, added up. Only over links that do not repair losses (LCM).
   uint64_t frames_concealed = 0, strands_concealed = 0;
-  uint64_t chunks_rejected = 0;  ///< damaged, or of another session or revision
+  uint64_t chunks_rejected = 0;  ///< damaged, of another session or revision, or of a frame far off
   /// Sound chunks that refer to a key frame that is not here (--codec temporal): from before this reader
   /// joined, or behind a key frame that it lost.
   uint64_t chunks_without_key = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -12,6 +13,7 @@
 #include "core/error.h"
 #include "sample_messages.h"
 #include "transport/assembler.h"
+#include "transport/frame_queue.h"
 
 namespace strandcast {
 namespace {
@@ -406,6 +408,89 @@ TEST(Chunks, DamagedFrameNumbersDoNotStarveSoundFrames) {
   for (const GuideChunk& chunk : splitFrame(*groom, sampleFrame(*groom, 1)))
     is_complete = assembler.add(chunk) != nullptr;
   EXPECT_TRUE(is_complete);
+}
+
+/// Frames of one chunk, or of several.
+struct NumberedFrames {
+  explicit NumberedFrames(size_t strands, bool conceals = false)
+      : groom(std::make_shared<GroomDescription>(uniformGroom(strands, 10))), assembler(conceals) {
+    assembler.setGroom(groom);
+  }
+  /// The number of the frame that its chunks completed, 0 = none.
+  uint64_t add(uint64_t number) {
+    uint64_t complete = 0;
+    for (GuideChunk& chunk : splitFrame(*groom, sampleFrame(*groom, 1 + number % 1000))) {
+      chunk.frame = number;
+      for (const auto& frame : {assembler.add(chunk), assembler.concealOverdue()})
+        if (frame && frame->strands_concealed == 0) complete = frame->frame;
+    }
+    return complete;
+  }
+  const std::shared_ptr<GroomDescription> groom;
+  GuideAssembler assembler;
+};
+
+TEST(Chunks, AWrongFrameNumberDoesNotEndTheStream) {
+  for (const uint64_t wrong : {uint64_t{5000}, uint64_t{1} << 40, ~uint64_t{0}}) {
+    NumberedFrames frames(4);
+    EXPECT_EQ(frames.add(10), 10u);
+    for (uint64_t number = 11; number < 30; ++number) {
+      EXPECT_EQ(frames.add(number % 3 == 0 ? wrong : wrong - number), 0u);
+      EXPECT_EQ(frames.add(number), number);
+    }
+    EXPECT_EQ(frames.assembler.statistics().frames_lost, 0u);
+    EXPECT_EQ(frames.assembler.chunksRejected(), 19u);
+  }
+}
+
+TEST(Chunks, AStreamThatRanOnUnheardIsFollowed) {
+  NumberedFrames frames(1500);
+  EXPECT_EQ(frames.add(10), 10u);
+  EXPECT_EQ(frames.add(4000), 4000u) << "a minute of silence";
+  EXPECT_EQ(frames.assembler.statistics().frames_lost, 3989u);
+  EXPECT_EQ(frames.add(100000), 0u);
+  EXPECT_EQ(frames.add(100001), 0u);
+  for (uint64_t number = 100002; number < 100010; ++number) EXPECT_EQ(frames.add(number), number);
+  EXPECT_EQ(frames.assembler.statistics().frames_lost, 3989u) << "a leap is no loss";
+}
+
+TEST(Chunks, AStreamIsFollowedBackFromAWrongFirstNumber) {
+  for (const uint64_t wrong : {uint64_t{100}, uint64_t{1} << 40, ~uint64_t{0}}) {
+    NumberedFrames frames(1500);
+    EXPECT_EQ(frames.add(wrong), wrong);
+    uint64_t followed = 0, number = 0;
+    while (followed == 0 && ++number < 100) followed = frames.add(number);
+    EXPECT_EQ(followed, 3u);
+    EXPECT_EQ(frames.add(4), 4u);
+    EXPECT_EQ(frames.assembler.statistics().frames_lost, 0u);
+  }
+}
+
+TEST(Chunks, APieceOfALaterFrameDoesNotBreakThoseBeforeIt) {
+  NumberedFrames frames(1500, true);
+  EXPECT_EQ(frames.add(10), 10u);
+  frames.assembler.add(splitFrame(*frames.groom, sampleFrame(*frames.groom, 2000))[0]);
+  int broken = 0;
+  for (uint64_t number = 11; number < 60; ++number) broken += frames.add(number) == number ? 0 : 1;
+  EXPECT_LE(broken, 8) << "until it is forgotten";
+}
+
+TEST(Chunks, AReaderIsGivenFramesWhoseCountBeganAnew) {
+  const GroomDescription groom = uniformGroom(4, 3);
+  FrameQueue queue;
+  queue.setGroom(std::make_shared<GroomDescription>(groom));
+  const auto push = [&](uint64_t number) {
+    queue.push(std::make_shared<GuideFrame>(sampleFrame(groom, number)), 0);
+    return queue.frame();
+  };
+  const auto last = push(1000);
+  EXPECT_EQ(queue.waitForNext(last.get(), std::chrono::milliseconds(0)), nullptr);
+  push(3);
+  push(4);
+  const auto next = queue.waitForNext(last.get(), std::chrono::milliseconds(0));
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->frame, 3u);
+  EXPECT_EQ(queue.waitForNext(next.get(), std::chrono::milliseconds(0))->frame, 4u);
 }
 
 TEST(Chunks, ArbitraryBytesNeverBreakAnAssembler) {

@@ -205,7 +205,6 @@ bool Recording::readGroom(uint64_t offset) {
       shown_.groom->revision != shown_.body->revision)
     return false;
   assembler_.setGroom(shown_.groom);
-  assembled_ = 0;
   groom_at_ = offset;
   return true;
 }
@@ -252,8 +251,7 @@ bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
       out.record.number != number)
     return false;
 
-  if (number < assembled_) assembler_.setGroom(out.groom);  // it takes newer frames only
-  assembled_ = number + 1;
+  assembler_.beginAnew();
   out.frame.reset();
   for (uint32_t i = 0; i < out.record.chunks && !out.frame; ++i) {
     at = record.next;

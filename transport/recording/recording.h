@@ -93,7 +93,6 @@ class Recording {
   uint64_t groom_at_ = 0;  // of the groom in force
   Shown shown_;
   GuideAssembler assembler_;
-  uint64_t assembled_ = 0;  // number of its newest frame + 1; 0 = none of this groom
   GuideChunk chunk_;
 };
 
