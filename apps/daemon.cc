@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 constexpr size_t kStepWindow = 1200;     // steps that the timing statistics look back on
 constexpr double kStatusInterval = 0.5;  // s
 constexpr double kPullSeconds = 1;       // of simulation, after which a hand lets go that nobody moves
-constexpr int kMostStepsAsked = 1000;
+constexpr int kMostSteps = 1000;         // that a command asks for
 constexpr double kFarthestPlace = 1000;  // m, on each axis, of a commanded pose
 constexpr double kRampSeconds = 0.2;     // a commanded pose is reached in this time, smoothly
 
@@ -167,7 +167,7 @@ void Daemon::apply(const Command& command) {
       return;
     case CommandKind::kStep:
       if (!paused_) throw Error("only a paused simulation takes single steps", where, "pause it first");
-      steps_asked_ = wholeNumber(command, 1, kMostStepsAsked, where);
+      steps_asked_ = wholeNumber(command, 1, kMostSteps, where);
       return;
     case CommandKind::kPull:
       return pull(command, where);
@@ -252,11 +252,25 @@ void Daemon::announceColliders() {
   publisher_.announceColliders(set);
 }
 
-void Daemon::obey(const Command& command) {
+void Daemon::obey(const Command& command, const std::atomic<bool>& stop) {
   answerCommand(
-      command, [&] { apply(command); }, status_);
+      command,
+      [&] {
+        apply(command);
+        takeSteps(stop);
+      },
+      status_);
   if (!status_.last_command_error.empty()) spdlog::warn("refused: {}", status_.last_command_error);
   publisher_.publishStatus(status_);  // the answer; its measured numbers are those of the last look
+}
+
+/// Before the next command, which may change what they would be.
+void Daemon::takeSteps(const std::atomic<bool>& stop) {
+  for (; steps_asked_ > 0; --steps_asked_) {
+    if (stop) throw Error(fmt::format("{} steps were not taken", steps_asked_), "the daemon", "it ends");
+    advance();
+    ++steps_taken_;
+  }
 }
 
 void Daemon::advance() {
@@ -318,13 +332,15 @@ void Daemon::publishStatus() {
 }
 
 bool Daemon::castFrame(const std::atomic<bool>& stop) {
-  for (size_t taken = 0; taken < kMaxCommandsPerFrame; ++taken) {
+  steps_taken_ = 0;
+  for (size_t taken = 0; taken < kMaxCommandsPerFrame && steps_taken_ < kMostSteps && steps_asked_ == 0;
+       ++taken) {
     const std::optional<Command> command = publisher_.takeCommand();
     if (!command) break;
-    obey(*command);
+    obey(*command, stop);
   }
   const double step = simulation_.parameters().time_step;
-  for (; steps_asked_ > 0 && !stop; --steps_asked_) advance();
+  if (steps_asked_ > 0) return false;  // `stop` came first
   if (paused_) {
     publishFrame();
     return true;

@@ -39,7 +39,7 @@ class Daemon {
   void setObserver(std::function<void(Simulation&)> observer) { observer_ = std::move(observer); }
 
  private:
-  void obey(const Command& command);
+  void obey(const Command& command, const std::atomic<bool>& stop);
   void apply(const Command& command);
   void pull(const Command& command, const std::string& where);
   void moveHead(const Command& command, const std::string& where);
@@ -48,6 +48,7 @@ class Daemon {
   void removeCollider(const Command& command, const std::string& where);
   void announceColliders();
   void placeColliders();
+  void takeSteps(const std::atomic<bool>& stop);
   void advance();
   void publishFrame();
   void publishStatus();
@@ -77,7 +78,8 @@ class Daemon {
   double owed_ = 0;  ///< s of simulation time
   bool shutdown_ = false;
   bool paused_ = false;
-  int steps_asked_ = 0;    ///< while paused
+  int steps_asked_ = 0;    ///< by the command that is obeyed, while paused
+  int steps_taken_ = 0;    ///< by commands before this frame
   double pull_until_ = 0;  ///< s of simulation time
   std::function<void(Simulation&)> observer_;
 };

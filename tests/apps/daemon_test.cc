@@ -39,6 +39,30 @@ TEST_F(DaemonTest, HoldsStillWhilePausedAndTakesSingleSteps) {
   EXPECT_GT(seconds(), held + 3.5 / 60);
 }
 
+TEST_F(DaemonTest, TakesTheStepsOfEachCommandBeforeTheNext) {
+  EXPECT_EQ(order(CommandKind::kPause, {1}), "");
+  const double held = seconds();
+  uint64_t id = 100;
+  const auto send = [&](CommandKind kind, double value, const char* name = "") {
+    subscriber_->send({.id = ++id, .kind = kind, .name = name, .values = {value}});
+    return id;
+  };
+  send(CommandKind::kStep, 3);
+  send(CommandKind::kSetParameter, 0.001, "time_step");
+  const uint64_t last = send(CommandKind::kStep, 2);
+  cast(1);
+  EXPECT_EQ(subscriber_->status()->last_command, last) << "all in one frame";
+  EXPECT_NEAR(seconds(), held + 3.0 / 60 + 2 * 0.001, 1e-6);
+  const uint64_t frame = subscriber_->frame()->frame;
+  send(CommandKind::kStep, 1000);
+  const uint64_t later = send(CommandKind::kStep, 1);
+  cast(1);
+  EXPECT_EQ(subscriber_->frame()->frame, frame + 1);
+  EXPECT_NE(subscriber_->status()->last_command, later) << "a frame is not kept waiting for ever";
+  cast(1);
+  EXPECT_EQ(subscriber_->status()->last_command, later);
+}
+
 TEST_F(DaemonTest, AHandPullsUntilItLetsGoOrNobodyMovesIt) {
   const size_t tip = 7;
   cast(10);
