@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
 #include <random>
 #include <sstream>
 
@@ -474,6 +475,23 @@ TEST(RecordingTest, AFileThatIsInUseIsNotReplaced) {
   EXPECT_TRUE(writer.addFrame(hairFrame(groom, 5)));
   writer.close();
   EXPECT_EQ(Recording(file).frames(), 5u);
+}
+
+TEST(RecordingTest, OneOpenedWhileItWasWrittenIsKeptFromTheNextWriter) {
+  const ScratchFolder folder;
+  const auto file = folder / "a.rec";
+  std::optional<Recorder> writer(std::in_place, file, RecordingOptions());
+  const GroomDescription groom = smallGroom();
+  writer->setGroom(groom, sampleBody(3));
+  for (uint64_t i = 1; i <= 4; ++i) EXPECT_TRUE(writer->addFrame(hairFrame(groom, i)));
+  Recording reader(file);
+  RecordedFrame read;
+  reader.read(0, read);
+  writer.reset();
+  reader.read(1, read);
+  EXPECT_NE(errorOf([&] { Recorder(file, {}); }).find("another program writes or reads it"),
+            std::string::npos);
+  reader.read(3, read);
 }
 
 TEST(RecordingTest, OneWithoutAFrameIsNotCalledWorthReplaying) {

@@ -39,8 +39,7 @@ class FileBytes final : public RecordingBytes {
       throw Error("the recording cannot be read (" + cause + ")", file.string(), "check its path");
     }
     size_ = static_cast<uint64_t>(about.st_size);
-    // So that no writer empties it meanwhile. One that is under way only adds to it.
-    flock(file_, LOCK_SH | LOCK_NB);
+    keep();
   }
   ~FileBytes() override { close(file_); }
   FileBytes(const FileBytes&) = delete;
@@ -48,6 +47,7 @@ class FileBytes final : public RecordingBytes {
 
   uint64_t size() const override { return size_; }
   bool read(uint64_t offset, std::span<uint8_t> to) override {
+    keep();
     while (!to.empty()) {
       const ssize_t got = pread(file_, to.data(), to.size(), static_cast<off_t>(offset));
       if (got < 0 && errno == EINTR) continue;
@@ -59,8 +59,13 @@ class FileBytes final : public RecordingBytes {
   }
 
  private:
+  /// So that no writer empties it meanwhile. One that is under way has the lock, and only adds to it: the
+  /// lock is to be had once that has ended.
+  void keep() { is_kept_ = is_kept_ || flock(file_, LOCK_SH | LOCK_NB) == 0; }
+
   const int file_;
   uint64_t size_ = 0;
+  bool is_kept_ = false;
 };
 
 [[noreturn]] void failToMake(const std::string& name, int cause) {

@@ -61,7 +61,7 @@ class RecordingBytes {
   virtual bool read(uint64_t offset, std::span<uint8_t> to) = 0;
 };
 /// Throws Error when the file cannot be opened. While it is open no RecordWriter empties it; one that writes
-/// it already goes on, and what it adds is not seen.
+/// it already goes on, and what it adds is not seen. After that one's end it is kept from the next read on.
 std::unique_ptr<RecordingBytes> openRecordingFile(const std::filesystem::path& file);
 
 /// Reads one record at a time; its memory is that of the largest record.
