@@ -1,6 +1,9 @@
 #include "transport/subscriber.h"
 
+#include <thread>
+
 #include "core/error.h"
+#include "transport/chunks.h"
 
 namespace strandcast {
 namespace {
@@ -9,6 +12,7 @@ constexpr std::chrono::milliseconds kSendAgain{500}, kLook{20};
 
 std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
                                const std::function<bool()>& gives_up) {
+  checkCommand(command, command.groom_id);  // what never fits is not sent again
   for (;;) {
     try {
       subscriber.send(command, gives_up);
@@ -20,6 +24,7 @@ std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
     } catch (const Error&) {
       if (!subscriber.mayCommand() || gives_up()) throw;
     }
+    std::this_thread::sleep_for(kLook);  // an Error may come at once
   }
 }
 

@@ -85,7 +85,7 @@ class Subscriber {
 
 /// Sends the command, again every half second, until the daemon has answered; however often it comes, a
 /// daemon obeys it once. Its answer as of waitForAnswer(); nothing, or the Error of the last send, soon after
-/// `gives_up` is true.
+/// `gives_up` is true. Throws Error at once on a command that the wire does not take.
 std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
                                const std::function<bool()>& gives_up);
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "core/error.h"
@@ -157,6 +158,19 @@ TEST(InProcess, CommandsAndStatusArrive) {
   EXPECT_EQ(subscriber->waitForAnswer(3, std::chrono::milliseconds(0)), "") << "kept";
   bad.groom_id = 3;
   EXPECT_THROW(subscriber->send(bad), Error) << "nobody is left";
+}
+
+TEST(InProcess, ACommandThatNeverFitsIsNotAskedAgain) {
+  auto [publisher, subscriber] = makeInProcessChannel(3);
+  Command command{.id = 1, .kind = CommandKind::kAddCollider, .name = "ball", .values = {HUGE_VAL}};
+  int looks = 0;
+  EXPECT_THROW(ask(*subscriber, command, [&] { return ++looks > 1000; }), Error);
+  EXPECT_EQ(looks, 0);
+  command.values = {1};
+  publisher.reset();
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_THROW(ask(*subscriber, command, [&] { return ++looks >= 5; }), Error) << "nobody is there yet";
+  EXPECT_GE(std::chrono::steady_clock::now() - start, milliseconds(60)) << "nor is the machine kept busy";
 }
 
 }  // namespace
