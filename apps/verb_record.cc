@@ -28,12 +28,14 @@ struct RecordOptions {
   bool json = false;
 };
 
+constexpr double kRounding = 1e-6;  // s
+
 /// Shows how far it is; true when it has the seconds that were asked for.
 bool isLongEnough(const Recorder& recorder, const RecordOptions& o, ProgressBar& bar) {
   bar.show(
       fmt::format("{:.1f} s, {:.1f} MB", recorder.seconds(), 1e-6 * static_cast<double>(recorder.bytes())),
       o.seconds > 0 ? recorder.seconds() / o.seconds : 0);
-  return o.seconds > 0 && recorder.seconds() >= o.seconds - 1e-6;
+  return o.seconds > 0 && recorder.seconds() >= o.seconds - kRounding;
 }
 
 void addFile(Report& out, const Recorder& recorder, const RecordOptions& o) {
@@ -120,7 +122,10 @@ int recordStream(const RecordOptions& o, const Settings& settings) {
   out.print(o.json);
   if (skipped > 0)
     spdlog::warn("{} frames were lost on the way or came faster than they could be written", skipped);
-  return g_interrupted ? kExitInterrupted : 0;
+  if (g_interrupted) return kExitInterrupted;
+  if (o.seconds == 0 || recorder.seconds() >= o.seconds - kRounding) return 0;
+  spdlog::warn("the stream ended after {:.3f} of {:g} s", recorder.seconds(), o.seconds);
+  return kExitCheckFailed;
 }
 
 int record(const RecordOptions& o) {
@@ -136,7 +141,8 @@ Verb addRecord(CLI::App& app) {
   app.footer(
       "Records what a daemon casts, over any transport, until the stream ends, --seconds or Ctrl-C. With "
       "--scene, --groom or --config it simulates here instead, as fast as it can. Whatever ends it, the file "
-      "can be replayed up to there. (`strandcastd --record FILE` also records the commands, so that `replay "
+      "can be replayed up to there; exit code 1 where a stream ended before --seconds. (`strandcastd "
+      "--record FILE` also records the commands, so that `replay "
       "--resimulate` can repeat the simulation.)\n"
       "Examples:\n"
       "  strandcast record take1.rec --seconds 10\n"

@@ -488,6 +488,24 @@ TEST_F(Programs, ATakeOutlivesARecordThatHearsNothing) {
   EXPECT_EQ(contents(take), "an old take");
 }
 
+TEST_F(Programs, ARecordOfAStreamThatEndsTooSoonSaysSo) {
+  const std::string log = " --transport lcm --lcm-url 'file://" + (folder_ / "a.log").string();
+  const Outcome cast = run(daemon_ +
+                           " --scene straight --strands 20 --backend reference --body-contact "
+                           "spheres --quiet --duration 0.5" +
+                           log + "?mode=w'");
+  if (cast.err.find("LCM cannot") != std::string::npos || cast.err.find("LCM is not") != std::string::npos)
+    GTEST_SKIP() << cast.err;
+  ASSERT_EQ(cast.exit_code, 0) << cast.err;
+  const std::string record =
+      program_ + " record " + (folder_ / "a.rec").string() + " --timeout 0.5" + log + "?mode=r'";
+  const Outcome all = run(record), early = run(record + " --seconds 60 --json");
+  EXPECT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_EQ(early.exit_code, 1) << early.err;
+  EXPECT_NE(early.err.find("the stream ended after"), std::string::npos) << early.err;
+  EXPECT_GT(nlohmann::json::parse(early.out)["frames"], 0) << "what came is kept";
+}
+
 TEST_F(Programs, AnInterruptWhileADaemonListensForOthersEndsItAtOnce) {
   if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
   const std::filesystem::path take = write("take.rec", "an old take");
