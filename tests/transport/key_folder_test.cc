@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
 
 #include "tests/error_of.h"
+#include "tests/full_disk.h"
 #include "tests/groom/scratch_folder.h"
 #include "transport/security/test_authority.h"
 
@@ -50,6 +53,21 @@ TEST_F(KeyFolder, TestKeysAreSoundAndPrivate) {
             std::string::npos);
   write(scratch_ / "file", "");
   EXPECT_NE(errorOf([&] { makeTestKeys(scratch_ / "file" / "keys", 30); }), "");
+}
+
+TEST_F(KeyFolder, OnesThatCannotBeWrittenLeaveNothing) {
+  const fs::path place = scratch_ / "new" / "keys" / "";
+  for (const rlim_t bytes : {100, 600, 1000}) {
+    const std::string failure = errorOf([&] {
+      const FullDisk disk(bytes);
+      makeTestKeys(place, 30);
+    });
+    EXPECT_NE(failure.find("cannot be written"), std::string::npos) << failure;
+    EXPECT_NE(failure.find(std::strerror(EFBIG)), std::string::npos) << failure;
+    EXPECT_FALSE(fs::exists(scratch_ / "new")) << bytes;
+  }
+  EXPECT_EQ(errorOf([&] { checkKeyFolder(makeTestKeys(place, 30)[0].folder); }), "");
+  EXPECT_EQ(std::distance(fs::directory_iterator(scratch_ / "new"), {}), 1);
 }
 
 TEST_F(KeyFolder, AMissingOrMeaninglessFileIsNamed) {

@@ -72,10 +72,15 @@ void write(const std::filesystem::path& file, BIO& bytes, mode_t mode) {
   char* data = nullptr;
   const long size = BIO_get_mem_data(&bytes, &data);
   const int out = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-  const bool is_written = out >= 0 && ::write(out, data, static_cast<size_t>(size)) == size;
+  long left = out >= 0 ? size : -1;
+  while (left > 0) {  // a full disk takes the beginning, and tells why at the rest
+    const ssize_t put = ::write(out, data + (size - left), static_cast<size_t>(left));
+    if (put <= 0) break;
+    left -= put;
+  }
   const int cause = errno;
   if (out >= 0) close(out);
-  if (!is_written) throw Error("a key file cannot be written", file.string(), std::strerror(cause));
+  if (left != 0) throw Error("a key file cannot be written", file.string(), std::strerror(cause));
 }
 
 constexpr mode_t kPublic = 0644, kSecret = 0600;
@@ -103,6 +108,55 @@ void writeSigned(const std::filesystem::path& file, const std::string& document,
   write(file, *bytes, kPublic);
 }
 
+/// Made beside its place, which it takes once it is whole; else nothing of it stays.
+class NewFolder {
+ public:
+  explicit NewFolder(const std::filesystem::path& place)
+      : place_(place.has_filename() ? place : place.parent_path()),
+        beside_(place_.string() + "." + std::to_string(getpid())) {
+    std::error_code failure;
+    std::filesystem::path parent = beside_.parent_path();
+    for (; std::filesystem::status(parent, failure).type() == std::filesystem::file_type::not_found &&
+           !parent.empty();
+         parent = parent.parent_path())
+      new_parents_.push_back(parent);
+    make(beside_);
+  }
+  ~NewFolder() {
+    if (!is_kept_) remove();
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+
+  const std::filesystem::path& path() const { return beside_; }
+  void make(const std::filesystem::path& folder) {
+    std::error_code failure;
+    std::filesystem::create_directories(folder, failure);
+    if (failure) fail(failure);
+  }
+  void keep() {
+    std::error_code failure;
+    std::filesystem::rename(beside_, place_, failure);
+    if (failure) fail(failure);
+    is_kept_ = true;
+  }
+
+ private:
+  [[noreturn]] void fail(std::error_code cause) {
+    remove();
+    throw Error("the folder cannot be made", place_.string(), cause.message());
+  }
+  void remove() {
+    std::error_code ignored;
+    std::filesystem::remove_all(beside_, ignored);
+    for (const std::filesystem::path& parent : new_parents_) std::filesystem::remove(parent, ignored);
+  }
+
+  const std::filesystem::path place_, beside_;
+  std::vector<std::filesystem::path> new_parents_;  // innermost first
+  bool is_kept_ = false;
+};
+
 }  // namespace
 
 std::vector<TestIdentity> makeTestKeys(const std::filesystem::path& folder, int days) {
@@ -110,9 +164,9 @@ std::vector<TestIdentity> makeTestKeys(const std::filesystem::path& folder, int 
   std::error_code failure;
   if (std::filesystem::exists(folder, failure))
     throw Error("there is something already", folder.string(), "name a new folder; nothing is replaced");
-  const std::filesystem::path ca = folder / "ca";
-  std::filesystem::create_directories(ca, failure);
-  if (failure) throw Error("the folder cannot be made", folder.string(), failure.message());
+  NewFolder made(folder);
+  const std::filesystem::path ca = made.path() / "ca";
+  made.make(ca);
 
   const Identity authority = makeIdentity("strandcast test CA", days, nullptr);
   writeCertificate(ca / kCertificate, *authority.certificate);
@@ -124,9 +178,8 @@ std::vector<TestIdentity> makeTestKeys(const std::filesystem::path& folder, int 
   std::vector<TestIdentity> identities;
   for (const KeyRole role : {KeyRole::kDaemon, KeyRole::kRenderer, KeyRole::kReader}) {
     const std::string name = std::string("strandcast ") + nameOf(role);
-    const std::filesystem::path own = folder / nameOf(role);
-    std::filesystem::create_directory(own, failure);
-    if (failure) throw Error("the folder cannot be made", own.string(), failure.message());
+    const std::filesystem::path own = made.path() / nameOf(role);
+    made.make(own);
     const Identity identity = makeIdentity(name, days, &authority);
     writeCertificate(own / kIdentityCa, *authority.certificate);
     writeCertificate(own / kPermissionsCa, *authority.certificate);
@@ -136,8 +189,9 @@ std::vector<TestIdentity> makeTestKeys(const std::filesystem::path& folder, int 
     const std::string permissions = permissionsXml(role, "CN=" + name, now - kDay, now + days * kDay);
     write(own / "permissions.xml", *memoryOf(permissions), kPublic);
     writeSigned(own / kPermissions, permissions, authority);
-    identities.push_back({role, own, "CN=" + name});
+    identities.push_back({role, folder / nameOf(role), "CN=" + name});
   }
+  made.keep();
   return identities;
 }
 
