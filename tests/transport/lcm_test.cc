@@ -350,6 +350,40 @@ TEST(Lcm, CommandsAreObeyedOnceAndAnsweredThroughLosses) {
   EXPECT_EQ(obeyed, 4);
 }
 
+/// Counts the messages that a thread sends.
+class ThreadCountingLink final : public MessageLink {
+ public:
+  std::vector<Listening> listen(std::vector<Channel> channels) override {
+    return link_.listen(std::move(channels));
+  }
+  void send(const std::string& channel, std::span<const uint8_t> message) override {
+    if (std::this_thread::get_id() == own_) ++sent_;
+    link_.send(channel, message);
+  }
+  int sent() const { return sent_; }
+
+ private:
+  const std::thread::id own_ = std::this_thread::get_id();
+  std::atomic<int> sent_{0};
+  LossyLink link_;
+};
+
+TEST(Lcm, AColliderHoldsNoFrames) {
+  const auto link = std::make_shared<ThreadCountingLink>();
+  const auto publisher = makeLcmPublisher(link, options(11));
+  const auto subscriber = makeLcmSubscriber(link, options(0));
+  const GroomDescription groom = hair();
+  expectEverything(*publisher, *subscriber, groom);
+  const int before = link->sent();
+  EXPECT_GT(before, 5) << "the groom goes out before its first frame";
+  publisher->announceColliders(sampleColliders());
+  EXPECT_EQ(link->sent(), before) << "another thread sends all that";
+  EXPECT_TRUE(becomesTrue([&] {
+    const auto colliders = subscriber->colliders();
+    return colliders && colliders->colliders.size() == 2;
+  }));
+}
+
 TEST(Lcm, TheGroomComesThroughLosses) {
   const auto link = std::make_shared<LossyLink>(Losses{0.3, 0.1, 0.3, 5});
   const auto publisher = makeLcmPublisher(link, options(11));

@@ -2,6 +2,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -69,7 +70,9 @@ class LcmPublisher final : public Publisher {
     announced_.accept(groom);
     std::unique_lock lock(mutex_);
     description_ = std::move(carousel);
-    turnCarousel(lock);
+    turnCarousel();
+    sendDescription(lock);  // before the first frame that fits it
+    wake_.notify_all();
   }
 
   void announceColliders(const ColliderSet& colliders) override {
@@ -77,14 +80,15 @@ class LcmPublisher final : public Publisher {
     ColliderSet own = colliders;
     own.groom_id = options_.groom_id;
     own.session = options_.session;
-    std::vector<Message> messages;
-    for (const ColliderChunk& chunk : splitColliders(own)) {
-      messages.push_back({channels_.colliders, {}});
-      toBytes(chunk, messages.back().bytes);
-    }
     std::unique_lock lock(mutex_);
-    colliders_ = std::move(messages);
-    turnCarousel(lock);
+    next_colliders_ = std::move(own);
+    if (description_.empty()) return encodeColliders(lock);  // they come with the groom
+    if (isWrittenLog(options_.url)) {
+      encodeColliders(lock);
+      return sendDescription(lock);
+    }
+    repeat_due_ = Clock::now();  // the frames that follow do not wait for it
+    wake_.notify_all();
   }
 
   void publish(const GuideFrame& frame) override {
@@ -177,6 +181,7 @@ class LcmPublisher final : public Publisher {
         status_due_ = now + kStatusPeriod;
       }
       if (carousel_ && now >= repeat_due_) {
+        if (next_colliders_) encodeColliders(lock);
         sendDescription(lock);
       } else {
         wake_.wait_until(lock, carousel_ ? std::min(status_due_, repeat_due_) : status_due_);
@@ -184,15 +189,25 @@ class LcmPublisher final : public Publisher {
     }
   }
 
-  /// What has changed goes out at once.
-  void turnCarousel(std::unique_lock<std::mutex>& lock) {
-    if (description_.empty()) return;  // colliders come with the groom
+  void encodeColliders(std::unique_lock<std::mutex>& lock) {
+    const ColliderSet colliders = *std::exchange(next_colliders_, std::nullopt);
+    lock.unlock();
+    std::vector<Message> messages;
+    for (const ColliderChunk& chunk : splitColliders(colliders)) {
+      messages.push_back({channels_.colliders, {}});
+      toBytes(chunk, messages.back().bytes);
+    }
+    lock.lock();
+    colliders_ = std::move(messages);
+    if (!description_.empty()) turnCarousel();
+  }
+
+  /// What has changed is sent next.
+  void turnCarousel() {
     auto carousel = std::make_shared<std::vector<Message>>(description_);
     carousel->insert(carousel->end(), colliders_.begin(), colliders_.end());
     carousel_ = std::move(carousel);
     is_asked_ = true;
-    sendDescription(lock);
-    wake_.notify_all();
   }
 
   /// Once through; a newer one takes its place. Colliders of many chunks, fields, go to those who ask alone.
@@ -207,8 +222,8 @@ class LcmPublisher final : public Publisher {
       lock.lock();
     }
     repeated_ = Clock::now();
-    repeat_due_ =
-        carousel != carousel_ ? repeated_ : repeated_ + (is_asked_ ? kRepeatAtMost : kCarouselPeriod);
+    const bool has_changed = carousel != carousel_ || next_colliders_;
+    repeat_due_ = has_changed ? repeated_ : repeated_ + (is_asked_ ? kRepeatAtMost : kCarouselPeriod);
   }
 
   const LcmOptions options_;
@@ -220,6 +235,7 @@ class LcmPublisher final : public Publisher {
   mutable std::mutex mutex_;  // of all that follows
   std::condition_variable wake_;
   std::vector<Message> description_, colliders_;
+  std::optional<ColliderSet> next_colliders_;             // that are to take the place of those
   std::shared_ptr<const std::vector<Message>> carousel_;  // both
   Clock::time_point repeat_due_ = Clock::time_point::max(), repeated_{}, status_due_{};
   std::vector<uint8_t> status_message_;
