@@ -17,8 +17,8 @@ namespace strandcast {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr Clock::duration kLook = std::chrono::milliseconds(4);  // between looks at commands
-constexpr double kStatusInterval = 0.5;                          // s
+constexpr double kLook = 0.004;              // s, between looks at commands
+constexpr double kStatusInterval = 0.5;      // s
 constexpr double kStillInterval = 0.25;      // s: a frame that stands still is shown again to who comes late
 constexpr double kMovedInterval = 1.0 / 60;  // s, between frames that do not follow each other
 
@@ -52,7 +52,11 @@ void Replay::apply(const Command& command) {
   switch (command.kind) {
     case CommandKind::kSetParameter:
       if (command.name == "speed") {
-        options_.speed = numberOf(command, 0, kMaxReplaySpeed);
+        const double speed = numberOf(command, 0, kMaxReplaySpeed);
+        if (!isReplaySpeed(speed))
+          throw Error("out of range", command.name,
+                      fmt::format("give 0, or one number, {:g} to {:g}", kMinReplaySpeed, kMaxReplaySpeed));
+        options_.speed = speed;
       } else if (command.name == "position") {
         target_ = numberOf(command, 0, std::max(end(), options_.from));
       } else if (command.name == "loop") {
@@ -181,7 +185,8 @@ ReplaySummary Replay::run(const std::atomic<bool>& stop) {
       publishStatus();
       status_due = Clock::now() + durationOf(kStatusInterval);
     }
-    std::this_thread::sleep_for(std::clamp(durationOf(due - secondsSince(shown)), Clock::duration(0), kLook));
+    // As numbers: a frame of a paused daemon that was recorded may be due in more than a clock holds.
+    std::this_thread::sleep_for(durationOf(std::clamp(due - secondsSince(shown), 0.0, kLook)));
   }
   publishStatus();
   summary_.seconds = secondsSince(start);

@@ -10,12 +10,16 @@
 namespace strandcast {
 
 struct ReplayOptions {
-  double speed = 1;  ///< 0 to kMaxReplaySpeed; 0 stands still
+  double speed = 1;  ///< see isReplaySpeed()
   bool loops = false;
   double from = 0;  ///< s of the recording, where it begins and loops to
   double to = 0;    ///< s, where it ends; 0 = at its end
 };
-inline constexpr double kMaxReplaySpeed = 100;
+inline constexpr double kMinReplaySpeed = 0.001, kMaxReplaySpeed = 100;
+/// 0 stands still.
+inline bool isReplaySpeed(double speed) {
+  return speed == 0 || (speed >= kMinReplaySpeed && speed <= kMaxReplaySpeed);
+}
 
 struct ReplaySummary {
   uint64_t frames = 0;   ///< published

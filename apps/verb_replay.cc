@@ -34,6 +34,15 @@ struct ReplayVerbOptions {
   bool checks = false, resimulates = false, json = false;
 };
 
+CLI::Validator notTooSlow() {
+  const auto refuse = [](const std::string& text) {
+    double speed = 0;
+    if (CLI::detail::lexical_cast(text, speed) && isReplaySpeed(speed)) return std::string();
+    return fmt::format("{} is too slow: give {:g} or more, or 0", text, kMinReplaySpeed);
+  };
+  return {refuse, ""};
+}
+
 void addFile(Report& out, const Recording& recording) {
   out.addCount("frames", "frames", recording.frames());
   out.add("seconds", "simulated", recording.seconds(), "s", 3);
@@ -225,10 +234,12 @@ Verb addReplay(CLI::App& app) {
       "  strandcast record air.rec --scene straight --set wind_grid=1 --seconds 2 --grids 6\n"
       "  strandcast replay air.rec --show wind --out slices");
   app.add_option("FILE", o->file, "recording, of `strandcast record` or `strandcastd --record`")->required();
-  auto* speed =
-      app.add_option("--speed", o->replay.speed, "times as fast as it was simulated; 0 stands still")
-          ->check(finiteRange(0.0, kMaxReplaySpeed))
-          ->capture_default_str();
+  auto* speed = app.add_option("--speed", o->replay.speed,
+                               fmt::format("times as fast as it was simulated, {:g} or more; 0 stands still",
+                                           kMinReplaySpeed))
+                    ->check(finiteRange(0.0, kMaxReplaySpeed))
+                    ->check(notTooSlow())
+                    ->capture_default_str();
   auto* loop = app.add_flag("--loop", o->replay.loops, "begin again at the end");
   auto* from = app.add_option("--from", o->replay.from, "seconds of the recording to begin at")
                    ->check(finiteRange(0.0, 1e6));

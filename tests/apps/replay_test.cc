@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <set>
 #include <thread>
 
@@ -117,12 +118,24 @@ TEST_F(ReplayTest, LoopsAndIsMovedByCommands) {
   ASSERT_TRUE(again) << "is shown again to who comes late";
   EXPECT_EQ(again->positions, frame->positions);
 
+  EXPECT_NE(order(CommandKind::kSetParameter, "speed", {1e-12}).find("out of range"), std::string::npos);
   EXPECT_NE(order(CommandKind::kSetParameter, "wind", {1, 2, 3}).find("does not obey"), std::string::npos);
   EXPECT_NE(order(CommandKind::kSetParameter, "position", {1e5}).find("out of range"), std::string::npos);
   EXPECT_NE(order(CommandKind::kHeadMotion, "nod").find("does not obey"), std::string::npos);
   EXPECT_EQ(order(CommandKind::kReset), "");
   EXPECT_EQ(order(CommandKind::kShutdown), "");
   finish();
+}
+
+/// s of this process.
+double processorTime() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+TEST_F(ReplayTest, AFrameThatIsDueInAnAgeIsWaitedForAsleep) {
+  start({1e-12, true});
+  ASSERT_TRUE(subscriber_->waitForFrame(0, milliseconds(5000)));
+  const double before = processorTime();
+  std::this_thread::sleep_for(milliseconds(500));
+  EXPECT_LT(processorTime() - before, 0.25);
 }
 
 TEST_F(ReplayTest, NothingToReplayIsSaid) {
