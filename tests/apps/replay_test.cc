@@ -12,6 +12,7 @@
 #include "tests/error_of.h"
 #include "tests/groom/scratch_folder.h"
 #include "tests/transport/moving_hair.h"
+#include "transport/command_queue.h"
 #include "transport/in_process.h"
 #include "transport/parameter_table.h"
 #include "transport/recording/recorder.h"
@@ -136,6 +137,38 @@ TEST_F(ReplayTest, AFrameThatIsDueInAnAgeIsWaitedForAsleep) {
   const double before = processorTime();
   std::this_thread::sleep_for(milliseconds(500));
   EXPECT_LT(processorTime() - before, 0.25);
+}
+
+/// A channel full of commands, which ends what casts on it after three frames.
+class FloodedChannel final : public Publisher {
+ public:
+  explicit FloodedChannel(std::atomic<bool>& stop) : stop_(stop) {}
+  std::vector<uint64_t> taken_before;  // per frame: commands since the start
+  std::optional<Command> takeCommand() override {
+    return Command{.id = ++taken_, .kind = CommandKind::kReset, .name = "", .values = {}};
+  }
+  void publish(const GuideFrame&) override {
+    taken_before.push_back(taken_);
+    stop_ = taken_before.size() == 3;
+  }
+  void announce(const GroomDescription&, const BodyDescription&) override {}
+  void announceColliders(const ColliderSet&) override {}
+  void publishStatus(const Status&) override {}
+  uint32_t matchedReaders() const override { return 0; }
+  EncodingReport encoding() const override { return {}; }
+  std::optional<Rival> rival() const override { return std::nullopt; }
+
+ private:
+  std::atomic<bool>& stop_;
+  uint64_t taken_ = 0;
+};
+
+TEST_F(ReplayTest, AFloodOfCommandsDoesNotHoldIt) {
+  FloodedChannel channel(stop_);
+  Recording recording(file_);
+  Replay(recording, channel, 1, 77, {}).run(stop_);
+  EXPECT_EQ(channel.taken_before, (std::vector<uint64_t>{kMaxCommandsPerFrame, 2 * kMaxCommandsPerFrame,
+                                                         3 * kMaxCommandsPerFrame}));
 }
 
 TEST_F(ReplayTest, NothingToReplayIsSaid) {
