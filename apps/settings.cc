@@ -49,10 +49,13 @@ double numberOf(const std::string& text, const std::string& where, const std::st
   }
 }
 
+/// Also what is behind the last `at`, where that is nothing: "1," are "1" and "".
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts;
-  std::stringstream rest(text);
-  for (std::string part; std::getline(rest, part, at);) parts.push_back(part);
+  for (size_t first = 0, end = 0; end != std::string::npos; first = end + 1) {
+    end = text.find(at, first);
+    parts.push_back(text.substr(first, end - first));
+  }
   return parts;
 }
 
@@ -190,7 +193,7 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   scene->add_option("--length", given_.scene.length, "length of procedural hair, m")
       ->check(finiteRange(0.01, 2.0));
   scene->add_option("--seed", given_.scene.seed, "of everything random")
-      ->check(CLI::Range(0.0, kLargestSeed))
+      ->check(CLI::Range(uint64_t{0}, static_cast<uint64_t>(kLargestSeed)))
       ->capture_default_str();
 
   scene->add_option("--material", material_, materialHelp());

@@ -207,6 +207,9 @@ int cast(Recording& recording, const ReplayVerbOptions& o) {
 }
 
 int replay(const ReplayVerbOptions& o) {
+  if (o.replay.to > 0 && o.replay.to <= o.replay.from)
+    throw Error("the end is not after the beginning",
+                fmt::format("--from {:g} --to {:g}", o.replay.from, o.replay.to), "give a later --to");
   Recording recording(o.file);
   if (recording.isCut())
     spdlog::warn("{} was cut or not closed: {} frames, {:.1f} s can be read", o.file.string(),

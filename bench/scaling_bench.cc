@@ -14,6 +14,7 @@
 #include "apps/backends.h"
 #include "apps/console.h"
 #include "apps/daemon.h"
+#include "apps/finite_range.h"
 #include "bench/axis_fit.h"
 #include "bench/bench_scene.h"
 #include "bench/reader_process.h"
@@ -409,8 +410,9 @@ std::function<int()> addScalingBench(CLI::App& app) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option(
-      "--budget", o->budget,
-      "s: sizes that would take longer, making the scene included, are left out; 300, with --quick 15");
+         "--budget", o->budget,
+         "s: sizes that would take longer, making the scene included, are left out; 300, with --quick 15")
+      ->check(finiteRange(0.001, 1e6));
   app.add_flag("--quick", o->quick, "fewer steps of each");
   addPrintOptions(app, o->print);
   return [o] { return scaling(*o); };

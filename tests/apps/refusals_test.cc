@@ -111,12 +111,26 @@ TEST_F(Refusals, WhatWouldBeIgnoredIsRefused) {
   if (STRANDCAST_GL) {
     EXPECT_NE(run(program_ + " bake a.obj --slices ''").err.find("name a folder"), std::string::npos);
   }
+  for (const auto& [options, told] :
+       {std::pair{" --set wind=1,2,3,", "'' is not a number"},
+        std::pair{" --set air_drag=", "is not a number"},
+        std::pair{" --material all:radius=5e-5,", "'' is not NAME=VALUE"},
+        std::pair{" --material all:radius_curve=0:1/", "is not a number"},
+        std::pair{" --seed 1e15", "not in range 0 to 1000000000000000"},
+        std::pair{" --seed -1", "not in range"}, std::pair{" --seed 1000000000000001", "not in range"}}) {
+    const Outcome r = tryFor(20, record + " --scene straight" + options);
+    EXPECT_EQ(r.exit_code, 2) << options << r.out;
+    EXPECT_NE(r.err.find(told), std::string::npos) << options << "\n" << r.err;
+  }
   const std::string url = " --lcm-url udpm://239.255.76.67:7667";
   for (const auto& [command, advice] :
        {std::pair{daemon_ + url, "--transport lcm"},
         std::pair{program_ + " ctl list" + url, "--transport lcm"},
         std::pair{program_ + " ctl list --transport lcm --peers 10.0.0.1", "--lcm-url"},
         std::pair{program_ + " replay a.rec --check --from 1", "--check"},
+        std::pair{program_ + " replay a.rec --from 1.5 --to 0.5", "give a later --to"},
+        std::pair{program_ + " replay a.rec --from 1 --to 1", "give a later --to"},
+        std::pair{program_ + " replay a.rec --speed 1e-9", "too slow"},
         std::pair{program_ + " replay a.rec --resimulate --loop", "--resimulate"}}) {
     const Outcome r = tryFor(20, command);
     EXPECT_EQ(r.exit_code, 2) << command << r.out;
