@@ -307,8 +307,7 @@ const PictureSetting& pictureSetting(const std::string& name, const std::string&
     if (setting.info.name == name) return setting;
     names.push_back(setting.info.name);
   }
-  throw Error("unknown setting of a picture '" + name + "'", where,
-              "did you mean '" + nearestName(name, names) + "'?");
+  throw Error("unknown setting of a picture '" + name + "'", where, didYouMean(name, names));
 }
 
 void setPicture(PictureOptions& options, const PictureSetting& setting, const std::vector<double>& values,

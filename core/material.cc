@@ -129,8 +129,7 @@ const Entry& entryOf(const std::string& name, const std::string& where) {
     if (entry.info.name == name) return entry;
     names.push_back(entry.info.name);
   }
-  throw Error("unknown material setting '" + name + "'", where,
-              "did you mean '" + nearestName(name, names) + "'?");
+  throw Error("unknown material setting '" + name + "'", where, didYouMean(name, names));
 }
 
 RootTipCurve curveOf(const Entry& entry, const std::vector<double>& values, const std::string& where) {

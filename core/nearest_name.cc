@@ -24,10 +24,16 @@ size_t editDistance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string nearestName(const std::string& name, std::span<const std::string> names) {
-  return *std::min_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
-    return editDistance(a, name) < editDistance(b, name);
-  });
+std::string didYouMean(const std::string& name, std::span<const std::string> names) {
+  const std::string* nearest = nullptr;
+  size_t fewest = (name.size() + 2) / 3;  // more edits make another name of it
+  for (const std::string& known : names) {
+    const size_t edits = editDistance(known, name);
+    if (edits > fewest || (nearest != nullptr && edits == fewest)) continue;
+    nearest = &known;
+    fewest = edits;
+  }
+  return nearest == nullptr ? "" : "did you mean '" + *nearest + "'?";
 }
 
 }  // namespace strandcast

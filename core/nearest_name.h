@@ -4,8 +4,8 @@
 
 namespace strandcast {
 
-/// The one of `names` (at least one) that takes the fewest single-character edits to become `name`
-/// (Levenshtein 1966), for "did you mean"; the first of several.
-std::string nearestName(const std::string& name, std::span<const std::string> names);
+/// "did you mean 'wind'?" of the one of `names` that takes the fewest single-character edits to become `name`
+/// (Levenshtein 1966), the first of several; empty where none is near.
+std::string didYouMean(const std::string& name, std::span<const std::string> names);
 
 }  // namespace strandcast

@@ -94,7 +94,8 @@ const Entry& entry(const std::string& name, const std::string& where) {
     if (e.info.name == name) return e;
   std::vector<std::string> names;
   for (const Entry& e : list) names.push_back(e.info.name);
-  std::string advice = "did you mean '" + nearestName(name, names) + "'?";
+  std::string advice = didYouMean(name, names);
+  if (advice.empty()) advice = "`strandcastd --help` lists them";
   for (const MaterialSettingInfo& setting : materialSettingList())
     if (setting.name == name) advice = "it is of the hair's material: --material all:" + name + "=VALUE";
   throw Error("unknown parameter '" + name + "'", where, advice);

@@ -137,7 +137,7 @@ void Simulation::setBonePose(const std::string& bone, const Pose& pose) {
   const auto known = std::find(model_->bones.begin(), model_->bones.end(), bone);
   if (known == model_->bones.end())
     throw Error("there is no bone '" + bone + "'", "Simulation::setBonePose",
-                "did you mean '" + nearestName(bone, model_->bones) + "'?");
+                didYouMean(bone, model_->bones));
   setBonePose(static_cast<size_t>(known - model_->bones.begin()), pose);
 }
 

@@ -43,8 +43,7 @@ size_t jointNamed(const SkinnedMesh& skin, const std::string& name) {
   if (found >= 0) return static_cast<size_t>(found);
   std::vector<std::string> names;
   for (const SkeletonJoint& joint : skin.skeleton.joints) names.push_back(joint.name);
-  throw Error("the body has no joint '" + name + "'", skin.mesh.name,
-              "did you mean '" + nearestName(name, names) + "'?");
+  throw Error("the body has no joint '" + name + "'", skin.mesh.name, didYouMean(name, names));
 }
 
 SkeletonClip clipNamed(const SkinnedMesh& skin, const std::string& name, std::vector<std::string>& notes) {
@@ -61,9 +60,8 @@ SkeletonClip clipNamed(const SkinnedMesh& skin, const std::string& name, std::ve
     if (clip.name == name) return clip;
     names.push_back(clip.name);
   }
-  throw Error(
-      "the body has no clip '" + name + "'", skin.mesh.name,
-      names.empty() ? "it has none; give a .bvh file" : "did you mean '" + nearestName(name, names) + "'?");
+  throw Error("the body has no clip '" + name + "'", skin.mesh.name,
+              names.empty() ? "it has none; give a .bvh file" : didYouMean(name, names));
 }
 
 JointTransform between(const JointTransform& a, const JointTransform& b, double t) {

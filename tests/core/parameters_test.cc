@@ -55,6 +55,11 @@ TEST(Parameters, AnUnknownNameIsAnErrorThatNamesTheNearest) {
   EXPECT_NE(error.find("config.toml:7"), std::string::npos) << error;
   EXPECT_NE(error.find("did you mean 'air_drag'"), std::string::npos) << error;
   EXPECT_THROW(parameter(Parameters(), "air_darg"), Error);
+  for (const char* far : {"foo", "", "temperature"}) {
+    const std::string none = errorOf(far, {1});
+    EXPECT_EQ(none.find("did you mean"), std::string::npos) << none;
+    EXPECT_NE(none.find("--help"), std::string::npos) << none;
+  }
 }
 
 TEST(Parameters, AWrongNumberOfComponentsIsAnError) {
