@@ -59,7 +59,7 @@ RecordingOptions recordingOptions(const Settings& settings) {
 int simulateAndRecord(const RecordOptions& o, const Settings& settings) {
   // Nobody listens at the other end.
   auto [channel, listener] = makeInProcessChannel(settings.groom_id);
-  RecordingPublisher publisher(std::move(channel));
+  RecordingPublisher publisher(std::move(channel), false);
   Daemon daemon(settings, makeSceneAloud(settings.scene), publisher, newSession());
   publisher.open(o.file, recordingOptions(settings));
   const Recorder& recorder = publisher.recorder();

@@ -176,6 +176,11 @@ TEST_F(Refusals, OutputThatCannotBeWrittenIsAnError) {
     EXPECT_NE(r.err.find("error: standard output"), std::string::npos) << words << r.err;
   }
   EXPECT_EQ(outcome(daemon_ + " --help >/dev/full").exit_code, 2);
+  const Outcome full = outcome(program_ +
+                               " record /dev/full --scene straight --strands 20 --backend reference "
+                               "--body-contact spheres --seconds 0.1");
+  EXPECT_NE(full.err.find("is the disk full?"), std::string::npos) << full.err;
+  EXPECT_EQ(full.err.find("casting"), std::string::npos) << "nothing is cast: " << full.err;
   for (const char* ignoring : {"", "trap \"\" PIPE; "}) {
     const Outcome left = outcome(ignoring + program_ + " info --backends | :");
     EXPECT_EQ(left.err, "") << "nobody reads on: no failure";

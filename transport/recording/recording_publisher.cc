@@ -20,7 +20,8 @@ void RecordingPublisher::record(const Work& work) {
   const bool was_sound = failure_.empty();
   attempt(work);
   // The end, which tells it, may be hours away.
-  if (was_sound && !failure_.empty()) spdlog::error("casting goes on, recording does not: {}", failure_);
+  if (casts_ && was_sound && !failure_.empty())
+    spdlog::error("casting goes on, recording does not: {}", failure_);
 }
 
 void RecordingPublisher::announce(const GroomDescription& groom, const BodyDescription& body) {

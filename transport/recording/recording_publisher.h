@@ -13,7 +13,9 @@ namespace strandcast {
 /// written any more, that is logged and casting goes on without it.
 class RecordingPublisher final : public Publisher {
  public:
-  explicit RecordingPublisher(std::unique_ptr<Publisher> publisher) : publisher_(std::move(publisher)) {}
+  /// Where nobody listens to `publisher` a failure is not logged: close() tells it.
+  explicit RecordingPublisher(std::unique_ptr<Publisher> publisher, bool casts = true)
+      : publisher_(std::move(publisher)), casts_(casts) {}
   /// Records from announce() on, which makes the file: an old one stays until then. Throws Error when it
   /// cannot be made.
   void open(const std::filesystem::path& file, const RecordingOptions& options) {
@@ -45,6 +47,7 @@ class RecordingPublisher final : public Publisher {
   void record(const Work& work);
 
   const std::unique_ptr<Publisher> publisher_;
+  const bool casts_;
   std::optional<Recorder> recorder_;
   std::string failure_;
 };
