@@ -9,9 +9,12 @@ namespace strandcast {
 
 AirFilm::AirFilm(const std::string& quantity, const std::string& axis, int size,
                  const std::filesystem::path& folder)
-    : name_(quantity), quantity_(airQuantity(quantity)), axis_(axis[0] - 'x'), size_(size), folder_(folder) {
-  makeFolder(folder_);
-}
+    : name_(quantity),
+      quantity_(airQuantity(quantity)),
+      axis_(axis[0] - 'x'),
+      size_(size),
+      folder_(folder),
+      made_(folder) {}
 
 void AirFilm::draw(Simulation& simulation) {
   const AirFields* fields = airFields(simulation.surroundings());

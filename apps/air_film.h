@@ -4,6 +4,7 @@
 
 #include "apps/air_slices.h"
 #include "apps/console.h"
+#include "apps/output_folder.h"
 #include "core/simulation.h"
 
 namespace strandcast {
@@ -28,6 +29,7 @@ class AirFilm {
   const AirQuantity quantity_;
   const int axis_, size_;
   const std::filesystem::path folder_;
+  const OutputFolder made_;
   int drawn_ = 0;
   double full_ = 0;  // largest value of all pictures
   const char* unit_ = "";

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "apps/picture_folder.h"
+#include "apps/output_folder.h"
 
 namespace strandcast {
 namespace {
@@ -53,7 +53,7 @@ Image fieldSlice(const DistanceField& field, int axis, double part) {
 
 std::vector<std::filesystem::path> writeFieldSlices(const DistanceField& field,
                                                     const std::filesystem::path& folder) {
-  makeFolder(folder);
+  const OutputFolder made(folder);
   std::vector<std::filesystem::path> files;
   for (int axis = 0; axis < 3; ++axis)
     for (const int percent : {25, 50, 75}) {

@@ -19,12 +19,6 @@
 
 namespace strandcast {
 
-void makeFolder(const std::filesystem::path& folder) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed) throw Error("the folder cannot be made", folder.string(), failed.message());
-}
-
 std::filesystem::path picturePath(const std::filesystem::path& folder, int number) {
   return folder / fmt::format("frame_{:04d}.png", number);
 }

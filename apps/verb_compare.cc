@@ -13,6 +13,7 @@
 #include "apps/console.h"
 #include "apps/finite_range.h"
 #include "apps/interrupt.h"
+#include "apps/output_folder.h"
 #include "apps/picture_folder.h"
 #include "apps/picture_options.h"
 #include "apps/shake_trial.h"
@@ -154,7 +155,8 @@ void report(const CompareOptions& o, const Scene& scene, std::deque<ShakeTrial>&
 int compare(const CompareOptions& o) {
   Settings settings = o.settings->resolve();
   if (settings.scene.motion.empty()) settings.scene.motion = "shake";
-  if (!o.no_pictures) makeFolder(o.out);
+  std::optional<OutputFolder> folder;
+  if (!o.no_pictures) folder.emplace(o.out);
   const Scene scene = makeSceneAloud(settings.scene);
   std::deque<ShakeTrial> trials;
   for (const std::string& solver : o.solvers) {

@@ -14,6 +14,7 @@
 #include "apps/finite_range.h"
 #include "apps/frame_capture.h"
 #include "apps/interrupt.h"
+#include "apps/output_folder.h"
 #include "apps/picture_folder.h"
 #include "apps/picture_options.h"
 #include "apps/scene_simulation.h"
@@ -110,7 +111,7 @@ int renderAir(const RenderOptions& o, const Settings& settings) {
 int render(const RenderOptions& o) {
   const Settings settings = o.settings->resolve();
   if (o.show != "hair") return renderAir(o, settings);
-  makeFolder(o.out);
+  const OutputFolder folder(o.out);
   gl::HeadlessContext context;
   Stream stream(settings, o.settings->namesScene(), o.timeout);
   Subscriber& subscriber = stream.subscriber();

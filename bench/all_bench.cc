@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "apps/console.h"
+#include "apps/output_folder.h"
 #include "bench/bench_scene.h"
 #include "bench/headlines.h"
 #include "bench/machine.h"
@@ -118,8 +119,8 @@ int all(const AllOptions& o) {
   fs::path folder = o.out;
   if (o.save) folder = o.results / (o.machine.empty() ? folderNameOf(machine.cpu) : o.machine);
   if (folder.empty()) folder = "out/bench";
-  fs::create_directories(folder);
   const std::vector<Job> jobs = jobsOf(o);
+  const OutputFolder made(folder);
   Results results;
   std::vector<std::string> failed;
   const auto start = std::chrono::steady_clock::now();

@@ -32,7 +32,12 @@ TEST(AllBench, KeepsWhatItRanAndReportWritesThePageOfIt) {
 }
 
 TEST(AllBench, RefusesWhatItDoesNotKnow) {
-  EXPECT_EQ(runBench("all --only everything 2>/dev/null").status, 2);
+  const fs::path out = fs::temp_directory_path() / ("strandcast_none_" + std::to_string(getpid()));
+  EXPECT_EQ(runBench("all --only everything --out " + out.string() + " 2>/dev/null").status, 2);
+  EXPECT_FALSE(fs::exists(out));
+  const BenchOutput nowhere = runBench("all --only step_10k --out /proc/absent 2>&1");
+  EXPECT_EQ(nowhere.status, 2);
+  EXPECT_NE(nowhere.text.find("the folder cannot be made: /proc/absent"), std::string::npos) << nowhere.text;
 }
 
 }  // namespace
