@@ -183,7 +183,8 @@ std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth) {
     const Vec2 place = scalp.of(hair.guides, hair.weights);
     hair.importance = growth.importance ? std::max(growth.importance->at(place), kLeastImportance) : 1;
     if (growth.thickness) hair.width *= growth.thickness->at(place);
-    if (!growth.density || kept < growth.density->at(place)) hairs.push_back(hair);
+    const bool grows = !growth.density || kept < growth.density->at(place);
+    if (grows && hair.width > 0) hairs.push_back(hair);
   }
   std::stable_sort(hairs.begin(), hairs.end(),
                    [](const Hair& a, const Hair& b) { return detailKey(a) > detailKey(b); });

@@ -67,7 +67,7 @@ struct HairGrowth {
   std::shared_ptr<const CurlExample>
       curl_example{};                            ///< laid on hairs in proportion to their length; null = none
   std::shared_ptr<const ScalpMap> density{};     ///< part of the hairs that grow; null = all
-  std::shared_ptr<const ScalpMap> thickness{};   ///< factor of their width; null = 1
+  std::shared_ptr<const ScalpMap> thickness{};   ///< factor of their width, 0 grows none; null = 1
   std::shared_ptr<const ScalpMap> importance{};  ///< Hair::importance, of 0.02 or more; null = 1
   uint64_t seed = 1;
 

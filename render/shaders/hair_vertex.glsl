@@ -19,7 +19,7 @@ uniform float threshold;
 
 // Fewer, wider hairs; see hair_detail.h. The factor of a hair's width, and what is left of its dither.
 float detailWidth(Hair hair, out float left) {
-  float chance = min(threshold * hair.width * hair.importance, 1.0);
+  float chance = clamp(threshold * hair.width * hair.importance, 1e-20, 1.0);
   left = clamp((hair.dither - 1.0 + chance) / chance, 0.0, 0.99999994);
   float factor = 1.0 / chance;
 #ifdef OPACITY

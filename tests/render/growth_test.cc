@@ -182,6 +182,18 @@ TEST(HairGrowth, MapsThinOutHairAndMakeItThinner) {
   EXPECT_NEAR(width[3], 0.29, 0.06);
 }
 
+TEST(HairGrowth, WhatAMapMakesOfNoWidthDoesNotGrow) {
+  const StrandSet guides = grid(9, 0.01f, up);
+  HairGrowth growth{.hairs = 2000};
+  growth.thickness = std::make_shared<const ScalpMap>(ScalpMap{4, 1, {1, 0, 0, 1}});
+  const std::vector<Hair> hairs = growHairs(guides, growth);
+  EXPECT_GT(hairs.size(), 500u);
+  EXPECT_LT(hairs.size(), 1500u);
+  for (const Hair& hair : hairs) EXPECT_GT(hair.width, 0);
+  growth.thickness = std::make_shared<const ScalpMap>(ScalpMap{1, 1, {0}});
+  EXPECT_TRUE(growHairs(guides, growth).empty());
+}
+
 TEST(ScalpMap, IsBilinearAndItsSidesMeet) {
   const ScalpMap map{4, 2, {0, 1, 2, 3, 4, 5, 6, 7}};
   EXPECT_FLOAT_EQ(map.at(Vec2(0.125f, 0.25f)), 0);

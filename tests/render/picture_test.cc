@@ -132,6 +132,26 @@ TEST_F(Picture, ThinHairCoversAsMuchOfABrightBackgroundAsEightTimesAsManyPixelsS
   }
 }
 
+TEST_F(Picture, HairOfHardlyAnyWidthIsNotSeen) {
+  RenderSettings settings = smallPicture();
+  settings.detail = {1, 0, 0, 0};
+  const GroomDescription groom = verticalBundle(8, 8, 0.01f, 0.1f, 0.2f, 8);
+  for (const HairGeometry geometry : {HairGeometry::kLines, HairGeometry::kStrips}) {
+    settings.geometry = geometry;
+    Image images[2];
+    for (const bool hair : {false, true}) {
+      settings.growth.hairs = hair ? 1000 : 0;
+      settings.growth.thickness =
+          std::make_shared<const ScalpMap>(ScalpMap{1, 1, {1e-41f}});  // which devices take for 0
+      Renderer renderer(settings);
+      renderer.setGroom(groom);
+      renderer.draw(restFrame(groom), Camera{});
+      images[hair] = renderer.read();
+    }
+    EXPECT_EQ(images[0].rgb, images[1].rgb) << static_cast<int>(geometry);
+  }
+}
+
 TEST_F(Picture, LinesSeenFromNearAreHardlyWiderThanStrips) {
   RenderSettings settings = smallPicture();
   settings.width = settings.height = 256;
