@@ -7,7 +7,7 @@ namespace strandcast {
 
 /// How much of the hair a picture draws: fewer hairs, each wider, and every `node_stride`-th node. A hair is
 /// drawn where 1 - dither is below `threshold` x width x importance, so with the chance p of that product up
-/// to 1, and width / p wide; what is left of its dither decides anew which samples it reaches. The area
+/// to 1, and width / p wide; what is left of its dither decides anew how many samples it reaches. The area
 /// covered is right on average, and a hair that comes or goes reaches no sample then.
 struct HairDetail {
   float threshold = 1e9f;  ///< above 0

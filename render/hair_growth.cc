@@ -141,6 +141,7 @@ Hair growOne(const Plot& plot, const StrandSet& guides, const HairGrowth& growth
   hair.shade = 0.65f * random.between(-1, 1) + 0.35f * lock.between(-1, 1);
   hair.warmth = random.between(-1, 1);
   setCurl(hair, guides, growth, random, lock);
+  hair.first_sample = random.uniform();
   return hair;
 }
 

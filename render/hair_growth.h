@@ -19,7 +19,7 @@ namespace strandcast {
 /// extent]. Width is full up to three quarters of the length and then falls linearly to nothing at the tip.
 struct Hair {
   uint32_t guides[3];
-  float dither;           ///< [0, 1): decides which samples a hair narrower than a pixel reaches
+  float dither;  ///< [0, 1): decides how many samples a hair narrower than a pixel reaches, and when it goes
   float weights[3];       ///< sum to 1; 1, 0, 0 is single-strand interpolation
   float clump;            ///< 0 to 1: how far the tip closes in on guide 0
   float offset[2];        ///< m, in the lock, times HairGrowth::lock_profile
@@ -35,7 +35,8 @@ struct Hair {
   float warmth;           ///< -1 ashen to 1 red
   float importance;     ///< above 0 to 1: how long it stays when hairs are left out, as a factor of its width
   float example_scale;  ///< m, of HairGrowth::curl_example, turned by curl_phase; 0 without
-  float unused[2];
+  float first_sample;   ///< [0, 1), of a pixel's, that it reaches; what `dither` is says nothing of it
+  float unused;
 };
 static_assert(sizeof(Hair) == 96);
 

@@ -31,7 +31,7 @@ void main() {
     return;
   }
   if (samples > 1) {
-    int first = int(fract(dither.y * 89.0) * scene.sampling.x);
+    int first = int(dither.y * scene.sampling.x);
     int run = (1 << min(reached, samples)) - 1;
     gl_SampleMask[0] = (run << first) | (run >> (samples - first));
   }

@@ -21,7 +21,8 @@ struct Hair {
   float warmth;
   float importance;
   float example_scale;
-  float unused_a, unused_b;
+  float first_sample;
+  float unused;
 };
 layout(std430, binding = 3) readonly buffer Nodes { vec4 nodes[]; };
 layout(std430, binding = 4) readonly buffer Hairs { Hair hairs[]; };

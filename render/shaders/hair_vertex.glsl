@@ -14,7 +14,7 @@ layout(location = 4) out vec3 radiance;
 #endif
 #endif
 layout(location = 2) out float coverage;
-layout(location = 3) flat out vec2 dither;  // what is left of it, and the hair's own
+layout(location = 3) flat out vec2 dither;  // what is left of it, and Hair::first_sample
 uniform float threshold;
 
 // Fewer, wider hairs; see hair_detail.h. The factor of a hair's width, and what is left of its dither.
@@ -49,7 +49,7 @@ float lengthInTexel(vec3 position, vec3 tangent, vec4 clip) {
 
 void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float side) {
   float width = scene.hair_color.w * hair.width * hairTaper(along) * detailWidth(hair, dither.x);
-  dither.y = hair.dither;
+  dither.y = hair.first_sample;
 #ifdef COLOR
   gl_Position = scene.view_projection * vec4(position, 1);
   float pixels = scene.eye.w / max(gl_Position.w, 1e-3);  // per metre there

@@ -182,6 +182,14 @@ TEST(HairGrowth, MapsThinOutHairAndMakeItThinner) {
   EXPECT_NEAR(width[3], 0.29, 0.06);
 }
 
+TEST(HairGrowth, WhereAHairIsInAPixelDoesNotFollowFromHowLongItStays) {
+  const std::vector<Hair> hairs = growHairs(grid(9, 0.01f, up), {.hairs = 200000});
+  const size_t last = hairs.size() / 200;  // of a small picture
+  int count[4] = {};
+  for (size_t i = 0; i < last; ++i) ++count[static_cast<int>(4 * hairs[i].first_sample)];
+  for (const int n : count) EXPECT_NEAR(n, static_cast<double>(last) / 4, 60);
+}
+
 TEST(HairGrowth, WhatAMapMakesOfNoWidthDoesNotGrow) {
   const StrandSet guides = grid(9, 0.01f, up);
   HairGrowth growth{.hairs = 2000};

@@ -132,6 +132,36 @@ TEST_F(Picture, ThinHairCoversAsMuchOfABrightBackgroundAsEightTimesAsManyPixelsS
   }
 }
 
+TEST_F(Picture, FewHairsInPlaceOfManyAreAsDense) {
+  RenderSettings settings = smallPicture();
+  settings.width = settings.height = 96;
+  settings.growth.hairs = 60000;
+  settings.hair_width = 6e-6f;  // three deep; one in 160 is drawn
+  settings.background = Vec3(0.9f, 0.9f, 0.9f);
+  settings.hair_color = Vec3::Zero();
+  settings.lights[0].intensity = 0;
+  const GroomDescription groom = verticalBundle(10, 10, 0.012f, 0.1f, 0.2f, 8);
+  Camera camera;
+  camera.eye = Vec3(0.2f, 0.1f, 0.6f);
+  camera.target = Vec3::Zero();
+  Renderer renderer(settings);
+  renderer.setGroom(groom);
+  GuideFrame frame = restFrame(groom);
+  double left[2] = {};
+  for (const bool hair : {true, false}) {
+    if (!hair)
+      frame.positions.assign(frame.positions.size(), Vec3::Constant(std::numeric_limits<float>::quiet_NaN()));
+    renderer.draw(frame, camera);
+    if (hair) {
+      EXPECT_LT(renderer.statistics().hairs_drawn, 1000u);
+    }
+    const Image image = renderer.read();
+    for (int y = 36; y < 60; ++y)
+      for (int x = 42; x < 54; ++x) left[hair] += linearValue(image, x, y, 1);
+  }
+  EXPECT_LT(left[1], 0.12 * left[0]) << "of the light behind";
+}
+
 TEST_F(Picture, HairOfHardlyAnyWidthIsNotSeen) {
   RenderSettings settings = smallPicture();
   settings.detail = {1, 0, 0, 0};
