@@ -6,8 +6,6 @@
 namespace strandcast {
 namespace {
 
-constexpr float kMaxCoordinate = 1e3f;  // m; what is farther out is no place for hair
-
 Vec3 rootOf(const StrandSet& guides, uint32_t guide) {
   const auto points = guides.strand(guide);
   return !points.empty() && points.front().allFinite() ? points.front() : Vec3(Vec3::Zero());
@@ -71,12 +69,12 @@ HairGroups::HairGroups(const StrandSet& guides, std::span<const Hair> hairs, con
   }
 }
 
-void HairGroups::place(std::span<const Vec3> positions, float beside) {
+void HairGroups::place(std::span<const Vec3> positions, const HairPlace& place, float beside) {
   for (size_t guide = 0; guide < guide_boxes_.size(); ++guide) {
     Box& box = guide_boxes_[guide];
     box.setEmpty();
     for (const Vec3& p : positions.subspan(offsets_[guide], offsets_[guide + 1] - offsets_[guide]))
-      if (p.allFinite() && p.cwiseAbs().maxCoeff() < kMaxCoordinate) box.extend(Eigen::Vector3f(p));
+      if (place.holds(p)) box.extend(Eigen::Vector3f(p));
   }
   for (Group& group : groups_) {
     group.box.setEmpty();

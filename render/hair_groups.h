@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/hair_growth.h"
+#include "render/hair_place.h"
 
 namespace strandcast {
 
@@ -23,8 +24,9 @@ class HairGroups {
   float reach() const { return reach_; }
   float meanReach() const { return mean_reach_; }
 
-  /// Boxes of where the guides are now; `beside` metres are added to all sides.
-  void place(std::span<const Vec3> positions, float beside);
+  /// Boxes of where the guides are now, but for what `place` does not hold; `beside` metres are added to all
+  /// sides.
+  void place(std::span<const Vec3> positions, const HairPlace& place, float beside);
   /// Holds every hair of the group; empty where no guide of it is finite.
   const Box& box(size_t group) const { return groups_[group].box; }
 

@@ -13,6 +13,7 @@
 #include "render/framebuffer.h"
 #include "render/hair_groups.h"
 #include "render/hair_pass.h"
+#include "render/hair_place.h"
 #include "render/marks.h"
 #include "render/pass_clock.h"
 #include "render/shadow_maps.h"
@@ -21,17 +22,15 @@
 namespace strandcast {
 namespace {
 
-constexpr float kMaxCoordinate = 1e3f;  // m; a guide farther out does not widen the shadow map
-
 constexpr double kLengthKept = 0.99;  // of hair of fewer segments
 constexpr float kTouching = 5e-5f;    // m, beyond its radius, at which a guide counts as touching
 constexpr float kBelowHair = 0.05f;   // m, of the ground below hair at rest
 constexpr float kShadowHairs = 8;     // times as many cast shadows as are drawn, up to all
 
-Box boundsOf(std::span<const Vec3> positions) {
+Box boundsOf(std::span<const Vec3> positions, const HairPlace& place) {
   Box box;
   for (const Vec3& p : positions)
-    if (p.allFinite() && p.cwiseAbs().maxCoeff() < kMaxCoordinate) box.extend(Eigen::Vector3f(p));
+    if (place.holds(p)) box.extend(Eigen::Vector3f(p));
   return box;
 }
 
@@ -187,7 +186,7 @@ struct Renderer::Impl {
 
   /// Where hair and body are, hair as far as it stands from its guides.
   Box content() const {
-    Box box = boundsOf(guides);
+    Box box = boundsOf(guides, place);
     if (!box.isEmpty()) box = widened(box, groups.reach() + settings.hair_width);
     box.extend(moved(body.bounds(), head));
     box.extend(body.bounds());  // a part of it stays
@@ -196,7 +195,7 @@ struct Renderer::Impl {
 
   std::vector<Sight> sightsOfGroups() {
     if (guides.size() == nodes->vertices())
-      groups.place(guides, settings.hair_width + 2 * settings.clearance);
+      groups.place(guides, place, settings.hair_width + 2 * settings.clearance);
     const ViewVolume view(block.view_projection);
     std::vector<Sight> sights(groups.count(), Sight::kNone);
     statistics.groups = groups.count();
@@ -340,6 +339,7 @@ struct Renderer::Impl {
     }
     guides = frame.positions;
     head = frame.head;
+    place.carryTo(head);
     colliders = frame.colliders;
   }
 
@@ -473,6 +473,7 @@ struct Renderer::Impl {
   StrandSet rest_guides;
   std::vector<Vec3> guides;  // of the newest frame that fitted
   Pose head;
+  HairPlace place;
   std::vector<PlacedCollider> colliders;
   Box rest_bounds;
   float longest_guide = 0;  // m
@@ -519,7 +520,8 @@ void Renderer::setGroom(const GroomDescription& groom) {
   }
   impl_->guides = guides.positions;
   impl_->head = Pose{};
-  impl_->rest_bounds = boundsOf(guides.positions);
+  impl_->place = HairPlace(guides.positions);
+  impl_->rest_bounds = boundsOf(guides.positions, impl_->place);
   impl_->statistics.guides = guides.strands();
 }
 

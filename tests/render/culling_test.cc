@@ -138,7 +138,7 @@ TEST_F(Culling, BoxesOfGroupsHoldTheirHairs) {
   HairGroups groups(groom_.guides, pass.hairs(), settings_.growth);
   EXPECT_GT(groups.reach(), groups.meanReach());
   EXPECT_GT(groups.meanReach(), 0.5f * settings_.growth.curl_radius);
-  groups.place(wild.guides.positions, 0);
+  groups.place(wild.guides.positions, HairPlace(groom_.guides.positions), 0);
   for (const GrownVertex& vertex : readComputed(pass, nodes, 1))
     ASSERT_TRUE(groups.box(groups.groupOf(vertex.hair)).contains(Eigen::Vector3f(vertex.position)));
 }

@@ -454,6 +454,35 @@ TEST_F(Picture, HoldsWhatItFramesOfAnySize) {
   }
 }
 
+TEST_F(Picture, HairIsDrawnFarFromTheOrigin) {
+  RenderSettings settings = smallPicture();
+  settings.hair_width = 1e-3f;
+  const auto hairPixels = [&](const Vec3& place, const Vec3& head) {
+    GroomDescription groom = verticalBundle(8, 8, 0.01f, 0.1f, 0.2f, 8);
+    for (Vec3& p : groom.guides.positions) p += place;
+    Renderer renderer(settings);
+    renderer.setGroom(groom);
+    GuideFrame frame = restFrame(groom);
+    frame.head.position = head;
+    for (Vec3& p : frame.positions) p += head;
+    frame.positions[3] = Vec3(-1e6f, 0, 0);  // a damaged one widens nothing
+    Camera camera;
+    camera.target = place + head;
+    camera.eye = Vec3(camera.target + Vec3(0, 0.1f, 0.8f));
+    renderer.draw(frame, camera);
+    const Image image = renderer.read();
+    int hair = 0;
+    for (int y = 0; y < 128; ++y)
+      for (int x = 0; x < 128; ++x)  // redder than the rest
+        hair += linearValue(image, x, y, 0) > linearValue(image, x, y, 2) + 0.02;
+    return hair;
+  };
+  const int at_origin = hairPixels(Vec3::Zero(), Vec3::Zero());
+  EXPECT_GT(at_origin, 200);
+  EXPECT_NEAR(hairPixels(Vec3(2000, 0, -3000), Vec3::Zero()), at_origin, 0.1 * at_origin);
+  EXPECT_NEAR(hairPixels(Vec3::Zero(), Vec3(0, 2000, 0)), at_origin, 0.1 * at_origin);
+}
+
 TEST_F(Picture, SkinIsNotDarkenedByHairBehindTheSolidThatItIsOf) {
   RenderSettings settings = smallPicture();
   settings.growth.hairs = 4000;
