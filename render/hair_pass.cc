@@ -65,6 +65,7 @@ HairPass::HairPass(GrowthPath path, HairGeometry geometry, HairShading shading, 
       geometry_(path == GrowthPath::kTessellator ? HairGeometry::kLines : geometry),
       shading_(shading),
       block_buffer_(sizeof(GrowthBlock), nullptr, GL_DYNAMIC_STORAGE_BIT),
+      marks_block_buffer_(sizeof(GrowthBlock), nullptr, GL_DYNAMIC_STORAGE_BIT),
       programs_(makePrograms(path, geometry, shading, lights)) {
   glCreateVertexArrays(1, &empty_vertices_);
   setHairs({}, {});
@@ -89,22 +90,22 @@ void HairPass::setHairs(std::vector<Hair> hairs, const HairGrowth& growth) {
 void HairPass::select(std::span<const uint32_t> hairs) { list_buffer_.write(hairs); }
 
 void HairPass::grow(const GuideNodes& nodes, const HairDetail& detail) {
-  writeBlock(nodes, keep_out_ ? bodies_.obstacles() : 0);
+  block_.segments = static_cast<uint32_t>(nodes.segments());
+  block_.bodies = static_cast<uint32_t>(keep_out_ ? bodies_.obstacles() : 0);
+  block_buffer_.write(std::span<const GrowthBlock>(&block_, 1));
   bindHair(nodes);
   if (block_.bodies > 0) bodies_.find(detail.hairs, nodes.segments());
   if (path_ == GrowthPath::kCompute)
     vertices_.grow(detail.hairs, nodes.segments(), detail.node_stride, block_.bodies > 0);
 }
 
-void HairPass::writeBlock(const GuideNodes& nodes, size_t bodies) {
-  block_.segments = static_cast<uint32_t>(nodes.segments());
-  block_.bodies = static_cast<uint32_t>(bodies);
-  block_buffer_.write(std::span<const GrowthBlock>(&block_, 1));
-}
-
 void HairPass::bindForMarks(const GuideNodes& nodes) {
-  writeBlock(nodes, bodies_.obstacles());
   bindHair(nodes);
+  GrowthBlock block = block_;
+  block.segments = static_cast<uint32_t>(nodes.segments());
+  block.bodies = static_cast<uint32_t>(bodies_.obstacles());
+  marks_block_buffer_.write(std::span<const GrowthBlock>(&block, 1));
+  glBindBufferBase(GL_UNIFORM_BUFFER, binding::kGrowth, marks_block_buffer_.id());
 }
 
 void HairPass::bindHair(const GuideNodes& nodes) const {

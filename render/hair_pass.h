@@ -52,7 +52,7 @@ class HairPass {
   /// Makes `program` (of tessellatedStages) current with the buffers and uniforms for what `detail` has.
   void bind(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail) const;
   void drawPatches(const GuideNodes& nodes, const HairDetail& detail) const;
-  /// Binds guides, hairs and obstacles, whether hair is kept out of them or not.
+  /// Binds guides, hairs and all obstacles, whether hair is kept out of them or not, until hair is drawn.
   void bindForMarks(const GuideNodes& nodes);
   /// Grown last, by kCompute.
   const HairVertices& vertices() const { return vertices_; }
@@ -69,7 +69,6 @@ class HairPass {
                                const LightCounts& lights);
   static gl::Program colorProgram(GrowthPath path, HairGeometry geometry, HairShading shading,
                                   const LightCounts& lights);
-  void writeBlock(const GuideNodes& nodes, size_t bodies);
   void bindHair(const GuideNodes& nodes) const;
   void drawGrown(const gl::Program& program, size_t count, bool strips) const;
 
@@ -79,7 +78,7 @@ class HairPass {
   std::vector<Hair> hairs_;
   GrowthBlock block_{};
   bool keep_out_ = true;
-  gl::Buffer hair_buffer_, list_buffer_, block_buffer_;
+  gl::Buffer hair_buffer_, list_buffer_, block_buffer_, marks_block_buffer_;
   HairVertices vertices_;
   HairBodies bodies_;
   Programs programs_;

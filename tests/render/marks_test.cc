@@ -95,6 +95,26 @@ TEST_F(Marked, VerticesOfGrownHairInABodyAreAndNoOthers) {
   expectMarks(draw(), {}, 0, Vec3(1, 0.05f, 0.3f));
 }
 
+TEST_F(Marked, HairIsTheSameBeforeAndAfter) {
+  settings_.marks.collided = true;
+  settings_.growth.interpolation = Interpolation::kMultiStrand;
+  settings_.hair_width = 5e-4f;
+  ball_.a = Vec3::Zero();  // between guides, none of which it reaches
+  ball_.radius = 0.012f;
+  for (const GrowthPath path : {GrowthPath::kCompute, GrowthPath::kTessellator}) {
+    settings_.growth_path = path;
+    const auto with = [&](std::vector<RenderPass> passes) {
+      settings_.passes = {RenderPass::kGuides, RenderPass::kGrowth};
+      settings_.passes.insert(settings_.passes.end(), passes.begin(), passes.end());
+      settings_.passes.push_back(RenderPass::kResolve);
+      return draw();
+    };
+    const Image before = with({RenderPass::kHair, RenderPass::kMarks});
+    EXPECT_NE(before.rgb, with({RenderPass::kMarks}).rgb);
+    EXPECT_EQ(before.rgb, with({RenderPass::kMarks, RenderPass::kHair}).rgb) << static_cast<int>(path);
+  }
+}
+
 TEST_F(Marked, VerticesOfGuidesThatTouchABodyAreYellowAndThoseInsideRed) {
   settings_.marks.collided = true;
   ball_.a =
