@@ -18,6 +18,12 @@
 #include "core/error.h"
 
 namespace strandcast {
+namespace {
+
+/// yuv420p has a colour for two by two pixels.
+constexpr const char* kEvenSides = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
+
+}  // namespace
 
 std::filesystem::path picturePath(const std::filesystem::path& folder, int number) {
   return folder / fmt::format("frame_{:04d}.png", number);
@@ -28,11 +34,15 @@ void makeMovie(const std::filesystem::path& folder, int pictures, double fps,
   // Beside what it will be, so that a film that fails takes the place of none.
   std::filesystem::path part = movie;
   part.replace_filename(movie.stem().string() + ".part" + movie.extension().string());
+  std::string pattern;
+  for (const char c : folder.string()) pattern += c == '%' ? "%%" : std::string(1, c);
+  pattern = (std::filesystem::path(pattern) / "frame_%04d.png").string();
   std::vector<std::string> words = {"ffmpeg",     "-y",
                                     "-loglevel",  "error",
                                     "-framerate", fmt::format("{:g}", fps),
-                                    "-i",         (folder / "frame_%04d.png").string(),
+                                    "-i",         pattern,
                                     "-frames:v",  std::to_string(pictures),
+                                    "-vf",        kEvenSides,
                                     "-pix_fmt",   "yuv420p",
                                     "-crf",       "18",
                                     part.string()};

@@ -57,6 +57,13 @@ TEST_F(PictureFolder, AFilmTakesThePlaceOfTheLast) {
   EXPECT_EQ(films(), 1u);
 }
 
+TEST_F(PictureFolder, AFilmIsMadeOfOddPicturesInAnyFolder) {
+  ffmpegDoes("printf '%s\\n' \"$@\" > \"$film\"");
+  makeMovie(folder_ / "50%d", 12, 24, movie_);
+  EXPECT_NE(movie().find("/50%%d/frame_%04d.png\n"), std::string::npos) << "only the last is a pattern";
+  EXPECT_NE(movie().find("-vf\npad=ceil(iw/2)*2:ceil(ih/2)*2\n"), std::string::npos) << movie();
+}
+
 TEST_F(PictureFolder, AFilmThatFailsLeavesTheLast) {
   ffmpegDoes("echo half > \"$film\"; exit 1");
   EXPECT_THROW(makeMovie(folder_, 12, 24, movie_), Error);
