@@ -129,11 +129,14 @@ bool carryTheBody(const ColliderSet* colliders) {
 
 }  // namespace
 
+bool needsObstacles(const PictureOptions& options, const ColliderSet* colliders) {
+  const RenderSettings& settings = options.settings;
+  return settings.keep_out || settings.marks.needBodies() || carryTheBody(colliders);
+}
+
 void setObstacles(Renderer& renderer, const PictureOptions& options, const ColliderSet* colliders,
                   const BodyDescription& body) {
-  const RenderSettings& settings = options.settings;
-  if (settings.keep_out || settings.marks.needBodies() || carryTheBody(colliders))
-    renderer.setObstacles(hairObstacles(colliders, body));
+  if (needsObstacles(options, colliders)) renderer.setObstacles(hairObstacles(colliders, body));
 }
 
 Camera pictureCamera(const PictureOptions& options, const Box& box) {

@@ -16,7 +16,10 @@ void addPictureOptions(CLI::App& app, PictureOptions& options);
 Box pictureBox(const GroomDescription& groom, const BodyDescription& body, float hair_reach = 0);
 /// Tells the renderer what it draws.
 void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body);
-/// Keeps grown hair out of what it is to be kept out of, or marks where it is in it, where that is asked for.
+/// Whether a picture is other with obstacles than without: hair is kept out of them, is marked in them, or
+/// they carry a skinned body.
+bool needsObstacles(const PictureOptions& options, const ColliderSet* colliders);
+/// Gives the renderer those, where the picture needs any.
 void setObstacles(Renderer& renderer, const PictureOptions& options, const ColliderSet* colliders,
                   const BodyDescription& body);
 /// Looks at `box` from where the options say.

@@ -81,7 +81,7 @@ struct Quantity {
   double scale;  // of the unit, per SI
   double ShakeResult::*value;
 };
-constexpr Quantity kQuantities[] = {
+constexpr Quantity kMeasured[] = {
     {"step_ms_median", "step, median", "ms", 1, &ShakeResult::step_ms_median},
     {"mean_stretch_percent", "shaken: mean stretch", "%", 1e2, &ShakeResult::mean_stretch},
     {"max_stretch_percent", "shaken: largest stretch", "%", 1e2, &ShakeResult::max_stretch},
@@ -105,7 +105,7 @@ void printTable(const std::vector<std::string>& solvers, const std::vector<Shake
   };
   row(
       "", "", [&](size_t i) { return solvers[i]; }, solvers.size());
-  for (const Quantity& q : kQuantities)
+  for (const Quantity& q : kMeasured)
     row(
         q.label, q.unit, [&](size_t i) { return fmt::format("{:.4g}", q.scale * results[i].*q.value); },
         results.size());
@@ -116,7 +116,7 @@ void printTable(const std::vector<std::string>& solvers, const std::vector<Shake
 
 nlohmann::json toJson(const std::string& solver, const ShakeResult& result) {
   nlohmann::json object{{"solver", solver}};
-  for (const Quantity& q : kQuantities) object[q.key] = q.scale * result.*q.value;
+  for (const Quantity& q : kMeasured) object[q.key] = q.scale * result.*q.value;
   for (const Count& c : kCounts) object[c.key] = result.*c.value;
   return object;
 }

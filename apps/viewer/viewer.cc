@@ -169,10 +169,10 @@ class Viewer {
   void frameScene() { box_ = pictureBox(*scene_.groom, *scene_.body, renderer_.hairReach()); }
 
   void setObstacles() {
-    const RenderSettings& settings = panel_.picture.settings;
     const auto colliders = session_->subscriber().colliders();
+    if (!scene_.body || (colliders && colliders->session != scene_.body->session)) return;
     const bool known = obstacles_set_ && colliders == colliders_;
-    if (known || !scene_.body || !(settings.keep_out || settings.marks.needBodies())) return;
+    if (known || !needsObstacles(panel_.picture, colliders.get())) return;
     obstacles_set_ = true;
     colliders_ = colliders;
     std::vector<HairObstacle> obstacles = hairObstacles(colliders.get(), *scene_.body);

@@ -1,0 +1,56 @@
+// What programs tell a renderer of the bodies of a stream, scene after scene.
+#include "apps/hair_obstacles.h"
+
+#include "apps/picture_options.h"
+#include "collision/field_bake.h"
+#include "tests/collision/shapes.h"
+#include "tests/render/offscreen.h"
+
+namespace strandcast {
+namespace {
+
+constexpr uint32_t kPart = 7;
+
+class Obstacles : public OffscreenTest {
+ protected:
+  Obstacles() {
+    options_.settings = smallPicture();
+    ball_.mesh = shapes::sphere(0.05f, 3, Vec3::Zero());
+    box_.mesh = shapes::box(Vec3(0.03f, 0.03f, 0.03f));
+    ContactPrimitive shape;
+    shape.kind = PrimitiveKind::kField;
+    FieldOptions field;
+    field.cell = 4e-3f;
+    shape.field = std::make_shared<DistanceField>(FieldBaker(ball_.mesh, field).bake());
+    parts_.colliders = {{kPart, false, true, {shape}}};
+    moved_.colliders = {{kPart, {Vec3(0, 0.08f, 0), Quat::Identity()}, {}}};
+    camera_.eye = Vec3(0, 0, 0.6f);
+    camera_.target = Vec3::Zero();
+  }
+  Image drawn(Renderer& renderer, const GuideFrame& frame) const {
+    renderer.draw(frame, camera_);
+    return renderer.read();
+  }
+
+  PictureOptions options_;
+  BodyDescription ball_, box_;
+  ColliderSet parts_;
+  GuideFrame moved_;
+  Camera camera_;
+};
+
+TEST_F(Obstacles, AreNeededToKeepHairOutForMarksAndToCarryASkinnedBody) {
+  EXPECT_FALSE(needsObstacles(options_, nullptr));
+  EXPECT_TRUE(needsObstacles(options_, &parts_));
+  ColliderSet of_head = parts_;
+  of_head.colliders[0].follows_head = true;
+  EXPECT_FALSE(needsObstacles(options_, &of_head));
+  options_.settings.marks.inside = true;
+  EXPECT_TRUE(needsObstacles(options_, nullptr));
+  options_.settings.marks = {};
+  options_.settings.keep_out = true;
+  EXPECT_TRUE(needsObstacles(options_, nullptr));
+}
+
+}  // namespace
+}  // namespace strandcast
