@@ -6,6 +6,8 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "apps/finite_range.h"
 #include "apps/hair_obstacles.h"
@@ -112,6 +114,7 @@ Box pictureBox(const GroomDescription& groom, const BodyDescription& body, float
 }
 
 void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body) {
+  renderer.setObstacles({});
   renderer.setGroom(groom);
   renderer.setBody(body);
 }
@@ -136,7 +139,9 @@ bool needsObstacles(const PictureOptions& options, const ColliderSet* colliders)
 
 void setObstacles(Renderer& renderer, const PictureOptions& options, const ColliderSet* colliders,
                   const BodyDescription& body) {
-  if (needsObstacles(options, colliders)) renderer.setObstacles(hairObstacles(colliders, body));
+  std::vector<HairObstacle> obstacles;
+  if (needsObstacles(options, colliders)) obstacles = hairObstacles(colliders, body);
+  renderer.setObstacles(std::move(obstacles));
 }
 
 Camera pictureCamera(const PictureOptions& options, const Box& box) {

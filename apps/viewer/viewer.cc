@@ -191,6 +191,7 @@ class Viewer {
       if (!now.fits(*frame)) return;
       scene_ = now;
       setScene(renderer_, *scene_.groom, *scene_.body);
+      panel_.setFields({});
       obstacles_set_ = false;
       frameScene();
     }

@@ -52,5 +52,20 @@ TEST_F(Obstacles, AreNeededToKeepHairOutForMarksAndToCarryASkinnedBody) {
   EXPECT_TRUE(needsObstacles(options_, nullptr));
 }
 
+TEST_F(Obstacles, OfAnEarlierSceneCarryNothingOfTheNext) {
+  Renderer fresh(options_.settings), renderer(options_.settings);
+  setScene(fresh, {}, box_);
+  const Image wanted = drawn(fresh, {});
+  setScene(renderer, {}, ball_);
+  const Image rest = drawn(renderer, {});
+  setObstacles(renderer, options_, &parts_, ball_);
+  EXPECT_NE(drawn(renderer, moved_).rgb, rest.rgb) << "they carry the body";
+  setObstacles(renderer, options_, nullptr, ball_);
+  EXPECT_EQ(drawn(renderer, moved_).rgb, rest.rgb) << "there are none any more";
+  setObstacles(renderer, options_, &parts_, ball_);
+  setScene(renderer, {}, box_);
+  EXPECT_EQ(drawn(renderer, moved_).rgb, wanted.rgb);
+}
+
 }  // namespace
 }  // namespace strandcast
