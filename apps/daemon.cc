@@ -10,6 +10,7 @@
 #include <random>
 #include <thread>
 
+#include "apps/colliders.h"
 #include "apps/scene_simulation.h"
 #include "core/error.h"
 #include "core/quantile.h"
@@ -242,13 +243,8 @@ void Daemon::announceColliders() {
   ColliderSet set;
   set.session = frame_.session;
   set.revision = ++collider_revision_;
-  frame_.colliders.clear();
-  for (const BodyId id : simulation_.bodyIds()) {
-    const RigidBody& body = simulation_.body(id);
-    if (body.primitives.empty()) continue;
-    if (!body.follows_head) frame_.colliders.push_back({static_cast<uint32_t>(id), body.pose, {}});
-    set.colliders.push_back({static_cast<uint32_t>(id), body.follows_head, true, body.primitives});
-  }
+  set.colliders = collidersOf(simulation_);
+  frame_.colliders = placedColliders(simulation_);
   publisher_.announceColliders(set);
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "apps/colliders.h"
 #include "apps/scene_simulation.h"
 
 namespace strandcast {
@@ -55,6 +56,7 @@ void ShakeTrial::fill(GuideFrame& frame) {
   const std::span<const Vec3> guides = simulation_.guides();
   frame.positions.assign(guides.begin(), guides.end());
   frame.head = simulation_.headPose();
+  frame.colliders = placedColliders(simulation_);
   frame.simulation_time = simulation_.time();
 }
 

@@ -32,7 +32,7 @@ class ShakeTrial {
 
   size_t steps() const { return steps_; }  ///< of the whole trial
   void step();
-  /// The newest guides and head, as a daemon would cast them.
+  /// The newest guides, head and colliders, as a daemon would cast them.
   void fill(GuideFrame& frame);
   /// After the last step.
   ShakeResult result();

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "apps/channel.h"
+#include "apps/colliders.h"
 #include "apps/console.h"
 #include "apps/finite_range.h"
 #include "apps/interrupt.h"
@@ -36,17 +37,21 @@ struct CompareOptions {
 /// Draws the same scene as every solver has it from one camera into one picture, side by side.
 class SideBySide {
  public:
-  SideBySide(const CompareOptions& options, const Scene& scene)
+  /// `simulation` is one of them.
+  SideBySide(const CompareOptions& options, const Scene& scene, const Simulation& simulation)
       : out_(options.out), renderer_(renderSettings(options.picture)) {
     GroomDescription groom;
     groom.name = scene.name;
+    groom.hair_radius = simulation.parameters().hair_radius;
     groom.guides = scene.groom.strands;
     BodyDescription body;
     body.mesh = scene.body;
     body.head_weights = scene.head_weights;
-    renderer_.setGroom(groom);
-    renderer_.setBody(body);
-    camera_ = pictureCamera(options.picture, pictureBox(groom, body));
+    setScene(renderer_, groom, body);
+    ColliderSet colliders;
+    colliders.colliders = collidersOf(simulation);
+    setObstacles(renderer_, options.picture, &colliders, body);
+    camera_ = pictureCamera(options.picture, pictureBox(groom, body, renderer_.hairReach()));
   }
 
   void draw(std::deque<ShakeTrial>& trials) {
@@ -164,7 +169,7 @@ int compare(const CompareOptions& o) {
     trials.emplace_back(scene, settings, o.shake, o.rest);
   }
   std::optional<SideBySide> pictures;
-  if (!o.no_pictures) pictures.emplace(o, scene);
+  if (!o.no_pictures) pictures.emplace(o, scene, trials.front().simulation());
   const size_t steps = trials.front().steps(), frames = std::min(o.frames, steps);
   {
     ProgressBar bar;

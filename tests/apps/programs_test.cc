@@ -197,15 +197,17 @@ TEST_F(Programs, CompareTellsTheSolversApart) {
   EXPECT_NE(table.out.find("gauss_seidel"), std::string::npos) << table.out;
   EXPECT_EQ(table.out.find("rod"), std::string::npos) << table.out;
 
-  const Outcome drawn = run(command +
-                            " --shake 0.3 --rest 0.3 --frames 2 --width 96 --height 64 --hairs 300"
-                            " --segments 8 --samples 1 --json");
+  const std::string small =
+      " --shake 0.3 --rest 0.3 --frames 2 --width 96 --height 64 --hairs 300 --segments 8 --samples 1 --json";
+  const Outcome drawn = run(command + small);
   if (drawn.err.find("OpenGL") != std::string::npos) GTEST_SKIP() << drawn.err;
   ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
   EXPECT_TRUE(std::filesystem::exists(folder_ / "film" / "frame_0001.png"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "film" / "frame_0002.png"));
   const std::string png = contents(folder_ / "film" / "frame_0000.png");
   EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\xc0\0\0\0\x40", 8)) << "192 x 64: one beside the other";
+  ASSERT_EQ(run(command + small + " --mark-collided on").exit_code, 0);
+  EXPECT_NE(contents(folder_ / "film" / "frame_0000.png"), png) << "roots are in the skin";
 }
 
 TEST_F(Programs, InterruptEndsACompareWithoutNumbers) {
