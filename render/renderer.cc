@@ -24,7 +24,8 @@ namespace {
 
 constexpr double kLengthKept = 0.99;  // of hair of fewer segments
 constexpr float kTouching = 5e-5f;    // m, beyond its radius, at which a guide counts as touching
-constexpr float kBelowHair = 0.05f;   // m, of the ground below hair at rest
+constexpr float kBelowHair = 0.05f;   // m, times scale(), of the ground below hair at rest
+constexpr float kSmall = 0.1f;        // m, what is smaller than that across
 constexpr float kShadowHairs = 8;     // times as many cast shadows as are drawn, up to all
 
 Box boundsOf(std::span<const Vec3> positions, const HairPlace& place) {
@@ -296,13 +297,20 @@ struct Renderer::Impl {
     statistics.hairs_computed = computed_hairs;
   }
 
+  /// Of lengths that are fixed for what is as large as a head, for what is small.
+  float scale() const {
+    const Box box = rest_bounds.merged(body.bounds());
+    return box.isEmpty() ? 1 : std::clamp(box.diagonal().norm() / kSmall, 1e-3f, 1.0f);
+  }
+
   /// As in SceneBlock::ground: the body stands on it, and hair at rest hangs free of it.
   Eigen::Vector4f ground() const {
     const Box& base = body.bounds().isEmpty() ? rest_bounds : body.bounds();
     if (base.isEmpty()) return {0, -0.5f, 0, 2};
     float height = base.min().y();
-    if (!rest_bounds.isEmpty()) height = std::min(height, rest_bounds.min().y() - kBelowHair);
-    return {base.center().x(), height, base.center().z(), std::max(4 * base.diagonal().norm(), 0.1f)};
+    if (!rest_bounds.isEmpty()) height = std::min(height, rest_bounds.min().y() - kBelowHair * scale());
+    return {base.center().x(), height, base.center().z(),
+            std::max(4 * base.diagonal().norm(), 0.1f * scale())};
   }
 
   static Box boxOfGround(const Eigen::Vector4f& ground) {
@@ -372,10 +380,11 @@ struct Renderer::Impl {
     block = makeSceneBlock(large, camera, depth_range);
     block.ground = below;
     for (size_t light = 0; light < shadows->lights(); ++light)
-      map_widths[light] = shadows->fit(block.lights[light], lit);
+      map_widths[light] = shadows->fit(block.lights[light], lit, scale());
     const std::vector<Sight> sights = sightsOfGroups();
     const float widest = held_width.of(widestHair(sights), settings.detail.hysteresis);
     block.sampling.x() = static_cast<float>(picture->samples());
+    block.sampling.z() = scale();
     detail = detailFor(widest);
     shadow_detail = shadowDetailFor(detail);
     selectHairs(sights);

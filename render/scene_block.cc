@@ -71,7 +71,7 @@ SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& wanted, 
   std::vector<Light> lights = settings.lights;
   std::ranges::stable_partition(lights, std::identity(), &Light::casts_shadow);
   std::ranges::transform(lights, block.lights, blockOf);
-  block.sampling = {1, 1, 0, 0};
+  block.sampling = {1, 1, 1, 0};
   block.opacity_slices = static_cast<float>((settings.opacity.layers + 1) / 4);
   block.alpha_to_coverage = settings.coverage == HairCoverage::kAlphaToCoverage ? 1.0f : 0.0f;
   block.opacity_filter = static_cast<float>(settings.opacity.filter);

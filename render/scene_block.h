@@ -39,7 +39,7 @@ struct SceneBlock {
   Eigen::Vector4f body_color;   ///< linear; w: picture width, pixels
   Eigen::Vector4f background;   ///< linear; w: picture height, pixels
   Eigen::Vector4f ground;       ///< centre x, height y, centre z; w: radius, all m
-  Eigen::Vector4f sampling;     ///< samples; line width, pixels; z, w: unused
+  Eigen::Vector4f sampling;     ///< samples; line width, pixels; z: of fixed lengths, 1 or less; w: unused
   float opacity_slices = 1;     ///< of four layers each, of one light
   float opacity_filter = 0;     ///< OpacityLayers::filter
   float alpha_to_coverage = 0;  ///< 1 or 0

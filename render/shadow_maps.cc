@@ -32,14 +32,15 @@ struct LightView {
 };
 
 // In steps, so that the maps do not swim while the hair moves.
-constexpr float kStep = 0.05f;       // m
-constexpr float kWidestView = 1.3f;  // rad
-constexpr float kNearest = 0.01f;    // m, in which a light with a place casts no shadow
-constexpr float kFade = 0.4f;        // of half a map that does not take in everything: its outer 10 degrees
+constexpr float kLargestStep = 0.05f;  // m
+constexpr float kWidestView = 1.3f;    // rad
+constexpr float kNearest = 0.01f;      // m, times the scale, in which a light with a place casts no shadow
+constexpr float kFade = 0.4f;          // of half a map that does not take in everything: its outer 10 degrees
 
-LightView parallelView(const LightBlock& light, const Box& content, int texels) {
+LightView parallelView(const LightBlock& light, const Box& content, float scale, int texels) {
+  const float step = kLargestStep * scale;
   const float radius =
-      content.isEmpty() ? kStep : kStep * std::ceil(0.5f * content.diagonal().norm() / kStep + 0.1f);
+      content.isEmpty() ? step : step * std::ceil(0.5f * content.diagonal().norm() / step + 0.1f);
   const Eigen::Matrix4f turn = viewMatrix(light.way.head<3>(), Vec3::Zero());
   Eigen::Vector3f center = Eigen::Vector3f::Zero();
   if (!content.isEmpty()) center = turn.topLeftCorner<3, 3>() * content.center();
@@ -54,13 +55,14 @@ LightView parallelView(const LightBlock& light, const Box& content, int texels) 
 }
 
 /// `margin`: how far look-ups reach beside what is lit, over the maps' width.
-LightView perspectiveView(const LightBlock& light, const Box& content, float margin) {
+LightView perspectiveView(const LightBlock& light, const Box& content, float scale, float margin) {
+  const float step = kLargestStep * scale, nearest = kNearest * scale;
   const Vec3 eye = light.place.head<3>(), axis = -light.way.head<3>();
   Vec3 center = Vec3(eye + axis);
-  float radius = kStep;
+  float radius = step;
   if (!content.isEmpty()) {
-    center = Vec3((content.center() / kStep).array().round().matrix() * kStep);
-    radius = kStep * std::ceil(0.5f * content.diagonal().norm() / kStep + 1);
+    center = Vec3((content.center() / step).array().round().matrix() * step);
+    radius = step * std::ceil(0.5f * content.diagonal().norm() / step + 1);
   }
   const float distance = (center - eye).norm();
   float half = distance > radius ? std::min(std::asin(radius / distance), kWidestView) : kWidestView;
@@ -73,7 +75,7 @@ LightView perspectiveView(const LightBlock& light, const Box& content, float mar
   const float fade = half < kWidestView ? 0 : kFade;
   const Vec3 looks = (target - eye).normalized();
   const float middle = (center - eye).dot(looks);
-  const float near = std::max(middle - radius, kNearest), far = std::max(middle + radius, near + kStep);
+  const float near = std::max(middle - radius, nearest), far = std::max(middle + radius, near + step);
   const float slope = std::tan(half) * (1 + 2 * margin);
   Eigen::Matrix4f projection = Eigen::Matrix4f::Zero();
   projection(0, 0) = projection(1, 1) = 1 / slope;
@@ -104,9 +106,9 @@ ShadowMaps::ShadowMaps(const OpacityLayers& layers, size_t lights)
   glTextureParameteri(solid_depth_.id(), GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
 }
 
-float ShadowMaps::fit(LightBlock& light, const Box& content) const {
-  const LightView view = light.place.w() > 0 ? perspectiveView(light, content, lookUpReach())
-                                             : parallelView(light, content, front_size_);
+float ShadowMaps::fit(LightBlock& light, const Box& content, float scale) const {
+  const LightView view = light.place.w() > 0 ? perspectiveView(light, content, scale, lookUpReach())
+                                             : parallelView(light, content, scale, front_size_);
   light.view_projection = view.projection;
   light.way.w() = view.range;
   light.cone.z() = static_cast<float>(layers_.map_size) / view.width;

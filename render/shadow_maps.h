@@ -21,8 +21,9 @@ class ShadowMaps {
   /// `content`. A directional light looks at it in parallel. A light with a place looks in perspective at the
   /// ball about it, or, being a spot whose cone is narrower, along its axis; from within or near the ball
   /// through 75 degrees to either side at most, towards which shadows fade out. Depth is measured along
-  /// the way it looks. Returns how wide the maps are at most, m.
-  float fit(LightBlock& light, const Box& content) const;
+  /// the way it looks. `scale`, 1 or less, of the steps in which the maps grow. Returns how wide they are at
+  /// most, m.
+  float fit(LightBlock& light, const Box& content, float scale = 1) const;
 
   /// How far beside a point hair may be that its look-up in the maps still sees, over the maps' width.
   float lookUpReach() const;

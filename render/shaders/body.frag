@@ -24,8 +24,8 @@ void main() {
     vec3 l = towardsLight(light, world), h = normalize(l + e);
     float lit = 1.0, hair = 0.0;
     if (castsShadow(light)) {
-      vec3 at = lightCoordinates(light, world + 0.002 * n);
-      lit = solidVisibility(light, at, 0.003, 1);
+      vec3 at = lightCoordinates(light, world + 0.002 * scene.sampling.z * n);
+      lit = solidVisibility(light, at, 0.003 * scene.sampling.z, 1);
       hair = hairOpticalDepth(light, at, 0.0);
       clear += clearAlong(light, exp(-0.15 * hair), lit);
     }

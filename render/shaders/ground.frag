@@ -14,7 +14,7 @@ void main() {
     float lit = 1.0;
     if (castsShadow(light)) {
       vec3 at = lightCoordinates(light, world);
-      lit = solidVisibility(light, at, 0.004, 1) * exp(-0.6 * hairOpticalDepth(light, at, 0.0));
+      lit = solidVisibility(light, at, 0.004 * scene.sampling.z, 1) * exp(-0.6 * hairOpticalDepth(light, at, 0.0));
     }
     arriving += lightAt(light, world) * max(towardsLight(light, world).y, 0.0) * lit;
   }

@@ -46,8 +46,8 @@ vec3 hairRadiance(vec3 position, vec3 tangent, float along, float shade, float w
     vec3 through = vec3(1);
     if (castsShadow(light)) {
       vec3 at = lightCoordinates(light, position);
-      float depth = hairOpticalDepth(light, at, 0.0015);
-      through = exp(-depth * mix(vec3(0.75), vec3(0.45), tint)) * solidVisibility(light, at, 0.006, 0);
+      float depth = hairOpticalDepth(light, at, 0.0015 * scene.sampling.z);
+      through = exp(-depth * mix(vec3(0.75), vec3(0.45), tint)) * solidVisibility(light, at, 0.006 * scene.sampling.z, 0);
       // Behind a solid too: hair there is among other hair, for which what is before the solid stands.
       clear += clearAlong(light, exp(-0.10 * depth), 1.0);
     }

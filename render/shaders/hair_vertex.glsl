@@ -53,9 +53,9 @@ void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float side) {
 #ifdef COLOR
   gl_Position = scene.view_projection * vec4(position, 1);
   float pixels = scene.eye.w / max(gl_Position.w, 1e-3);  // per metre there
-  // Guides lie on the skin or a little in it: for the depth test, hair is 2.5 mm nearer to the eye.
+  // Guides lie on the skin or a little in it: for the depth test, hair is up to 2.5 mm nearer to the eye.
   vec3 to_eye = normalize(scene.eye.xyz - position);
-  vec4 nearer_clip = scene.view_projection * vec4(position + 0.0025 * to_eye, 1);
+  vec4 nearer_clip = scene.view_projection * vec4(position + 0.0025 * scene.sampling.z * to_eye, 1);
 #ifdef STRIP
   // Towards the eye, at least a pixel wide; a thinner hair covers its part of that.
   float drawn = max(width, 1.0 / pixels);

@@ -19,7 +19,7 @@ layout(std430, binding = 5) readonly buffer HairVertices { vec4 hair_vertices[];
 // 3 mm nearer to the eye, so that it shows on what it lies on.
 void place(vec3 at, bool shown) {
   vec3 to_eye = normalize(scene.eye.xyz - at);
-  gl_Position = shown ? scene.view_projection * vec4(at + 0.003 * to_eye, 1) : vec4(2, 2, 2, 1);
+  gl_Position = shown ? scene.view_projection * vec4(at + 0.003 * scene.sampling.z * to_eye, 1) : vec4(2, 2, 2, 1);
 }
 
 vec3 colorOf(uint number) {

@@ -454,6 +454,31 @@ TEST_F(Picture, HoldsWhatItFramesOfAnySize) {
   }
 }
 
+TEST_F(Picture, IsTheSameOfWhatIsSmall) {
+  const auto picture = [&](float size) {  // m, of the whole
+    RenderSettings settings = smallPicture();
+    settings.hair_width = 0.01f * size;
+    settings.growth.clump_radius = 0.02f * size;
+    settings.growth.tip_deviation = settings.growth.whole_deviation = 0.03f * size;
+    settings.opacity.beyond = BeyondLayers::kReach;
+    settings.lights[0].direction = Vec3(0.5f, -1, -1);
+    const GroomDescription groom = verticalBundle(8, 8, 0.03f * size, 0.5f * size, 0.6f * size, 8);
+    Renderer renderer(settings);
+    renderer.setGroom(groom);
+    renderer.setBody(sphere(0.15f * size, Vec3(0, 0.4f * size, 0)));
+    Camera camera;
+    camera.eye = Vec3(0.3f * size, 0.8f * size, 1.5f * size);
+    camera.target = Vec3(0, 0.2f * size, 0);
+    renderer.draw(restFrame(groom), camera);
+    return renderer.read();
+  };
+  const Image usual = picture(0.125f), small = picture(0.125f / 32);
+  double difference = 0;
+  for (size_t i = 0; i < usual.rgb.size(); ++i)
+    difference += std::abs(usual.rgb[i] - small.rgb[i]) / static_cast<double>(usual.rgb.size());
+  EXPECT_LT(difference, 0.5) << "of 255";
+}
+
 TEST_F(Picture, HairIsDrawnFarFromTheOrigin) {
   RenderSettings settings = smallPicture();
   settings.hair_width = 1e-3f;
