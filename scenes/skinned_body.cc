@@ -25,6 +25,12 @@ Placement placementOf(const Pose& pose) {
   return out;
 }
 
+/// Which of these names was meant, or which there are.
+std::string meantOf(const std::string& name, const std::vector<std::string>& names) {
+  const std::string near = didYouMean(name, names);
+  return near.empty() ? fmt::format("it has {}", fmt::join(names, ", ")) : near;
+}
+
 /// The joints that carry skin come first in the search for a head: meshes have such names too.
 size_t jointNamed(const SkinnedMesh& skin, const std::string& name) {
   if (name.empty()) {
@@ -43,7 +49,7 @@ size_t jointNamed(const SkinnedMesh& skin, const std::string& name) {
   if (found >= 0) return static_cast<size_t>(found);
   std::vector<std::string> names;
   for (const SkeletonJoint& joint : skin.skeleton.joints) names.push_back(joint.name);
-  throw Error("the body has no joint '" + name + "'", skin.mesh.name, didYouMean(name, names));
+  throw Error("the body has no joint '" + name + "'", skin.mesh.name, meantOf(name, names));
 }
 
 SkeletonClip clipNamed(const SkinnedMesh& skin, const std::string& name, std::vector<std::string>& notes) {
@@ -61,7 +67,7 @@ SkeletonClip clipNamed(const SkinnedMesh& skin, const std::string& name, std::ve
     names.push_back(clip.name);
   }
   throw Error("the body has no clip '" + name + "'", skin.mesh.name,
-              names.empty() ? "it has none; give a .bvh file" : didYouMean(name, names));
+              names.empty() ? "it has none; give a .bvh file" : meantOf(name, names));
 }
 
 JointTransform between(const JointTransform& a, const JointTransform& b, double t) {

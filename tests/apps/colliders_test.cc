@@ -104,10 +104,10 @@ TEST_F(DaemonColliders, BadCommandsAreRefused) {
   EXPECT_LE(taken, kMaxPlacedColliders) << "as many as a frame has room for";
 }
 
-TEST_F(DaemonColliders, OneThatTheWireRefusesChangesNothing) {
+TEST_F(DaemonColliders, OneThatIsRefusedChangesNothing) {
   std::vector<double> vast = ball(0.5);
   vast[9 + 6] = 2e7;  // m, its radius
-  EXPECT_NE(order(CommandKind::kAddCollider, "vast", vast).find("10,000 km"), std::string::npos);
+  EXPECT_NE(order(CommandKind::kAddCollider, "vast", vast).find("10 km"), std::string::npos);
   EXPECT_NE(order(CommandKind::kRemoveCollider, "vast").find("there is no collider"), std::string::npos);
   EXPECT_EQ(order(CommandKind::kAddCollider, "ball", ball(0.5)), "");
   EXPECT_EQ(subscriber_->colliders()->colliders.size(), scene_bodies_ + 1);

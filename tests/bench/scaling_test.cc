@@ -85,7 +85,7 @@ TEST(Scaling, EveryReaderGetsTheStream) {
 }
 
 TEST(Scaling, SaysWhatIsLeftOut) {
-  const BenchOutput out = runBench("scaling --quick --axes strands --max-strands 1000 --budget 0.000001");
+  const BenchOutput out = runBench("scaling --quick --axes strands --max-strands 1000 --budget 0.001");
   EXPECT_EQ(out.status, 0);
   EXPECT_NE(out.text.find("left out: strands 1000: it would take"), std::string::npos) << out.text;
 }
