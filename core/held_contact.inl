@@ -1,7 +1,7 @@
 // Contact of strands that bodies press, while their vertices are where forces have moved them: through the bending matrix, so that what
 // holds one vertex holds its strand, and its force is what that takes. Included in core/rod_sweep.inl.
 
-// Of a vertex that some lane touches a body with, and of the elimination of the bending matrix with those held that are.
+// Of a vertex that some lane has near a body, and of the elimination of the bending matrix with those held that are.
 struct RodStep::HeldRow {
   real3 push;              // m, from where it is to where it is to be held
   real3 force;             // that the body has pressed it with when the substep began
@@ -19,14 +19,15 @@ inline RodStep::HeldRow& RodStep::heldRow(int i) const {
   return reinterpret_cast<HeldRow*>(scratch_ + rodScratch(n, kLanes))[i - 1];
 }
 
-// Whether vertex i, shifted so, of which forces have just moved it by `moved`, touches a body.
+// Notes what a body is to vertex i, shifted so, of which forces have just moved it by `moved`.
 inline void RodStep::touch(int i, const real3& shift, const real3& moved) {
   const real3 x = state3(b.position, i) + shift;
   near_.lookOn(i, x, state3(b.position, i), again_);
   if (near_.sees(i) || forced_[i]) touched(i, x, moved);
 }
 
-// The same of a vertex that may. By itself, so that the sweep stays small.
+// The same of a vertex that one may be near. In a body, or pressed before, it is held at first; near one it may be later, or a step would
+// depend on which side of the surface rounding has put it. By itself, so that the sweep stays small.
 [[gnu::noinline]] inline void RodStep::touched(int i, const real3& x, const real3& moved) {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0)), before = forced_[i] ? state3(b.contact, i) : zero;
   const mask pressed_before = dot(before, before) > lit(0);
