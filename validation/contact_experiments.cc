@@ -230,19 +230,13 @@ std::vector<Case> kinkedPressed(const Laboratory& laboratory) {
   constexpr int kStrands = 32;
   constexpr double kSettling = 8;  // s
   std::mt19937 random(7);
-  auto any = [&] { return static_cast<float>(random()) / 2147483648.0f - 1; };
+  auto any = [&] { return anyNumber(random); };
   std::vector<StrandPoints> strands;
   for (int s = 0; s < kStrands; ++s) {
-    const int edges = s % 2 == 0 ? 23 : 31;
-    const float edge = (s % 2 == 0 ? 0.15f : 0.25f) / static_cast<float>(edges);
     const Vec3 out = Vec3(any(), std::abs(any()) + 0.1f, any()).normalized();
-    Vec3 x = (kBall + 5e-4f) * out, direction = (out + 0.5f * Vec3(any(), any(), any())).normalized();
-    StrandPoints points = {x};
-    for (int e = 0; e < edges; ++e) {
-      points.push_back(x += edge * direction);
-      direction = (direction + 0.3f * Vec3(any(), any(), any())).normalized();
-    }
-    strands.push_back(points);
+    const Vec3 direction = (out + 0.5f * Vec3(any(), any(), any())).normalized();
+    strands.push_back(kinkedStrand((kBall + 5e-4f) * out, direction, s % 2 == 0 ? 0.15f : 0.25f,
+                                   s % 2 == 0 ? 23 : 31, 0.3f, random));
   }
   const ContactPrimitive capsule{PrimitiveKind::kCapsule, Vec3(-0.2f, -0.17f, 0), Vec3(0.2f, -0.17f, 0),
                                  0.05f};

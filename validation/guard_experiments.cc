@@ -204,19 +204,11 @@ std::vector<Case> kinked(const Laboratory& laboratory, const char* name,
   constexpr double kSettling = 8;   // s
   constexpr double kMoving = 0.02;  // m/s
   std::mt19937 random(7);
-  auto any = [&] { return static_cast<float>(random()) / 2147483648.0f - 1; };
+  auto any = [&] { return anyNumber(random); };
   std::vector<StrandPoints> strands;
-  for (int s = 0; s < kStrands; ++s) {
-    const int edges = s % 2 == 0 ? 63 : 95;
-    const float edge = (s % 2 == 0 ? 0.1f : 0.2f) / static_cast<float>(edges);
-    Vec3 x = Vec3::Zero(), direction = Vec3(any(), any(), any()).normalized();
-    StrandPoints points = {x};
-    for (int e = 0; e < edges; ++e) {
-      points.push_back(x += edge * direction);
-      direction = (direction + 0.1f * Vec3(any(), any(), any())).normalized();
-    }
-    strands.push_back(points);
-  }
+  for (int s = 0; s < kStrands; ++s)
+    strands.push_back(kinkedStrand(Vec3::Zero(), Vec3(any(), any(), any()).normalized(),
+                                   s % 2 == 0 ? 0.1f : 0.2f, s % 2 == 0 ? 63 : 95, 0.1f, random));
   Simulation simulation = laboratory.simulation(modelOf(strands, std::vector<Material>(strands.size())),
                                                 bodies, laboratory.parameters(kRate, kDrag));
   laboratory.advance(simulation, kSettling, {});

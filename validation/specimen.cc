@@ -38,6 +38,20 @@ double bendingOverMass(const Material& material) {
   return material.youngs_modulus * radius * radius / (4 * material.density);
 }
 
+float anyNumber(std::mt19937& random) { return static_cast<float>(random()) / 2147483648.0f - 1; }
+
+StrandPoints kinkedStrand(const Vec3& root, Vec3 direction, float length, int edges, float kink,
+                          std::mt19937& random) {
+  const float edge = length / static_cast<float>(edges);
+  StrandPoints points = {root};
+  for (int e = 0; e < edges; ++e) {
+    points.push_back(points.back() + edge * direction);
+    direction =
+        (direction + kink * Vec3(anyNumber(random), anyNumber(random), anyNumber(random))).normalized();
+  }
+  return points;
+}
+
 double lengthOfGamma(double gamma, const Material& material) {
   return std::cbrt(gamma * bendingOverMass(material) / kGravity);
 }

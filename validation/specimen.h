@@ -1,4 +1,5 @@
 #pragma once
+#include <random>
 #include <vector>
 
 #include "core/simulation.h"
@@ -13,6 +14,11 @@ StrandPoints straightStrand(double length, int edges, const Vec3& direction);
 StrandPoints helixStrand(double radius, double pitch, double length, int edges);
 /// A part of a circle in the plane of X and Y that begins downwards and bends towards X.
 StrandPoints arcStrand(double curvature, double length, int edges);
+
+float anyNumber(std::mt19937& random);  ///< -1 to 1
+/// From `direction` on each edge goes the way of the last, with up to `kink` more or less along each axis.
+StrandPoints kinkedStrand(const Vec3& root, Vec3 direction, float length, int edges, float kink,
+                          std::mt19937& random);
 
 /// Length at which a strand of this material has the gravito-bending number gamma = 4 rho g L^3 / (E R^2).
 double lengthOfGamma(double gamma, const Material& material);
