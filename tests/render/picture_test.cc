@@ -49,6 +49,19 @@ double coveredPixels(const RenderSettings& settings, const GroomDescription& gro
   return covered;
 }
 
+/// A bundle of black hair, which no light falls on, before a bright background.
+struct Silhouette {
+  explicit Silhouette(RenderSettings& settings) {
+    settings.background = Vec3(0.9f, 0.9f, 0.9f);
+    settings.hair_color = Vec3::Zero();
+    settings.lights[0].intensity = 0;
+    camera.eye = Vec3(0.2f, 0.1f, 0.6f);
+    camera.target = Vec3::Zero();
+  }
+  const GroomDescription groom = verticalBundle(10, 10, 0.012f, 0.1f, 0.2f, 8);
+  Camera camera;
+};
+
 TEST_F(Picture, StraightBundleCoversTheAreaOfItsHairs) {
   RenderSettings settings = smallPicture();
   settings.width = settings.height = 256;
@@ -95,18 +108,12 @@ TEST_F(Picture, ThinHairCoversAsMuchOfABrightBackgroundAsEightTimesAsManyPixelsS
   RenderSettings settings = smallPicture();
   settings.growth.hairs = 3000;
   settings.growth.curl_radius = 0.01f;  // so that hairs cross
-  settings.background = Vec3(0.9f, 0.9f, 0.9f);
-  settings.hair_color = Vec3::Zero();
-  settings.lights[0].intensity = 0;
-  const GroomDescription groom = verticalBundle(10, 10, 0.012f, 0.1f, 0.2f, 8);
-  Camera camera;
-  camera.eye = Vec3(0.2f, 0.1f, 0.6f);
-  camera.target = Vec3::Zero();
+  const Silhouette scene(settings);
   const auto picture = [&](int size, bool hair) {
     settings.width = settings.height = size;
     Renderer renderer(settings);
-    if (hair) renderer.setGroom(groom);
-    renderer.draw(hair ? restFrame(groom) : GuideFrame{}, camera);
+    if (hair) renderer.setGroom(scene.groom);
+    renderer.draw(hair ? restFrame(scene.groom) : GuideFrame{}, scene.camera);
     return renderer.read();
   };
   for (const float width : {8e-5f, 2.5e-4f}) {  // a fiftieth and a sixteenth of a pixel
@@ -137,21 +144,15 @@ TEST_F(Picture, FewHairsInPlaceOfManyAreAsDense) {
   settings.width = settings.height = 96;
   settings.growth.hairs = 60000;
   settings.hair_width = 6e-6f;  // three deep; one in 160 is drawn
-  settings.background = Vec3(0.9f, 0.9f, 0.9f);
-  settings.hair_color = Vec3::Zero();
-  settings.lights[0].intensity = 0;
-  const GroomDescription groom = verticalBundle(10, 10, 0.012f, 0.1f, 0.2f, 8);
-  Camera camera;
-  camera.eye = Vec3(0.2f, 0.1f, 0.6f);
-  camera.target = Vec3::Zero();
+  const Silhouette scene(settings);
   Renderer renderer(settings);
-  renderer.setGroom(groom);
-  GuideFrame frame = restFrame(groom);
+  renderer.setGroom(scene.groom);
+  GuideFrame frame = restFrame(scene.groom);
   double left[2] = {};
   for (const bool hair : {true, false}) {
     if (!hair)
       frame.positions.assign(frame.positions.size(), Vec3::Constant(std::numeric_limits<float>::quiet_NaN()));
-    renderer.draw(frame, camera);
+    renderer.draw(frame, scene.camera);
     if (hair) {
       EXPECT_LT(renderer.statistics().hairs_drawn, 1000u);
     }
