@@ -12,8 +12,8 @@ enum RodScratch : int {
   kTangent = 3,       // 3, later of the lengths
   kStrain = 6,        // 3, of a joint, later the right-hand sides of bending
   kNormal = 9,        // 3, of the contact at a vertex
-  kDirection = 12,    // 3, in which the forces of an edge act where there is damping
-  kResidual = kDirection,  // excess lengths that the pulls of violent motion leave
+  kGained = 12,       // 3, strain that internal damping adds, per substep of the damping time
+  kResidual = kGained,     // excess lengths that the pulls of violent motion leave
   kConjugate,              // the direction of these pulls
   kCorrection,             // what the tridiagonal system makes of the residual
   kFactor1 = 15,      // elimination factors: of twist, later of bending
@@ -130,7 +130,6 @@ class RodStep {
   void predict(const RootFrame& root, double time);
   real3 ownShift(int i) const;
   real3 inertialShift(int i, const real3& own, const RootFrame& root, double time) const;
-  real aheadNow(const RootFrame& root, double time) const;
   void eliminateTwist();
   void eliminateBending();
   void moveByForces();
@@ -175,6 +174,7 @@ class RodStep {
   double keep_ = 1;
   bool damped_ = false;
   real ahead_, damping_;  // damping time over and times the substep
+  real root_spin_;        // radians, of the root about its tangent in this substep
   RootFrame begin_, end_;
   quat frame_;          // of the root after the last substep
 
@@ -207,19 +207,6 @@ inline real3 RodStep::inertialShift(int i, const real3& own, const RootFrame& ro
   return select(weight(i) > lit(0), shift, heldPoint(b, root, i, time) - state3(b.position, i));
 }
 
-// Substeps that frames are ahead of the motion in this one.
-inline real RodStep::aheadNow(const RootFrame& root, double time) const {
-  if (!anyTrue(ahead_ > lit(kFreelyAhead))) return ahead_;
-  real fastest2 = lit(0);
-  real3 shift_in = root.position - state3(b.position, 0);
-  for (int e = 0; e < ne; ++e) {
-    const real3 shift = inertialShift(e + 1, ownShift(e + 1), root, time), advance = (shift - shift_in) * inverseLength(e);
-    fastest2 = max(fastest2, dot(advance, advance));
-    shift_in = shift;
-  }
-  return boundedAhead(ahead_, fastest2);
-}
-
 // Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
 inline void RodStep::predict(const RootFrame& root, double time) {
   root_ = root;
@@ -230,7 +217,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
   inner_frame_ = multiply(rotationBetween(tangent_new, tangent_old_), root.rotation);
   jump_ = root.position - madd(state3(b.velocity, 0), lit(h), x0);
 
-  const real ahead = aheadNow(root, time);
+  if (damped_) root_spin_ = spinBetween(frame_, inner_frame_);
   real3 before = x0, shift_in = root.position - x0;
   set3(kShift, 0, shift_in);
   real3 unit_before = tangent_old_;
@@ -251,11 +238,9 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     store(kept, b.tension + at(0, e));
     const real blend = timeBlend(advance * il, unit - unit_before, stiffnessOf(bend(e), il, lit(h * h), weight(e + 1)));
     set(kBlend, e, blend);
-    // Internal damping acts through frames that are ahead of the motion by the damping time; tension is not damped.
     const quat frame = state4(b.frame, e);
-    const real3 tangent = frameTangent(frame), t = directionOr(madd(advance, ahead - blend, edge), tangent);
+    const real3 tangent = frameTangent(frame), t = directionOr(madd(advance, lit(0) - blend, edge), tangent);
     set3(kTangent, e, t);
-    if (damped_) set3(kDirection, e, madd(advance, (lit(0) - ahead) * il, t));
     setState4(b.frame, e, transportTo(frame, tangent, t));
     before = x;
     shift_in = shift;
@@ -267,7 +252,8 @@ inline void RodStep::predict(const RootFrame& root, double time) {
 // Joint strains, and the elimination of the twist system from root to tip.
 inline void RodStep::eliminateTwist() {
   quat inner = inner_frame_;
-  real3 t_in = tangent_old_;
+  real3 t_in = tangent_old_, shift_in = get3(kShift, 0);
+  real3 turned_in = damped_ ? tangent_old_ * root_spin_ : t_in;  // the swing of the root is in the forces
   real factor = lit(0), right = lit(0), diagonal = lit(0), lower = lit(0), torque_before = lit(0);
   for (int j = 0; j < ne; ++j) {
     const quat q = state4(b.frame, j);
@@ -281,7 +267,16 @@ inline void RodStep::eliminateTwist() {
     set(kStiffness, j, stiffness);
     set(kMargin, j, bendMatrixMargin(stiffness, c, excess));
 
-    const real coupling = twistOfBending(strain, excess, kb), shear = torqueDifference(strain, excess, kb);
+    real coupling = twistOfBending(strain, excess, kb), shear = torqueDifference(strain, excess, kb);
+    if (damped_) {
+      const real3 shift = get3(kShift, j + 1), turned = turningOf(t, (shift - shift_in) * inverseLength(j));
+      const real3 gained = gainedStrain(inner, strain, turned - turned_in);
+      set3(kGained, j, gained);
+      coupling = coupling + twistOfDamping(strain, kb, ahead_);
+      shear = shear + torqueDifference(strain, gained * ahead_, kb);
+      shift_in = shift;
+      turned_in = turned;
+    }
     const real own = kt + coupling, across = coupling - kt;
     if (j > 0) {  // row j - 1 is complete now
       const real r = madd(kt, excess.z, shear) - torque_before;
@@ -312,7 +307,6 @@ inline void RodStep::eliminateBending() {
   real turn = get(kRight, ne - 1);
   quat outer = twistFrame(state4(b.frame, ne - 1), clamp(turn, lit(-1), lit(1)));
   real3 t = get3(kTangent, ne - 1), t_out = t, t_out2 = t;
-  real3 direction = damped_ ? get3(kDirection, ne - 1) : t;  // in which the forces of edge e act
   real3 moment_out = zero, force_out = zero, y1 = zero, y2 = zero;
   // Of the rows of the next two vertices outwards, without those still farther out: inverse pivots, and what the rows sum up to. In the
   // matrix they sum up to the masses: moved as a whole, a strand is not bent. Pivots follow from sums, and not by taking from large
@@ -327,13 +321,13 @@ inline void RodStep::eliminateBending() {
     const quat inner = e > 0 ? twistFrame(state4(b.frame, e - 1), phi_in) : inner_frame_;
     setState4(b.frame, e, outer);
     const real kb = bend(e), il = inverseLength(e);
-    const real3 strain = twistedStrain(get3(kStrain, e), phi_in, phi);
-    real3 moment = jointMoment(inner, strain, strain - state3(b.rest_strain, e), kb, twist(e));
-    const real3 direction_in = e > 0 && damped_ ? get3(kDirection, e - 1) : t_in;
-    if (damped_) moment = turnedBack(moment, e > 0 ? t_in : zero, direction_in, t, direction);
+    const real3 untwisted = get3(kStrain, e), strain = twistedStrain(untwisted, phi_in, phi);
+    real3 excess = strain - state3(b.rest_strain, e);
+    if (damped_) excess = dampedExcess(excess, get3(kGained, e), untwisted, strain, ahead_);
+    const real3 moment = jointMoment(inner, strain, excess, kb, twist(e));
     const real kept = state(b.tension, 0, e);
 
-    real3 force = cross(moment_out - moment, direction) * (il * lit(h * h)) - direction * kept;
+    real3 force = cross(moment_out - moment, t) * (il * lit(h * h)) - t * kept;
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
     const real3 way = b.acceleration != nullptr ? madd(accelerationOf(b, e + 1), lit(h * h), pull) : pull;
@@ -370,7 +364,6 @@ inline void RodStep::eliminateBending() {
     t_out2 = t_out;
     t_out = t;
     t = t_in;
-    direction = direction_in;
     turn = turn_in;
     outer = inner;
   }

@@ -38,10 +38,11 @@ std::vector<float> restDistances(const StrandModel& model, std::span<const Movin
   return out;
 }
 
-Parameters inShortSubsteps(Parameters parameters) {
+Parameters withSolvableSubsteps(Parameters parameters) {
   if (parameters.solver == SolverKind::kRod) {
     const int least = static_cast<int>(std::ceil(parameters.time_step / kLongestSubstep - 1e-3f));
-    parameters.substeps = std::max(parameters.substeps, least);
+    const int most = static_cast<int>(parameters.time_step / kShortestSubstep + 1e-3f);
+    parameters.substeps = std::clamp(parameters.substeps, least, most);
   }
   return parameters;
 }
@@ -72,7 +73,7 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
       reach_(*model_, strandOrder(*model_), lengths_),
       strand_boxes_(reach_.neighbourhoods()) {
   checkParameters(parameters_, "Simulation");
-  stepped_ = inShortSubsteps(parameters_);
+  stepped_ = withSolvableSubsteps(parameters_);
   std::vector<MovingPrimitive> rooted;
   std::vector<float> depths;
   for (RigidBody& body : bodies) {
@@ -232,7 +233,7 @@ void Simulation::setParameters(const Parameters& parameters) {
   if (parameters.solver != parameters_.solver)
     throw Error("the solver of a simulation does not change", "Simulation::setParameters",
                 "make another simulation");
-  const Parameters stepped = inShortSubsteps(parameters);
+  const Parameters stepped = withSolvableSubsteps(parameters);
   backend_->expect(stepped, !primitives_.empty());
   surrounded_ = configureSurroundings(stepped);
   parameters_ = parameters;

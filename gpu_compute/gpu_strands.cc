@@ -97,7 +97,6 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs, size_t 
       uploads_(std::in_place, model, UploadRing::Counts{}),
       readback_(vertices_) {
   checkMemory("the model does not fit the GPU's memory");
-  for (const float scale : model.damping_scale) most_damping_ = std::max(most_damping_, scale);
 }
 
 void GpuStrands::checkMemory(const char* what) const {
@@ -235,14 +234,6 @@ void GpuStrands::expectUploads(const UploadRing::Counts& wanted) {
                    UploadRing::Counts{std::max(has.bodies, wanted.bodies), std::max(has.near, wanted.near)});
 }
 
-int GpuStrands::dampingOf(const Parameters& p) const {
-  if (!(p.damping_time > 0)) return 0;
-  return p.damping_time * most_damping_ * static_cast<float>(p.substeps) >
-                 static_cast<float>(kernels::f32::kFreelyAhead) * p.time_step
-             ? 2
-             : 1;
-}
-
 void GpuStrands::step(const StepInput& input) {
   uploaded_ = std::vector<Vec3>();  // {} would keep its memory
   if (vertices_ == 0) return;
@@ -268,7 +259,7 @@ void GpuStrands::step(const StepInput& input) {
                 .turning = turning,
                 .goal = goal,
                 .accelerated = accelerated,
-                .damping = dampingOf(*input.parameters),
+                .damping = input.parameters->damping_time > 0,
                 .substep = input.parameters->time_step / static_cast<float>(input.parameters->substeps),
                 .same_bodies = seen_.holdsIn(input)},
                input.parameters->substeps, programs_);

@@ -48,8 +48,6 @@ class GpuStrands {
   std::optional<double> gpuSeconds() const { return timer_.newest(); }
 
  private:
-  /// Of RodStrands::Needs.
-  int dampingOf(const Parameters& parameters) const;
   void bind() const;
   /// Those of the shapes that are on the GPU already.
   void takeBends(const ShapeData& shapes) const;
@@ -70,7 +68,6 @@ class GpuStrands {
   gl::Buffer shapes_;  ///< ShapeData::words of the newest step
   uint64_t shapes_revision_ = 0;
   bool groomed_;              ///< strands have tethers or factors
-  float most_damping_ = 1;    ///< of the strands' factors
   bool accelerated_ = false;  ///< guides_ has the next step's accelerations
   // What not every step needs, empty until one is expected that does.
   gl::Buffer contacts_;    ///< StrandState::contacts; with bodies see shaders/contact_sights.glsl

@@ -216,7 +216,7 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
         "rod.comp", shaders::kRodComp,
         fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n"
                     "#define PINNED {:d}\n#define BODIES {:d}\n#define TURNING {}\n#define GROOMED {:d}\n"
-                    "#define DAMPED {}\n#define VIOLENT {:d}\n#define STIFF {:d}\n#define ASTRAY {:d}\n"
+                    "#define DAMPED {:d}\n#define VIOLENT {:d}\n#define STIFF {:d}\n#define ASTRAY {:d}\n"
                     "#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
                     spread.per_thread, spread.threads, edges_of_[g], (key & kGeneral) == 0 && !groomed,
                     (key & kPinned) != 0, needs.bodies, astray ? needs.turning : 0, groomed, needs.damping,
@@ -236,8 +236,8 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
 void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) {
   const int dispatches = needs.bodies ? substeps : 1;
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
-                             8 * static_cast<size_t>(needs.damping) +
-                             24 * static_cast<size_t>(needs.turning) + (isStiff(needs) ? 72 : 0)];
+                             (needs.damping ? 8 : 0) + 16 * static_cast<size_t>(needs.turning) +
+                             (isStiff(needs) ? 48 : 0)];
   if (mine.violent.empty()) mine = compile(needs, programs);
   work_.bindStorage(5);
   joints_.bindStorage(10);

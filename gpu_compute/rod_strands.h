@@ -23,7 +23,7 @@ class RodStrands {
     int turning;       ///< 1: some of them are of kinds with a rotation; 2: fields that bend
     bool goal;         ///< all strands are pulled towards their goals
     bool accelerated;  ///< StepInput::accelerations
-    int damping;       ///< 1: there is internal damping; 2: some by more than kFreelyAhead substeps
+    bool damping;      ///< there is internal damping
     float substep;     ///< s
     bool same_bodies;  ///< what vertices have seen of bodies in the step before holds on
   };
@@ -69,7 +69,7 @@ class RodStrands {
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
   const size_t few_;
   const bool shuffled_;
-  std::array<Programs, 144> programs_;          ///< by needs; empty until first needed
+  std::array<Programs, 96> programs_;           ///< by needs; empty until first needed
   std::array<LazyProgram, 3> look_, keep_out_;  ///< by Needs::turning
 };
 

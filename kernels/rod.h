@@ -29,21 +29,16 @@ FN real3 jointMoment(IN(quat) a, IN(real3) strain, IN(real3) excess, IN(real) be
   return rotate(a, madd(cross(strain, c), lit(0.5), c));
 }
 
-// Internal damping acts through frames and tangents `t` that are ahead of the motion by the damping time; `now` is where the
-// tangents are. This is the moment of such a joint turned back by as much as its edges are ahead, so that only the rate of
-// strain is damped: a moment that turns with the hair would drive it.
-FN real3 turnedBack(IN(real3) moment, IN(real3) t_in, IN(real3) now_in, IN(real3) t, IN(real3) now) {
-  real3 turn = (cross(now_in, t_in) + cross(now, t)) * lit(0.5);
-  return moment - cross(turn, moment);
-}
-
-// Substeps that this may be ahead: turning back is of the first order, and a tangent that is sent ahead in a straight line turns
-// ever less. `fastest2`: of the strand's edges the greatest square of how far the outer end of one advances on its inner end in the
-// substep, over its length. Where one turns faster, frames of the whole strand are less far ahead and it is damped less, not driven;
-// those that are less than kFreelyAhead ahead are not looked at.
-const int kFreelyAhead = 2;
-FN real boundedAhead(IN(real) ahead, IN(real) fastest2) {
-  return min(ahead, max(lit(0.3) * inverseSqrt(max(fastest2, lit(1e-20))), lit(kFreelyAhead)));
+// How an edge turns in a substep, without twist: unit tangent t, `advance` of its outer end on the inner one over its length.
+FN real3 turningOf(IN(real3) t, IN(real3) advance) { return cross(t, advance); }
+// How far frame b, whose tangent is that of a, is turned about it from a on: radians, small.
+FN real spinBetween(IN(quat) a, IN(quat) b) { return clamp(jointStrain(a, b).z, lit(-1), lit(1)); }
+// The strain that a joint gains when its outer edge turns by so much more than its inner one (`a` its frame, world): jointMoment()
+// transposed. Internal damping (Kelvin and Voigt's) adds to the strain what it gains in the damping time, and so takes energy from
+// all that bends hair and from nothing else. Of that bending counts: twist has no inertia here.
+FN real3 gainedStrain(IN(quat) a, IN(real3) strain, IN(real3) turning) {
+  real3 own = rotateBack(a, turning), gained = madd(cross(strain, own), lit(-0.5), own);
+  return makeReal3(gained.x, gained.y, lit(0));
 }
 
 // The torque of a joint about its inner edge's tangent is twist excess.z + d, about its outer edge's twist excess.z - d.
@@ -52,15 +47,24 @@ FN real torqueDifference(IN(real3) strain, IN(real3) excess, IN(real) bend) {
   return lit(0.5) * bend * (strain.x * excess.y - strain.y * excess.x);
 }
 // What bending adds to the stiffness of twist: the torques change by (twist + a) phi on the edge of a joint that turns by
-// phi about its tangent and by (a - twist) phi on the other. This is a, without terms in strain.z, held positive.
+// phi about its tangent and by (a - twist) phi on the other. This is a, without terms in strain.z, held positive. `ahead`: the damping
+// time, in substeps.
 FN real twistOfBending(IN(real3) strain, IN(real3) excess, IN(real) bend) {
   real3 rest = strain - excess;
   return max(lit(0.25) * bend * madd(strain.x, rest.x, strain.y * rest.y), lit(0));
+}
+FN real twistOfDamping(IN(real3) strain, IN(real) bend, IN(real) ahead) {
+  return lit(0.25) * bend * ahead * madd(strain.x, strain.x, strain.y * strain.y);
 }
 // Strain of a joint when its inner and outer edge have turned about their tangents by phi_in and phi (radians, small).
 FN real3 twistedStrain(IN(real3) strain, IN(real) phi_in, IN(real) phi) {
   real mean = lit(0.5) * (phi_in + phi);
   return makeReal3(madd(strain.y, mean, strain.x), madd(lit(0) - strain.x, mean, strain.y), strain.z + phi - phi_in);
+}
+// `excess` of a strain with what internal damping adds: `gained` in the substep without twist, the rest by twist.
+FN real3 dampedExcess(IN(real3) excess, IN(real3) gained, IN(real3) untwisted, IN(real3) strain, IN(real) ahead) {
+  real3 by_twist = strain - untwisted;
+  return makeReal3(madd(gained.x + by_twist.x, ahead, excess.x), madd(gained.y + by_twist.y, ahead, excess.y), excess.z);
 }
 
 // Frame turned about its own tangent by the small angle phi.

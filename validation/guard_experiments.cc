@@ -118,6 +118,12 @@ std::vector<Case> mostSubsteps(const Laboratory& laboratory) {
   return survive(laboratory, "64 substeps", {}, parameters, shakeForThreeSeconds);
 }
 
+std::vector<Case> shortestSubsteps(const Laboratory& laboratory) {
+  Parameters parameters = laboratory.parameters(2000, kDrag);
+  parameters.substeps = 64;
+  return survive(laboratory, "64 substeps of 1/2000 s", {}, parameters, shakeForThreeSeconds);
+}
+
 std::vector<Case> damped(const Laboratory& laboratory) {
   Parameters parameters = laboratory.parameters(kRate, kDrag);
   parameters.damping_time = 0.1f;  // 36 substeps
@@ -231,6 +237,7 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
     add(fmt::format("steps of 1/{} s all the time, shaken", rate), nameOfRate(rate),
         [rate](const Laboratory& laboratory) { return constantStep(laboratory, rate); });
   add("64 substeps of steps of 1/30 s all the time, shaken", "64 substeps", mostSubsteps);
+  add("64 substeps of steps of 1/2000 s all the time, shaken", "64 substeps of 1/2000 s", shortestSubsteps);
   add("time steps of 1/30 to 1/2000 s by turns, shaken", "changing time steps", timeSteps);
   add("1 to 64 substeps of steps of 1/60 s by turns, shaken", "changing substeps", substeps);
   add("internal damping of 0.1 s, shaken", "internal damping of 0.1 s", damped);

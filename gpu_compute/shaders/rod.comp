@@ -3,7 +3,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=2 GROOMED=0 DAMPED=2 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
+// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=2 GROOMED=0 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
 // One step of strands as inextensible rods: core/rod_sweep.inl with the state in registers, PER_THREAD (2 or 4) edges per
 // invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand become: own slots by
 // elimination, then the strand's invocations together by cyclic reduction.
@@ -11,7 +11,7 @@
 // PINNED: more vertices than the roots are. BODIES: there are some; then a dispatch does one substep, for which look.comp has
 // looked at them, and lists strands for keep_out.comp; without, all of them. TURNING: see bodies.glsl. GROOMED: there is a goal
 // pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
-// DAMPED: there is internal damping; 2: some by more than kFreelyAhead.
+// DAMPED: there is internal damping.
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
@@ -52,7 +52,7 @@ layout(local_size_x = WORKGROUP) in;
 vec3 shift[PER_THREAD];
 vec3 shift_in;                      // of the vertex before slot 0
 vec3 tangent[PER_THREAD], tangent_in, tangent_out;
-vec3 direction_in;                  // in which the forces of the edge before slot 0 act
+vec3 turned_in;                     // of the edge before slot 0, see turningOf()
 vec3 moment[PER_THREAD + 1];        // m^2/s^2
 float stiffness[PER_THREAD + 2];    // of joints in the bending matrix
 float edge_stiffness[PER_THREAD + 1];     // of edges in it
@@ -98,22 +98,8 @@ vec3 oldEdge(int p) { return x[p] - (p > 0 ? x[max(p - 1, 0)] : x_in); }
 vec3 edgeShift(int p) { return shift[p] - (p > 0 ? shift[max(p - 1, 0)] : shift_in); }
 vec3 newEdge(int p) { return oldEdge(p) + edgeShift(p); }
 
-#if DAMPED > 1
-float ahead_now;  // substeps that frames are ahead of the motion
-float substepsAhead() { return ahead_now; }
-#elif DAMPED
-float substepsAhead() { return DAMPING_TIME * settings.per_substep; }
-#endif
-
-// In which the forces of the edge of slot p act, while vertices are shifted to the inertial points. With internal damping, frames
-// and tangents are ahead of the motion by the damping time.
-vec3 forceDirection(int p) {
-#if DAMPED
-  return madd(edgeShift(p), -substepsAhead() * inverseLength(p), tangent[p]);
-#else
-  return tangent[p];
-#endif
-}
+// How the edge of slot p turns, while vertices are shifted to the inertial points.
+vec3 edgeTurning(int p) { return turningOf(tangent[p], edgeShift(p) * inverseLength(p)); }
 
 // The kept tension of the edge of slot p, its tangent between the old edge and the inertial one, its frame carried along.
 // Returns the blend of the two; `unit_in`: of the old edge before it.
@@ -123,13 +109,8 @@ float predictEdge(int p, vec3 unit_in) {
   vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
   tension[p] = min(keptTension(tension[p], advance * il, bend(p), il, dt2), most_tension);
   float blend = timeBlend(advance * il, old * il - unit_in, stiffnessOf(bend(p), il, dt2, weight(p)));
-#if DAMPED
-  float ahead = substepsAhead() - blend;
-#else
-  float ahead = -blend;
-#endif
   vec3 own = frameTangent(frame[p]);
-  tangent[p] = directionOr(madd(advance, ahead, edge), own);
+  tangent[p] = directionOr(madd(advance, -blend, edge), own);
   frame[p] = transportTo(frame[p], own, tangent[p]);
   return blend;
 }
@@ -142,27 +123,21 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
     vertex = root_vertex + uint(min(rank * PER_THREAD + p + 1, edges));
     shift[p] = inertialShift(x[p], v[p], KEEP(p), weight(p), vertex, root);
   }
-#if DAMPED > 1
-  float fastest2 = 0.0;
-  for (int p = 0; p < PER_THREAD; ++p) {
-    vec3 advance = edgeShift(p) * inverseLength(p);
-    fastest2 = max(fastest2, select(isEdge(p), dot(advance, advance), 0.0));
-  }
-  ahead_now = boundedAhead(DAMPING_TIME * settings.per_substep, strandMax(fastest2));
-#endif
   for (int p = 1; p < PER_THREAD; ++p) blend[p] = predictEdge(p, oldEdge(p - 1) * inverseLength(p - 1));
-  vec3 direction = forceDirection(kLast);
-  send_a(frame[kLast]);
-  send_b(vec4(tangent[kLast], direction.x));
-  send_c(vec4(oldEdge(kLast) * inverseLength(kLast), direction.y));
 #if DAMPED
-  send_d(direction.z);
+  vec3 turned = edgeTurning(kLast);
+  send_d(turned.z);
+#else
+  const vec3 turned = vec3(0);
 #endif
+  send_a(frame[kLast]);
+  send_b(vec4(tangent[kLast], turned.x));
+  send_c(vec4(oldEdge(kLast) * inverseLength(kLast), turned.y));
   rendezvous();
   vec4 frame_in = received_a(before(1));
   vec4 b = received_b(before(1)), c = received_c(before(1));
 #if DAMPED
-  direction_in = vec3(b.w, c.w, received_d(before(1)));
+  turned_in = vec3(b.w, c.w, received_d(before(1)));
 #endif
   release();
   tangent_in = b.xyz;
@@ -171,19 +146,22 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
   tangent_in = select(hasBefore(1), tangent_in, root.tangent_old);
   unit_in = select(hasBefore(1), unit_in, root.tangent_old);
 #if DAMPED
-  direction_in = select(hasBefore(1), direction_in, root.tangent_old);
+  turned_in = select(hasBefore(1), turned_in, root.tangent_old * root.spin);  // the swing of the root is in the forces
 #endif
   blend[0] = predictEdge(0, unit_in);
   return frame_in;
 }
 
-// What joints and edges put into the bending matrix; the frames twisted to where the torques balance; then the moments, and
-// in place of the tangents the directions in which forces act.
+// What joints and edges put into the bending matrix; the frames twisted to where the torques balance; then the moments.
 void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   vec3 strain[PER_THREAD];
   float margin[PER_THREAD + 1];
   float twist_diagonal[PER_THREAD], lower[PER_THREAD], turn[PER_THREAD];
   float own_first, torque_first;  // what joint 0 adds to the last row of the invocation before
+#if DAMPED
+  vec3 gained[PER_THREAD], turned_before = turned_in;
+  const float ahead = DAMPING_TIME * settings.per_substep;
+#endif
   vec4 inner = frame_in;
   vec3 t_in = tangent_in;
   for (int p = 0; p < PER_THREAD; ++p) {
@@ -194,6 +172,13 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     stiffness[p] = bendMatrixStiffness(bend(p), c, time2);
     margin[p] = bendMatrixMargin(stiffness[p], c, excess);
     float coupling = twistOfBending(strain[p], excess, bend(p)), shear = torqueDifference(strain[p], excess, bend(p));
+#if DAMPED
+    vec3 turned = edgeTurning(p);
+    gained[p] = gainedStrain(inner, strain[p], turned - turned_before);
+    coupling += twistOfDamping(strain[p], bend(p), ahead);
+    shear += torqueDifference(strain[p], gained[p] * ahead, bend(p));
+    turned_before = turned;
+#endif
     float own = twist(p) + coupling, torque = madd(twist(p), excess.z, shear);
     twist_diagonal[p] = own;
     lower[p] = coupling - twist(p);
@@ -242,21 +227,16 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   inner = twistFrame(frame_in, turn_in);
   for (int p = 0; p < PER_THREAD; ++p) {
     turn[p] = clamp(turn[p], -1.0, 1.0);
-    strain[p] = twistedStrain(strain[p], turn_in, turn[p]);
-    moment[p] = jointMoment(inner, strain[p], strain[p] - restStrain(p), bend(p), twist(p));
+    vec3 untwisted = strain[p];
+    strain[p] = twistedStrain(untwisted, turn_in, turn[p]);
+    vec3 excess = strain[p] - restStrain(p);
+#if DAMPED
+    excess = dampedExcess(excess, gained[p], untwisted, strain[p], ahead);
+#endif
+    moment[p] = jointMoment(inner, strain[p], excess, bend(p), twist(p));
     inner = frame[p] = twistFrame(frame[p], turn[p]);
     turn_in = turn[p];
   }
-#if DAMPED
-  t_in = select(hasBefore(1), tangent_in, vec3(0));
-  vec3 inner_direction = direction_in;
-  for (int p = 0; p < PER_THREAD; ++p) {
-    vec3 direction = forceDirection(p);
-    moment[p] = turnedBack(moment[p], t_in, inner_direction, tangent[p], direction);
-    t_in = tangent[p];
-    tangent[p] = inner_direction = direction;
-  }
-#endif
 }
 
 // What the edge of slot p pushes its outer vertex with (x dt^2, m), while vertices are at the inertial points.

@@ -7,6 +7,7 @@ struct RootMotion {
   vec3 tangent_old;  // of the root before the substep
   vec3 swing;        // how it changes
   vec4 inner_frame;  // of the root, without the swing of this substep
+  float spin;        // radians, of the root about its tangent in the substep
   float time;        // part of the step that has passed at the end of the substep
   vec4 rotation;     // at the end of the substep, for what rides on the root
 };
@@ -23,6 +24,9 @@ shared vec4 root_position[kRootsPlaced];  // w: x, y, z of the jump
 shared vec4 root_tangent[kRootsPlaced];
 shared vec4 root_swing[kRootsPlaced];
 shared vec4 root_frame[kRootsPlaced];
+#if DAMPED
+shared float root_spin[kRootsPlaced];
+#endif
 #if PINNED || GROOMED
 shared vec4 root_rotation[kRootsPlaced];
 #endif
@@ -48,7 +52,11 @@ void placeRoots(int first) {
     root_position[at] = vec4(position, jump.x);
     root_tangent[at] = vec4(tangent_old, jump.y);
     root_swing[at] = vec4(tangent - tangent_old, jump.z);
-    root_frame[at] = multiply(rotationBetween(tangent, tangent_old), rotation);
+    const vec4 inner_frame = multiply(rotationBetween(tangent, tangent_old), rotation);
+    root_frame[at] = inner_frame;
+#if DAMPED
+    root_spin[at] = spinBetween(old, inner_frame);
+#endif
 #if PINNED || GROOMED
     root_rotation[at] = rotation;
 #endif
@@ -65,5 +73,10 @@ RootMotion rootMotion(int ahead, float time) {
 #else
   const vec4 rotation = vec4(0, 0, 0, 1);
 #endif
-  return RootMotion(a.xyz, vec3(a.w, b.w, c.w), b.xyz, c.xyz, root_frame[at], time, rotation);
+#if DAMPED
+  const float spin = root_spin[at];
+#else
+  const float spin = 0.0;
+#endif
+  return RootMotion(a.xyz, vec3(a.w, b.w, c.w), b.xyz, c.xyz, root_frame[at], spin, time, rotation);
 }
