@@ -174,7 +174,7 @@ class RodStep {
   double keep_ = 1;
   bool damped_ = false;
   real ahead_, damping_;  // damping time over and times the substep
-  real root_spin_;        // radians, of the root about its tangent in this substep
+  real root_spin_ = lit(0);  // radians, of the root about its tangent in this substep
   RootFrame begin_, end_;
   quat frame_;          // of the root after the last substep
 
@@ -253,7 +253,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
 inline void RodStep::eliminateTwist() {
   quat inner = inner_frame_;
   real3 t_in = tangent_old_, shift_in = get3(kShift, 0);
-  real3 turned_in = damped_ ? tangent_old_ * root_spin_ : t_in;  // the swing of the root is in the forces
+  real3 turned_in = makeReal3(lit(0), lit(0), root_spin_);  // the swing of the root is in the forces
   real factor = lit(0), right = lit(0), diagonal = lit(0), lower = lit(0), torque_before = lit(0);
   for (int j = 0; j < ne; ++j) {
     const quat q = state4(b.frame, j);
@@ -269,8 +269,8 @@ inline void RodStep::eliminateTwist() {
 
     real coupling = twistOfBending(strain, excess, kb), shear = torqueDifference(strain, excess, kb);
     if (damped_) {
-      const real3 shift = get3(kShift, j + 1), turned = turningOf(t, (shift - shift_in) * inverseLength(j));
-      const real3 gained = gainedStrain(inner, strain, turned - turned_in);
+      const real3 shift = get3(kShift, j + 1), turned = turningOf(q, (shift - shift_in) * inverseLength(j));
+      const real3 gained = gainedStrain(strain, turned_in, turned);
       set3(kGained, j, gained);
       coupling = coupling + twistOfDamping(strain, kb, ahead_);
       shear = shear + torqueDifference(strain, gained * ahead_, kb);

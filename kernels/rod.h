@@ -29,16 +29,19 @@ FN real3 jointMoment(IN(quat) a, IN(real3) strain, IN(real3) excess, IN(real) be
   return rotate(a, madd(cross(strain, c), lit(0.5), c));
 }
 
-// How an edge turns in a substep, without twist: unit tangent t, `advance` of its outer end on the inner one over its length.
-FN real3 turningOf(IN(real3) t, IN(real3) advance) { return cross(t, advance); }
 // How far frame b, whose tangent is that of a, is turned about it from a on: radians, small.
 FN real spinBetween(IN(quat) a, IN(quat) b) { return clamp(jointStrain(a, b).z, lit(-1), lit(1)); }
-// The strain that a joint gains when its outer edge turns by so much more than its inner one (`a` its frame, world): jointMoment()
-// transposed. Internal damping (Kelvin and Voigt's) adds to the strain what it gains in the damping time, and so takes energy from
-// all that bends hair and from nothing else. Of that bending counts: twist has no inertia here.
-FN real3 gainedStrain(IN(quat) a, IN(real3) strain, IN(real3) turning) {
-  real3 own = rotateBack(a, turning), gained = madd(cross(strain, own), lit(-0.5), own);
-  return makeReal3(gained.x, gained.y, lit(0));
+// How an edge turns in a substep, without twist, in its own frame q; `advance`: of its outer end on the inner one over its length.
+FN real3 turningOf(IN(quat) q, IN(real3) advance) {
+  real3 own = rotateBack(q, advance);
+  return makeReal3(lit(0) - own.y, own.x, lit(0));
+}
+// The bending strain that a joint gains when its edges turn so, each in its own frame. Internal damping (Kelvin and Voigt's) adds
+// to the strain what it gains in the damping time. jointMoment() is the transpose of this, and so damping takes energy from all that
+// bends hair and from nothing else. Twist is not damped: it has no inertia here.
+FN real3 gainedStrain(IN(real3) strain, IN(real3) turned_in, IN(real3) turned) {
+  real3 more = turned - turned_in, sum = (turned + turned_in) * lit(0.5);
+  return makeReal3(more.x + (strain.y * sum.z - strain.z * sum.y), more.y + (strain.z * sum.x - strain.x * sum.z), lit(0));
 }
 
 // The torque of a joint about its inner edge's tangent is twist excess.z + d, about its outer edge's twist excess.z - d.

@@ -99,7 +99,7 @@ vec3 edgeShift(int p) { return shift[p] - (p > 0 ? shift[max(p - 1, 0)] : shift_
 vec3 newEdge(int p) { return oldEdge(p) + edgeShift(p); }
 
 // How the edge of slot p turns, while vertices are shifted to the inertial points.
-vec3 edgeTurning(int p) { return turningOf(tangent[p], edgeShift(p) * inverseLength(p)); }
+vec3 edgeTurning(int p) { return turningOf(frame[p], edgeShift(p) * inverseLength(p)); }
 
 // The kept tension of the edge of slot p, its tangent between the old edge and the inertial one, its frame carried along.
 // Returns the blend of the two; `unit_in`: of the old edge before it.
@@ -126,7 +126,6 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
   for (int p = 1; p < PER_THREAD; ++p) blend[p] = predictEdge(p, oldEdge(p - 1) * inverseLength(p - 1));
 #if DAMPED
   vec3 turned = edgeTurning(kLast);
-  send_d(turned.z);
 #else
   const vec3 turned = vec3(0);
 #endif
@@ -136,9 +135,6 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
   rendezvous();
   vec4 frame_in = received_a(before(1));
   vec4 b = received_b(before(1)), c = received_c(before(1));
-#if DAMPED
-  turned_in = vec3(b.w, c.w, received_d(before(1)));
-#endif
   release();
   tangent_in = b.xyz;
   vec3 unit_in = c.xyz;
@@ -146,7 +142,7 @@ vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
   tangent_in = select(hasBefore(1), tangent_in, root.tangent_old);
   unit_in = select(hasBefore(1), unit_in, root.tangent_old);
 #if DAMPED
-  turned_in = select(hasBefore(1), turned_in, root.tangent_old * root.spin);  // the swing of the root is in the forces
+  turned_in = select(hasBefore(1), vec3(b.w, c.w, 0), vec3(0, 0, root.spin));  // the swing of the root is in the forces
 #endif
   blend[0] = predictEdge(0, unit_in);
   return frame_in;
@@ -174,7 +170,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     float coupling = twistOfBending(strain[p], excess, bend(p)), shear = torqueDifference(strain[p], excess, bend(p));
 #if DAMPED
     vec3 turned = edgeTurning(p);
-    gained[p] = gainedStrain(inner, strain[p], turned - turned_before);
+    gained[p] = gainedStrain(strain[p], turned_before, turned);
     coupling += twistOfDamping(strain[p], bend(p), ahead);
     shear += torqueDifference(strain[p], gained[p] * ahead, bend(p));
     turned_before = turned;
