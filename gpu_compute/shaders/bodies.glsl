@@ -85,7 +85,7 @@ Touch meet(PlacedBody body, vec3 x, vec3 start, float clear, float reach, Hold h
       } else {
         gap = free;
         normal = at_normal;
-        at_root = hold.arc_length >= 0.0 && gap < reach;
+        at_root = hold.arc_length >= 0.0 && (gap < reach || gap * gap < way2);
         if (at_root) {
           i = -1;
           continue;
