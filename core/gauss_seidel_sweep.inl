@@ -31,6 +31,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
     near.place(input, time);
     const RootFrame root{madd(root_end.position - root_begin.position, lit(time), root_begin.position),
                          interpolateRotation(root_begin.rotation, root_end.rotation, lit(time))};
+    near.placeRoots(root.position);
 
     for (int i = 0; i < n; ++i) {  // predict; pinned vertices ride on the root frame
       const real3 x = load3(b.position, i);

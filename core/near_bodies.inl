@@ -30,17 +30,36 @@ class NearBodies {
     time_ = time;
     noteMotions();
   }
+  /// After that: where the roots are at the end of the substep.
+  void placeRoots(const real3& roots) {
+    if (size() == 0) return;
+    const real way = wayAlong(roots, load3(block_.position, 0));
+    roots_ = roots;
+    covered_ = 0;
+    for (size_t k = 0; k < kept(); ++k) {
+      const Scalar left = known_roots_ ? root_rooms_[k] + leastOf(lit(0) - way) : Scalar(-1);
+      root_rooms_[k] = left;
+      if (left >= 0) continue;
+      const real depths = rootDepths(placed_[k]), room = depthOfWayOut(firstEdge()) - depths;
+      root_rooms_[k] = leastOf(select(room > lit(-1e9), room, lit(-1e9)));
+      if (root_rooms_[k] >= 0) continue;
+      covered_ |= uint32_t{1} << k;
+      store(depths, root_depths_[k]);
+    }
+    known_roots_ = true;
+  }
   /// Of all bodies the nearest to vertex `v`; see meet().
   Touch nearest(int v, const real3& x, const real3& x_start) const {
     const real clear = clearance(v), reach = contactReach();
     const mask all = lit(0) < lit(1);
     Touch nearest = untouched(x, reach);
-    for (size_t i = 0; i < size(); ++i) {
+    auto lookAt = [&](const SubstepBody& body, const Scalar* root_depths) {
+      const real own_clear = root_depths != nullptr ? clearanceInReach(clear, load(root_depths), arcLength(v)) : clear;
       Touch own = untouched(x, reach);
-      if (i < kPlacedBodies) meet(placed_[i], x, x_start, clear, reach, all, own);
-      else meet(place(i, *input_, time_), x, x_start, clear, reach, all, own);
+      meet(body, x, x_start, own_clear, reach, all, own);
       nearest = chosen(own.gap < nearest.gap, own, nearest);
-    }
+    };
+    forBodies((uint32_t{1} << kept()) - 1, lookAt);
     nearest.friction = nearest.friction * friction_scale_;
     return nearest;
   }
@@ -160,6 +179,51 @@ class NearBodies {
     return block_.rest_distance == nullptr ? radius : min(radius, load(block_.rest_distance + size_t(v) * kLanes));
   }
 
+  // Roots that a body covers, deeper than they are at rest, hold vertices near them in it (clearanceInReach). Of a placed body
+  // that is known anew in the substeps in which it may have come over some of them.
+
+  real firstEdge() const { return load(block_.rest_length + at(0, 0)); }
+  // How much deeper in the body roots are than their clearance asks, m; of those that are in none at most 0, and at least that.
+  real rootDepths(const SubstepBody& body) const {
+    const real clear = clearance(0);
+    if (body.kind != PrimitiveKind::kPlane) {
+      const real room = length(roots_ - spread(body.middle)) - lit(body.ball);
+      if (!anyTrue(room < clear)) return clear - room;
+    }
+    return clear - surfaceAt(body, roots_, pushedByNothing(), lit(0) < lit(1)).distance;
+  }
+  // Of vertex i, from the root, m.
+  real arcLength(int i) const {
+    real sum = lit(0);
+    for (int e = 0; e < i; ++e) sum = sum + load(block_.rest_length + at(0, e));
+    return sum;
+  }
+  // `clear` of these vertices, of `lanes`, for a body in which their strands' roots are so deep.
+  [[gnu::noinline]] real clearInReach(const real& clear, const Scalar* root_depths, const uint32_t* numbers, const mask& lanes) const {
+    alignas(64) Scalar depths[kLanes] = {}, arcs[kLanes] = {};
+    forLanes(lanes, [&](int lane) {
+      const size_t i = numbers[lane] / kLanes, strand = numbers[lane] % kLanes;
+      depths[lane] = root_depths[strand];
+      for (size_t e = 0; e < i; ++e) arcs[lane] += block_.rest_length[at(0, static_cast<int>(e)) + strand];
+    });
+    return clearanceInReach(clear, load(depths), load(arcs));
+  }
+  // Calls work(body, depths of the roots) for placed bodies, as bits, and for all others; without depths where nothing comes of them.
+  template <class Work>
+  void forBodies(uint32_t placed, const Work& work) const {
+    for (; placed != 0; placed &= placed - 1) {
+      const int k = std::countr_zero(placed);
+      work(placed_[k], (covered_ >> k & 1) != 0 ? root_depths_[k] : nullptr);
+    }
+    for (size_t k = kept(); k < size(); ++k) {
+      const SubstepBody body = place(k, *input_, time_);
+      alignas(64) Scalar depths[kLanes];
+      const real own = rootDepths(body);
+      store(own, depths);
+      work(body, anyTrue(wayOutOf(own) > firstEdge()) ? depths : nullptr);
+    }
+  }
+
   SubstepBody place(size_t i, const StepInput& input, double time) const {
     const Parameters& p = *input.parameters;
     const uint32_t* words = input.shapes != nullptr ? input.shapes->words.data() : nullptr;
@@ -225,9 +289,12 @@ class NearBodies {
     const real reach = reachAlong(at.way);
     Touch first = untouched(at.x, reach), second = first;
     real nearest = at.others;
-    auto lookAt = [&](const SubstepBody& body) {
+    auto lookAt = [&](const SubstepBody& body, const Scalar* root_depths) {
       Touch own = untouched(at.x, reach);
-      const real gap = meet(body, at.x, at.x_start, at.clear, reach, lanes, own);
+      real clear = at.clear;
+      if (root_depths != nullptr) clear = clearInReach(clear, root_depths, numbers, lanes);
+      real gap = meet(body, at.x, at.x_start, clear, reach, lanes, own);
+      if (root_depths != nullptr) gap = gap - (at.clear - clear);  // the root may come out of it
       if (anyTrue(own.gap < second.gap)) {
         const mask nearer = own.gap < first.gap;
         second = chosen(nearer, first, chosen(own.gap < second.gap, own, second));
@@ -235,8 +302,7 @@ class NearBodies {
       }
       nearest = min(nearest, gap + at.gone - at.way);  // the gap is at x, which it has not gone to yet
     };
-    for (uint32_t left = wanted_; left != 0; left &= left - 1) lookAt(placed_[std::countr_zero(left)]);
-    for (size_t k = kept(); k < size(); ++k) lookAt(place(k, *input_, time_));
+    forBodies(wanted_, lookAt);
     if (waiting_.count() == 0) wanted_ = 0;
     const real rows[1] = {size() > kPlacedBodies ? lit(-1e9) : nearest};  // of bodies that are not placed nothing is known
     scatter(rows, kNearest, numbers, lanes);
@@ -408,6 +474,11 @@ class NearBodies {
   size_t motions_ = 0;
   Vec3 middle_ = Vec3::Zero();  // m, of a box that holds the strands throughout the step
   float radius_ = 0;            // m, of a ball about it
+  real3 roots_ = makeReal3(lit(0), lit(0), lit(0));
+  uint32_t covered_ = 0;  // the placed bodies that cover some root, as bits; then root_depths_ has how deeply
+  alignas(64) Scalar root_depths_[kPlacedBodies][kLanes];
+  Scalar root_rooms_[kPlacedBodies];  // m, how far a body has to go at the least to do so
+  bool known_roots_ = false;
   Scalar *rows_ = nullptr, *limits_ = nullptr;
   WaitingLooks waiting_;
   uint32_t wanted_ = 0;  // the placed bodies that some of them have to look at, as bits

@@ -72,6 +72,7 @@ class RodStep {
       near_.place(in, time);
       const RootFrame root{madd(end_.position - begin_.position, lit(time), begin_.position),
                            interpolateRotation(begin_.rotation, end_.rotation, lit(time))};
+      near_.placeRoots(root.position);
       predict(root, time);
       eliminateTwist();
       eliminateBending();

@@ -140,6 +140,7 @@ constexpr std::array<GLuint, 4> kNobody = {0, 1, 1, 0};
 constexpr size_t kMostSubsteps = 64;
 
 constexpr uint32_t kStrandsLooking = 8;  // of a workgroup of shaders/look.comp
+constexpr uint32_t kRootsLooking = 64;   // of a workgroup of shaders/covered_roots.comp
 // Workgroups that go through a list as long as it is; so many keep every GPU busy.
 constexpr uint32_t kMostKeptOut = 2048;
 
@@ -258,10 +259,14 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   }
   const auto turning = static_cast<size_t>(needs.turning);
   const char* const defines = kTurning[turning];
+  const gl::Program& covered_roots =
+      covered_roots_[turning].get(programs, "covered_roots.comp", shaders::kCoveredRootsComp, defines);
   const gl::Program& look = look_[turning].get(programs, "look.comp", shaders::kLookComp, defines);
   const gl::Program& keep_out =
       keep_out_[turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, defines);
   const auto strands = static_cast<uint32_t>(groups_.order().size());
+  dispatch(covered_roots, strands, kRootsLooking);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   for (int substep = 0; substep < substeps; ++substep) {
     glProgramUniform1i(look.id(), 0, substep);
     glProgramUniform1i(look.id(), 1, substep == 0 && !needs.same_bodies);

@@ -116,6 +116,21 @@ FN real lookReach() { return lit(2e-3); }
 // A vertex that ends the substep farther than lookReach() from where it looked, or less than this from a plane that it keeps, looks
 // once more.
 FN real lookMargin() { return lit(5e-4); }
+// Arc length, m, in which a strand comes out of a body that its root is `root_depth` deeper in than the root's clearance asks: by twice that
+// depth, to bend in and for its stiffness, at 60 degrees to the shortest way. Where that leads into the scalp, the strand has to go along
+// there: out of a flat body on a head of R = 0.1 m by sqrt(2 R depth), which is more than that of small depths.
+FN real wayOutOf(IN(real) root_depth) {
+  real depth = max(root_depth, lit(0));
+  return lit(4) * sqrt(depth * (depth + lit(0.0125)));
+}
+// The depth that has this way out.
+FN real depthOfWayOut(IN(real) arc_length) {
+  return lit(0.5) * (sqrt(madd(arc_length * arc_length, lit(0.25), lit(0.0125 * 0.0125))) - lit(0.0125));
+}
+// How far from that body a vertex is kept at this arc length from the root, m: by `clear`, or by what it can be.
+FN real clearanceInReach(IN(real) clear, IN(real) root_depth, IN(real) arc_length) {
+  return clear - max(wayOutOf(root_depth) - arc_length, lit(0)) * lit(0.5);
+}
 // By how much making lengths exact may press hair into a body, metres.
 FN real contactSlack() { return lit(2e-5); }
 // The part of what forces did to a vertex in a substep by which its kept contact force follows. At rest that is nothing;

@@ -77,8 +77,10 @@ struct FieldCorners {
   real side;
 };
 
+// `clear` of points that nothing pushes.
+FN real pushedByNothing() { return lit(-1e9); }
 // Signed distance and unit normal for contact. Inside, beyond the band, it is never farther from 0 than the true one, so that
-// a push does not overshoot; outside, where it is only a lower bound, it is at least `clear`, so that nothing is pushed.
+// a push does not overshoot, but for points that nothing pushes; outside, where it is only a lower bound, it is at least `clear`, so that nothing is pushed.
 FN real fieldDistance(IN(FieldPlace) place, IN(FieldCorners) at, IN(real) cell, IN(real) band, IN(real) quantum,
                       IN(real) clear, OUT(real3) normal) {
   mask stored = abs(at.side) < lit(0.5);
@@ -91,7 +93,7 @@ FN real fieldDistance(IN(FieldPlace) place, IN(FieldCorners) at, IN(real) cell, 
   mask in_grid = dot(place.outside, place.outside) < lit(1e-30);
   real3 way = normalizeOrZero(select(in_grid, gradient, beyond));
   normal = select(dot(way, way) > lit(0.5), way, makeReal3(lit(0), lit(1), lit(0)));
-  far = select(in_grid, far, outside);
+  far = select(in_grid, select(clear > pushedByNothing(), far, value), outside);
   far = select(far > lit(0), max(far, clear), far);
   return select(stored && in_grid, value * quantum, far);
 }

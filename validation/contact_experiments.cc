@@ -307,6 +307,32 @@ std::vector<Case> sweptByHand(const Laboratory& laboratory) {
   return motionCases("hand through the hair at 1 m/s", depths);
 }
 
+// A ball comes over the roots within half a second, to half of it in the head, and stays.
+constexpr const char* kCovered = "roots covered by a ball: speed";
+
+std::vector<Case> coveredRoots(const Laboratory& laboratory) {
+  constexpr double kSettling = 1.5, kComing = 0.5, kStaying = 3;  // s
+  constexpr float kCover = 0.05f, kAway = 0.2f;                   // m
+  const ContactPrimitive cover{PrimitiveKind::kSphere, Vec3::Zero(), Vec3::UnitY(), kCover};
+  auto pose = [&](double part) {
+    return Pose{Vec3(0, kBall + kAway * static_cast<float>(1 - part), 0), Quat::Identity()};
+  };
+  Simulation simulation = laboratory.simulation(
+      headOfHair(), {{{ballShape()}, true}, {{cover}, false, false, pose(0)}}, frames(laboratory, 5));
+  laboratory.advance(simulation, kSettling);
+  const double step = simulation.parameters().time_step;
+  for (double t = step; t < kComing + step / 2; t += step) {
+    simulation.setBodyPose(1, pose(std::min(t / kComing, 1.0)));
+    laboratory.advance(simulation, step);
+  }
+  laboratory.advance(simulation, kStaying);
+  const StrandState state = simulation.state();
+  double fastest = 0;
+  for (size_t s = 0; s < simulation.model().strands(); ++s)
+    fastest = worse(fastest, 1e3 * rmsSpeedOf(simulation.model(), state, s));
+  return {absoluteCase({kCovered, "largest rms speed of a strand after 3 s", "mm/s"}, fastest, 0, 1)};
+}
+
 // Energy over reference mass, m^2/s^2: of motion, height and strain.
 double energyOf(Simulation& simulation) {
   const StrandModel& model = simulation.model();
@@ -377,6 +403,7 @@ void addContactExperiments(std::vector<Experiment>& experiments) {
       {"a hand going through a head of 200 strands and back",
        {"hand through the hair at 1 m/s: vertices", "hand through the hair at 1 m/s: segments"},
        sweptByHand});
+  experiments.push_back({"a ball over the roots of a head of 200 strands", {kCovered}, coveredRoots});
   experiments.push_back({"a strand falling on a sphere, no air", namesOfEnergy(), energyOfFall});
 }
 

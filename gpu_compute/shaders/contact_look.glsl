@@ -1,12 +1,28 @@
-// A vertex looks at the bodies that its strand may touch. Needs bodies.glsl and contact_sights.glsl.
+// A vertex looks at the bodies that its strand may touch. Needs bodies.glsl, contact_sights.glsl, root_poses.glsl, velocities[] and
+// edge_rest[].
 
 struct Sight {
   vec4 looked;  // as contact_sights.glsl has it
   Touch first, second;
 };
 
-// From x, in a substep that started at `start`. `clear`: how far from every body it must be, m.
-Sight sightFrom(uint strand, vec3 x, vec3 start, float clear, int substep) {
+// By what covered_roots.comp has found.
+Hold holdOf(uint strand, uint vertex, int substep) {
+  const uint root = offsets[strand];
+  const float way_out = contacts[sightAt(root, kLooked)].w;
+  if (!(way_out > 0.0)) return kFree;
+  float arc_length = 0.0;
+  for (uint edge = root; edge < vertex && arc_length < way_out; ++edge) arc_length += edge_rest[edge].x;
+  if (!(arc_length < way_out)) return kFree;
+  const RootPoses poses = rootPoses(strand);
+  const vec3 from = poses.begin.position;
+  return Hold(madd(poses.end.position - from, timeAfter(substep), from), clearance(velocities[root]), arc_length);
+}
+
+// From x, in a substep that started at `start`.
+Sight sightFrom(uint strand, uint vertex, vec3 x, vec3 start, int substep) {
+  const float clear = clearance(velocities[vertex]);
+  const Hold hold = holdOf(strand, vertex, substep);
   uvec2 range = nearRange(strand);
   Sight sight;
   sight.first = sight.second = untouched(x, 0.0);
@@ -16,7 +32,7 @@ Sight sightFrom(uint strand, vec3 x, vec3 start, float clear, int substep) {
     PlacedBody body = bodyAt(nearBody(i), substep);
     float way = length(x - carriedOf(body, start));
     float reach = madd(way, 0.5, lookReach());
-    Touch own = meet(body, x, start, clear, reach);
+    Touch own = meet(body, x, start, clear, reach, hold);
     room = min(room, own.gap - reach);
     if (own.gap >= reach) continue;
     if (own.gap < sight.first.gap) {
@@ -26,6 +42,7 @@ Sight sightFrom(uint strand, vec3 x, vec3 start, float clear, int substep) {
       sight.second = own;
     }
   }
+  if (hold.arc_length >= 0.0) room = min(room, -1.0);  // the root may come out
   sight.looked = vec4(x, sight.first.gap < 1e8 ? -1e9 : room);
   return sight;
 }
@@ -44,6 +61,6 @@ void keepSight(uint vertex, Sight sight) {
   }
 }
 
-void look(uint strand, uint vertex, vec3 x, vec3 start, float clear, int substep) {
-  keepSight(vertex, sightFrom(strand, x, start, clear, substep));
+void look(uint strand, uint vertex, vec3 x, vec3 start, int substep) {
+  keepSight(vertex, sightFrom(strand, vertex, x, start, substep));
 }

@@ -51,12 +51,12 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
   return frame;
 }
 
-// clear: how far from every body the vertex must be, m.
-vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, float friction_scale, int substep) {
+// clear: how far from every body the vertex must be, m, if `hold` lets it.
+vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, Hold hold, float friction_scale, int substep) {
   Touch touch = untouched(x, contactReach());
   uvec2 range = nearRange(strand);
   for (uint i = range.x; i < range.y; ++i) {
-    Touch own = meet(bodyAt(nearBody(i), substep), x, start, clear, contactReach());
+    Touch own = meet(bodyAt(nearBody(i), substep), x, start, clear, contactReach(), hold);
     if (own.gap < touch.gap) touch = own;
   }
   if (touch.gap >= 0.0) return x;
@@ -82,6 +82,9 @@ void main() {
   vec3 x = positions[vertex].xyz, v = velocities[vertex].xyz;
   float clear = clearance(velocities[vertex]);
   vec4 local = rest_local[vertex], edge = rest_edge[vertex];
+  Hold hold = Hold(vec3(0), clearance(velocities[first]), 0.0);
+  if (settings.body_count > 0u)
+    for (uint inner = first; inner < vertex; ++inner) hold.arc_length += rest_edge[inner].w;
   float inverse_mass = max(local.w, 0.0);
 #if GROOMED
   float keep = keepOf(vertex), goal_rate = goalRateOf(vertex), friction_scale = grooming[first].x;
@@ -97,6 +100,7 @@ void main() {
     float time = timeAfter(int(substep));
     vec3 root_position = madd(root_end.position - root_begin.position, time, root_begin.position);
     vec4 root = interpolateRotation(root_begin.rotation, root_end.rotation, time);
+    hold.root = root_position;
     vec3 start = x;
 #if ACCELERATED
     vec3 gravity = settings.gravity.xyz + accelerationOf(vertex);
@@ -140,7 +144,7 @@ void main() {
 #if GROOMED
       if (inverse_mass > 0.5) x = tethered(x, shared_position[me - uint(k)].xyz, grooming[vertex].z);
 #endif
-      if (inverse_mass > 0.5) x = resolveContacts(strand, x, start, clear, friction_scale, int(substep));
+      if (inverse_mass > 0.5) x = resolveContacts(strand, x, start, clear, hold, friction_scale, int(substep));
       shared_position[me] = vec4(x, inverse_mass);
       barrier();
     }

@@ -14,12 +14,13 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/strand_offsets.glsl"
-#include "gpu_compute/shaders/bodies.glsl"
-#include "gpu_compute/shaders/contact_sights.glsl"
-#include "gpu_compute/shaders/contact_look.glsl"
 #include "gpu_compute/shaders/root_poses.glsl"
 layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    // xyz, m
 layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // xyz, m/s; w: rest distance from bodies, m
+layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };       // length, twist; mass, weight of its end
+#include "gpu_compute/shaders/bodies.glsl"
+#include "gpu_compute/shaders/contact_sights.glsl"
+#include "gpu_compute/shaders/contact_look.glsl"
 layout(location = 0) uniform int substep;
 layout(location = 1) uniform bool everyone;  // what vertices have seen is of other bodies
 
@@ -83,6 +84,6 @@ void main() {
   barrier();
   for (uint at = me; at < due_count; at += uint(WORKGROUP)) {
     const uint own = due[at] / uint(MOST_VERTICES), vertex = offsets[first + own] + due[at] % uint(MOST_VERTICES);
-    look(first + own, vertex, aheadOf(vertex, jumps[own]), positions[vertex].xyz, clearance(velocities[vertex]), substep);
+    look(first + own, vertex, aheadOf(vertex, jumps[own]), positions[vertex].xyz, substep);
   }
 }

@@ -42,7 +42,7 @@ void lookOn(int substep) {
     vec3 place = start + way;
     uint vertex = vertexOf(p), sight = sightAt(vertex, kLooked);
     if (!isEdge(p) || !isAstray(contacts[sight], place)) continue;
-    look(strand, vertex, place, start, clearance(velocities[vertex]), substep);
+    look(strand, vertex, place, start, substep);
     bool now = seesPlanes(contacts[sight]);
     for (int q = 0; q < PER_THREAD; ++q)
       if (q == p) sees[q] = now;

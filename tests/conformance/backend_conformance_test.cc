@@ -384,6 +384,55 @@ TEST_P(Conformance, OneStepWithEveryKindOfBodyAgreesWithTheOracle) {
   if (rod) all.expectLittle(mostOff());
 }
 
+// Hair that stands up from a floor under a ball that covers roots of it and rises by a millimetre in the
+// step.
+TEST_P(Conformance, HairNearRootsThatABodyCoversAgreesWithTheOracle) {
+  constexpr float kBall = 0.04f;  // m
+  constexpr int kSide = 8, kRising = 30;
+  StrandSet set;
+  for (int s = 0; s < kSide * kSide; ++s) {
+    const Vec3 root(0.01f * static_cast<float>(s % kSide - kSide / 2) + 1e-3f, 0,
+                    0.01f * static_cast<float>(s / kSide - kSide / 2) + 2e-3f);
+    const int vertices = s % 3 == 0 ? 9 : 17;
+    std::vector<Vec3> points;
+    for (int i = 0; i < vertices; ++i)
+      points.push_back(root + Vec3(0.02f, 0.12f, 0.01f) *
+                                  (static_cast<float>(i) / static_cast<float>(vertices - 1)));
+    set.append(points);
+  }
+  const StrandModel model = makeStrandModel(set);
+  const ContactPrimitive ball{PrimitiveKind::kSphere, Vec3::Zero(), Vec3::UnitY(), kBall, 0.3f};
+  auto bodiesAt = [&](int step) {
+    const auto pose = [](int at) {
+      return Pose{Vec3(0, 1e-3f * static_cast<float>(at - kRising) - 0.01f, 0), Quat::Identity()};
+    };
+    return std::vector<MovingPrimitive>{moved(ball, pose(step), pose(step + 1), parameters_.time_step)};
+  };
+  StrandState from = restState(model, model.rest_roots);
+  for (int step = 0; step < kRising; ++step)
+    from = oracleStep(model, from, {&parameters_, {}, {}, bodiesAt(step)});
+  const std::vector<MovingPrimitive> bodies = bodiesAt(kRising);
+  const StepInput input{&parameters_, {}, {}, bodies};
+  const double substep = parameters_.time_step / parameters_.substeps;
+  const StrandState truth = oracleStep(model, from, input);
+  const std::vector<double> error = errors(model, stepped(model, from, input), truth, substep),
+                            sensitivity = sensitivities(model, from, truth, input, substep);
+  const double tolerance = parameters_.solver == SolverKind::kRod ? kAmongBodiesTolerance : kOneStepTolerance;
+  double worst = 0;
+  size_t in_ball = 0, out_of_it = 0;
+  for (size_t s = 0; s < model.strands(); ++s) {
+    worst = std::max(worst, error[s]);
+    EXPECT_LT(error[s], tolerance + kSensitivityFactor * sensitivity[s]) << "strand " << s;
+    const uint32_t root = model.offsets[s], tip = model.offsets[s + 1] - 1;
+    in_ball += signedDistance(bodies[0], truth.positions[root + 1], {}) < -2e-3f;
+    out_of_it += signedDistance(bodies[0], truth.positions[tip], {}) > 0;
+  }
+  std::printf("             %zu strands of %zu start in the ball: %.1e of a strand's length\n", in_ball,
+              model.strands(), worst);
+  EXPECT_GT(in_ball, 10u);
+  EXPECT_EQ(out_of_it, model.strands());
+}
+
 // Sixty balls about the head and in the hair, most of them out of a strand's reach; the head moves. Only
 // strands of the rod are known to stay within reach.
 TEST_P(Conformance, ListsOfNearBodiesChangeNoBit) {
@@ -642,7 +691,8 @@ TEST_P(Conformance, AnEdgeInACreaseIsLeftWhereItIsLeastDeep) {
   constexpr float kLength = 0.00774f;                                     // m, 0.7 mm too short
   StrandSet set;
   set.append(std::vector<Vec3>{root, root + Vec3(0, kLength, 0)});
-  const StrandModel model = makeStrandModel(set);
+  StrandModel model = makeStrandModel(set);
+  model.rest_distance = {-0.01f, kFarFromBodies};  // the root may be that deep
   StrandState from = restState(model, model.rest_roots);
   from.positions[1] = placed;
   ContactPrimitive plane;
@@ -673,7 +723,8 @@ TEST_P(Conformance, WhatGrazesOneSideOfACreaseIsHeldByTheOther) {
   const std::vector<MovingPrimitive> bodies{moved(solid, {}, comes, parameters_.time_step, data)};
   StrandSet set;  // hangs 0.1 mm over the floor, 2 mm before the wall
   set.append(std::vector<Vec3>{Vec3(0.003f, 0.008f, 0), Vec3(0.002f, 1e-4f, 0)});
-  const StrandModel model = makeStrandModel(set);
+  StrandModel model = makeStrandModel(set);
+  model.rest_distance = {-0.01f, kFarFromBodies};  // the body may cover the root so far
   Parameters parameters = parameters_;
   parameters.substeps = 1;
   parameters.gravity = Vec3::Zero();
