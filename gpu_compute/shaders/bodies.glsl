@@ -51,17 +51,9 @@ vec3 carriedOf(PlacedBody body, vec3 point) {
   return rigidly;
 }
 
-// The root that a vertex hangs on.
-struct Hold {
-  vec3 root;         // m, at the end of the substep
-  float clear;       // m, its clearance
-  float arc_length;  // m, from there to the vertex; less than 0: no body covers the root so deeply that the vertex might not get out
-};
-const Hold kFree = Hold(vec3(0), 0.0, -1.0);
-
 // What this body is to a vertex that goes from `start` to x in the substep; where it is farther than `reach` (m, plus the way),
-// untouched() with at most the gap; see core/strand_sweep.inl. `clear`: how far from the surface x must be, m, if `hold` lets it.
-Touch meet(PlacedBody body, vec3 x, vec3 start, float clear, float reach, Hold hold) {
+// untouched() with at most the gap; see core/strand_sweep.inl. `clear`: how far from the surface x must be, m.
+Touch meet(PlacedBody body, vec3 x, vec3 start, float clear, float reach) {
   const int kAdvances = 8;
   vec3 carried = carriedOf(body, start);
   vec3 way = x - carried;
@@ -69,28 +61,14 @@ Touch meet(PlacedBody body, vec3 x, vec3 start, float clear, float reach, Hold h
   vec3 off = x - body.middle;
   float ball = body.ball + reach;
   if (!(dot(off, off) < madd(ball, ball, way2))) return untouched(x, max(length(off) - body.ball, reach));
-  // One loop for the distances at x, at the root, at its start and along its way: the text of surfaceAt() is long, and inlined.
+  // One loop for the distances at x, at its start and along its way: the text of surfaceAt() is long, and inlined.
   float gap = 0.0, part = 0.0, per_way = inverseSqrt(max(way2, 1e-30));
   vec3 normal = vec3(0), at_normal;
-  bool at_root = false;
   for (int i = 0; i < kAdvances + 2; ++i) {
-    vec3 at = at_root ? hold.root : i == 0 ? x : madd(way, part, carried);
-    float distance = surfaceAt(body, at, at_root ? pushedByNothing() : clear, at_normal), free = distance - clear;
+    float free = surfaceAt(body, i == 0 ? x : madd(way, part, carried), clear, at_normal) - clear;
     if (i == 0) {
-      if (at_root) {
-        float in_reach = clearanceInReach(clear, hold.clear - distance, hold.arc_length);
-        gap += clear - in_reach;
-        clear = in_reach;
-        at_root = false;
-      } else {
-        gap = free;
-        normal = at_normal;
-        at_root = hold.arc_length >= 0.0 && (gap < reach || gap * gap < way2);
-        if (at_root) {
-          i = -1;
-          continue;
-        }
-      }
+      gap = free;
+      normal = at_normal;
       if (!(gap < 0.0 || gap * gap < way2)) break;
       continue;
     }

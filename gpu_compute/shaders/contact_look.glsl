@@ -1,22 +1,27 @@
-// A vertex looks at the bodies that its strand may touch. Needs bodies.glsl, contact_sights.glsl, root_poses.glsl, velocities[] and
-// edge_rest[].
+// A vertex looks at the bodies that its strand may touch. Needs bodies.glsl, root_cover.glsl, contact_sights.glsl,
+// velocities[] and edge_rest[].
 
 struct Sight {
   vec4 looked;  // as contact_sights.glsl has it
   Touch first, second;
 };
 
-// By what covered_roots.comp has found.
+// What keeps a vertex in bodies that cover its root, by what covered_roots.comp has found.
+struct Hold {
+  uint bodies;       // that do: coverBit(); none where the vertex is far from the root
+  float depth;       // m, of the root in the deepest
+  float arc_length;  // m, from the root to the vertex
+};
 Hold holdOf(uint strand, uint vertex, int substep) {
   const uint root = offsets[strand];
-  const float way_out = contacts[sightAt(root, kLooked)].w;
-  if (!(way_out > 0.0)) return kFree;
-  float arc_length = 0.0;
-  for (uint edge = root; edge < vertex && arc_length < way_out; ++edge) arc_length += edge_rest[edge].x;
-  if (!(arc_length < way_out)) return kFree;
-  const RootPoses poses = rootPoses(strand);
-  const vec3 from = poses.begin.position;
-  return Hold(madd(poses.end.position - from, timeAfter(substep), from), clearance(velocities[root]), arc_length);
+  const vec4 found = contacts[sightAt(root, kCover)];
+  Hold hold = Hold(uint(found.x), 0.0, 0.0);
+  if (hold.bodies == 0u) return hold;
+  hold.depth = depthOf(RootCover(hold.bodies, found.y, found.z), substep);
+  const float way_out = wayOutOf(hold.depth);
+  for (uint edge = root; edge < vertex && hold.arc_length < way_out; ++edge) hold.arc_length += edge_rest[edge].x;
+  if (!(hold.arc_length < way_out)) hold.bodies = 0u;
+  return hold;
 }
 
 // From x, in a substep that started at `start`.
@@ -32,7 +37,7 @@ Sight sightFrom(uint strand, uint vertex, vec3 x, vec3 start, int substep) {
     PlacedBody body = bodyAt(nearBody(i), substep);
     float way = length(x - carriedOf(body, start));
     float reach = madd(way, 0.5, lookReach());
-    Touch own = meet(body, x, start, clear, reach, hold);
+    Touch own = meet(body, x, start, clearanceOf(hold.bodies, i - range.x, clear, hold.depth, hold.arc_length), reach);
     room = min(room, own.gap - reach);
     if (own.gap >= reach) continue;
     if (own.gap < sight.first.gap) {
@@ -42,7 +47,7 @@ Sight sightFrom(uint strand, uint vertex, vec3 x, vec3 start, int substep) {
       sight.second = own;
     }
   }
-  if (hold.arc_length >= 0.0) room = min(room, -1.0);  // the root may come out
+  if (hold.bodies != 0u) room = min(room, -1.0);  // the root may come out
   sight.looked = vec4(x, sight.first.gap < 1e8 ? -1e9 : room);
   return sight;
 }

@@ -6,9 +6,10 @@
 layout(std430, binding = 3) buffer Contacts { vec4 contacts[]; };
 // xyz: where it looked from; w: -1e9 if it has planes, else how much farther than its reach all bodies are from there, m.
 const uint kLooked = 0u;
-// Of roots, which see nothing, in w: wayOutOf() a body that may cover it in the step; 0 where nothing comes of that.
 // Of a plane: normal, 0 where there is none, and what that makes of its points; then Touch::carried and friction.
 const uint kFirstPlane = 1u, kPlaneRows = 2u, kMostPlanes = 2u;
+// Of roots, which see no planes, there: RootCover.
+const uint kCover = kFirstPlane;
 
 // Row by row, so that neighbours read neighbours.
 uint sightAt(uint vertex, uint row) { return vertex + (row + 1u) * offsets[settings.strand_count]; }

@@ -20,6 +20,7 @@ layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  
 layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };       // length, twist; mass, weight of its end
 #include "gpu_compute/shaders/bodies.glsl"
 #include "gpu_compute/shaders/contact_sights.glsl"
+#include "gpu_compute/shaders/root_cover.glsl"
 #include "gpu_compute/shaders/contact_look.glsl"
 layout(location = 0) uniform int substep;
 layout(location = 1) uniform bool everyone;  // what vertices have seen is of other bodies

@@ -6,6 +6,7 @@
 #endif
 #include "gpu_compute/shaders/contact_sights.glsl"
 #if ASTRAY
+#include "gpu_compute/shaders/root_cover.glsl"
 #include "gpu_compute/shaders/contact_look.glsl"
 #endif
 
