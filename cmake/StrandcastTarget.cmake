@@ -57,7 +57,7 @@ endfunction()
 # strandcast_test(NAME SOURCES ... LINK ... [TIMEOUT s] [LABELS ...]): a GoogleTest program, found by ctest under its name.
 # The label "threads" marks what the thread sanitizer is run on; the target thread_tests builds all of those. The target
 # quick_tests builds, for the other sanitizers, all that are not labelled slow, gl (needs OpenGL), measures (benchmarks and
-# validation) or programs.
+# validation), programs or sources (reads the project's files alone).
 function(strandcast_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
@@ -79,7 +79,7 @@ function(strandcast_test name)
   if("threads" IN_LIST ARG_LABELS)
     add_dependencies(thread_tests ${name})
   endif()
-  if(NOT "${ARG_LABELS}" MATCHES "slow|gl|measures|programs")
+  if(NOT "${ARG_LABELS}" MATCHES "slow|gl|measures|programs|sources")
     add_dependencies(quick_tests ${name})
   endif()
 endfunction()
