@@ -11,10 +11,10 @@ enum class SolverKind {
   kRod           ///< an elastic rod: direct solves for twist, bending and length
 };
 
-/// s. A substep of the rod is no longer and no shorter: what a Simulation is told to do in fewer or more
-/// substeps it does in as many as that takes. In longer ones the tensions of violent motion are forgotten too
-/// slowly; in shorter ones the rounding of positions, over the square of the substep, is no longer small
-/// beside gravity.
+/// s. A substep of the rod is no longer, nor shorter unless the step is: what a Simulation is told to do in
+/// fewer or more substeps it does in as many as that takes. In longer ones the tensions of violent motion are
+/// forgotten too slowly; in shorter ones the rounding of positions, over the square of the substep, outweighs
+/// gravity.
 constexpr float kLongestSubstep = 1.0f / 60.0f, kShortestSubstep = 1.0f / 4000.0f;
 
 constexpr float kThickestHair = 0.01f;  ///< m, Parameters::hair_radius at most
@@ -22,7 +22,7 @@ constexpr float kThickestHair = 0.01f;  ///< m, Parameters::hair_radius at most
 /// Everything that may change while a simulation runs, but for the solver. SI units; parameterList() has the
 /// range of each, beyond which checkParameters() throws.
 struct Parameters {
-  float time_step = 1.0f / 60.0f;  ///< s, fixed; kShortestSubstep to 1/30
+  float time_step = 1.0f / 60.0f;  ///< s, fixed; 1e-5 to 1/30
   int substeps = 4;                ///< per step, 1 to 64; see kLongestSubstep and kShortestSubstep
   /// Of a simulation's whole life. The rod is what a Material is for; gauss_seidel knows no stiffness but the
   /// shape rates, and stretches.

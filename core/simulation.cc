@@ -42,7 +42,7 @@ Parameters withSolvableSubsteps(Parameters parameters) {
   if (parameters.solver == SolverKind::kRod) {
     const int least = static_cast<int>(std::ceil(parameters.time_step / kLongestSubstep - 1e-3f));
     const int most = static_cast<int>(parameters.time_step / kShortestSubstep + 1e-3f);
-    parameters.substeps = std::clamp(parameters.substeps, least, most);
+    parameters.substeps = std::clamp(parameters.substeps, least, std::max(most, 1));
   }
   return parameters;
 }

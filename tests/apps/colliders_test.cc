@@ -10,9 +10,9 @@ class DaemonColliders : public DaemonFixture {
   void SetUp() override {
     Settings settings = fewStrands();
     settings.scene.body_contact = BodyContact::kSpheres;
-    Scene scene = makeScene(settings.scene, {});
+    static const Scene scene = makeScene(settings.scene);
     scene_bodies_ = scene.bodies.size();
-    start(settings, std::move(scene));
+    start(settings, scene);
   }
   std::string order(CommandKind kind, const std::string& name, std::vector<double> values = {}) {
     return DaemonFixture::order(kind, std::move(values), name);

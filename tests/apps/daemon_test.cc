@@ -19,7 +19,8 @@ class DaemonTest : public DaemonFixture {
  protected:
   void SetUp() override {
     const Settings settings = fewStrands();
-    start(settings, makeScene(settings.scene));
+    static const Scene scene = makeScene(settings.scene);  // of all tests: the head is made of many triangles
+    start(settings, scene);
   }
   double seconds() const { return subscriber_->frame()->simulation_time; }
 };

@@ -32,6 +32,7 @@ TEST_P(RealHeads, RestAfterBeingShaken) {
   settings.scene.body = dataFolder() / GetParam().body;
   settings.scene.units.unit_meters = GetParam().unit_meters;
   settings.scene.motion = "shake";
+  settings.scene.body_cell = 0.005f;  // m, so that it is baked in seconds
   for (const auto& file : settings.scene.groom)
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
 

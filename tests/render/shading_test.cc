@@ -70,7 +70,7 @@ struct HighlightError {
 HighlightError highlightError(RenderSettings settings, int segments, HairShading shading,
                               const Light& light) {
   settings.width = settings.height = 256;
-  settings.growth.hairs = 6000;
+  settings.growth.hairs = 2000;
   settings.segments = segments;
   settings.shading = shading;
   settings.hair_width = 1e-3f;             // covers the bundle

@@ -116,16 +116,17 @@ TEST_F(DeepOpacity, IsExactAtTheEndOfEveryLayer) {
           for (size_t p = 0; p < points.size(); ++p) {
             ASSERT_LT(fronts[p].behind, range) << "there is hair";
             const double front = points[p].z() - fronts[p].behind / range;
+            std::vector<LightFragment> texel;
+            for (const LightFragment& f : fragments)
+              if (f.x == std::floor(points[p].x() * kMapSize) && f.y == std::floor(points[p].y() * kMapSize))
+                texel.push_back(f);
             for (int k = 0; k < count; ++k) {
               // Past the end of the last one too.
               const float past = k + 1 == count ? 0.01f : 0;
               asked.emplace_back(points[p].x(), points[p].y(),
                                  static_cast<float>(front + (ends[k] + past) / range));
               double before = 0, by = 0;
-              for (const LightFragment& f : fragments) {
-                if (f.x != std::floor(points[p].x() * kMapSize) ||
-                    f.y != std::floor(points[p].y() * kMapSize))
-                  continue;
+              for (const LightFragment& f : texel) {
                 const double behind = (f.depth - front) * range;
                 const bool always = k + 1 == count && beyond == BeyondLayers::kLastLayer;
                 if (always || behind < ends[k] - 3e-6) before += f.optical_depth;

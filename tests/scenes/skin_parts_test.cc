@@ -11,6 +11,7 @@
 #include "collision/mesh_query.h"
 #include "tests/groom/expect_error.h"
 #include "tests/groom/skinned_arm.h"
+#include "tests/sanitized.h"
 
 namespace strandcast {
 namespace {
@@ -111,6 +112,7 @@ TEST(SkinParts, FollowABentArm) {
     for (const int between : {0, 5}) {
       const std::vector<SkinPart> parts = cutSkin(skin, between);
       for (const double degrees : {15, 30, 45, 60}) {
+        if (kSanitized && (between == 0 || degrees < 60)) continue;  // the same code, for half a minute
         const Apart a = apart(blendedAt(skin, parts, degrees / 60), parts);
         std::printf(
             "weights go over in %3.0f mm, %zu parts, bent by %2.0f degrees: mean %.2f mm, %.1f below, %.1f "
