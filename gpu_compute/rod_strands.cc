@@ -265,9 +265,10 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   const gl::Program& keep_out =
       keep_out_[turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, defines);
   const auto strands = static_cast<uint32_t>(groups_.order().size());
-  dispatch(covered_roots, strands, kRootsLooking);
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   for (int substep = 0; substep < substeps; ++substep) {
+    glProgramUniform1i(covered_roots.id(), 0, substep);
+    dispatch(covered_roots, strands, kRootsLooking);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glProgramUniform1i(look.id(), 0, substep);
     glProgramUniform1i(look.id(), 1, substep == 0 && !needs.same_bodies);
     dispatch(look, strands, kStrandsLooking);

@@ -6,28 +6,27 @@ struct Sight {
   Touch first, second;
 };
 
-// What keeps a vertex in bodies that cover its root, by what covered_roots.comp has found.
+// What keeps a vertex in a body, by what covered_roots.comp has found.
 struct Hold {
-  uint bodies;       // that do: coverBit(); none where the vertex is far from the root
-  float depth;       // m, of the root in the deepest
-  float arc_length;  // m, from the root to the vertex
+  Cover cover;
+  float arc_length;  // m, from the root to the vertex; less than 0: in this step nothing covers the root so deeply that it mattered
 };
-Hold holdOf(uint strand, uint vertex, int substep) {
+Hold holdOf(uint strand, uint vertex) {
   const uint root = offsets[strand];
+  Hold hold = Hold(Cover(0u, 0.0, 0.0), -1.0);
+  const float way_out = contacts[sightAt(root, kLooked)].w;
+  if (!(way_out > 0.0)) return hold;
+  float arc_length = 0.0;
+  for (uint edge = root; edge < vertex && arc_length < way_out; ++edge) arc_length += edge_rest[edge].x;
+  if (!(arc_length < way_out)) return hold;
   const vec4 found = contacts[sightAt(root, kCover)];
-  Hold hold = Hold(uint(found.x), 0.0, 0.0);
-  if (hold.bodies == 0u) return hold;
-  hold.depth = depthOf(RootCover(hold.bodies, found.y, found.z), substep);
-  const float way_out = wayOutOf(hold.depth);
-  for (uint edge = root; edge < vertex && hold.arc_length < way_out; ++edge) hold.arc_length += edge_rest[edge].x;
-  if (!(hold.arc_length < way_out)) hold.bodies = 0u;
-  return hold;
+  return Hold(Cover(uint(found.x), found.y, 0.0), arc_length);
 }
 
 // From x, in a substep that started at `start`.
 Sight sightFrom(uint strand, uint vertex, vec3 x, vec3 start, int substep) {
   const float clear = clearance(velocities[vertex]);
-  const Hold hold = holdOf(strand, vertex, substep);
+  const Hold hold = holdOf(strand, vertex);
   uvec2 range = nearRange(strand);
   Sight sight;
   sight.first = sight.second = untouched(x, 0.0);
@@ -37,7 +36,7 @@ Sight sightFrom(uint strand, uint vertex, vec3 x, vec3 start, int substep) {
     PlacedBody body = bodyAt(nearBody(i), substep);
     float way = length(x - carriedOf(body, start));
     float reach = madd(way, 0.5, lookReach());
-    Touch own = meet(body, x, start, clearanceOf(hold.bodies, i - range.x, clear, hold.depth, hold.arc_length), reach);
+    Touch own = meet(body, x, start, clearanceOf(hold.cover, i - range.x, clear, hold.arc_length), reach);
     room = min(room, own.gap - reach);
     if (own.gap >= reach) continue;
     if (own.gap < sight.first.gap) {
@@ -47,7 +46,7 @@ Sight sightFrom(uint strand, uint vertex, vec3 x, vec3 start, int substep) {
       sight.second = own;
     }
   }
-  if (hold.bodies != 0u) room = min(room, -1.0);  // the root may come out
+  if (hold.arc_length >= 0.0) room = min(room, -1.0);  // the root may come out
   sight.looked = vec4(x, sight.first.gap < 1e8 ? -1e9 : room);
   return sight;
 }

@@ -8,8 +8,9 @@ layout(std430, binding = 3) buffer Contacts { vec4 contacts[]; };
 const uint kLooked = 0u;
 // Of a plane: normal, 0 where there is none, and what that makes of its points; then Touch::carried and friction.
 const uint kFirstPlane = 1u, kPlaneRows = 2u, kMostPlanes = 2u;
-// Of roots, which see no planes, there: RootCover.
-const uint kCover = kFirstPlane;
+// Of roots, which see nothing, in w of kLooked: wayOutOf() a body that may cover it in the step, 0 where nothing comes of that. And here
+// Cover::bodies and depth.
+const uint kCover = 1u;
 
 // Row by row, so that neighbours read neighbours.
 uint sightAt(uint vertex, uint row) { return vertex + (row + 1u) * offsets[settings.strand_count]; }

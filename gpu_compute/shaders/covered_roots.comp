@@ -1,7 +1,7 @@
 #version 450
 // variants: TURNING=0 | TURNING=1 | TURNING=2
-// Before a step's first look: which bodies cover the roots in it. An invocation per strand. holdOf() of contact_look.glsl goes by it;
-// TURNING: see bodies.glsl.
+// Before a substep's first look: which bodies cover the roots. An invocation per strand; those that no body may cover in the whole step
+// are asked in its first substep only. holdOf() of contact_look.glsl goes by it; TURNING: see bodies.glsl.
 #define WORKGROUP 64
 layout(local_size_x = WORKGROUP) in;
 
@@ -17,14 +17,19 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/root_poses.glsl"
 layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // w: rest distance from bodies, m
 layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };       // length, ...
+layout(location = 0) uniform int substep;
 
 void main() {
   const uint strand = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * uint(WORKGROUP) + gl_LocalInvocationID.x;
   if (strand >= settings.strand_count) return;
   const uint root = offsets[strand];
+  if (substep > 0 && !(contacts[sightAt(root, kLooked)].w > 0.0)) return;
   const RootPoses poses = rootPoses(strand);
-  const vec3 begin = poses.begin.position, end = poses.end.position;
-  const RootCover cover =
-      coverOf(strand, begin, madd(end - begin, timeAfter(0), begin), end, clearance(velocities[root]), edge_rest[root].x);
-  contacts[sightAt(root, kCover)] = vec4(float(cover.bodies), cover.first, cover.last, 0);
+  const vec3 from = poses.begin.position, way = poses.end.position - from;
+  const vec3 end = madd(way, timeAfter(substep), from), start = substep > 0 ? madd(way, timeAfter(substep - 1), from) : from;
+  const float first_edge = edge_rest[root].x;
+  const Cover cover = coverOf(strand, start, end, clearance(velocities[root]), first_edge, substep);
+  contacts[sightAt(root, kCover)] = vec4(float(cover.bodies), cover.depth, 0, 0);
+  const float way_out = wayOutOf(cover.most);
+  if (substep == 0) contacts[sightAt(root, kLooked)].w = way_out > first_edge ? way_out : 0.0;
 }

@@ -53,11 +53,11 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
 }
 
 // clear: how far from every body the vertex must be, m, where those that cover its root let it.
-vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, uint covering, float depth, float arc_length, float friction_scale, int substep) {
+vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, Cover cover, float arc_length, float friction_scale, int substep) {
   Touch touch = untouched(x, contactReach());
   uvec2 range = nearRange(strand);
   for (uint i = range.x; i < range.y; ++i) {
-    float own_clear = clearanceOf(covering, i - range.x, clear, depth, arc_length);
+    float own_clear = clearanceOf(cover, i - range.x, clear, arc_length);
     Touch own = meet(bodyAt(nearBody(i), substep), x, start, own_clear, contactReach());
     if (own.gap < touch.gap) touch = own;
   }
@@ -82,7 +82,7 @@ void main() {
   bool has_edge = k + 1 < vertices;
 
   vec3 x = positions[vertex].xyz, v = velocities[vertex].xyz;
-  float clear = clearance(velocities[vertex]), arc_length = 0.0;
+  float clear = clearance(velocities[vertex]), root_clear = clearance(velocities[first]), arc_length = 0.0;
   vec4 local = rest_local[vertex], edge = rest_edge[vertex];
   if (settings.body_count > 0u)
     for (uint inner = first; inner < vertex; ++inner) arc_length += rest_edge[inner].w;
@@ -97,12 +97,13 @@ void main() {
   float along = vertices > 2 ? float(k) / float(vertices - 2) : 0.0;
   float strength = settings.strength_root + along * (settings.strength_tip - settings.strength_root);
 
-  const vec3 first_position = madd(root_end.position - root_begin.position, timeAfter(0), root_begin.position);
-  const RootCover cover = coverOf(strand, root_begin.position, first_position, root_end.position, clearance(velocities[first]), rest_edge[first].w);
+  vec3 root_before = root_begin.position;
   for (uint substep = 0u; substep < settings.substeps; ++substep) {
     float time = timeAfter(int(substep));
     vec3 root_position = madd(root_end.position - root_begin.position, time, root_begin.position);
     vec4 root = interpolateRotation(root_begin.rotation, root_end.rotation, time);
+    Cover cover = coverOf(strand, root_before, root_position, root_clear, rest_edge[first].w, int(substep));
+    root_before = root_position;
     vec3 start = x;
 #if ACCELERATED
     vec3 gravity = settings.gravity.xyz + accelerationOf(vertex);
@@ -146,7 +147,7 @@ void main() {
 #if GROOMED
       if (inverse_mass > 0.5) x = tethered(x, shared_position[me - uint(k)].xyz, grooming[vertex].z);
 #endif
-      if (inverse_mass > 0.5) x = resolveContacts(strand, x, start, clear, cover.bodies, depthOf(cover, int(substep)), arc_length, friction_scale, int(substep));
+      if (inverse_mass > 0.5) x = resolveContacts(strand, x, start, clear, cover, arc_length, friction_scale, int(substep));
       shared_position[me] = vec4(x, inverse_mass);
       barrier();
     }
