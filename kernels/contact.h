@@ -116,9 +116,9 @@ FN real lookReach() { return lit(2e-3); }
 // A vertex that ends the substep farther than lookReach() from where it looked, or less than this from a plane that it keeps, looks
 // once more.
 FN real lookMargin() { return lit(5e-4); }
-// Arc length, m, in which a strand comes out of a body that its root is `root_depth` deeper in than the root's clearance asks: by twice that
-// depth, to bend in and for its stiffness, at 60 degrees to the shortest way. Where that leads into the scalp, the strand has to go along
-// there: out of a flat body on a head of R = 0.1 m by sqrt(2 R depth), which is more than that of small depths.
+// Arc length, m, that a strand gets to come out of a body in which its root is `root_depth` deeper than the root's clearance asks. Of great
+// depths four times as much: twice what it would take at 60 degrees to the shortest way, for its first edges are stiff. Of small ones more:
+// where the shortest way leads into the scalp it has to go along there, out of a flat body on a head of R = 0.1 m by sqrt(2 R depth).
 FN real wayOutOf(IN(real) root_depth) {
   real depth = max(root_depth, lit(0));
   return lit(4) * sqrt(depth * (depth + lit(0.0125)));
