@@ -49,6 +49,7 @@ struct SplatView {
   Scalar mass_scale, momentum_scale;  ///< from kg and kg m/s to whole numbers
   const float* positions;
   const float* velocities;
+  Scalar ahead;  ///< s, by which places go on as velocities say
   const StrandSample* samples;
   const float* shares;   ///< of a sample's vertices in it, sum 1
   const Scalar* masses;  ///< kg, per sample

@@ -400,10 +400,10 @@ inline mask isInGrid(const GridShape& s, const real3& at) {
 
 constexpr double kSane = 1e4;          // m/s
 constexpr size_t kSamplesTogether = 128;  // stay in the nearest cache from one loop to the next
-// Where samples lie in the world and how fast they are, 4 numbers each.
+// Where samples will lie in the world and how fast they are, 4 numbers each.
 inline void locate(const SplatView<Scalar>& v, size_t begin, size_t end, Scalar* places) {
   static constexpr Scalar kOne[4] = {0, 0, 0, 1};
-  const quads::real unit = quads::load(kOne);
+  const quads::real unit = quads::load(kOne), ahead = quads::fill(v.ahead);
   for (size_t n = begin; n < end; ++n) {
     const StrandSample& sample = v.samples[n];
     const float* shares = v.shares + sample.share;
@@ -414,7 +414,7 @@ inline void locate(const SplatView<Scalar>& v, size_t begin, size_t end, Scalar*
       x = quads::madd(share, quads::threeOf(v.positions + first + 3 * i), x);
       u = quads::madd(share, quads::threeOf(v.velocities + first + 3 * i), u);
     }
-    quads::store(x, places + 4 * (n - begin));
+    quads::store(quads::madd(ahead, u, x), places + 4 * (n - begin));
     quads::store(u, v.motion + 4 * n);
   }
 }

@@ -130,7 +130,7 @@ void HairGrid<Scalar>::reset() {
 
 template <class Scalar>
 void HairGrid<Scalar>::locate(std::span<const Vec3> positions, std::span<const Vec3> velocities,
-                              const Pose& head) {
+                              const Pose& head, double seconds) {
   head_ = head;
   layout_.frame(head, frame_);
   SplatView<Scalar>& view = view_;
@@ -138,6 +138,7 @@ void HairGrid<Scalar>::locate(std::span<const Vec3> positions, std::span<const V
   std::copy(frame_, frame_ + 12, view.frame);
   view.positions = positions.data()->data();
   view.velocities = velocities.data()->data();
+  view.ahead = static_cast<Scalar>(seconds);
   view.samples = samples_.samples.data();
   view.shares = samples_.shares.data();
   view.masses = masses_.data();

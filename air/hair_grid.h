@@ -29,8 +29,10 @@ class HairGrid {
   float cell() const { return layout_.cell; }  ///< m
   const StrandSamples& samples() const { return samples_; }
 
-  /// Where hair is and how fast: samples, on the grid as `head` carries it. Natural order.
-  void locate(std::span<const Vec3> positions, std::span<const Vec3> velocities, const Pose& head);
+  /// Where hair will be after so many `seconds` and how fast it is: samples, on the grid as `head` carries it
+  /// then. Natural order.
+  void locate(std::span<const Vec3> positions, std::span<const Vec3> velocities, const Pose& head,
+              double seconds = 0);
   /// Their sums on the grid.
   void splat();
   /// Nothing is held any more: hair was put elsewhere.

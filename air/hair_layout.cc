@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "kernels/scalar_double.h"
+
 namespace strandcast {
 namespace {
 
@@ -13,6 +15,14 @@ constexpr int kMargin = 6;            // cells around the groom at rest
 double HairLayout::largestStiffness(double seconds) const {
   const double speed = kFastestWave * static_cast<double>(cell) / seconds;
   return speed * speed;
+}
+
+Pose headAhead(const std::optional<Pose>& before, const Pose& now) {
+  if (!before) return now;
+  const auto part = static_cast<float>(kernels::f64::partAhead());
+  const Quat turn = now.rotation * before->rotation.conjugate();
+  return {now.position + part * (now.position - before->position),
+          (Quat::Identity().slerp(part, turn) * now.rotation).normalized()};
 }
 
 HairLayout hairLayout(const Box& box, int cells) {

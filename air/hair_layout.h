@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "core/geometry.h"
 
 namespace strandcast {
@@ -24,6 +26,10 @@ struct HairLayout {
   /// much farther than a cell in a step.
   double largestStiffness(double seconds) const;
 };
+
+/// Where the head will be partAhead() of a step from `now`, if it goes on as it came from `before`, where it
+/// was a step ago; it stands still where that is not known.
+Pose headAhead(const std::optional<Pose>& before, const Pose& now);
 
 /// `box`: of the groom at rest, m.
 HairLayout hairLayout(const Box& box, int cells);

@@ -121,6 +121,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   splatted_ = forces || drags;
   blows_ = on_grid;
   if (std::exchange(restarts_, false)) {
+    head_before_.reset();
     hair.reset();
     if (our.wind) our.wind->reset(our.block);
   }
@@ -129,7 +130,9 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   blown.setProgress(progress_);
   blown.advance(dt);
   progress_ = blown.progress();
-  hair.describe(settings, head_, p, dt);
+  const Pose ahead = headAhead(head_before_, head_);
+  head_before_ = head_;
+  hair.describe(settings, ahead, p, dt);
   settings.uniform_wind = {p.wind.x(), p.wind.y(), p.wind.z(), 1 - p.air_drag_along};
   settings.drag = dragRate(p, 1);
   settings.exchange = static_cast<float>(dt * static_cast<double>(p.air_drag) *
@@ -139,7 +142,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   if (on_grid) {
     moved = our.wind->moveTo(head_.apply(Vec3(box_.center())), settings);
     our.wind->describe(settings, dt);
-    settings.wind_of_hair = windOfHair(hair.layout(), head_, *our.wind);
+    settings.wind_of_hair = windOfHair(hair.layout(), ahead, *our.wind);
     our.wind->takeBodies(input.primitives, settings);
     shapes = &strands.shapes(input.shapes);
   } else {

@@ -77,10 +77,10 @@ struct FieldCorners {
   real side;
 };
 
-// `clear` of points that nothing pushes.
+// `clear` that no point is to keep: then the distance inside, beyond the band, is not shortened either.
 FN real pushedByNothing() { return lit(-1e9); }
-// Signed distance and unit normal for contact. Inside, beyond the band, it is never farther from 0 than the true one, so that
-// a push does not overshoot, but for points that nothing pushes; outside, where it is only a lower bound, it is at least `clear`, so that nothing is pushed.
+// Signed distance and unit normal for contact. Inside, beyond the band, it is never farther from 0 than the true one, so that a push
+// does not overshoot (but see pushedByNothing); outside, where it is only a lower bound, it is at least `clear`, so that nothing is pushed.
 FN real fieldDistance(IN(FieldPlace) place, IN(FieldCorners) at, IN(real) cell, IN(real) band, IN(real) quantum,
                       IN(real) clear, OUT(real3) normal) {
   mask stored = abs(at.side) < lit(0.5);

@@ -71,6 +71,9 @@ FN real3 dragNotFelt(IN(real3) relative, IN(real3) tangent, IN(real) rate, IN(re
   return tangent * (dot(relative, tangent) * rate * less);
 }
 
+// Hair is looked at where it will be this part of a step from now, if it goes on as it goes. An acceleration that is constant over the step
+// would feed waves of pressure if it came from where hair is.
+FN real partAhead() { return lit(0.5); }
 // Pressure over density squared of hair that is denser than `rest`, as smoothed particles use it (Monaghan 1992): pressure =
 // stiffness (density - rest). stiffness in m^2/s^2 is the speed squared of the wave that it makes.
 FN real crowding(IN(real) density, IN(real) rest, IN(real) stiffness) {

@@ -67,11 +67,22 @@ std::span<const Vec3> strandOf(Simulation& simulation, size_t s) {
 
 Vec3 tipOf(Simulation& simulation, size_t s) { return strandOf(simulation, s).back(); }
 
-double rmsSpeedOf(const StrandModel& model, const StrandState& state, size_t s) {
+double rmsSpeedOf(std::span<const Vec3> velocities) {
   double squares = 0;
-  for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
-    squares += state.velocities[v].cast<double>().squaredNorm();
-  return std::sqrt(squares / static_cast<double>(model.verticesOf(s)));
+  for (const Vec3& velocity : velocities) squares += velocity.cast<double>().squaredNorm();
+  return std::sqrt(squares / static_cast<double>(velocities.size()));
+}
+
+double rmsSpeedOf(const StrandModel& model, const StrandState& state, size_t s) {
+  return rmsSpeedOf(std::span(state.velocities).subspan(model.offsets[s], model.verticesOf(s)));
+}
+
+double fastestOf(Simulation& simulation) {
+  const StrandState state = simulation.state();
+  double fastest = 0;
+  for (size_t s = 0; s < simulation.model().strands(); ++s)
+    fastest = worse(fastest, rmsSpeedOf(simulation.model(), state, s));
+  return fastest;
 }
 
 }  // namespace strandcast

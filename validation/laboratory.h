@@ -56,7 +56,10 @@ class Laboratory {
 std::span<const Vec3> strandOf(Simulation& simulation, size_t s);
 /// The last of them.
 Vec3 tipOf(Simulation& simulation, size_t s);
-/// Speed of strand s, m/s, root mean square over its vertices.
+/// Root mean square of speeds, m/s; of strand s, over its vertices.
+double rmsSpeedOf(std::span<const Vec3> velocities);
 double rmsSpeedOf(const StrandModel& model, const StrandState& state, size_t s);
+/// The largest of all strands now.
+double fastestOf(Simulation& simulation);
 
 }  // namespace strandcast

@@ -120,17 +120,12 @@ std::vector<Case> sagFree(const Laboratory& laboratory) {
 // Strands are pushed and come to rest: the largest rms speed of one then, mm/s.
 double speedAfterAPush(const Laboratory& laboratory, StrandModel model, const Parameters& parameters) {
   constexpr double kSettling = 10;  // s
-  const size_t strands = model.strands();
   Simulation simulation = laboratory.simulation(std::move(model), parameters);
   StrandState state = simulation.state();
   for (Vec3& velocity : state.velocities) velocity += Vec3(0.01f, 0.003f, -0.02f);
   simulation.backend().upload(state);
   laboratory.advance(simulation, kSettling);
-  state = simulation.state();
-  double fastest = 0;
-  for (size_t s = 0; s < strands; ++s)
-    fastest = worse(fastest, 1e3 * rmsSpeedOf(simulation.model(), state, s));
-  return fastest;
+  return 1e3 * fastestOf(simulation);
 }
 
 // Curls and waves fall from their natural shape. Edges turn by at most 60 degrees.

@@ -53,12 +53,16 @@ double volumeOf(std::span<const Vec3> positions) {
 
 constexpr double kHeadRates[] = {60, 240};  // steps per second: short ones allow more stiffness
 
-std::vector<std::string> namesOfFullHead() { return caseNames("full head rate={:g}", kHeadRates); }
+std::vector<std::string> namesOfFullHead() {
+  std::vector<std::string> names = caseNames("full head rate={:g}", kHeadRates);
+  for (const std::string& speed : caseNames("full head rate={:g}: speed", kHeadRates)) names.push_back(speed);
+  return names;
+}
 
 std::vector<Case> fullHead(const Laboratory& laboratory) {
-  std::vector<Case> cases;
+  std::vector<Case> volumes, speeds;
   for (const double rate : kHeadRates) {
-    double kept[2] = {};
+    double kept[2] = {}, speed = 0;
     for (const bool on : {false, true}) {
       Parameters parameters = parametersOf(laboratory, on ? kStiffness : 0, kFriction, 2);
       parameters.time_step = static_cast<float>(1 / rate);
@@ -67,12 +71,16 @@ std::vector<Case> fullHead(const Laboratory& laboratory) {
       const double rest = volumeOf(simulation.guides());
       laboratory.advance(simulation, 5);
       kept[on ? 1 : 0] = 100 * volumeOf(simulation.guides()) / rest;
+      speed = 1e3 * rmsSpeedOf(simulation.state().velocities);
     }
-    cases.push_back(atLeastCase({namesOfFullHead()[cases.size()], "volume after 5 s, % of that at rest", "%"},
-                                kept[1], 100, 5));
-    cases.back().note = fmt::format("with volume_stiffness off {:.1f} %", kept[0]);
+    const std::string name = fmt::format("full head rate={:g}", rate);
+    volumes.push_back(atLeastCase({name, "volume after 5 s, % of that at rest", "%"}, kept[1], 100, 5));
+    volumes.back().note = fmt::format("with volume_stiffness off {:.1f} %", kept[0]);
+    speeds.push_back(
+        absoluteCase({name + ": speed", "rms speed of all vertices after 5 s", "mm/s"}, speed, 0, 10));
   }
-  return cases;
+  volumes.insert(volumes.end(), speeds.begin(), speeds.end());
+  return volumes;
 }
 
 // The hair at rest feels nothing; that it moves all the same is the rounding of its own elasticity.

@@ -32,11 +32,12 @@ uint pieceOfEdge(SampleTile tile, uint edge) {
   return tile.pieces_of_strand == tile.edges ? edge : ((edge + 1u) * tile.pieces_of_strand - 1u) / tile.edges;
 }
 
-// The middle of a piece's masses, their mean velocity, and what they come to.
+// The middle of a piece's masses partAhead() of a step from now, their mean velocity, and what they come to.
 struct Sample {
   vec3 place, motion;
   float mass;
 };
+vec3 placeAhead(vec3 place, vec3 motion) { return madd(motion, partAhead() * air.seconds, place); }
 // `root`: of its strand.
 Sample sampleOf(SampleTile tile, uint root, uint piece) {
   uint first = root + edgeOf(tile, piece), last = tile.parts > 1u ? first + 1u : root + edgeOf(tile, piece + 1u);
@@ -54,14 +55,15 @@ Sample sampleOf(SampleTile tile, uint root, uint piece) {
     float m = ends.x + ends.y, at = ends.y * inverse(max(m, 1e-30));
     sum.mass += m;
     vec3 middle = madd(x_next - x, at, x), mean = madd(u_next - u, at, u);
-    if (last == first + 1u) return Sample(middle, mean, m);
+    if (last == first + 1u) return Sample(placeAhead(middle, mean), mean, m);
     sum.place = madd(middle, m, sum.place);
     sum.motion = madd(mean, m, sum.motion);
     x = x_next;
     u = u_next;
   }
   float per_mass = inverse(max(sum.mass, 1e-30));
-  return Sample(sum.place * per_mass, sum.motion * per_mass, sum.mass);
+  vec3 mean = sum.motion * per_mass;
+  return Sample(placeAhead(sum.place * per_mass, mean), mean, sum.mass);
 }
 
 uint plane() { return air.tiles * uint(TILE_SAMPLES); }
