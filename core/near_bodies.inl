@@ -147,6 +147,18 @@ class NearBodies {
     const real3 normal = get3(kNormal + at, i);
     return {dot(normal, x) - get(kOffset + at, i), normal, get3(kCarried + at, i), get(kFriction + at, i)};
   }
+  /// The square of how far what is near vertex i at x takes a point that was at x_start in this substep, m^2; less
+  /// of what is less near.
+  real carried2(int i, const real3& x, const real3& x_start) const {
+    real most = lit(0);
+    for (int n = 0; n < planes_[i]; ++n) {
+      const Touch own = plane(n, i, x);
+      const real near = nearness(own.gap);
+      const real3 way = (own.carried - x_start) * near;
+      most = select(near > lit(0), max(most, dot(way, way)), most);
+    }
+    return most;
+  }
   /// Lanes in which vertex i sees two planes.
   mask seesTwo(int i) const {
     if (planes_[i] < 2) return lit(0) < lit(0);
@@ -306,6 +318,9 @@ class NearBodies {
     if (waiting_.count() == 0) wanted_ = 0;
     const real rows[1] = {size() > kPlacedBodies ? lit(-1e9) : nearest};  // of bodies that are not placed nothing is known
     scatter(rows, kNearest, numbers, lanes);
+    const real room = pinch(first.gap, first.normal, second.gap, second.normal);
+    first.gap = first.gap + room;
+    second.gap = second.gap + room;
     keepPlane(0, first, at.x, numbers, lanes && first.gap < reach);
     keepPlane(1, second, at.x, numbers, lanes && second.gap < reach);
   }

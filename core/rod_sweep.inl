@@ -78,6 +78,7 @@ class RodStep {
       eliminateBending();
       again_ = lit(0) < lit(1);
       meets_ = touches_ = !again_;
+      nearness_ = lit(0);
       moveByForces();
       const real most = substituteLengths();
       const mask violent = isViolent(most), eliminated = isEliminated(stiffest, most, touches_);
@@ -88,7 +89,11 @@ class RodStep {
         moveByPulls();
         substituteLengths();
       }
-      finish();
+      const real thrown_by = thrownBy(most, nearness_);
+      const bool any_thrown = anyTrue(thrown_by > lit(0));
+      const real before = any_thrown ? fastest() : lit(0);
+      const real speed = finish(any_thrown);
+      if (any_thrown) slowDown(slowed(speed, before, thrown_by));
       frame_ = root.rotation;
     }
     if (!among_bodies_ && !in.primitives.empty())
@@ -147,7 +152,9 @@ class RodStep {
   void pullByElimination(const mask& strands);
   class BentMoves;
   class Pulls;
-  void finish();
+  real fastest() const;
+  real finish(bool any_thrown);
+  void slowDown(const real& part);
   real3 collide(int i, const real3& shift);
   real3 pressed(int i, const real3& shift, const real3& x);
   real3 keptOut(int i, const real3& shift, const real3& inner);
@@ -162,6 +169,10 @@ class RodStep {
     return b.pinned ? excessToMend(excess, e > 0 ? weight(e) : lit(0), weight(e + 1)) : excess;
   }
   void noteForces();
+  void noteMeeting(const real& gap, const mask& pressed) {
+    meets_ = meets_ || gap < contactReach() || pressed;
+    nearness_ = max(nearness_, nearness(gap));
+  }
 
   const Block& b;
   const StepInput& in;
@@ -186,7 +197,8 @@ class RodStep {
   // Of a vertex among bodies: some lane may have a contact force, and in this substep a normal. Most have none.
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
-  mask meets_;  // those with a vertex that a body is near in this substep
+  mask meets_;  // those with a vertex that a body is near in this substep, or has pressed
+  real nearness_;  // of the nearest body to any of its vertices in this substep
   mask touches_;  // those with a vertex that a body presses, or has
   real most_tension_;   // that is taken over from one substep to the next
 };
@@ -383,7 +395,7 @@ inline real3 RodStep::collide(int i, const real3& shift) {
   const real3 before = forced_[i] ? state3(b.contact, i) : makeReal3(lit(0), lit(0), lit(0));
   const mask pressed_before = dot(before, before) > lit(0);
   const real gap = near_.gap(i, x);
-  meets_ = meets_ || gap < contactReach() || pressed_before;
+  noteMeeting(gap, pressed_before);
   const mask touches = again_ && (gap < lit(0) || pressed_before) && weight(i) > lit(0);
   if (!anyTrue(touches)) return shift;
   const Touch touch = near_.touch(i, x);
@@ -650,10 +662,30 @@ inline void RodStep::moveByPulls() {
   });
 }
 
-// What the last pulls move, exact lengths, velocities.
-inline void RodStep::finish() {
+// Of vertices, their root and what is beside them, before the substep gives new speeds, m/s.
+[[gnu::noinline]] inline real RodStep::fastest() const {
+  const real3 root = get3(kShift, 0);
+  real way2 = dot(root, root), speed2 = lit(0);
+  for (int i = 1; i < n; ++i) {
+    const real3 v = state3(b.velocity, i), x = state3(b.position, i);
+    speed2 = max(speed2, dot(v, v));
+    way2 = max(way2, near_.carried2(i, x + get3(kShift, i), x));
+  }
+  return sqrt(max(speed2, way2 * lit(1 / (h * h))));
+}
+// After it has.
+[[gnu::noinline]] inline void RodStep::slowDown(const real& part) {
+  for (int i = 1; i < n; ++i) store3(state3(b.velocity, i) * part, b.velocity, i);
+}
+
+// What the last pulls move, exact lengths, velocities. Where some strand is thrown, gives the speed of the fastest vertices as
+// lengths alone have left them, which nothing has turned out of bodies yet.
+inline real RodStep::finish(bool any_thrown) {
   const real inverse_h = lit(1 / h);
   real3 old_in = state3(b.position, 0), pulled_in = get3(kShift, 0), shift = pulled_in, inner = root_.position;
+  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
+  real3 turned = zero;  // m, by how much that has moved the vertex
+  real way2 = lit(0);
   store3(shift * inverse_h, b.velocity, 0);
   store3(inner, b.position, 0);
   Pulls pulls(*this);
@@ -663,7 +695,14 @@ inline void RodStep::finish() {
     const real3 exact = advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
     shift = select(weight(e + 1) > lit(0), shift + exact, pulled);
     if (among_bodies_) {
-      shift = keptOut(e + 1, shift, inner);
+      const real3 kept = keptOut(e + 1, shift, inner);
+      if (any_thrown) {
+        turned = select(weight(e + 1) > lit(0), turned, zero);
+        const real3 went = shift - turned;
+        way2 = max(way2, dot(went, went));
+        turned = turned + (kept - shift);
+      }
+      shift = kept;
       if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(1 / (h * h)), b.contact, e + 1);
     }
     inner = old + shift;
@@ -672,6 +711,7 @@ inline void RodStep::finish() {
     old_in = old;
     pulled_in = pulled;
   }
+  return sqrt(way2) * inverse_h;
 }
 
 #include "core/held_contact.inl"

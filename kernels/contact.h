@@ -111,25 +111,35 @@ FN real3 tangentialPart(IN(real3) force, IN(real3) normal) { return madd(normal,
 
 // Hair farther from a body than this, in metres, is not pressed by it any more.
 FN real contactReach() { return lit(1e-3); }
+// From 0 there to 1 in the body.
+FN real nearness(IN(real) gap) { return clamp(madd(gap, lit(-1e3), lit(1)), lit(0), lit(1)); }
 // Bodies that are nearer than this to where a vertex would go by itself, or that and half of its way, are heeded in the substep.
 FN real lookReach() { return lit(2e-3); }
 // A vertex that ends the substep farther than lookReach() from where it looked, or less than this from a plane that it keeps, looks
 // once more.
 FN real lookMargin() { return lit(5e-4); }
+// An eighth of the radius R of a head, m.
+FN real headEighth() { return lit(0.0125); }
 // Arc length, m, that a strand gets to come out of a body in which its root is `root_depth` deeper than the root's clearance asks. Of great
 // depths four times as much: twice what it would take at 60 degrees to the shortest way, for its first edges are stiff. Of small ones more:
-// where the shortest way leads into the scalp it has to go along there, out of a flat body on a head of R = 0.1 m by sqrt(2 R depth).
+// where the shortest way leads into the scalp it has to go along there, out of a flat body by sqrt(2 R depth).
 FN real wayOutOf(IN(real) root_depth) {
   real depth = max(root_depth, lit(0));
-  return lit(4) * sqrt(depth * (depth + lit(0.0125)));
+  return lit(4) * sqrt(depth * (depth + headEighth()));
 }
 // The depth that has this way out.
 FN real depthOfWayOut(IN(real) arc_length) {
-  return lit(0.5) * (sqrt(madd(arc_length * arc_length, lit(0.25), lit(0.0125 * 0.0125))) - lit(0.0125));
+  return lit(0.5) * (sqrt(madd(arc_length * arc_length, lit(0.25), headEighth() * headEighth())) - headEighth());
 }
 // How far from that body a vertex is kept at this arc length from the root, m: by `clear`, or by what it can be.
 FN real clearanceInReach(IN(real) clear, IN(real) root_depth, IN(real) arc_length) {
   return clear - max(wayOutOf(root_depth) - arc_length, lit(0)) * lit(0.5);
+}
+// What presses a vertex from two sides and leaves no room between has to give way at either by this, m, for the vertex to be in the middle.
+// Of planes that meet at more than 37 degrees nothing: out between them it can get.
+FN real pinch(IN(real) gap, IN(real3) normal, IN(real) other_gap, IN(real3) other_normal) {
+  real facing = clamp(madd(dot(normal, other_normal), lit(-10), lit(-8)), lit(0), lit(1));
+  return max(lit(0) - (gap + other_gap), lit(0)) * lit(0.5) * facing;
 }
 // By how much making lengths exact may press hair into a body, metres.
 FN real contactSlack() { return lit(2e-5); }

@@ -50,12 +50,12 @@ FN real torqueDifference(IN(real3) strain, IN(real3) excess, IN(real) bend) {
   return lit(0.5) * bend * (strain.x * excess.y - strain.y * excess.x);
 }
 // What bending adds to the stiffness of twist: the torques change by (twist + a) phi on the edge of a joint that turns by
-// phi about its tangent and by (a - twist) phi on the other. This is a, without terms in strain.z, held positive. `ahead`: the damping
-// time, in substeps.
+// phi about its tangent and by (a - twist) phi on the other. This is a, without terms in strain.z, held positive.
 FN real twistOfBending(IN(real3) strain, IN(real3) excess, IN(real) bend) {
   real3 rest = strain - excess;
   return max(lit(0.25) * bend * madd(strain.x, rest.x, strain.y * rest.y), lit(0));
 }
+// The same of internal damping; `ahead`: the damping time, in substeps.
 FN real twistOfDamping(IN(real3) strain, IN(real) bend, IN(real) ahead) {
   return lit(0.25) * bend * ahead * madd(strain.x, strain.x, strain.y * strain.y);
 }
@@ -166,6 +166,15 @@ FN real violence(IN(real) pull, IN(real) weight_in, IN(real) weight, IN(real) in
   return abs(pull) * (weight_in + weight) * inverse_length;
 }
 FN mask isViolent(IN(real) violence) { return violence > lit(0.05); }
+// Pulls that would move ends farther than their edges are long: how a strand beside a body folds then is beyond the substep, and what it
+// would take for speed is not its own. thrownBy() says how much that is so, 0 to 1; `nearness`: of the body, see kernels/contact.h.
+// Then slowed() is the part that its vertices keep of their speeds, of which the largest is `speed`; `fastest`: the most that any of them,
+// its root or a body beside it had before, m/s.
+FN real thrownBy(IN(real) violence, IN(real) nearness) { return clamp(violence - lit(1), lit(0), lit(1)) * nearness; }
+FN real slowed(IN(real) speed, IN(real) fastest, IN(real) thrown_by) {
+  real bound = madd(fastest, lit(1.1), lit(0.1));
+  return lit(1) - thrown_by * max(lit(1) - bound * inverse(max(speed, lit(1e-6))), lit(0));
+}
 // How the pulls of the edges before and after a vertex move it in this metric, per weight; as a force with softness 0. In contact
 // only alongSurface().
 FN real3 pushOfPulls(IN(real3) t_in, IN(real) pull_in, IN(real3) t_out, IN(real) pull_out, IN(real) softness) {

@@ -46,6 +46,9 @@ Sight sightFrom(uint strand, uint vertex, vec3 x, vec3 start, int substep) {
       sight.second = own;
     }
   }
+  const float between = pinch(sight.first.gap, sight.first.normal, sight.second.gap, sight.second.normal);
+  sight.first.gap += between;
+  sight.second.gap += between;
   if (hold.arc_length >= 0.0) room = min(room, -1.0);  // the root may come out
   sight.looked = vec4(x, sight.first.gap < 1e8 ? -1e9 : room);
   return sight;

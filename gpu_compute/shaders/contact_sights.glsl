@@ -1,8 +1,8 @@
 // What vertices know of bodies in a substep: where they have looked at them from, and the planes along the two nearest.
 // core/near_bodies.inl has the same for the CPU. Needs kernels/contact.h, step_input.glsl, strand_offsets.glsl and touch.glsl.
 
-// Of every vertex what bodies pressed it with, StrandState::contacts, and in w whether exact lengths have moved it from where
-// contact had left it; then what it sees, in five rows.
+// Of every vertex what bodies pressed it with, StrandState::contacts, and in w the part of its speed in the substep that it kept (see slowed() in
+// kernels/rod.h), less than 0 unless exact lengths have moved it from where contact had left it; then what it sees, in five rows.
 layout(std430, binding = 3) buffer Contacts { vec4 contacts[]; };
 // xyz: where it looked from; w: -1e9 if it has planes, else how much farther than its reach all bodies are from there, m.
 const uint kLooked = 0u;
@@ -38,6 +38,17 @@ Touch touchOf(uint vertex, vec3 x) {
     }
   }
   return nearest;
+}
+// The square of how far what is near a vertex that has planes, at x, takes a point that was at `start` in this substep, m^2; less of what
+// is less near.
+float carried2Of(uint vertex, vec3 x, vec3 start) {
+  float most = 0.0;
+  for (uint row = kFirstPlane; row < kFirstPlane + kMostPlanes * kPlaneRows; row += kPlaneRows) {
+    const Touch own = planeOf(vertex, row, x);
+    const vec3 way = (own.carried - start) * nearness(own.gap);
+    most = max(most, dot(way, way));
+  }
+  return most;
 }
 // Whether a vertex that ends the substep at x has to look again.
 bool looksBack(uint vertex, vec3 x) {

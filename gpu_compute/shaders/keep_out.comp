@@ -62,8 +62,9 @@ void keepOut(uint strand) {
     const bool exists = first + me < end;
     const uint vertex = min(first + me, end - 1u);
     const vec4 edge = edge_rest[vertex - 1u], velocity = velocities[vertex];
-    const vec3 reached = positions[vertex].xyz, start = madd(velocity.xyz, -settings.substep, reached);
-    const bool displaced = contacts[vertex].w > 0.5, is_free = exists && edge.w > 0.0;
+    const float speed_kept = abs(contacts[vertex].w);
+    const vec3 reached = positions[vertex].xyz, start = madd(velocity.xyz, -settings.substep / speed_kept, reached);
+    const bool displaced = contacts[vertex].w > 0.0, is_free = exists && edge.w > 0.0;
     if (me == 0u) pinned_ones = 0u;
     barrier();
     if (exists && !is_free) atomicOr(pinned_ones, 1u << me);
@@ -94,7 +95,7 @@ void keepOut(uint strand) {
     }
     if (exists && dot(moved, moved) > 0.0) {
       positions[vertex].xyz = x;
-      velocities[vertex].xyz = madd(moved, settings.per_substep, velocity.xyz);
+      velocities[vertex].xyz = madd(moved, settings.per_substep * speed_kept, velocity.xyz);
       if (substep + 1 == int(settings.substeps)) storeGuide(vertex, x);
     }
     if (me == uint(WORKGROUP) - 1u) shift = moved;

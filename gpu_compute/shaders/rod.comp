@@ -62,11 +62,13 @@ float diagonal[PER_THREAD], first[PER_THREAD - 1], second[PER_THREAD];
 vec3 across;
 vec3 force[PER_THREAD];             // m
 float pull[PER_THREAD], pull_in, pull_out;  // m, of edges; in: before slot 0, out: after the last slot
-float most;                         // violence of this invocation, of all substeps yet
+float most;  // violence: of this invocation, of all substeps yet; where VIOLENT of this strand, in this substep
 #if BODIES
 vec3 pressing[PER_THREAD];            // m: StrandState::contacts x substep^2
 vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
-bool meets;                           // of this invocation's vertices: a body is near in this substep
+bool meets;                           // of this invocation's vertices: a body is near in this substep, or has pressed one
+float near_body;                      // of these: nearness() of a body
+float speed_kept;                     // of this strand: the part of the substep's speeds that its vertices have, see slowed()
 bool lost;                            // of these: isLost()
 bool astray;                          // of these: isAstray()
 #define NORMAL(p) normals[p]
@@ -346,6 +348,30 @@ bool anyStrand(bool own) {
 #include "gpu_compute/shaders/rod_contact.glsl"
 #endif
 
+#if VIOLENT && BODIES
+// Of the strand's vertices, their root and what is beside them, before the substep gives new speeds, m/s. Old ones are read again: kept,
+// they would take registers all the time. `checked`: see finish().
+float fastestOfStrand(vec3 checked[PER_THREAD]) {
+  const vec3 root = rank == 0 ? shift_in : vec3(0);
+  float way2 = dot(root, root), speed2 = 0.0;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    if (!isEdge(p)) continue;
+    const vec3 old = velocities[vertexOf(p)].xyz;
+    speed2 = max(speed2, dot(old, old));
+    if (sees[p]) way2 = max(way2, carried2Of(vertexOf(p), x[p] + checked[p], x[p]));
+  }
+  return sqrt(strandMax(max(speed2, way2 * settings.per_substep * settings.per_substep)));
+}
+// After it has.
+void slowDown(float fastest, float thrown_by) {
+  float speed2 = 0.0;
+  for (int p = 0; p < PER_THREAD; ++p)
+    if (isEdge(p)) speed2 = max(speed2, dot(v[p], v[p]));
+  speed_kept = slowed(sqrt(strandMax(speed2)), fastest, thrown_by);
+  for (int p = 0; p < PER_THREAD; ++p) v[p] *= speed_kept;
+}
+#endif
+
 #if VIOLENT
 // The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the second
 // length system in the metric of the masses. Of other strands only the barriers are wanted.
@@ -421,13 +447,14 @@ void pullThroughBending(bool violent) {
 bool needsAgain(bool pressed) {
   bool needs = false;
 #if STIFF
-  const float greatest = strandMax(mostViolence());
-  needs = isViolent(greatest);
-  const bool eliminated = isEliminated(rest.stiffest * settings.substep * settings.substep, greatest, pressed);
+  most = strandMax(mostViolence());
+  needs = isViolent(most);
+  const bool eliminated = isEliminated(rest.stiffest * settings.substep * settings.substep, most, pressed);
   if (anyStrand(eliminated)) pullByElimination(eliminated);
   if (anyStrand(needs && !eliminated)) pullThroughBending(needs && !eliminated);
 #elif VIOLENT
-  needs = ofStrand(isViolent(mostViolence()));
+  most = strandMax(mostViolence());
+  needs = isViolent(most);
   if (anyStrand(needs)) pullThroughBending(needs);
 #else
   most = max(most, mostViolence());
@@ -464,6 +491,14 @@ void moveByPulls() {
 void finish(vec3 checked[PER_THREAD]) {
 #else
 void finish() {
+#endif
+#if VIOLENT && BODIES
+  float thrown_by = thrownBy(most, 1.0), fastest = 0.0;
+  const bool any_thrown = anyStrand(thrown_by > 0.0);
+  if (any_thrown) {
+    thrown_by = thrownBy(most, strandMax(near_body));
+    fastest = fastestOfStrand(checked);
+  }
 #endif
   vec3 along[PER_THREAD];  // shifts, less that of the vertex before slot 0 where that is no root
   bool anchored[PER_THREAD];
@@ -510,6 +545,9 @@ void finish() {
     v[p] = shift[p] * settings.per_substep;
     x[p] += shift[p];
   }
+#if VIOLENT && BODIES
+  if (any_thrown) slowDown(fastest, thrown_by);
+#endif
 }
 
 // Lists the strand; its place in the list.
@@ -561,6 +599,8 @@ void stepStrands(uint list, uint first, uint count) {
     vec3 checked[PER_THREAD];  // the shifts that contact leaves the vertices with
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
     meets = false;
+    near_body = 0.0;
+    speed_kept = 1.0;
     const bool pressed = pressThroughBending(substep, moved);
 #else
     const bool pressed = false;

@@ -25,7 +25,7 @@ void loadContacts() {
 void storeContacts() {
   for (int p = 0; p < PER_THREAD; ++p)
     if (isEdge(p))
-      contacts[vertexOf(p)] = vec4(pressing[p] * (settings.per_substep * settings.per_substep), displaced[p] ? 1 : 0);
+      contacts[vertexOf(p)] = vec4(pressing[p] * (settings.per_substep * settings.per_substep), displaced[p] ? speed_kept : -speed_kept);
 }
 
 // Who has come too far from where it looked at bodies looks again: ASTRAY; else its strand is left to that program.
@@ -67,6 +67,7 @@ bool nearBody(int p, vec3 place, out Touch touch) {
 #endif
   const bool near = pressed || touch.gap < contactReach();
   meets = meets || near;
+  near_body = max(near_body, nearness(touch.gap));
   return near;
 }
 
