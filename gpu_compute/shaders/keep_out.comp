@@ -2,7 +2,7 @@
 // variants: TURNING=0 | TURNING=1 | TURNING=2
 // Strands that exact lengths have placed in a body in this substep, or that have come too far from where they looked at
 // bodies: every vertex, from the root on, is held to the side of the bodies it was on. RodStep::keptOut in
-// core/rod_sweep.inl. A workgroup does a strand, an invocation a vertex: all look at once, then the first that is in a body is
+// core/kept_out.inl. A workgroup does a strand, an invocation a vertex: all look at once, then the first that is in a body is
 // turned out, which moves those after it, and these look once more. TURNING: see bodies.glsl.
 #define WORKGROUP 32
 layout(local_size_x = WORKGROUP) in;
