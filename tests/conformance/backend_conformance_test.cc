@@ -381,7 +381,8 @@ TEST_P(Conformance, OneStepWithEveryKindOfBodyAgreesWithTheOracle) {
                 moved_by_body, strands, worst);
     EXPECT_GT(moved_by_body, strands / 8);
   }
-  if (rod) all.expectLittle(mostOff());
+  // Of the strands of one state that much would be less than one.
+  if (rod && !kSanitized) all.expectLittle(mostOff());
 }
 
 // Hair that stands up from a floor under a ball that covers roots of it and rises by a millimetre in the
