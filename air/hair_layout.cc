@@ -17,12 +17,17 @@ double HairLayout::largestStiffness(double seconds) const {
   return speed * speed;
 }
 
-Pose headAhead(const std::optional<Pose>& before, const Pose& now) {
-  if (!before) return now;
+Pose HeadCourse::ahead(const Pose& begin, const Pose& end) {
+  const bool goes_on =
+      known_ && begin.position == end_.position && begin.rotation.coeffs() == end_.rotation.coeffs();
+  const Pose before = goes_on ? begin_ : begin;
+  known_ = true;
+  begin_ = begin;
+  end_ = end;
   const auto part = static_cast<float>(kernels::f64::partAhead());
-  const Quat turn = now.rotation * before->rotation.conjugate();
-  return {now.position + part * (now.position - before->position),
-          (Quat::Identity().slerp(part, turn) * now.rotation).normalized()};
+  const Quat turn = begin.rotation * before.rotation.conjugate();
+  return {begin.position + part * (begin.position - before.position),
+          (Quat::Identity().slerp(part, turn) * begin.rotation).normalized()};
 }
 
 HairLayout hairLayout(const Box& box, int cells) {

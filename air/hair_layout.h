@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-
 #include "core/geometry.h"
 
 namespace strandcast {
@@ -27,9 +25,19 @@ struct HairLayout {
   double largestStiffness(double seconds) const;
 };
 
-/// Where the head will be partAhead() of a step from `now`, if it goes on as it came from `before`, where it
-/// was a step ago; it stands still where that is not known.
-Pose headAhead(const std::optional<Pose>& before, const Pose& now);
+/// How the head, which carries the grid, goes from step to step.
+class HeadCourse {
+ public:
+  /// Where it will be partAhead() of the step that is about to be done from `begin` to `end`, if it goes on
+  /// as in the last one; where it is now, if that did not take it there, as after steps without air.
+  Pose ahead(const Pose& begin, const Pose& end);
+  /// It has been put elsewhere.
+  void forget() { known_ = false; }
+
+ private:
+  bool known_ = false;
+  Pose begin_, end_;  ///< of the last step
+};
 
 /// `box`: of the groom at rest, m.
 HairLayout hairLayout(const Box& box, int cells);

@@ -60,7 +60,7 @@ class StrandSurroundings final : public Surroundings, public AirFields {
   void reset() override {
     if (wind_) wind_->reset();
     if (hair_) hair_->reset();
-    head_before_.reset();
+    course_.forget();
   }
 
   void step(StepInput& input, Backend& backend) override {
@@ -70,9 +70,9 @@ class StrandSurroundings final : public Surroundings, public AirFields {
     const Pose head = input.bones_begin.empty() ? Pose{} : input.bones_begin[0];
     head_ = head;
     seconds_ = dt;
-    hair_->locate(positions, backend.velocities(), headAhead(head_before_, head),
+    const Pose head_end = input.bones_end.empty() ? head : input.bones_end[0];
+    hair_->locate(positions, backend.velocities(), course_.ahead(head, head_end),
                   kernels::f64::partAhead() * dt);
-    head_before_ = head;
     forces_ = p.volume_stiffness > 0 || p.hair_friction > 0;
     const bool drags = p.wind_grid > 0 && p.air_drag > 0 && p.hairs_per_strand > 0;
     splatted_ = forces_ || drags;
@@ -231,8 +231,8 @@ class StrandSurroundings final : public Surroundings, public AirFields {
   std::vector<float> rates_;                                ///< the same by vertex, where they differ
   bool forces_ = false, splatted_ = false, blows_ = false;  ///< in the newest step
   Pose head_;                                               ///< at its start
-  std::optional<Pose> head_before_;                         ///< a step before that; none after a reset
-  double seconds_ = 0;                                      ///< its length
+  HeadCourse course_;
+  double seconds_ = 0;  ///< its length
   Ambient::Progress progress_;
   std::vector<Vec3> accelerations_;
 };

@@ -32,7 +32,7 @@ inline void RodStep::touch(int i, const real3& shift, const real3& moved) {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0)), before = forced_[i] ? state3(b.contact, i) : zero;
   const mask pressed_before = dot(before, before) > lit(0);
   const real gap = near_.gap(i, x);
-  noteMeeting(gap, pressed_before);
+  noteMeeting(i, gap, pressed_before);
   const mask near = (gap < contactReach() || pressed_before) && weight(i) > lit(0);
   if (!anyTrue(near)) return;
   const Touch touch = near_.touch(i, x);

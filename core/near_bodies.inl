@@ -318,11 +318,12 @@ class NearBodies {
     if (waiting_.count() == 0) wanted_ = 0;
     const real rows[1] = {size() > kPlacedBodies ? lit(-1e9) : nearest};  // of bodies that are not placed nothing is known
     scatter(rows, kNearest, numbers, lanes);
+    const mask sees_one = lanes && first.gap < reach, sees_two = lanes && second.gap < reach;
     const real room = pinch(first.gap, first.normal, second.gap, second.normal);
     first.gap = first.gap + room;
     second.gap = second.gap + room;
-    keepPlane(0, first, at.x, numbers, lanes && first.gap < reach);
-    keepPlane(1, second, at.x, numbers, lanes && second.gap < reach);
+    keepPlane(0, first, at.x, numbers, sees_one);
+    keepPlane(1, second, at.x, numbers, sees_two);
   }
   // Plane number n of these vertices, of `lanes`.
   void keepPlane(int n, const Touch& touch, const real3& x, const uint32_t* numbers, const mask& lanes) {

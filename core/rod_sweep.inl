@@ -169,9 +169,9 @@ class RodStep {
     return b.pinned ? excessToMend(excess, e > 0 ? weight(e) : lit(0), weight(e + 1)) : excess;
   }
   void noteForces();
-  void noteMeeting(const real& gap, const mask& pressed) {
+  void noteMeeting(int i, const real& gap, const mask& pressed) {
     meets_ = meets_ || gap < contactReach() || pressed;
-    nearness_ = max(nearness_, nearness(gap));
+    nearness_ = max(nearness_, select(weight(i) > lit(0), nearness(gap), lit(0)));
   }
 
   const Block& b;
@@ -395,7 +395,7 @@ inline real3 RodStep::collide(int i, const real3& shift) {
   const real3 before = forced_[i] ? state3(b.contact, i) : makeReal3(lit(0), lit(0), lit(0));
   const mask pressed_before = dot(before, before) > lit(0);
   const real gap = near_.gap(i, x);
-  noteMeeting(gap, pressed_before);
+  noteMeeting(i, gap, pressed_before);
   const mask touches = again_ && (gap < lit(0) || pressed_before) && weight(i) > lit(0);
   if (!anyTrue(touches)) return shift;
   const Touch touch = near_.touch(i, x);

@@ -121,7 +121,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   splatted_ = forces || drags;
   blows_ = on_grid;
   if (std::exchange(restarts_, false)) {
-    head_before_.reset();
+    course_.forget();
     hair.reset();
     if (our.wind) our.wind->reset(our.block);
   }
@@ -130,9 +130,8 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   blown.setProgress(progress_);
   blown.advance(dt);
   progress_ = blown.progress();
-  const Pose ahead = headAhead(head_before_, head_);
-  head_before_ = head_;
-  hair.describe(settings, ahead, p, dt);
+  grid_head_ = course_.ahead(head_, input.bones_end.empty() ? head_ : input.bones_end[0]);
+  hair.describe(settings, grid_head_, p, dt);
   settings.uniform_wind = {p.wind.x(), p.wind.y(), p.wind.z(), 1 - p.air_drag_along};
   settings.drag = dragRate(p, 1);
   settings.exchange = static_cast<float>(dt * static_cast<double>(p.air_drag) *
@@ -142,7 +141,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   if (on_grid) {
     moved = our.wind->moveTo(head_.apply(Vec3(box_.center())), settings);
     our.wind->describe(settings, dt);
-    settings.wind_of_hair = windOfHair(hair.layout(), ahead, *our.wind);
+    settings.wind_of_hair = windOfHair(hair.layout(), grid_head_, *our.wind);
     our.wind->takeBodies(input.primitives, settings);
     shapes = &strands.shapes(input.shapes);
   } else {
@@ -244,7 +243,7 @@ AirSample GpuSurroundings::at(const Vec3& point) const {
   AirSample out;
   if (splatted_) {
     const HairLayout& layout = passes_->hair->layout();
-    const Vec3 place = (head_.inverse().apply(point) - layout.corner) / layout.cell;
+    const Vec3 place = (grid_head_.inverse().apply(point) - layout.corner) / layout.cell;
     const Eigen::Array3i node = place.array().round().cast<int>();
     if ((node >= 0).all() && (node < layout.cells).all())
       out.density =

@@ -51,8 +51,9 @@ class GpuSurroundings final : public Surroundings, public AirFields, public Meas
   std::unique_ptr<Passes> passes_;
   bool splatted_ = false, blows_ = false;  ///< in the newest step
   Pose head_;                              ///< at its start
-  std::optional<Pose> head_before_;        ///< a step before that; none after a reset
-  double seconds_ = 0;                     ///< its length
+  HeadCourse course_;
+  Pose grid_head_;      ///< that carries the grid of hair: HeadCourse
+  double seconds_ = 0;  ///< its length
   Ambient::Progress progress_;
   bool restarts_ = false;  ///< before the next step all is as at the start
   std::vector<Vec3> read_;

@@ -349,7 +349,7 @@ bool anyStrand(bool own) {
 #endif
 
 #if VIOLENT && BODIES
-// Of the strand's vertices, their root and what is beside them, before the substep gives new speeds, m/s. Old ones are read again: kept,
+// Of the strand's vertices, their root and pins and what is beside them, before the substep gives new speeds, m/s. Old ones are read again: kept,
 // they would take registers all the time. `checked`: see finish().
 float fastestOfStrand(vec3 checked[PER_THREAD]) {
   const vec3 root = rank == 0 ? shift_in : vec3(0);
@@ -358,7 +358,8 @@ float fastestOfStrand(vec3 checked[PER_THREAD]) {
     if (!isEdge(p)) continue;
     const vec3 old = velocities[vertexOf(p)].xyz;
     speed2 = max(speed2, dot(old, old));
-    if (sees[p]) way2 = max(way2, carried2Of(vertexOf(p), x[p] + checked[p], x[p]));
+    if (weight(p) == 0.0) way2 = max(way2, dot(checked[p], checked[p]));
+    else if (sees[p]) way2 = max(way2, carried2Of(vertexOf(p), x[p] + checked[p], x[p]));
   }
   return sqrt(strandMax(max(speed2, way2 * settings.per_substep * settings.per_substep)));
 }
@@ -368,7 +369,8 @@ void slowDown(float fastest, float thrown_by) {
   for (int p = 0; p < PER_THREAD; ++p)
     if (isEdge(p)) speed2 = max(speed2, dot(v[p], v[p]));
   speed_kept = slowed(sqrt(strandMax(speed2)), fastest, thrown_by);
-  for (int p = 0; p < PER_THREAD; ++p) v[p] *= speed_kept;
+  for (int p = 0; p < PER_THREAD; ++p)
+    if (weight(p) > 0.0) v[p] *= speed_kept;
 }
 #endif
 

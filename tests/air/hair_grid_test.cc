@@ -274,5 +274,19 @@ TEST(HairGrid, StrandsThatWentWrongAreLeftOut) {
   EXPECT_GT(grid.densityAt(16, 16, 16), 0);
 }
 
+TEST(HeadCourse, GoesOnAsItWentAndForgetsWhatItWasNotToldOf) {
+  auto at = [](float x, float angle) {
+    return Pose{Vec3(x, 0, 0), Quat(Eigen::AngleAxisf(angle, Eigen::Vector3f::UnitY()))};
+  };
+  HeadCourse course;
+  EXPECT_EQ(course.ahead(at(0, 0), at(1, 0.2f)).position.x(), 0) << "it may have stood still";
+  const Pose ahead = course.ahead(at(1, 0.2f), at(3, 0.2f));
+  EXPECT_FLOAT_EQ(ahead.position.x(), 1.5f);
+  EXPECT_NEAR(ahead.rotation.angularDistance(at(0, 0.3f).rotation), 0, 1e-6);
+  EXPECT_EQ(course.ahead(at(7, 0.2f), at(8, 0.2f)).position.x(), 7) << "steps were left out";
+  course.forget();
+  EXPECT_EQ(course.ahead(at(8, 0.2f), at(8, 0.2f)).position.x(), 8);
+}
+
 }  // namespace
 }  // namespace strandcast
