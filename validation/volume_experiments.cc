@@ -191,10 +191,7 @@ WispState carriedTogether(const Laboratory& laboratory, float stiffness) {
     const double carried = std::min(1.0, simulation.time() / kCarrying);
     simulation.setBonePose("other", {Vec3(static_cast<float>(-kCarried * carried), 0, 0), Quat::Identity()});
     if (simulation.time() < kSeconds - kWatched) return;
-    const StrandState now = simulation.state();
-    double squares = 0;
-    for (const Vec3& v : now.velocities) squares += v.cast<double>().squaredNorm();
-    out.speed = worse(out.speed, 1e3 * std::sqrt(squares / static_cast<double>(now.velocities.size())));
+    out.speed = worse(out.speed, 1e3 * rmsSpeedOf(simulation.state().velocities));
   });
   out.density = density() / at_rest;
   return out;
