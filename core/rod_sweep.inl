@@ -62,6 +62,7 @@ class RodStep {
       length = length + lengthOf(e);
       hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
     }
+    kinked_ = isKinked(isUneven(), stiffest);
     most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
     if (among_bodies_) {
       noteForces();
@@ -133,6 +134,7 @@ class RodStep {
   real mass(int i) const { return grooming_.on() ? grooming_.mass(i) : ownMass(i); }
   real weight(int i) const { return grooming_.on() ? grooming_.weight(i) : state(b.weight, 0, rowOfVertex(i)); }
 
+  mask isUneven() const;
   void predict(const RootFrame& root, double time);
   real3 ownShift(int i) const;
   real3 inertialShift(int i, const real3& own, const RootFrame& root, double time) const;
@@ -196,12 +198,28 @@ class RodStep {
   real3 jump_;          // m, unexpected motion of the root
   // Of a vertex among bodies: some lane may have a contact force, and in this substep a normal. Most have none.
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
+  mask kinked_;  // the strands that are, see isKinked()
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
   mask meets_;  // those with a vertex that a body is near in this substep, or has pressed
   real nearness_;  // of the nearest body to any of its vertices in this substep
   mask touches_;  // those with a vertex that a body presses, or has
   real most_tension_;   // that is taken over from one substep to the next
 };
+
+// As bendsUnevenly() of core/strand_model.h.
+inline mask RodStep::isUneven() const {
+  real bends = lit(0), changes = lit(0), second_changes = lit(0);
+  real3 before = makeReal3(lit(0), lit(0), lit(0)), change_before = before;
+  for (int j = 1; j < ne; ++j) {
+    const real3 strain = state3(b.rest_strain, j), change = strain - before, second = change - change_before;
+    bends = bends + dot(strain, strain);
+    if (j > 1) changes = changes + dot(change, change);
+    if (j > 2) second_changes = second_changes + dot(second, second);
+    before = strain;
+    change_before = change;
+  }
+  return bendsUnevenly(bends, changes, second_changes, lit(ne - 1));
+}
 
 // Which vertices bodies pressed when the step began.
 inline void RodStep::noteForces() {
@@ -249,7 +267,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     const real kept = min(keptTension(state(b.tension, 0, e) * lit(h * h), advance * il, bend(e), il, lit(h * h)),
                           most_tension_);
     store(kept, b.tension + at(0, e));
-    const real blend = timeBlend(advance * il, unit - unit_before, stiffnessOf(bend(e), il, lit(h * h), weight(e + 1)));
+    const real blend = timeBlend(advance * il, unit - unit_before, stiffnessOf(bend(e), il, lit(h * h), weight(e + 1)), kinked_);
     set(kBlend, e, blend);
     const quat frame = state4(b.frame, e);
     const real3 tangent = frameTangent(frame), t = directionOr(madd(advance, lit(0) - blend, edge), tangent);
@@ -278,7 +296,7 @@ inline void RodStep::eliminateTwist() {
     const real stiffness = bendMatrixStiffness(kb, c, madd(implicitShare(get(kBlend, j)), lit(h * h), damping_));
     set3(kStrain, j, strain);
     set(kStiffness, j, stiffness);
-    set(kMargin, j, bendMatrixMargin(stiffness, c, excess));
+    set(kMargin, j, bendMatrixMargin(stiffness, c, excess, kinked_));
 
     real coupling = twistOfBending(strain, excess, kb), shear = torqueDifference(strain, excess, kb);
     if (damped_) {

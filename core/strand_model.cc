@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/joint_law.h"
 #include "core/pose_check.h"
+#include "kernels/scalar_float.h"
 
 namespace strandcast {
 namespace {
@@ -131,6 +132,22 @@ bool isGrooming(const Material& material) {
 }
 
 }  // namespace
+
+bool bendsUnevenly(const StrandModel& model, size_t strand) {
+  const uint32_t root = model.offsets[strand], joints_end = model.offsets[strand + 1] - 1;
+  float bends = 0, changes = 0, second_changes = 0;
+  Vec3 before = Vec3::Zero(), change_before = Vec3::Zero();
+  for (uint32_t joint = root + 1; joint < joints_end; ++joint) {
+    const Vec3 strain = model.rest_strain[joint], change = strain - before;
+    bends += strain.squaredNorm();
+    if (joint > root + 1) changes += change.squaredNorm();
+    if (joint > root + 2) second_changes += (change - change_before).squaredNorm();
+    before = strain;
+    change_before = change;
+  }
+  return kernels::f32::bendsUnevenly(bends, changes, second_changes,
+                                     static_cast<float>(joints_end - root) - 1);
+}
 
 bool StrandModel::hasFactors(size_t strand) const {
   if (damping_scale.empty()) return false;

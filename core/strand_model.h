@@ -74,6 +74,9 @@ struct StrandModel {
   size_t verticesOf(size_t strand) const { return offsets[strand + 1] - offsets[strand]; }
 };
 
+/// Whether a strand's bends at rest change unevenly from joint to joint: bendsUnevenly() of kernels/rod.h.
+bool bendsUnevenly(const StrandModel& model, size_t strand);
+
 /// What moves. Natural order. `frames`, `tensions` and `contacts` are the rod's; they may be empty where only
 /// the others matter: a step then starts from untwisted frames, no tension and no contact.
 struct StrandState {

@@ -61,7 +61,7 @@ constexpr std::array<const char*, 3> kTurning = {"#define TURNING 0\n", "#define
 
 /// Of shaders/rod_strand.glsl.
 struct StrandRest {
-  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, stiffest;
+  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, stiffest, uneven;
 };
 
 float restLength(const StrandModel& model, uint32_t edge) {
@@ -89,8 +89,8 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
     stiffest = std::max(stiffest,
                         kernels::f32::stiffnessOf(model.bend[v - 1], 1 / bends_over, 1, 1 / model.mass[v]));
   }
-  return {mean,   1 / mean, model.twist[first] / model.bend[first], kShortestEdge * mean, free_mass,
-          length, stiffest};
+  return {mean,   1 / mean, model.twist[first] / model.bend[first],    kShortestEdge * mean, free_mass,
+          length, stiffest, bendsUnevenly(model, strand) ? 1.0f : 0.0f};
 }
 
 /// Of shaders/rod_strand.glsl.

@@ -82,13 +82,23 @@ FN real stiffnessOf(IN(real) bend, IN(real) inverse_length, IN(real) time2, IN(r
   return bend * inverse_length * inverse_length * time2 * weight;
 }
 
+// Whether a strand's shape is kinked: from joint to joint its bends at rest change by more than 0.04 rad (rms), and not evenly, as along a
+// curl or a wave of more than six edges. Sums over `joints`, without the root's: |rest strain|^2, and the same of its first and second
+// differences.
+FN mask bendsUnevenly(IN(real) bends, IN(real) changes, IN(real) second_changes, IN(real) joints) {
+  return changes > lit(0.0016) * joints && second_changes > bends;
+}
+// Whether it is to be taken as that: it is stiff enough for it to matter. `kappa`: the greatest of its edges.
+FN mask isKinked(IN(mask) uneven, IN(real) kappa) { return uneven && kappa > lit(0.3); }
+
 // Forces on an edge are taken at a blend of its old position (1) and the inertial point (0). 0 is implicit Euler, which
 // damps a motion of angular frequency w by zeta = w dt / 2; 1 is the average acceleration method (Newmark 1959), which
 // damps nothing. Here 0.9 where the motion is smooth and 0 where the edge turns by more than 18 to 26 degrees in the
 // substep; less where a joint with some stiffness is bent and where `kappa` is large. `advance`: of the inertial edge on
-// the old one, `kink`: of the old edge on the one before it, both over the edge's length. `kappa`: see stiffnessOf().
-FN real timeBlend(IN(real3) advance, IN(real3) kink, IN(real) kappa) {
-  real slow = clamp(lit(2) - lit(10) * dot(advance, advance), lit(0), lit(1));
+// the old one, `kink`: of the old edge on the one before it, both over the edge's length. `kappa`: see stiffnessOf(). `kinked`: see
+// isKinked(); between the kinks, too, small waves grew where nothing damped them.
+FN real timeBlend(IN(real3) advance, IN(real3) kink, IN(real) kappa, IN(mask) kinked) {
+  real slow = select(kinked, lit(0), lit(1)) * clamp(lit(2) - lit(10) * dot(advance, advance), lit(0), lit(1));
   return lit(0.9) * slow *
          inverse(madd(lit(0.05), kappa, madd(lit(20) * min(lit(10) * kappa, lit(1)), dot(kink, kink), lit(1))));
 }
@@ -102,10 +112,11 @@ FN real bendMatrixStiffness(IN(real) bend, IN(real) c, IN(real) time2) {
   return bend * time2 * inverse(max(lit(0.5) * (lit(1) + c), lit(0.1)));
 }
 // What a bent joint adds to the matrix on each of its edges: the turning of directions under its moment. It acts as
-// inertia against the turning of a curl; with 0.75 in the place of 1.25, stiff curls are unstable.
-FN real bendMatrixMargin(IN(real) stiffness, IN(real) c, IN(real3) excess) {
+// inertia against the turning of a curl; with 0.75 in the place of 1.25, stiff curls are unstable. So is kinked hair: its tensions do not
+// act as curlSoftness() takes it, that the next vertices move as this one does.
+FN real bendMatrixMargin(IN(real) stiffness, IN(real) c, IN(real3) excess, IN(mask) kinked) {
   real fold = max(lit(2) - lit(2) * c, lit(0));
-  return stiffness * madd(lit(1.25), fold, lit(5) * min(dot(excess, excess), lit(4)));
+  return stiffness * madd(select(kinked, lit(4), lit(1.25)), fold, lit(5) * min(dot(excess, excess), lit(4)));
 }
 
 // Stiffness of an edge in the bending matrix: the margins of its two joints, and its kept tension.

@@ -110,7 +110,7 @@ float predictEdge(int p, vec3 unit_in) {
   float il = inverseLength(p);
   vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
   tension[p] = min(keptTension(tension[p], advance * il, bend(p), il, dt2), most_tension);
-  float blend = timeBlend(advance * il, old * il - unit_in, stiffnessOf(bend(p), il, dt2, weight(p)));
+  float blend = timeBlend(advance * il, old * il - unit_in, stiffnessOf(bend(p), il, dt2, weight(p)), kinked);
   vec3 own = frameTangent(frame[p]);
   tangent[p] = directionOr(madd(advance, -blend, edge), own);
   frame[p] = transportTo(frame[p], own, tangent[p]);
@@ -168,7 +168,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     float c = dot(t_in, tangent[p]);
     float time2 = settings.substep * madd(implicitShare(blend[p]), settings.substep, DAMPING_TIME);
     stiffness[p] = bendMatrixStiffness(bend(p), c, time2);
-    margin[p] = bendMatrixMargin(stiffness[p], c, excess);
+    margin[p] = bendMatrixMargin(stiffness[p], c, excess, kinked);
     float coupling = twistOfBending(strain[p], excess, bend(p)), shear = torqueDifference(strain[p], excess, bend(p));
 #if DAMPED
     vec3 turned = edgeTurning(p);
@@ -451,7 +451,7 @@ bool needsAgain(bool pressed) {
 #if STIFF
   most = strandMax(mostViolence());
   needs = isViolent(most);
-  const bool eliminated = isEliminated(rest.stiffest * settings.substep * settings.substep, most, pressed);
+  const bool eliminated = isEliminated(kappa(), most, pressed);
   if (anyStrand(eliminated)) pullByElimination(eliminated);
   if (anyStrand(needs && !eliminated)) pullThroughBending(needs && !eliminated);
 #elif VIOLENT

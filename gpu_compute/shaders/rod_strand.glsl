@@ -20,6 +20,7 @@ struct StrandRest {      // gpu_compute/rod_strands.cc
   float free_mass;       // of all vertices that are not pinned
   float arc_length;      // m
   float stiffest;        // 1/s^2: the greatest kappa of an edge (isStiff) over the square of the substep
+  float uneven;          // bendsUnevenly(): 1, else 0
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
 // Of this group; places in work[].
@@ -41,6 +42,7 @@ const uint kMostWorkgroups = 65535u;              // in x, that every driver tak
 
 uint strand, root_vertex;
 StrandRest rest;
+bool kinked;  // isKinked()
 bool exists;  // invocations past the last strand go along with copies of it, because every one must reach each barrier
 
 vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
@@ -113,6 +115,9 @@ float goalStiffnessOf(uint at, vec4 edge) {
 #define DAMPING_TIME settings.damping_time
 #endif
 
+// The greatest of the strand's edges, see stiffnessOf().
+float kappa() { return rest.stiffest * settings.substep * settings.substep; }
+
 // Length, twist; mass, weight of the vertex at the end of the edge that starts at `at`.
 vec4 edgeRest(uint at) {
   vec4 edge = edge_rest[at];
@@ -163,6 +168,7 @@ void loadStrand(uint list, uint first, uint count) {
   strand = work[list + min(number, count - 1u)];
   root_vertex = offsets[strand];
   rest = strand_rest[strand];
+  kinked = isKinked(rest.uneven > 0.0, kappa());
   most_tension =
       tensionBound(rest.free_mass, rest.arc_length, length(settings.gravity.xyz), settings.substep * settings.substep);
 #if EDGES == 0
