@@ -19,8 +19,9 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 
 constexpr std::chrono::milliseconds kWatchPeriod{400};
-/// Fast DDS 2.9.1 repeats a message of a handshake that was lost only after a second.
-constexpr std::chrono::milliseconds kSecureAnswerTime{6000};
+/// Fast DDS 2.9.1 repeats a message of a handshake that was lost only after a second: on two busy cores one
+/// program in three needs a second more, one in twelve two, one in sixty four.
+constexpr std::chrono::milliseconds kSecureAnswerTime{12000};
 const eprosima::fastrtps::Duration_t kAcknowledgmentLook{0, 50000000};
 constexpr int kPatience = 2;  // looks without a chunk; a daemon's status comes twice a second
 

@@ -104,7 +104,7 @@ TEST_F(Secure, WhoIsNotKnownHearsNothingAndWhoIsNotPermittedMovesNothing) {
   const int domain = testDomain(1);
   const auto daemon = secure({"cast", std::to_string(domain), "60"}, "daemon");
   const auto good = makeDdsSubscriber(secured(domain, keys_ / "renderer"));
-  ASSERT_TRUE(good->waitForFrame(0, milliseconds(8000))) << daemon->autopsy();
+  ASSERT_TRUE(good->waitForFrame(0, milliseconds(12000))) << daemon->autopsy();
   makeTestKeys(scratch_ / "foreign", 30);
   const auto stranger = makeDdsSubscriber({domain, 1, 0, {}});
   const auto foreigner = makeDdsSubscriber(secured(domain, scratch_ / "foreign" / "renderer"));
