@@ -21,7 +21,7 @@ template <class Scalar>
 class StrandSurroundings final : public Surroundings, public AirFields {
  public:
   StrandSurroundings(const GridPasses<Scalar>& passes, int threads, std::vector<WindSource> sources)
-      : passes_(passes), workers_(threads), sources_(std::move(sources)) {}
+      : passes_(passes), workers_(threads), world_sources_(std::move(sources)), sources_(world_sources_) {}
 
   bool isNeeded(const Parameters& p) const override { return needsSurroundings(p) || !sources_.empty(); }
 
@@ -57,7 +57,9 @@ class StrandSurroundings final : public Surroundings, public AirFields {
     backend.expectAccelerations();
   }
 
-  void reset() override {
+  void reset(const Vec3& origin) override {
+    origin_ = origin;
+    sources_ = movedBy(world_sources_, -origin);
     if (wind_) wind_->reset();
     if (hair_) hair_->reset();
     course_.forget();
@@ -111,14 +113,19 @@ class StrandSurroundings final : public Surroundings, public AirFields {
   bool hasDensity() const override { return splatted_; }
   bool hasWind() const override { return blows_; }
   float cell() const override { return blows_ ? wind_->cell() : hair_->cell(); }
-  Box box() const override {
+  Box box() const override { return ownBox().translated(origin_); }
+  AirSample at(const Vec3& point) const override { return atOwn(point - origin_); }
+
+ private:
+  // Its own places are those of the strands: of the world, less origin_.
+  Box ownBox() const {
     const Eigen::Vector3f half =
         Eigen::Vector3f::Constant(0.5f * cell() * static_cast<float>(hair_->shape().cells));
     if (blows_) return {wind_->origin(), Eigen::Vector3f(wind_->origin()) + 2 * half};
     const Eigen::Vector3f middle = head_.apply(Vec3(box_.center()));
     return {middle - half, middle + half};
   }
-  AirSample at(const Vec3& point) const override {
+  AirSample atOwn(const Vec3& point) const {
     AirSample out;
     if (splatted_) out.density = hair_->densityAtPoint(point);
     if (!blows_) return out;
@@ -139,8 +146,6 @@ class StrandSurroundings final : public Surroundings, public AirFields {
     out.divergence = static_cast<float>(outflow) / wind_->cell();
     return out;
   }
-
- private:
   /// Accelerations of strands begin .. end - 1.
   void gather(const Parameters& p, size_t begin, size_t end, std::span<const Vec3> positions) {
     const StrandSamples& samples = hair_->samples();
@@ -221,7 +226,9 @@ class StrandSurroundings final : public Surroundings, public AirFields {
 
   const GridPasses<Scalar>& passes_;
   Workers workers_;
-  std::vector<WindSource> sources_;
+  const std::vector<WindSource> world_sources_;
+  std::vector<WindSource> sources_;  ///< the same, from origin_
+  Vec3 origin_ = Vec3::Zero();
   std::vector<uint32_t> offsets_;  ///< of the model; empty until first needed
   Box box_;                        ///< of the groom at rest
   std::unique_ptr<HairGrid<Scalar>> hair_;

@@ -35,6 +35,11 @@ Box WindSource::reach() const {
   return {middle - half, middle + half};
 }
 
+std::vector<WindSource> movedBy(std::vector<WindSource> sources, const Vec3& way) {
+  for (WindSource& source : sources) source.position += way;
+  return sources;
+}
+
 WindSource::Kind windSourceKind(const std::string& name, const std::string& where) {
   if (name == "cone") return WindSource::Kind::kCone;
   if (name == "sphere") return WindSource::Kind::kSphere;

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "core/geometry.h"
 
@@ -28,6 +29,8 @@ struct WindSource {
   /// All that it reaches lies within.
   Box reach() const;
 };
+
+std::vector<WindSource> movedBy(std::vector<WindSource> sources, const Vec3& way);
 
 /// "cone", "sphere" or "turbine"; Error, naming `where`, otherwise.
 WindSource::Kind windSourceKind(const std::string& name, const std::string& where);

@@ -173,7 +173,7 @@ class TimedSurroundings final : public Surroundings {
   void configure(const StrandModel& model, const Parameters& parameters, Backend& backend) override {
     timed_->configure(model, parameters, backend);
   }
-  void reset() override { timed_->reset(); }
+  void reset(const Vec3& origin) override { timed_->reset(origin); }
   void step(StepInput& input, Backend& backend) override {
     times_.time("grids", [&] { timed_->step(input, backend); });
   }

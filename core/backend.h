@@ -13,14 +13,15 @@
 
 namespace strandcast {
 
-/// What one step is given. All spans live until step() returns.
+/// What one step is given. All spans live until step() returns. Places are world ones less an origin that is
+/// the caller's business and the same as in the state: see Simulation::origin().
 struct StepInput {
   const Parameters* parameters = nullptr;
-  /// Poses of StrandModel::bones at the start and the end of the step, world; empty = all are at the origin,
-  /// as in the groom's frame. Roots and pinned vertices ride on them and go straight from one place to the
+  /// Poses of StrandModel::bones at the start and the end of the step; empty = all are at the origin, as in
+  /// the groom's frame. Roots and pinned vertices ride on them and go straight from one place to the
   /// other, root frames turn as interpolateRotation() of kernels/rotation.h says.
   std::span<const Pose> bones_begin{}, bones_end{};
-  std::span<const MovingPrimitive> primitives{};  ///< any number, world
+  std::span<const MovingPrimitive> primitives{};  ///< any number
   /// m/s^2 per vertex, natural order, on top of gravity and constant over the step; may be empty. See
   /// core/surroundings.h. Only for backends that take them.
   std::span<const Vec3> accelerations{};

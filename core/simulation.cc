@@ -68,6 +68,8 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
       surroundings_(std::move(surroundings)),
       bones_begin_(model_->bones.size()),
       bones_end_(model_->bones.size()),
+      told_begin_(model_->bones.size()),
+      told_end_(model_->bones.size()),
       lengths_(strandLengths(*model_)),
       broad_phase_(broad_phase != nullptr ? std::move(broad_phase) : makeAllPairs()),
       reach_(*model_, strandOrder(*model_), lengths_),
@@ -240,11 +242,23 @@ void Simulation::setParameters(const Parameters& parameters) {
   stepped_ = stepped;
 }
 
+Pose Simulation::fromOrigin(Pose pose) const {
+  pose.position -= origin_;
+  return pose;
+}
+
+void Simulation::chooseOrigin(const Pose& head) {
+  const bool near = head.position.cwiseAbs().maxCoeff() <= kNearOrigin;
+  origin_ = near ? Vec3(Vec3::Zero()) : Vec3(head.position.array().round());
+  world_guides_.resize(near ? 0 : model_->vertices());
+}
+
 void Simulation::placePrimitives() {
   primitives_.clear();  // keeps its memory
   for (const PlacedBody& placed : bodies_) {
     const bool head = placed.body.follows_head;
-    const Pose &begin = head ? bones_begin_[0] : placed.begin, &end = head ? bones_end_[0] : placed.end;
+    const Pose begin = fromOrigin(head ? bones_begin_[0] : placed.begin),
+               end = fromOrigin(head ? bones_end_[0] : placed.end);
     for (size_t i = 0; i < placed.data.size(); ++i) {
       const ContactPrimitive& primitive = placed.body.primitives[i];
       primitives_.push_back(moved(primitive, begin, end, parameters_.time_step, placed.data[i]));
@@ -267,16 +281,20 @@ void Simulation::reserveForBodies() {
 void Simulation::findNearBodies() {
   body_boxes_.clear();
   for (const MovingPrimitive& primitive : primitives_) body_boxes_.push_back(sweptBox(primitive));
-  reach_.place(bones_begin_, bones_end_, parameters_.hair_radius + kLookReach, strand_boxes_);
+  reach_.place(told_begin_, told_end_, parameters_.hair_radius + kLookReach, strand_boxes_);
   broad_phase_->find(body_boxes_, strand_boxes_, near_);
 }
 
 StepInput Simulation::nextInput() {
   placePrimitives();
+  for (size_t bone = 0; bone < bones_begin_.size(); ++bone) {
+    told_begin_[bone] = fromOrigin(bones_begin_[bone]);
+    told_end_[bone] = fromOrigin(bones_end_[bone]);
+  }
   // Strands of the rod stay within their length of their root, whatever pushes them; others may stretch.
   const bool listed = parameters_.solver == SolverKind::kRod && !primitives_.empty();
   if (listed) findNearBodies();
-  return {&stepped_, bones_begin_, bones_end_, primitives_, {}, &shapes_, listed ? &near_ : nullptr};
+  return {&stepped_, told_begin_, told_end_, primitives_, {}, &shapes_, listed ? &near_ : nullptr};
 }
 
 void Simulation::step() {
@@ -336,12 +354,16 @@ std::vector<Pose> Simulation::rootPoses() const {
 }
 
 StrandState Simulation::restNow() const {
-  StrandState rest = restState(*model_, rootPoses());
+  std::vector<Pose> roots;
+  for (size_t s = 0; s < model_->strands(); ++s)
+    roots.push_back(fromOrigin(bones_begin_[model_->rootBone(s)]) * model_->rest_roots[s]);
+  StrandState rest = restState(*model_, roots);
   if (!model_->pin_bones.empty())
     for (size_t s = 0; s < model_->strands(); ++s)
       for (uint32_t v = model_->offsets[s]; v < model_->offsets[s + 1]; ++v)
         if (model_->isBonePinned(s, v))
-          rest.positions[v] = bones_begin_[model_->pin_bones[v]].apply(model_->restPosition(s, v));
+          rest.positions[v] =
+              fromOrigin(bones_begin_[model_->pin_bones[v]]).apply(model_->restPosition(s, v));
   return rest;
 }
 
@@ -351,14 +373,29 @@ void Simulation::reset() {
     body.end = body.begin;
     body.bend_end = body.bend_begin;
   }
+  chooseOrigin(bones_begin_[0]);
   placePrimitives();
   backend_->upload(restNow());
-  if (surroundings_) surroundings_->reset();
+  if (surroundings_) surroundings_->reset(origin_);
+}
+
+void Simulation::followHead() {
+  if (surrounded_ || fromOrigin(bones_begin_[0]).position.cwiseAbs().maxCoeff() <= kFarFromOrigin) return;
+  StrandState state;
+  backend_->download(state);
+  const Vec3 before = origin_;
+  chooseOrigin(bones_begin_[0]);
+  const Vec3 way = before - origin_;
+  for (Vec3& position : state.positions) position += way;
+  placePrimitives();
+  backend_->upload(state);
+  if (surroundings_) surroundings_->reset(origin_);
 }
 
 size_t Simulation::resetBroken() {
   constexpr float kTooFar = 2;  // times its length: what only gauss_seidel could reach
-  const std::span<const Vec3> now = guides();
+  followHead();
+  const std::span<const Vec3> now = backend_->guides();
   std::vector<size_t> broken;
   for (size_t s = 0; s < model_->strands(); ++s) {
     const uint32_t first = model_->offsets[s], end = model_->offsets[s + 1];
@@ -388,7 +425,11 @@ void Simulation::teleport(const Pose& head) {
   checkPose(head, "Simulation::teleport");
   StrandState state;
   backend_->download(state);
-  const Pose carry = head * bones_begin_[0].inverse();
+  // All from the two origins, old and new: from the world's a far head's way would come out coarse.
+  const Pose from = fromOrigin(bones_begin_[0]);
+  for (Pose& bone : bones_begin_) bone = fromOrigin(bone);
+  chooseOrigin(head);
+  const Pose carry = fromOrigin(head) * from.inverse();
   for (Vec3& position : state.positions) position = carry.apply(position);
   for (std::vector<Vec3>* plane : {&state.velocities, &state.contacts})
     for (Vec3& vector : *plane) vector = carry.rotate(vector);
@@ -396,21 +437,31 @@ void Simulation::teleport(const Pose& head) {
   for (Pose& bone : bones_begin_) {
     bone = carry * bone;
     bone.rotation.normalize();
+    bone.position += origin_;
   }
   bones_begin_[0] = head;
   bones_end_ = bones_begin_;
   placePrimitives();
   backend_->upload(state);
-  if (surroundings_) surroundings_->reset();
+  if (surroundings_) surroundings_->reset(origin_);
+}
+
+std::span<const Vec3> Simulation::guides() {
+  const std::span<const Vec3> own = backend_->guides();
+  if (origin_.isZero()) return own;
+  std::transform(own.begin(), own.end(), world_guides_.begin(),
+                 [this](const Vec3& p) { return Vec3(p + origin_); });
+  return world_guides_;
 }
 
 Measurement Simulation::measure() {
-  return strandcast::measure(*model_, guides(), primitives_, shapes_.words);
+  return strandcast::measure(*model_, backend_->guides(), primitives_, shapes_.words);
 }
 
 StrandState Simulation::state() {
   StrandState state;
   backend_->download(state);
+  for (Vec3& position : state.positions) position += origin_;
   return state;
 }
 

@@ -26,6 +26,9 @@ struct RigidBody {
 
 /// m, on each axis: see Simulation::pullHair.
 constexpr float kFarthestHand = 1000;
+/// m, on each axis: a head within kNearOrigin has the world's origin, one beyond an origin of its own, and
+/// another one where it has gone farther than kFarFromOrigin from it. See Simulation::origin().
+constexpr float kNearOrigin = 4, kFarFromOrigin = 8;
 
 /// A body of a Simulation, as long as it is there. Never given to another one.
 using BodyId = uint64_t;
@@ -99,8 +102,14 @@ class Simulation {
   /// Back to the rest shape at the present head pose, at rest.
   void reset();
   /// Puts strands with a vertex that is not finite, or farther from the root than the strand is long, back to
-  /// their rest shape; gives how many. Waits for the backend. Allocates only when there are some.
+  /// their rest shape; gives how many. Waits for the backend. Allocates only when there are some, and when
+  /// the origin changes.
   size_t resetBroken();
+  /// What the backend's places are told from, m, world, whole metres: floats are coarse far from the world's
+  /// origin, and hair would stretch and tremble there. It is chosen by reset() and teleport(), and by
+  /// resetBroken() where the head has gone far; while there is air, whose grids would begin anew, by the
+  /// former alone.
+  const Vec3& origin() const { return origin_; }
   /// Carries the hair and every bone rigidly, the head to `head`, with no motion in between. Error: see
   /// checkPose.
   void teleport(const Pose& head);
@@ -108,13 +117,13 @@ class Simulation {
   double time() const { return time_; }  ///< s, simulated since the start
   uint64_t steps() const { return steps_; }
   const StrandModel& model() const { return *model_; }
-  Backend& backend() { return *backend_; }
+  Backend& backend() { return *backend_; }                      ///< has its places from origin()
   Surroundings* surroundings() { return surroundings_.get(); }  ///< may be null
-  /// Positions after the newest step, natural order. Waits for the backend.
-  std::span<const Vec3> guides() { return backend_->guides(); }
+  /// Positions after the newest step, natural order, world; valid until the next call. Waits for the backend.
+  std::span<const Vec3> guides();
   /// Length and penetration of the newest guides.
   Measurement measure();
-  StrandState state();
+  StrandState state();  ///< world
 
  private:
   struct PlacedBody {
@@ -138,8 +147,13 @@ class Simulation {
   void addShapes(PlacedBody& body);
   /// What is kept of a new body; throws Error.
   PlacedBody placed(RigidBody body, const char* where);
-  /// The rest shape where roots and bones are now, at rest.
+  /// The rest shape where roots and bones are now, at rest, from origin_.
   StrandState restNow() const;
+  /// A pose of the world from origin_.
+  Pose fromOrigin(Pose pose) const;
+  /// Places are told from near the head from now on; the caller tells the backend and the surroundings.
+  void chooseOrigin(const Pose& head);
+  void followHead();  ///< with the origin, if it has gone far
   void addPull(StepInput& input);
   /// Readies surroundings and backend for settings that need them; says whether they do. Throws Error.
   bool configureSurroundings(const Parameters& parameters);
@@ -156,7 +170,10 @@ class Simulation {
   std::optional<HairPull> pull_;
   std::vector<Vec3> pull_accelerations_;       ///< of all that acts while a hand pulls
   std::vector<Pose> bones_begin_, bones_end_;  ///< of the model's bones
-  std::vector<float> lengths_;                 ///< of strands at rest, m
+  std::vector<Pose> told_begin_, told_end_;    ///< the same from origin_, as the newest StepInput has them
+  Vec3 origin_ = Vec3::Zero();
+  std::vector<Vec3> world_guides_;  ///< empty where origin_ is the world's
+  std::vector<float> lengths_;      ///< of strands at rest, m
   std::vector<MovingPrimitive> primitives_;
   std::unique_ptr<BroadPhase> broad_phase_;
   StrandReach reach_;

@@ -39,7 +39,8 @@ struct GpuSurroundings::Image {
   std::vector<std::array<float, 4>> nodes;
 };
 
-GpuSurroundings::GpuSurroundings(std::vector<WindSource> sources) : sources_(std::move(sources)) {}
+GpuSurroundings::GpuSurroundings(std::vector<WindSource> sources)
+    : world_sources_(std::move(sources)), sources_(world_sources_) {}
 
 GpuSurroundings::~GpuSurroundings() {
   if (!passes_) return;
@@ -103,7 +104,17 @@ void GpuSurroundings::makeGrids(Passes& our, const StrandModel& model, const Par
   our.wind->takeSources(sources_);
 }
 
-void GpuSurroundings::reset() { restarts_ = true; }
+void GpuSurroundings::reset(const Vec3& origin) {
+  restarts_ = true;
+  if (origin == origin_) return;
+  image_.reset();
+  origin_ = origin;
+  sources_ = movedBy(world_sources_, -origin);
+  if (!passes_) return;
+  const gl::MakeCurrent current(device_->context());
+  if (passes_->wind) passes_->wind->takeSources(sources_);
+  if (passes_->free_wind) passes_->sources = WindPasses::packed(sources_);
+}
 
 void GpuSurroundings::step(StepInput& input, Backend&) {
   const Parameters& p = *input.parameters;
@@ -207,9 +218,9 @@ float GpuSurroundings::cell() const { return blows_ ? passes_->wind->cell() : pa
 Box GpuSurroundings::box() const {
   const int cells = passes_->hair->layout().cells;
   const Eigen::Vector3f half = Eigen::Vector3f::Constant(0.5f * cell() * static_cast<float>(cells));
-  if (blows_) return {passes_->wind->origin(), Eigen::Vector3f(passes_->wind->origin()) + 2 * half};
-  const Eigen::Vector3f middle = head_.apply(Vec3(box_.center()));
-  return {middle - half, middle + half};
+  const Eigen::Vector3f middle = blows_ ? Eigen::Vector3f(passes_->wind->origin()) + half
+                                        : Eigen::Vector3f(head_.apply(Vec3(box_.center())));
+  return Box(middle - half, middle + half).translated(Eigen::Vector3f(origin_));
 }
 
 const GpuSurroundings::Image& GpuSurroundings::image() const {
@@ -239,7 +250,9 @@ Vec3 windAt(const WindPasses::Image& image, int cells, const Vec3& place) {
   return out;
 }
 
-AirSample GpuSurroundings::at(const Vec3& point) const {
+AirSample GpuSurroundings::at(const Vec3& point) const { return atOwn(point - origin_); }
+
+AirSample GpuSurroundings::atOwn(const Vec3& point) const {
   AirSample out;
   if (splatted_) {
     const HairLayout& layout = passes_->hair->layout();

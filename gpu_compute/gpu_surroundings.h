@@ -23,7 +23,7 @@ class GpuSurroundings final : public Surroundings, public AirFields, public Meas
   bool isNeeded(const Parameters& parameters) const override;
   /// Throws Error where the backend is not that of this GPU.
   void configure(const StrandModel& model, const Parameters& parameters, Backend& backend) override;
-  void reset() override;
+  void reset(const Vec3& origin) override;
   void step(StepInput& input, Backend& backend) override;
   std::span<const Vec3> accelerations() override;
 
@@ -44,8 +44,11 @@ class GpuSurroundings final : public Surroundings, public AirFields, public Meas
   /// Error and leaves `our` as it was where they do not fit the GPU.
   void makeGrids(Passes& our, const StrandModel& model, const Parameters& parameters);
   const Image& image() const;
+  AirSample atOwn(const Vec3& point) const;
 
-  std::vector<WindSource> sources_;
+  const std::vector<WindSource> world_sources_;
+  std::vector<WindSource> sources_;  ///< the same, from origin_, as are all places in here
+  Vec3 origin_ = Vec3::Zero();
   Box box_;                      ///< of the groom at rest
   GpuDevice* device_ = nullptr;  ///< of the backend; null until configured
   std::unique_ptr<Passes> passes_;

@@ -245,6 +245,30 @@ std::vector<Case> kinkedFromEdgeToEdge(const Laboratory& laboratory) {
                        1e3 * fastestOf(simulation), 0, 5)};
 }
 
+// A stage is no laboratory: a float of the world tells 0.06 mm there.
+constexpr const char *kFarStretch = "1 km from the origin: stretch",
+                     *kFarSpeed = "1 km from the origin: speed";
+
+std::vector<Case> farAway(const Laboratory& laboratory) {
+  const Pose there{Vec3(1000, 2, -1000), Quat::Identity()};
+  std::mt19937 random(3);
+  std::vector<StrandPoints> strands;
+  for (int s = 0; s < 16; ++s)
+    strands.push_back(kinkedStrand(0.01f * Vec3(anyNumber(random), anyNumber(random), anyNumber(random)),
+                                   Vec3::UnitX(), 0.2f, 32, 0.02f, random));
+  Simulation simulation = laboratory.simulation(modelOf(strands), {}, laboratory.parameters(kRate, kDrag));
+  simulation.teleport(there);
+  double stretch = 0;
+  const auto look = [&] { stretch = worse(stretch, 100 * simulation.measure().max_stretch); };
+  laboratory.advance(
+      simulation, 1, [&](double t) { return there * shaken(t); }, look);
+  laboratory.advance(
+      simulation, 4, [&](double) { return there; }, look);
+  return {absoluteCase({kFarStretch, "largest of an edge, shaken and at rest", "%"}, stretch, 0, 0.01),
+          absoluteCase({kFarSpeed, "largest rms speed of a strand after 4 s", "mm/s"},
+                       1e3 * fastestOf(simulation), 0, 1)};
+}
+
 }  // namespace
 
 void addGuardExperiments(std::vector<Experiment>& experiments) {
@@ -279,6 +303,9 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back({"32 strands of 25 to 49 vertices with kinks of 7 to 30 degrees, let go",
                          {kKinkedFromEdgeToEdge},
                          kinkedFromEdgeToEdge});
+  experiments.push_back({"16 strands 1 km from the origin on two axes, shaken for 1 s and left alone for 4",
+                         {kFarStretch, kFarSpeed},
+                         farAway});
 }
 
 }  // namespace strandcast

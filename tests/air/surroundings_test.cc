@@ -155,6 +155,32 @@ TEST(Surroundings, SettingsMayChangeWhileItRuns) {
   EXPECT_THROW(setParameter(parameters, "grid_cells", {256}, "test"), Error);
 }
 
+TEST(Surroundings, BlowFarFromTheOriginAsTheyDoAtIt) {
+  for (const int grid : {0, 1}) {
+    Parameters parameters = everything();
+    parameters.wind_grid = grid;
+    WindSource fan = wideFan(5);
+    fan.radius = fan.length = 0.5f;
+    std::vector<Vec3> ways[2], winds;
+    for (const Vec3& at : {Vec3(0, 0, 0), Vec3(1024, 0, 512)}) {
+      fan.position = at;
+      Simulation simulation(squareTuft(), {}, parameters, makeReferenceBackend(),
+                            cpuAir("reference").surroundings({fan}));
+      simulation.teleport({at, Quat::Identity()});
+      for (int i = 0; i < 20; ++i) simulation.step();
+      for (const Vec3& p : simulation.guides()) ways[winds.size()].push_back(p - at);
+      const AirFields* const fields = airFields(simulation.surroundings());
+      EXPECT_TRUE(fields->box().contains(Eigen::Vector3f(at + Vec3(0, -0.1f, 0))));
+      winds.push_back(fields->at(at + Vec3(0, -0.125f, 0)).wind);
+    }
+    EXPECT_EQ(grid > 0, winds[0].norm() > 0.5f);
+    EXPECT_LT((winds[1] - winds[0]).norm(), 1e-4f * (1 + winds[0].norm()));
+    float worst = 0;
+    for (size_t v = 0; v < ways[0].size(); ++v) worst = std::max(worst, (ways[1][v] - ways[0][v]).norm());
+    EXPECT_LT(worst, 2e-4f) << "a float there tells 0.06 mm; grid " << grid;
+  }
+}
+
 TEST(Surroundings, AreRefusedWhereThereAreNone) {
   EXPECT_THROW(Simulation(squareTuft(), {}, everything(), makeReferenceBackend()), Error);
   Simulation simulation(squareTuft(), {}, Parameters(), makeReferenceBackend());

@@ -162,6 +162,73 @@ TEST(Simulation, TeleportCarriesTheHairRigidlyWithoutMotionInBetween) {
   EXPECT_LT(largestDistance(simulation.state(), expected), 1e-4) << "no step sees the way in between";
 }
 
+/// Largest difference between where the guides of both are, each from its own head.
+double differenceOfShapes(Simulation& a, Simulation& b) {
+  const std::span<const Vec3> of_a = a.guides(), of_b = b.guides();
+  double worst = 0;
+  for (size_t v = 0; v < of_a.size(); ++v) {
+    const Vec3 difference = (of_a[v] - a.headPose().position) - (of_b[v] - b.headPose().position);
+    worst = std::max<double>(worst, difference.norm());
+  }
+  return worst;
+}
+
+TEST(Simulation, FarFromTheOriginHairDoesAsItDoesAtIt) {
+  constexpr float kFar = 1000;
+  const Vec3 there(kFar, 2, -kFar);
+  RigidBody head{{{PrimitiveKind::kSphere, Vec3(0, -0.4f, 0), Vec3::UnitY(), 0.35f, 0.3f}}, true};
+  RigidBody ball{{{PrimitiveKind::kSphere, Vec3(0.1f, -0.1f, 0), Vec3::UnitY(), 0.08f, 0.3f}}};
+  Simulation here = makeSimulation(Parameters(), {head, ball});
+  ball.pose.position = there;
+  Simulation far = makeSimulation(Parameters(), {head, ball});
+  far.teleport({there, Quat::Identity()});
+  EXPECT_EQ(far.origin(), there);
+  double stretch = 0;
+  for (int i = 0; i < 90; ++i) {
+    const Vec3 nod(0, static_cast<float>(i % 8) / 1024, 0);  // floats are as exact there
+    here.setHeadPose({nod, Quat::Identity()});
+    far.setHeadPose({there + nod, Quat::Identity()});
+    here.step();
+    far.step();
+    stretch = std::max(stretch, far.measure().max_stretch);
+    EXPECT_LT(far.measure().max_penetration, 1e-3);
+  }
+  EXPECT_LT(stretch, 1e-4);
+  EXPECT_LT(differenceOfShapes(here, far), 2e-4) << "a float there tells 0.06 mm";
+  EXPECT_LT((far.state().positions[0] - there).norm(), 0.1f) << "in the world";
+  far.reset();
+  here.setHeadPose({});
+  here.step();
+  here.reset();
+  far.setHeadPose({there, Quat::Identity()});
+  far.step();
+  far.reset();
+  EXPECT_LT(differenceOfShapes(here, far), 1e-4);
+  far.teleport({});
+  EXPECT_TRUE(far.origin().isZero());
+  EXPECT_LT(differenceOfShapes(here, far), 1e-5);
+}
+
+TEST(Simulation, TheOriginFollowsAHeadThatWalks) {
+  Parameters parameters;
+  parameters.air_drag = 5;
+  Simulation walks = makeSimulation(parameters), stands = makeSimulation(parameters);
+  float way = 0;
+  for (; way < 20; way += 0.0625f) {
+    walks.setHeadPose({Vec3(0, 0, way), Quat::Identity()});
+    walks.step();
+    EXPECT_EQ(walks.resetBroken(), 0u);
+    EXPECT_LE((walks.headPose().position - walks.origin()).norm(), kFarFromOrigin);
+  }
+  EXPECT_GT(walks.origin().z(), 10);
+  for (int i = 0; i < 600; ++i) {
+    walks.step();
+    stands.step();
+  }
+  EXPECT_LT(walks.measure().max_stretch, 1e-4);
+  EXPECT_LT(differenceOfShapes(walks, stands), 1e-4);
+}
+
 TEST(Simulation, BodiesThatMayBendDoAndOthersAreRefused) {
   const auto ball = [](const Vec3& p) { return p.norm() - 0.05f; };
   ContactPrimitive shape;
