@@ -213,17 +213,34 @@ TEST_F(GpuAir, EveryRunGivesTheSameBitsAndHairAtRestFeelsNothing) {
 }
 
 // With the solver whose shaders are the quicker to compile; both read accelerations in the same way.
-TEST_F(GpuAir, AStepHeedsWhatSurroundingsLeaveOnTheGpu) {
+TEST_F(GpuAir, AStepHeedsWhatSurroundingsLeaveOnTheGpuAlsoFarFromTheOrigin) {
   const Tuft tuft;
   Parameters parameters = everything();
   parameters.solver = SolverKind::kGaussSeidel;
-  auto run = [&](std::unique_ptr<Backend> backend, const AirMaker& maker) {
-    Simulation simulation(tuft.model, {}, parameters, std::move(backend), maker.surroundings({}));
-    for (int step = 0; step < 5; ++step) simulation.step();
-    return std::vector<Vec3>(simulation.guides().begin(), simulation.guides().end());
+  struct Run {
+    std::vector<Vec3> positions;
+    Vec3 wind;
   };
-  const std::vector<Vec3> truth = run(makeReferenceBackend(), cpuAir("reference")),
-                          got = run(std::move(gpu_), gpuAir());
+  // Both from `at`, where all of it is.
+  auto run = [&](std::unique_ptr<Backend> backend, const AirMaker& maker, const Vec3& at) {
+    WindSource fan;
+    fan.position = at + Vec3(0, -0.1f, -0.1f);
+    fan.speed = 4;
+    Simulation simulation(tuft.model, {}, parameters, std::move(backend), maker.surroundings({fan}));
+    simulation.teleport({at, Quat::Identity()});
+    for (int step = 0; step < 5; ++step) simulation.step();
+    Run out;
+    for (const Vec3& position : simulation.guides()) out.positions.push_back(position - at);
+    const AirFields* const fields = airFields(simulation.surroundings());
+    EXPECT_TRUE(fields->box().contains(Eigen::Vector3f(at)));
+    out.wind = fields->at(at + Vec3(0, -0.1f, 0)).wind;
+    return out;
+  };
+  const Run near = run(makeReferenceBackend(), cpuAir("reference"), Vec3::Zero()),
+            far = run(std::move(gpu_), gpuAir(), Vec3(512, 0, -256));
+  EXPECT_GT(near.wind.norm(), 0.1f);
+  EXPECT_LT((far.wind - near.wind).norm(), 1e-3f);
+  const std::vector<Vec3>&truth = near.positions, &got = far.positions;
   double off = 0, way = 0;
   for (size_t v = 0; v < truth.size(); ++v) {
     off = std::max(off, double{(got[v] - truth[v]).norm()});
