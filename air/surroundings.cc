@@ -117,7 +117,7 @@ class StrandSurroundings final : public Surroundings, public AirFields {
   AirSample at(const Vec3& point) const override { return atOwn(point - origin_); }
 
  private:
-  // Its own places are those of the strands: of the world, less origin_.
+  // All places in here are from origin_, as the strands' are.
   Box ownBox() const {
     const Eigen::Vector3f half =
         Eigen::Vector3f::Constant(0.5f * cell() * static_cast<float>(hair_->shape().cells));
@@ -146,6 +146,7 @@ class StrandSurroundings final : public Surroundings, public AirFields {
     out.divergence = static_cast<float>(outflow) / wind_->cell();
     return out;
   }
+
   /// Accelerations of strands begin .. end - 1.
   void gather(const Parameters& p, size_t begin, size_t end, std::span<const Vec3> positions) {
     const StrandSamples& samples = hair_->samples();
