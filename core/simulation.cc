@@ -38,6 +38,13 @@ std::vector<float> restDistances(const StrandModel& model, std::span<const Movin
   return out;
 }
 
+std::vector<Pose> rootPosesOn(const StrandModel& model, std::span<const Pose> bones) {
+  std::vector<Pose> roots;
+  for (size_t s = 0; s < model.strands(); ++s)
+    roots.push_back(bones[model.rootBone(s)] * model.rest_roots[s]);
+  return roots;
+}
+
 Parameters withSolvableSubsteps(Parameters parameters) {
   if (parameters.solver == SolverKind::kRod) {
     const int least = static_cast<int>(std::ceil(parameters.time_step / kLongestSubstep - 1e-3f));
@@ -346,24 +353,17 @@ bool needsSurroundings(const Parameters& p) {
   return p.wind_grid > 0 || varies || p.air_drag_along < 1 || p.volume_stiffness > 0 || p.hair_friction > 0;
 }
 
-std::vector<Pose> Simulation::rootPoses() const {
-  std::vector<Pose> roots;
-  for (size_t s = 0; s < model_->strands(); ++s)
-    roots.push_back(bones_begin_[model_->rootBone(s)] * model_->rest_roots[s]);
-  return roots;
-}
+std::vector<Pose> Simulation::rootPoses() const { return rootPosesOn(*model_, bones_begin_); }
 
 StrandState Simulation::restNow() const {
-  std::vector<Pose> roots;
-  for (size_t s = 0; s < model_->strands(); ++s)
-    roots.push_back(fromOrigin(bones_begin_[model_->rootBone(s)]) * model_->rest_roots[s]);
-  StrandState rest = restState(*model_, roots);
+  std::vector<Pose> bones;
+  for (const Pose& bone : bones_begin_) bones.push_back(fromOrigin(bone));
+  StrandState rest = restState(*model_, rootPosesOn(*model_, bones));
   if (!model_->pin_bones.empty())
     for (size_t s = 0; s < model_->strands(); ++s)
       for (uint32_t v = model_->offsets[s]; v < model_->offsets[s + 1]; ++v)
         if (model_->isBonePinned(s, v))
-          rest.positions[v] =
-              fromOrigin(bones_begin_[model_->pin_bones[v]]).apply(model_->restPosition(s, v));
+          rest.positions[v] = bones[model_->pin_bones[v]].apply(model_->restPosition(s, v));
   return rest;
 }
 
@@ -374,8 +374,12 @@ void Simulation::reset() {
     body.bend_end = body.bend_begin;
   }
   chooseOrigin(bones_begin_[0]);
+  goOnFrom(restNow());
+}
+
+void Simulation::goOnFrom(const StrandState& state) {
   placePrimitives();
-  backend_->upload(restNow());
+  backend_->upload(state);
   if (surroundings_) surroundings_->reset(origin_);
 }
 
@@ -387,9 +391,7 @@ void Simulation::followHead() {
   chooseOrigin(bones_begin_[0]);
   const Vec3 way = before - origin_;
   for (Vec3& position : state.positions) position += way;
-  placePrimitives();
-  backend_->upload(state);
-  if (surroundings_) surroundings_->reset(origin_);
+  goOnFrom(state);
 }
 
 size_t Simulation::resetBroken() {
@@ -441,9 +443,7 @@ void Simulation::teleport(const Pose& head) {
   }
   bones_begin_[0] = head;
   bones_end_ = bones_begin_;
-  placePrimitives();
-  backend_->upload(state);
-  if (surroundings_) surroundings_->reset(origin_);
+  goOnFrom(state);
 }
 
 std::span<const Vec3> Simulation::guides() {

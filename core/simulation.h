@@ -151,8 +151,10 @@ class Simulation {
   StrandState restNow() const;
   /// A pose of the world from origin_.
   Pose fromOrigin(Pose pose) const;
-  /// Places are told from near the head from now on; the caller tells the backend and the surroundings.
+  /// Places are told from near the head from now on: goOnFrom() is to follow.
   void chooseOrigin(const Pose& head);
+  /// From `state` and from origin_, with the air as at the start.
+  void goOnFrom(const StrandState& state);
   void followHead();  ///< with the origin, if it has gone far
   void addPull(StepInput& input);
   /// Readies surroundings and backend for settings that need them; says whether they do. Throws Error.
