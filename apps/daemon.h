@@ -51,6 +51,8 @@ class Daemon {
   void takeSteps(const std::atomic<bool>& stop);
   void advance();
   void publishFrame();
+  /// Measures so many strands more of those that status tells of.
+  void lookAt(size_t strands);
   void publishStatus();
 
   Settings settings_;
@@ -73,6 +75,8 @@ class Daemon {
   Simulation simulation_;
   GuideFrame frame_;
   Status status_;
+  Measurement looked_;  ///< of the first looked_at_ strands, since the last status
+  size_t looked_at_ = 0;
   std::vector<double> step_ms_;  ///< of the newest steps, a ring
   size_t step_count_ = 0;
   double owed_ = 0;  ///< s of simulation time

@@ -454,8 +454,8 @@ std::span<const Vec3> Simulation::guides() {
   return world_guides_;
 }
 
-Measurement Simulation::measure() {
-  return strandcast::measure(*model_, backend_->guides(), primitives_, shapes_.words);
+Measurement Simulation::measure(StrandRange strands) {
+  return strandcast::measure(*model_, backend_->guides(), primitives_, shapes_.words, strands);
 }
 
 StrandState Simulation::state() {

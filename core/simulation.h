@@ -122,7 +122,7 @@ class Simulation {
   /// Positions after the newest step, natural order, world; valid until the next call. Waits for the backend.
   std::span<const Vec3> guides();
   /// Length and penetration of the newest guides.
-  Measurement measure();
+  Measurement measure(StrandRange strands = {});
   StrandState state();  ///< world
 
  private:
