@@ -54,16 +54,7 @@ class RodStep {
   }
 
   void run() {
-    real length = lit(0), hung = lit(0);
-    real stiffest = lit(0);  // the greatest kappa
-    for (int e = 0; e < ne; ++e) {
-      const real il = inverseLength(e);
-      stiffest = max(stiffest, stiffnessOf(bend(e), il, lit(h * h), state(b.weight, 0, rowOfVertex(e + 1))));
-      length = length + lengthOf(e);
-      hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
-    }
-    kinked_ = isKinked(isUneven(), stiffest);
-    most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()), lit(h * h));
+    findTraits();
     if (among_bodies_) {
       noteForces();
       near_.measureRooms(in, scratch_ + solverScratch(n, kLanes) + groomingScratch(n, kLanes));
@@ -82,7 +73,7 @@ class RodStep {
       nearness_ = lit(0);
       moveByForces();
       const real most = substituteLengths();
-      const mask violent = isViolent(most), eliminated = isEliminated(stiffest, most, touches_);
+      const mask violent = isViolent(most), eliminated = isEliminated(stiffest_, most, touches_);
       if (anyTrue(violent && !eliminated)) pullThroughBending(violent && !eliminated);
       if (anyTrue(eliminated)) pullByElimination(eliminated);
       again_ = violent || meets_;
@@ -134,7 +125,9 @@ class RodStep {
   real mass(int i) const { return grooming_.on() ? grooming_.mass(i) : ownMass(i); }
   real weight(int i) const { return grooming_.on() ? grooming_.weight(i) : state(b.weight, 0, rowOfVertex(i)); }
 
+  void findTraits();
   mask isUneven() const;
+  real drivenByAir(int i) const;
   void predict(const RootFrame& root, double time);
   real3 ownShift(int i) const;
   real3 inertialShift(int i, const real3& own, const RootFrame& root, double time) const;
@@ -198,28 +191,14 @@ class RodStep {
   real3 jump_;          // m, unexpected motion of the root
   // Of a vertex among bodies: some lane may have a contact force, and in this substep a normal. Most have none.
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
-  mask kinked_;  // the strands that are, see isKinked()
+  mask kinked_, cut_unevenly_;  // the strands that are, see isKinked(), isCutUnevenly()
+  real stiffest_;  // the greatest kappa of a strand, see stiffnessOf()
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
   mask meets_;  // those with a vertex that a body is near in this substep, or has pressed
   real nearness_;  // of the nearest body to any of its vertices in this substep
   mask touches_;  // those with a vertex that a body presses, or has
   real most_tension_;   // that is taken over from one substep to the next
 };
-
-// As bendsUnevenly() of core/strand_model.h.
-inline mask RodStep::isUneven() const {
-  real bends = lit(0), changes = lit(0), second_changes = lit(0);
-  real3 before = makeReal3(lit(0), lit(0), lit(0)), change_before = before;
-  for (int j = 1; j < ne; ++j) {
-    const real3 strain = state3(b.rest_strain, j), change = strain - before, second = change - change_before;
-    bends = bends + dot(strain, strain);
-    if (j > 1) changes = changes + dot(change, change);
-    if (j > 2) second_changes = second_changes + dot(second, second);
-    before = strain;
-    change_before = change;
-  }
-  return bendsUnevenly(bends, changes, second_changes, lit(ne - 1));
-}
 
 // Which vertices bodies pressed when the step began.
 inline void RodStep::noteForces() {
@@ -267,7 +246,8 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     const real kept = min(keptTension(state(b.tension, 0, e) * lit(h * h), advance * il, bend(e), il, lit(h * h)),
                           most_tension_);
     store(kept, b.tension + at(0, e));
-    const real blend = timeBlend(advance * il, unit - unit_before, stiffnessOf(bend(e), il, lit(h * h), weight(e + 1)), kinked_);
+    const real kappa = select(cut_unevenly_, stiffest_, stiffnessOf(bend(e), il, lit(h * h), weight(e + 1)));
+    const real blend = timeBlend(advance * il, unit - unit_before, kappa, kinked_);
     set(kBlend, e, blend);
     const quat frame = state4(b.frame, e);
     const real3 tangent = frameTangent(frame), t = directionOr(madd(advance, lit(0) - blend, edge), tangent);
@@ -672,6 +652,7 @@ inline real RodStep::finish(bool any_thrown) {
   return sqrt(way2) * inverse_h;
 }
 
+#include "core/rod_traits.inl"
 #include "core/held_contact.inl"
 #include "core/kept_out.inl"
 #include "core/stiff_pulls.inl"

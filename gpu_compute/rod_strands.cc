@@ -81,16 +81,25 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
   const uint32_t first = model.offsets[strand], edges = edgesOf(model, strand);
   const float length = arcLength({model.rest_local.data() + first, edges + 1});
   const float mean = length / static_cast<float>(edges);
-  float free_mass = 0, stiffest = 0;
+  float free_mass = 0, stiffest = 0, shortest = mean;
   for (uint32_t v = first + 1; v <= first + edges; ++v) {
+    shortest = std::min(shortest, restLength(model, v - 1));
     if (model.isPinned(strand, v)) continue;
     const float bends_over = std::max(restLength(model, v - 1), kShortestEdge * mean);
     free_mass += model.mass[v];
     stiffest = std::max(stiffest,
                         kernels::f32::stiffnessOf(model.bend[v - 1], 1 / bends_over, 1, 1 / model.mass[v]));
   }
-  return {mean,   1 / mean, model.twist[first] / model.bend[first],    kShortestEdge * mean, free_mass,
-          length, stiffest, bendsUnevenly(model, strand) ? 1.0f : 0.0f};
+  const int uneven =
+      (bendsUnevenly(model, strand) ? 1 : 0) + (kernels::f32::isCutUnevenly(shortest, mean) ? 2 : 0);
+  return {mean,
+          1 / mean,
+          model.twist[first] / model.bend[first],
+          kShortestEdge * mean,
+          free_mass,
+          length,
+          stiffest,
+          static_cast<float>(uneven)};
 }
 
 /// Of shaders/rod_strand.glsl.
@@ -140,7 +149,7 @@ constexpr std::array<GLuint, 4> kNobody = {0, 1, 1, 0};
 constexpr size_t kMostSubsteps = 64;
 
 constexpr uint32_t kStrandsLooking = 8;  // of a workgroup of shaders/look.comp
-constexpr uint32_t kRootsLooking = 64;   // of a workgroup of shaders/covered_roots.comp
+constexpr uint32_t kRootsLooking = 64;   // of a workgroup of shaders/roots.comp
 // Workgroups that go through a list as long as it is; so many keep every GPU busy.
 constexpr uint32_t kMostKeptOut = 2048;
 
@@ -259,15 +268,14 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   }
   const auto turning = static_cast<size_t>(needs.turning);
   const char* const defines = kTurning[turning];
-  const gl::Program& covered_roots =
-      covered_roots_[turning].get(programs, "covered_roots.comp", shaders::kCoveredRootsComp, defines);
+  const gl::Program& roots = roots_[turning].get(programs, "roots.comp", shaders::kRootsComp, defines);
   const gl::Program& look = look_[turning].get(programs, "look.comp", shaders::kLookComp, defines);
   const gl::Program& keep_out =
       keep_out_[turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, defines);
   const auto strands = static_cast<uint32_t>(groups_.order().size());
   for (int substep = 0; substep < substeps; ++substep) {
-    glProgramUniform1i(covered_roots.id(), 0, substep);
-    dispatch(covered_roots, strands, kRootsLooking);
+    glProgramUniform1i(roots.id(), 0, substep);
+    dispatch(roots, strands, kRootsLooking);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glProgramUniform1i(look.id(), 0, substep);
     glProgramUniform1i(look.id(), 1, substep == 0 && !needs.same_bodies);

@@ -69,8 +69,8 @@ class RodStrands {
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
   const size_t few_;
   const bool shuffled_;
-  std::array<Programs, 96> programs_;                           ///< by needs; empty until first needed
-  std::array<LazyProgram, 3> covered_roots_, look_, keep_out_;  ///< by Needs::turning
+  std::array<Programs, 96> programs_;                   ///< by needs; empty until first needed
+  std::array<LazyProgram, 3> roots_, look_, keep_out_;  ///< by Needs::turning
 };
 
 }  // namespace strandcast::gpu

@@ -77,6 +77,10 @@ FN quat twistFrame(IN(quat) q, IN(real) phi) {
                                 madd(lit(0) - q.z, h, q.w)));
 }
 
+// Whether a strand has an edge that is short beside the others. Of such a one all edges have the time blend of the stiffest: where a short
+// edge had less than those next to it, that fed energy, and the strand never came to rest.
+FN mask isCutUnevenly(IN(real) shortest, IN(real) mean) { return shortest < lit(0.5) * mean; }
+
 // Stiffness of an edge against the inertia of its outer vertex: kappa = dt^2 bend / (mass length^2).
 FN real stiffnessOf(IN(real) bend, IN(real) inverse_length, IN(real) time2, IN(real) weight) {
   return bend * inverse_length * inverse_length * time2 * weight;
@@ -95,7 +99,7 @@ FN mask isKinked(IN(mask) uneven, IN(real) kappa) { return uneven && kappa > lit
 // damps a motion of angular frequency w by zeta = w dt / 2; 1 is the average acceleration method (Newmark 1959), which
 // damps nothing. Here 0.9 where the motion is smooth and 0 where the edge turns by more than 18 to 26 degrees in the
 // substep; less where a joint with some stiffness is bent and where `kappa` is large. `advance`: of the inertial edge on
-// the old one, `kink`: of the old edge on the one before it, both over the edge's length. `kappa`: see stiffnessOf(). `kinked`: see
+// the old one, `kink`: of the old edge on the one before it, both over the edge's length. `kappa`: see stiffnessOf(), isCutUnevenly(). `kinked`: see
 // isKinked(); between the kinks, too, small waves grew where nothing damped them.
 FN real timeBlend(IN(real3) advance, IN(real3) kink, IN(real) kappa, IN(mask) kinked) {
   real slow = select(kinked, lit(0), lit(1)) * clamp(lit(2) - lit(10) * dot(advance, advance), lit(0), lit(1));
@@ -230,7 +234,8 @@ FN real keptTension(IN(real) tension, IN(real3) advance, IN(real) bend, IN(real)
 }
 
 // The most tension, in the same units, that is taken over into the next substep: stiff hair that was thrown about could
-// otherwise keep a false tension of its own. `mass` of all free vertices, `length` of the strand in metres.
-FN real tensionBound(IN(real) mass, IN(real) length, IN(real) gravity, IN(real) time2) {
-  return mass * time2 * madd(lit(50), length, lit(3) * gravity);
+// otherwise keep a false tension of its own. `mass` of all free vertices, `length` of the strand in metres; `driven`: by gravity, and the
+// most by air and what else accelerates a vertex, m/s^2.
+FN real tensionBound(IN(real) mass, IN(real) length, IN(real) driven, IN(real) time2) {
+  return mass * time2 * madd(lit(50), length, lit(3) * driven);
 }

@@ -245,6 +245,55 @@ std::vector<Case> kinkedFromEdgeToEdge(const Laboratory& laboratory) {
                        1e3 * fastestOf(simulation), 0, 5)};
 }
 
+// A strand with one edge that is short beside the others. Where that had a time blend of its own it fed
+// energy.
+constexpr const char* kCutUnevenly = "cut unevenly: speed";
+
+std::vector<Case> cutUnevenly(const Laboratory& laboratory) {
+  constexpr int kStrands = 24;
+  constexpr double kSettling = 8;  // s
+  std::mt19937 random(7);
+  std::vector<StrandPoints> strands;
+  for (int s = 0; s < kStrands; ++s) {
+    const float part = 0.12f + 0.01f * static_cast<float>(s);  // of the other edges
+    const float length = s % 2 == 0 ? 0.1f : 0.25f, edge = length / (static_cast<float>(kEdges) + part);
+    const int short_one = static_cast<int>(random() % static_cast<unsigned>(kEdges + 1));
+    StrandPoints points{Vec3::Zero()};
+    for (int e = 0; e <= kEdges; ++e)
+      points.push_back(points.back() + (e == short_one ? part : 1.0f) * edge * Vec3::UnitX());
+    strands.push_back(std::move(points));
+  }
+  Simulation simulation = laboratory.simulation(modelOf(strands), {}, laboratory.parameters(kRate, kDrag));
+  laboratory.advance(simulation, kSettling);
+  return {absoluteCase({kCutUnevenly, "largest rms speed of a strand after 8 s", "mm/s"},
+                       1e3 * fastestOf(simulation), 0, 1)};
+}
+
+// Wind that pulls at hair as gravity would, 30 times as hard as that of the Earth.
+constexpr const char *kStrongWind = "strong wind: speed", *kStrongWindTension = "strong wind: tension";
+
+std::vector<Case> strongWind(const Laboratory& laboratory) {
+  constexpr float kWindDrag = 30, kPull = 300;  // 1/s, m/s^2
+  constexpr double kSettling = 8;               // s
+  auto settled = [&](const Vec3& wind, const Vec3& more_gravity) {
+    Parameters parameters = laboratory.parameters(kRate, kWindDrag);
+    parameters.wind = wind;
+    parameters.gravity += more_gravity;
+    Simulation simulation =
+        laboratory.simulation(modelOf({straightStrand(0.25, kEdges, Vec3::UnitX())}), {}, parameters);
+    laboratory.advance(simulation, kSettling);
+    return std::pair(fastestOf(simulation), static_cast<double>(simulation.state().tensions[0]));
+  };
+  // In a step dt wind moves hair by dt (1 - exp(-drag dt)) times its speed, gravity by dt^2 times its own.
+  const double x = static_cast<double>(kWindDrag) / kRate;
+  const auto speed = static_cast<float>(static_cast<double>(kPull / kWindDrag) * x / (1 - std::exp(-x)));
+  const auto [fastest, tension] = settled(speed * Vec3::UnitZ(), Vec3::Zero());
+  const double truth = settled(Vec3::Zero(), kPull * Vec3::UnitZ()).second;
+  return {absoluteCase({kStrongWind, "rms speed of the strand after 8 s", "mm/s"}, 1e3 * fastest, 0, 1),
+          relativeCase({kStrongWindTension, "at the root, against gravity that pulls as hard", "m/s^2"},
+                       tension, truth, 0.1)};
+}
+
 // A stage is no laboratory: a float of the world tells 0.06 mm there.
 constexpr const char *kFarStretch = "1 km from the origin: stretch",
                      *kFarSpeed = "1 km from the origin: speed";
@@ -303,6 +352,12 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back({"32 strands of 25 to 49 vertices with kinks of 7 to 30 degrees, let go",
                          {kKinkedFromEdgeToEdge},
                          kinkedFromEdgeToEdge});
+  experiments.push_back({"24 level strands with one edge of an eighth to a third of the others, let go",
+                         {kCutUnevenly},
+                         cutUnevenly});
+  experiments.push_back({"a strand in wind that pulls at it 30 times as hard as gravity",
+                         {kStrongWind, kStrongWindTension},
+                         strongWind});
   experiments.push_back({"16 strands 1 km from the origin on two axes, shaken for 1 s and left alone for 4",
                          {kFarStretch, kFarSpeed},
                          farAway});

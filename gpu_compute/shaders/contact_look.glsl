@@ -6,7 +6,7 @@ struct Sight {
   Touch first, second;
 };
 
-// What keeps a vertex in a body, by what covered_roots.comp has found.
+// What keeps a vertex in a body, by what roots.comp has found.
 struct Hold {
   Cover cover;
   float arc_length;  // m, from the root to the vertex; less than 0: in this step nothing covers the root so deeply that it mattered

@@ -9,8 +9,9 @@ const uint kLooked = 0u;
 // Of a plane: normal, 0 where there is none, and what that makes of its points; then Touch::carried and friction.
 const uint kFirstPlane = 1u, kPlaneRows = 2u, kMostPlanes = 2u;
 // Of roots, which see nothing, in w of kLooked: wayOutOf() a body that may cover it in the step, 0 where nothing comes of that. And here
-// Cover::bodies and depth.
-const uint kCover = 1u;
+// Cover::bodies and depth, RootMotion::spin, z of the jump; then the rest of their motion: position and x of the jump, the tangent before
+// and y of the jump, rotation.
+const uint kCover = 1u, kRootPosition = 2u, kRootTangent = 3u, kRootRotation = 4u;
 
 // Row by row, so that neighbours read neighbours.
 uint sightAt(uint vertex, uint row) { return vertex + (row + 1u) * offsets[settings.strand_count]; }
@@ -26,18 +27,14 @@ Touch planeOf(uint vertex, uint row, vec3 x) {
   vec4 plane = contacts[sightAt(vertex, row)], surface = contacts[sightAt(vertex, row + 1u)];
   return Touch(dot(plane.xyz, x) - plane.w, plane.xyz, surface.xyz, surface.w);
 }
-// What the bodies are to a vertex at x that has planes.
+// What the bodies are to a vertex at x that has planes: the deeper one.
 Touch touchOf(uint vertex, vec3 x) {
-  Touch nearest = untouched(x, contactReach());
-  for (uint row = kFirstPlane; row < kFirstPlane + kMostPlanes * kPlaneRows; row += kPlaneRows) {
-    vec4 plane = contacts[sightAt(vertex, row)];
-    float gap = dot(plane.xyz, x) - plane.w;
-    if (gap < nearest.gap) {
-      vec4 surface = contacts[sightAt(vertex, row + 1u)];
-      nearest = Touch(gap, plane.xyz, surface.xyz, surface.w);
-    }
-  }
-  return nearest;
+  const vec4 first = contacts[sightAt(vertex, kFirstPlane)], second = contacts[sightAt(vertex, kFirstPlane + kPlaneRows)];
+  const float gap = dot(first.xyz, x) - first.w, other_gap = dot(second.xyz, x) - second.w;
+  if (!(min(gap, other_gap) < contactReach())) return untouched(x, contactReach());
+  const bool other = other_gap < gap;
+  const vec4 surface = contacts[sightAt(vertex, (other ? kFirstPlane + kPlaneRows : kFirstPlane) + 1u)];
+  return Touch(other ? other_gap : gap, other ? second.xyz : first.xyz, surface.xyz, surface.w);
 }
 // The square of how far what is near a vertex that has planes, at x, takes a point that was at `start` in this substep, m^2; less of what
 // is less near.

@@ -14,7 +14,6 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/strand_offsets.glsl"
-#include "gpu_compute/shaders/root_poses.glsl"
 layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    // xyz, m
 layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // xyz, m/s; w: rest distance from bodies, m
 layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };       // length, twist; mass, weight of its end
@@ -32,11 +31,8 @@ shared uint due_count, due[STRANDS * MOST_VERTICES];  // strand of the workgroup
 // is none: the root goes on as it went.
 vec3 jumpOf(uint strand) {
   if (substep > 0) return vec3(0);
-  uint root = offsets[strand];
-  const RootPoses poses = rootPoses(strand);
-  const vec3 from = poses.begin.position;
-  vec3 root_position = madd(poses.end.position - from, timeAfter(substep), from);
-  return root_position - madd(velocities[root].xyz, settings.substep, positions[root].xyz);
+  const uint root = offsets[strand];
+  return vec3(contacts[sightAt(root, kRootPosition)].w, contacts[sightAt(root, kRootTangent)].w, contacts[sightAt(root, kCover)].w);
 }
 // Where it would go by itself.
 vec3 aheadOf(uint vertex, vec3 jump) {

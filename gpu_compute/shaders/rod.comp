@@ -44,6 +44,9 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/rod_strand.glsl"
 #include "gpu_compute/shaders/root_poses.glsl"
 #include "gpu_compute/shaders/root_motion.glsl"
+#if !BODIES
+#include "gpu_compute/shaders/placed_roots.glsl"
+#endif
 #include "gpu_compute/shaders/tridiagonal.glsl"
 #include "gpu_compute/shaders/pentadiagonal.glsl"
 
@@ -109,8 +112,12 @@ float predictEdge(int p, vec3 unit_in) {
   const float dt2 = settings.substep * settings.substep;
   float il = inverseLength(p);
   vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
-  tension[p] = min(keptTension(tension[p], advance * il, bend(p), il, dt2), most_tension);
-  float blend = timeBlend(advance * il, old * il - unit_in, stiffnessOf(bend(p), il, dt2, weight(p)), kinked);
+  tension[p] = min(keptTension(tension[p], advance * il, bends[p], il, dt2), most_tension);
+  float kappa_here = stiffnessOf(bends[p], il, dt2, weight(p));
+#if !UNIFORM
+  kappa_here = select(cut_unevenly, kappa(), kappa_here);
+#endif
+  float blend = timeBlend(advance * il, old * il - unit_in, kappa_here, kinked);
   vec3 own = frameTangent(frame[p]);
   tangent[p] = directionOr(madd(advance, -blend, edge), own);
   frame[p] = transportTo(frame[p], own, tangent[p]);
@@ -164,17 +171,17 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
   vec3 t_in = tangent_in;
   for (int p = 0; p < PER_THREAD; ++p) {
     strain[p] = jointStrain(inner, frame[p]);
-    vec3 excess = strain[p] - restStrain(p);
+    vec3 excess = strain[p] - rest_strain[p];
     float c = dot(t_in, tangent[p]);
     float time2 = settings.substep * madd(implicitShare(blend[p]), settings.substep, DAMPING_TIME);
-    stiffness[p] = bendMatrixStiffness(bend(p), c, time2);
+    stiffness[p] = bendMatrixStiffness(bends[p], c, time2);
     margin[p] = bendMatrixMargin(stiffness[p], c, excess, kinked);
-    float coupling = twistOfBending(strain[p], excess, bend(p)), shear = torqueDifference(strain[p], excess, bend(p));
+    float coupling = twistOfBending(strain[p], excess, bends[p]), shear = torqueDifference(strain[p], excess, bends[p]);
 #if DAMPED
     vec3 turned = edgeTurning(p);
     gained[p] = gainedStrain(strain[p], turned_before, turned);
-    coupling += twistOfDamping(strain[p], bend(p), ahead);
-    shear += torqueDifference(strain[p], gained[p] * ahead, bend(p));
+    coupling += twistOfDamping(strain[p], bends[p], ahead);
+    shear += torqueDifference(strain[p], gained[p] * ahead, bends[p]);
     turned_before = turned;
 #endif
     float own = twist(p) + coupling, torque = madd(twist(p), excess.z, shear);
@@ -227,11 +234,11 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     turn[p] = clamp(turn[p], -1.0, 1.0);
     vec3 untwisted = strain[p];
     strain[p] = twistedStrain(untwisted, turn_in, turn[p]);
-    vec3 excess = strain[p] - restStrain(p);
+    vec3 excess = strain[p] - rest_strain[p];
 #if DAMPED
     excess = dampedExcess(excess, gained[p], untwisted, strain[p], ahead);
 #endif
-    moment[p] = jointMoment(inner, strain[p], excess, bend(p), twist(p));
+    moment[p] = jointMoment(inner, strain[p], excess, bends[p], twist(p));
     inner = frame[p] = twistFrame(frame[p], turn[p]);
     turn_in = turn[p];
   }
@@ -584,13 +591,14 @@ void stepStrands(uint list, uint first, uint count) {
   astray = false;
   loadContacts();
   {
-    const int substep = first_substep, ahead = 0;
+    const int substep = first_substep;
+    const RootMotion root = knownRoot(substep);
 #else
   for (int substep = first_substep; substep < end_substep; ++substep) {
     const int ahead = (substep - first_substep) % THREADS;
-#endif
     if (ahead == 0) placeRoots(substep);
-    RootMotion root = rootMotion(ahead, timeAfter(substep));
+    const RootMotion root = placedRoot(ahead, timeAfter(substep));
+#endif
     float blend[PER_THREAD];
     vec4 frame_in = predict(root, blend);
     solveTwist(frame_in, blend);

@@ -10,6 +10,21 @@
 #include "gpu_compute/shaders/contact_look.glsl"
 #endif
 
+// How the root moves, as roots.comp has found it.
+RootMotion knownRoot(int substep) {
+  const vec4 a = contacts[sightAt(root_vertex, kRootPosition)], b = contacts[sightAt(root_vertex, kRootTangent)];
+  const vec4 found = contacts[sightAt(root_vertex, kCover)];
+  RootMotion root;
+  root.position = a.xyz;
+  root.jump = vec3(a.w, b.w, found.w);
+  root.tangent_old = b.xyz;
+  root.rotation = contacts[sightAt(root_vertex, kRootRotation)];
+  root.spin = found.z;
+  root.time = timeAfter(substep);
+  findSwing(root);
+  return root;
+}
+
 bool sees[PER_THREAD];       // whether vertices have planes
 bool displaced[PER_THREAD];  // whether exact lengths have moved them from where contact had left them
 

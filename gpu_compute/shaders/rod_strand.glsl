@@ -20,7 +20,7 @@ struct StrandRest {      // gpu_compute/rod_strands.cc
   float free_mass;       // of all vertices that are not pinned
   float arc_length;      // m
   float stiffest;        // 1/s^2: the greatest kappa of an edge (isStiff) over the square of the substep
-  float uneven;          // bendsUnevenly(): 1, else 0
+  float uneven;          // bendsUnevenly(): 1, and isCutUnevenly(): 2
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
 // Of this group; places in work[].
@@ -42,7 +42,8 @@ const uint kMostWorkgroups = 65535u;              // in x, that every driver tak
 
 uint strand, root_vertex;
 StrandRest rest;
-bool kinked;  // isKinked()
+bool kinked;        // isKinked()
+bool cut_unevenly;  // isCutUnevenly()
 bool exists;  // invocations past the last strand go along with copies of it, because every one must reach each barrier
 
 vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
@@ -50,10 +51,8 @@ float tension[PER_THREAD];          // m: StrandState::tensions x substep^2
 float most_tension;                 // m, that is taken over from one substep to the next
 vec4 frame[PER_THREAD];
 vec3 x_in, v_in;                    // of the vertex before slot 0
-#if !BODIES
-vec3 rest_strain[PER_THREAD];
-float bends[PER_THREAD];            // of joints, m^2/s^2
-#endif
+vec3 rest_strain[PER_THREAD];       // of the joint of slot p
+float bends[PER_THREAD];            // of the same, m^2/s^2
 
 #if EDGES > 0
 const int edges = EDGES;
@@ -68,17 +67,6 @@ bool isEdge(int p) {
   return rank * PER_THREAD + p < edges;
 #endif
 }
-
-// Of the joint of slot p. Among bodies a dispatch does one substep, and what that needs once is read where it is needed:
-// registers are what there is too little of.
-#if BODIES
-uint jointAt(int p) { return root_vertex + uint(min(rank * PER_THREAD + p, edges - 1)); }
-vec3 restStrain(int p) { return joints[jointAt(p)].xyz; }
-float bend(int p) { return isEdge(p) ? joints[jointAt(p)].w : 0.0; }
-#else
-vec3 restStrain(int p) { return rest_strain[p]; }
-float bend(int p) { return bends[p]; }
-#endif
 
 // Whether the edge of slot p is one of the last `count` (1 or 2) of its strand, or padding.
 bool isLast(int p, int count) {
@@ -133,7 +121,7 @@ vec4 edgeRest(uint at) {
 const float weight_in = 1.0;
 float restLength(int p) { return isEdge(p) ? rest.edge_length : 0.0; }
 float inverseLength(int p) { return rest.inverse_length; }
-float twist(int p) { return bend(p) * rest.twist_per_bend; }
+float twist(int p) { return bends[p] * rest.twist_per_bend; }
 #if EDGES > 0
 float tip_mass, tip_weight;  // of the slot that is the strand's tip in the last invocation that has edges
 const int kTip = (EDGES - 1) % PER_THREAD;
@@ -160,6 +148,24 @@ float inverseLengthIn() { return inverse_length_in; }
 float inverseLengthOut() { return inverse_length_out; }
 #endif
 
+// How much air, and what else accelerates vertices besides gravity, drives one of the strand, at most: m/s^2.
+float drivenByAir() {
+  const float wind = length(settings.wind.xyz) * settings.per_substep;
+#if GROOMED || ACCELERATED
+  float driven = 0.0;
+  for (int p = 0; p < PER_THREAD; ++p) {
+    float own = wind * (1.0 - KEEP(p));
+#if ACCELERATED
+    own += length(accelerationOf(root_vertex + uint(min(rank * PER_THREAD + p + 1, edges))));
+#endif
+    driven = max(driven, own);
+  }
+  return strandMax(driven);
+#else
+  return wind * (1.0 - settings.keep);
+#endif
+}
+
 // The strand of this invocation; arguments: see stepStrands.
 void loadStrand(uint list, uint first, uint count) {
   placeInvocation();
@@ -168,9 +174,8 @@ void loadStrand(uint list, uint first, uint count) {
   strand = work[list + min(number, count - 1u)];
   root_vertex = offsets[strand];
   rest = strand_rest[strand];
-  kinked = isKinked(rest.uneven > 0.0, kappa());
-  most_tension =
-      tensionBound(rest.free_mass, rest.arc_length, length(settings.gravity.xyz), settings.substep * settings.substep);
+  kinked = isKinked((int(rest.uneven) & 1) != 0, kappa());
+  cut_unevenly = (int(rest.uneven) & 2) != 0;
 #if EDGES == 0
   edges = int(offsets[strand + 1u] - root_vertex) - 1;
 #endif
@@ -185,10 +190,8 @@ void loadStrand(uint list, uint first, uint count) {
     v[p] = velocities[at + 1u].xyz;
     tension[p] = isEdge(p) ? position.w * settings.substep * settings.substep : 0.0;
     frame[p] = frames[at];
-#if !BODIES
     rest_strain[p] = joints[at].xyz;
     bends[p] = isEdge(p) ? joints[at].w : 0.0;
-#endif
 #if !UNIFORM
     edge[p] = edgeRest(at);
     inverse_lengths[p] = boundedInverse(edge[p].x);
@@ -212,6 +215,8 @@ void loadStrand(uint list, uint first, uint count) {
   keep_in = keepOf(at);
   strand_grooming = grooming[root_vertex].xy;
 #endif
+  const float driven = length(settings.gravity.xyz) + drivenByAir();
+  most_tension = tensionBound(rest.free_mass, rest.arc_length, driven, settings.substep * settings.substep);
 }
 
 vec4 placed(int p) { return vec4(x[p], tension[p] * settings.per_substep * settings.per_substep); }

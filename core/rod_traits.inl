@@ -1,0 +1,44 @@
+// What a step finds of its strands before the first substep: how stiff they are, how they are bent and cut, how hard they are driven.
+// Included in core/rod_sweep.inl.
+
+// As bendsUnevenly() of core/strand_model.h.
+inline mask RodStep::isUneven() const {
+  real bends = lit(0), changes = lit(0), second_changes = lit(0);
+  real3 before = makeReal3(lit(0), lit(0), lit(0)), change_before = before;
+  for (int j = 1; j < ne; ++j) {
+    const real3 strain = state3(b.rest_strain, j), change = strain - before, second = change - change_before;
+    bends = bends + dot(strain, strain);
+    if (j > 1) changes = changes + dot(change, change);
+    if (j > 2) second_changes = second_changes + dot(second, second);
+    before = strain;
+    change_before = change;
+  }
+  return bendsUnevenly(bends, changes, second_changes, lit(ne - 1));
+}
+
+// How much air, and what else accelerates a vertex besides gravity, drives vertex i, at most: m/s^2.
+inline real RodStep::drivenByAir(int i) const {
+  const real dragged = lit(1) - (grooming_.on() ? grooming_.keep(i) : lit(keep_));
+  real driven = dragged * lit(p.wind.norm() / h);
+  if (b.acceleration != nullptr) {
+    const real3 own = accelerationOf(b, i);
+    driven = driven + sqrt(dot(own, own));
+  }
+  return driven;
+}
+
+inline void RodStep::findTraits() {
+  real length = lit(0), hung = lit(0), shortest = lengthOf(0), driven = lit(0);
+  stiffest_ = lit(0);
+  for (int e = 0; e < ne; ++e) {
+    const real il = inverseLength(e);
+    stiffest_ = max(stiffest_, stiffnessOf(bend(e), il, lit(h * h), state(b.weight, 0, rowOfVertex(e + 1))));
+    length = length + lengthOf(e);
+    shortest = min(shortest, lengthOf(e));
+    driven = max(driven, drivenByAir(e + 1));
+    hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
+  }
+  kinked_ = isKinked(isUneven(), stiffest_);
+  cut_unevenly_ = isCutUnevenly(shortest, length * lit(1.0 / ne));
+  most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()) + driven, lit(h * h));
+}
