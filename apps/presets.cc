@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <span>
 
 #include "apps/settings.h"
@@ -13,8 +14,11 @@
 namespace strandcast {
 namespace {
 
-/// Short, and the same float when it is read.
-std::string numberText(double value) { return fmt::format("{:.9g}", value); }
+/// Short, and the same float when it is read; whole numbers all the same.
+std::string numberText(double value) {
+  const bool whole = value == std::floor(value) && std::fabs(value) <= 1e15;
+  return whole ? fmt::format("{:.0f}", value) : fmt::format("{:.9g}", value);
+}
 
 std::string numbersText(const std::vector<double>& values) {
   if (values.size() == 1) return numberText(values[0]);

@@ -41,7 +41,7 @@ BodyPass::BodyPass()
       ground_(groundProgram({})),
       body_(bodyProgram({})),
       depth_("body depth", {{GL_VERTEX_SHADER, shaders::kBodyVert, "#define DEPTH_ONLY\n"},
-                            {GL_FRAGMENT_SHADER, shaders::kHairFrontFrag}}) {
+                            {GL_FRAGMENT_SHADER, shaders::kBodyDepthFrag}}) {
   glCreateVertexArrays(1, &empty_vertices_);
   glCreateVertexArrays(1, &mesh_);
   const GLint sizes[] = {3, 3, 1};

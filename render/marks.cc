@@ -57,6 +57,7 @@ void Marks::draw(const MarkSettings& marks, const GuideNodes& nodes, HairPass& h
     for (const HairVertices::Chunk& chunk : grown.chunks()) {
       if (chunk.first >= grown.hairs()) break;
       chunk.vertices.bindStorage(binding::kHairVertices);
+      inside_.set("first_hair", static_cast<unsigned>(chunk.first));
       glDrawArraysInstanced(GL_POINTS, 0, grown.nodesPerHair(),
                             static_cast<GLsizei>(std::min(chunk.hairs, grown.hairs() - chunk.first)));
     }

@@ -14,6 +14,7 @@ layout(std430, binding = 0) readonly buffer GuidePositions { float positions[]; 
 #endif
 #ifdef INSIDE
 layout(std430, binding = 5) readonly buffer HairVertices { vec4 hair_vertices[]; };
+uniform uint first_hair;  // of the buffer
 #endif
 
 // 3 mm nearer to the eye, so that it shows on what it lies on.
@@ -55,8 +56,9 @@ void main() {
   vec4 position = hair_vertices[at];
   vec3 normal;
   float distance = bodyDistance(position.xyz, normal), root_distance = bodyDistance(hair_vertices[root].xyz, normal);
+  float u = position.w * hairs[hair_list[first_hair + uint(gl_InstanceID)]].extent;  // growth goes by the guide's length
   mark_color = vec3(1, 0.05, 0.3);
-  place(position.xyz, hair_vertices[at + 1u].w > 0.5 && distance < keptDistance(position.w, root_distance, 0.0) - reach);
+  place(position.xyz, hair_vertices[at + 1u].w > 0.5 && distance < keptDistance(u, root_distance, 0.0) - reach);
   gl_PointSize = size;
 #endif
 }
