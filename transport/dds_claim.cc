@@ -39,11 +39,14 @@ bool DdsClaim::isClaimants(const StatusBoard::WriterId& writer) const {
   });
 }
 
-void DdsClaim::start(DdsParticipant& participant, std::chrono::milliseconds settles) {
+void DdsClaim::join(DdsParticipant& participant, std::chrono::milliseconds settles) {
   settled_ = std::chrono::steady_clock::now() + settles;
   participant.createReader(kClaimTopic, new ClaimType, &listener_);
-  thread_ = std::thread([this, writer = participant.createWriter(kClaimTopic, new ClaimType, nullptr,
-                                                                 strength_)] { claim(writer); });
+  writer_ = participant.createWriter(kClaimTopic, new ClaimType, nullptr, strength_);
+}
+
+void DdsClaim::claim() {
+  if (!thread_.joinable()) thread_ = std::thread([this] { write(); });
 }
 
 void DdsClaim::stop() {
@@ -55,14 +58,14 @@ void DdsClaim::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void DdsClaim::claim(eprosima::fastdds::dds::DataWriter* writer) {
+void DdsClaim::write() {
   v6::Claim sample;
   sample.groom_id(groom_id_);
   sample.session(session_);
   std::unique_lock lock(mutex_);
   do {
     lock.unlock();
-    writer->write(&sample);
+    writer_->write(&sample);
     lock.lock();
   } while (!wake_.wait_for(lock, kClaimPeriod, [&] { return stop_; }));
 }

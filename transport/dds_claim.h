@@ -18,9 +18,12 @@ class DdsClaim {
  public:
   DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength);
   ~DdsClaim() { stop(); }
-  /// Claims from now on, in a thread of its own; it is nobody's turn here for the time that others may take
-  /// to be heard. `participant` is taken down between stop() and the end of this.
-  void start(DdsParticipant& participant, std::chrono::milliseconds settles);
+  /// Is known for a claimant from now on, and knows the others; it is nobody's turn here for the time that
+  /// they may take to be heard. `participant` is taken down between stop() and the end of this.
+  void join(DdsParticipant& participant, std::chrono::milliseconds settles);
+  /// Claims from now on, in a thread of its own: a weaker one falls silent at once. Again, it changes
+  /// nothing.
+  void claim();
   void stop();
 
   /// How often it has become this daemon's turn, where it is; else 0.
@@ -29,7 +32,7 @@ class DdsClaim {
   bool isClaimants(const StatusBoard::WriterId& writer) const;
 
  private:
-  void claim(eprosima::fastdds::dds::DataWriter* writer);
+  void write();
 
   const uint32_t groom_id_;
   const uint64_t session_;
@@ -40,6 +43,7 @@ class DdsClaim {
   mutable std::mutex writers_mutex_;
   std::set<StatusBoard::WriterId> writers_;  // of claims, that are there
   TakingListener<v6::Claim> listener_;
+  eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;

@@ -41,7 +41,7 @@ class DdsPublisher final : public Publisher {
     guide_writer_ = participant_.createWriter(kGuidesTopic, new GuideChunkType, &readers_);
     if (options.claim) {
       relay_ = participant_.createWriterIfPermitted(kCommandTopic, new CommandType, nullptr);
-      claim_->start(participant_, options.keys.empty() ? kSettles : kSecureRivalListenTime);
+      claim_->join(participant_, options.keys.empty() ? kSettles : kSecureRivalListenTime);
     }
     publishStatus({});  // so that rivals hear of this session at once
   }
@@ -69,6 +69,7 @@ class DdsPublisher final : public Publisher {
   }
 
   void publish(const GuideFrame& frame) override {
+    if (claim_) claim_->claim();  // not before: who casts so far falls silent, and here are frames now
     if (claim_ && !takeTurn()) return;
     announced_.divide(frame, [this](GuideChunk& chunk) {
       toWire(chunk, guide_sample_);

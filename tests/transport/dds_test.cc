@@ -284,6 +284,44 @@ TEST_F(Dds, AStatusGoesWithTheTurnOfWhoSharesAGroom) {
   EXPECT_TRUE(isTheOne(*late, 22)) << "nor does who comes later hear of it";
 }
 
+TEST_F(Dds, AStrongerClaimantSilencesNobodyBeforeItHasFrames) {
+  const int domain = testDomain(16);
+  const GroomDescription groom = uniformGroom(10, 4);
+  const auto claims = [&](uint64_t session, uint32_t strength) {
+    auto publisher = makeDdsPublisher({domain, 1, session, {Codec::kFloat32}, strength});
+    publisher->announce(groom, sampleBody(4));
+    return publisher;
+  };
+  const auto first = claims(11, 1);
+  const auto reader = makeDdsSubscriber({domain, 1, 0, {}});
+  uint64_t number = 0, seen = 0;
+  auto newest = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::duration longest{};
+  const auto castsFor = [&](int ms, const std::vector<Publisher*>& publishers) {
+    for (const auto end = std::chrono::steady_clock::now() + milliseconds(ms);
+         std::chrono::steady_clock::now() < end; std::this_thread::sleep_for(milliseconds(10))) {
+      ++number;
+      for (Publisher* const publisher : publishers) publisher->publish(sampleFrame(groom, number));
+      const auto frame = reader->frame();
+      if (!frame || frame->frame == seen) continue;
+      const auto now = std::chrono::steady_clock::now();
+      if (seen != 0) longest = std::max(longest, now - newest);
+      seen = frame->frame;
+      newest = now;
+    }
+    return reader->frame() ? reader->frame()->session : 0;
+  };
+  ASSERT_EQ(castsFor(4000, {first.get()}), 11u);
+  longest = {};
+  auto second = claims(22, 2);
+  EXPECT_EQ(castsFor(3000, {first.get()}), 11u) << "it listens, and makes its simulation";
+  EXPECT_FALSE(second->rival()) << "they share the groom";
+  EXPECT_EQ(castsFor(1000, {first.get(), second.get()}), 22u);
+  EXPECT_LT(longest, milliseconds(500));
+  second.reset();
+  EXPECT_EQ(castsFor(1000, {first.get()}), 11u);
+}
+
 TEST_F(Dds, WhoOnlySteersIsNoReader) {
   DdsOptions steering;
   steering.domain = testDomain(14);
