@@ -42,6 +42,13 @@ HeadMotion rampTo(const Pose& from, const Pose& to) {
   return [=](double seconds) { return onTheWay(from, to, seconds, kRampSeconds); };
 }
 
+/// A motion that begins at the pose `from`, and not at rest.
+HeadMotion rampInto(HeadMotion motion, const Pose& from) {
+  return [motion = std::move(motion), way = rampTo(from, {})](double seconds) {
+    return way(seconds) * motion(seconds);
+  };
+}
+
 /// Position x y z, rotation x y z w.
 Pose poseOf(const std::vector<double>& values, size_t first, const std::string& where) {
   const double* const v = values.data() + first;
@@ -152,11 +159,8 @@ void Daemon::apply(const Command& command) {
     }
     case CommandKind::kHeadPose:
       return moveHead(command, where);
-    case CommandKind::kHeadMotion: {
-      motion_ = proceduralMotion(command.name, head_pivot_);  // files are this machine's own
-      motion_start_ = simulation_.time();
-      return;
-    }
+    case CommandKind::kHeadMotion:  // files are this machine's own
+      return setMotion(rampInto(proceduralMotion(command.name, head_pivot_), motionPose()));
     case CommandKind::kReset:
       simulation_.reset();
       return;
@@ -195,9 +199,16 @@ void Daemon::pull(const Command& command, const std::string& where) {
 void Daemon::moveHead(const Command& command, const std::string& where) {
   if (command.values.size() != 7)
     throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
-  // A clip goes on: the pose is relative to where it has the head.
+  setMotion(rampTo(motionPose(), poseOf(command.values, 0, where)));
+}
+
+Pose Daemon::motionPose() const {
   const Pose carried = skinned_ ? skinned_->carried(simulation_.time()) : Pose{};
-  motion_ = rampTo(carried.inverse() * simulation_.headPose(), poseOf(command.values, 0, where));
+  return carried.inverse() * simulation_.headPose();
+}
+
+void Daemon::setMotion(HeadMotion motion) {
+  motion_ = std::move(motion);
   motion_start_ = simulation_.time();
 }
 

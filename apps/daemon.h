@@ -43,6 +43,9 @@ class Daemon {
   void apply(const Command& command);
   void pull(const Command& command, const std::string& where);
   void moveHead(const Command& command, const std::string& where);
+  /// Where the motion has the head; a clip goes on, and carries it there.
+  Pose motionPose() const;
+  void setMotion(HeadMotion motion);
   void addCollider(const Command& command, const std::string& where);
   void moveCollider(const Command& command, const std::string& where);
   void removeCollider(const Command& command, const std::string& where);

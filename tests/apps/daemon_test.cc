@@ -4,6 +4,7 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -62,6 +63,22 @@ TEST_F(DaemonTest, TakesTheStepsOfEachCommandBeforeTheNext) {
   EXPECT_NE(subscriber_->status()->last_command, later) << "a frame is not kept waiting for ever";
   cast(1);
   EXPECT_EQ(subscriber_->status()->last_command, later);
+}
+
+TEST_F(DaemonTest, AMotionBeginsWhereTheHeadIs) {
+  EXPECT_EQ(order(CommandKind::kHeadPose, {0.1, 0, 0, 0, 0.9, 0, std::sqrt(1 - 0.81)}), "");
+  cast(20);
+  for (const char* const motion : {"nod", "still"}) {
+    const Pose before = subscriber_->frame()->head;
+    EXPECT_EQ(order(CommandKind::kHeadMotion, {}, motion), "");
+    const Pose after = subscriber_->frame()->head;
+    // Of 2.2 in 12 frames.
+    EXPECT_LT(after.rotation.angularDistance(before.rotation), 0.3f) << motion;
+    EXPECT_LT((after.position - before.position).norm(), 0.02f) << motion;
+    cast(20);
+  }
+  EXPECT_NEAR(subscriber_->frame()->head.rotation.angularDistance(Quat::Identity()), 0, 1e-3f);
+  EXPECT_NEAR(subscriber_->frame()->head.position.norm(), 0, 1e-5f);
 }
 
 TEST_F(DaemonTest, AHandPullsUntilItLetsGoOrNobodyMovesIt) {
