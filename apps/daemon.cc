@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 constexpr size_t kStepWindow = 1200;     // steps that the timing statistics look back on
 constexpr double kStatusInterval = 0.5;  // s
 constexpr double kPullSeconds = 1;       // of simulation, after which a hand lets go that nobody moves
-constexpr int kMostSteps = 1000;         // that a command asks for
+constexpr int kMostSteps = 1000;         // that commands have asked for
 constexpr double kFarthestPlace = 1000;  // m, on each axis, of a commanded pose
 constexpr double kRampSeconds = 0.2;     // a commanded pose is reached in this time, smoothly
 
@@ -172,8 +172,7 @@ void Daemon::apply(const Command& command) {
       return;
     case CommandKind::kStep:
       if (!paused_) throw Error("only a paused simulation takes single steps", where, "pause it first");
-      steps_asked_ = wholeNumber(command, 1, kMostSteps, where);
-      return;
+      return askForSteps(command, where);
     case CommandKind::kPull:
       return pull(command, where);
     case CommandKind::kAddCollider:
@@ -259,24 +258,50 @@ void Daemon::announceColliders() {
   publisher_.announceColliders(set);
 }
 
-void Daemon::obey(const Command& command, const std::atomic<bool>& stop) {
-  answerCommand(
-      command,
-      [&] {
-        apply(command);
-        takeSteps(stop);
-      },
-      status_);
-  if (!status_.last_command_error.empty()) spdlog::warn("refused: {}", status_.last_command_error);
-  publisher_.publishStatus(status_);  // the answer; its measured numbers are those of the last look
+void Daemon::askForSteps(const Command& command, const std::string& where) {
+  const int count = wholeNumber(command, 1, kMostSteps, where);
+  int owed = 0;
+  for (const Steps& steps : steps_) owed += steps.left;
+  if (owed + count > kMostSteps)
+    throw Error(fmt::format("{} steps are still to be taken", owed), where, "wait for their answer");
+  steps_.push_back({command.id, count});
 }
 
-/// Before the next command, which may change what they would be.
-void Daemon::takeSteps(const std::atomic<bool>& stop) {
-  for (; steps_asked_ > 0; --steps_asked_) {
-    if (stop) throw Error(fmt::format("{} steps were not taken", steps_asked_), "the daemon", "it ends");
+void Daemon::obey(const Command& command) {
+  const CommandKind kind = command.kind;
+  if (kind == CommandKind::kReset || kind == CommandKind::kPause || kind == CommandKind::kShutdown)
+    dropSteps("reset, pause, go and stop end them");
+  const std::string refusal = refusalOf([&] { apply(command); });
+  const bool has_begun = kind == CommandKind::kStep && refusal.empty();
+  if (!has_begun) answer(command.id, refusal);
+}
+
+void Daemon::answer(uint64_t command, const std::string& refusal) {
+  status_.last_command = command;
+  status_.last_command_error = refusal;
+  if (!refusal.empty()) spdlog::warn("refused: {}", refusal);
+  publisher_.publishStatus(status_);  // its measured numbers are those of the last look
+}
+
+/// A frame's share of those that commands have asked for. False when `stop` came first.
+bool Daemon::takeSteps(const std::atomic<bool>& stop) {
+  const auto end = Clock::now() + std::chrono::duration<double>(0.5 / settings_.rate);
+  do {
+    if (stop) return false;
     advance();
-    ++steps_taken_;
+    if (--steps_.front().left > 0) continue;
+    answer(steps_.front().command, {});
+    steps_.pop_front();
+  } while (!steps_.empty() && (takes_another_ ? takes_another_(simulation_) : Clock::now() < end));
+  return true;
+}
+
+void Daemon::dropSteps(const std::string& why) {
+  for (; !steps_.empty(); steps_.pop_front()) {
+    const auto [command, left] = steps_.front();
+    const Error refusal(fmt::format("{} steps were not taken", left), fmt::format("command {}", command),
+                        why);
+    answer(command, refusal.what());
   }
 }
 
@@ -350,16 +375,14 @@ void Daemon::publishStatus() {
 }
 
 bool Daemon::castFrame(const std::atomic<bool>& stop) {
-  steps_taken_ = 0;
-  for (size_t taken = 0; taken < kMaxCommandsPerFrame && steps_taken_ < kMostSteps && steps_asked_ == 0;
-       ++taken) {
+  for (size_t taken = 0; taken < kMaxCommandsPerFrame; ++taken) {
     const std::optional<Command> command = publisher_.takeCommand();
     if (!command) break;
-    obey(*command, stop);
+    obey(*command);
   }
   const double step = simulation_.parameters().time_step;
-  if (steps_asked_ > 0) return false;  // `stop` came first
   if (paused_) {
+    if (!steps_.empty() && !takeSteps(stop)) return false;
     publishFrame();
     return true;
   }
@@ -394,6 +417,7 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
     }
     std::this_thread::sleep_until(due);
   }
+  dropSteps("the daemon ends");
   publishStatus();
   summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   summary.status = status_;

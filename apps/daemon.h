@@ -1,5 +1,6 @@
 #pragma once
 #include <atomic>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -37,9 +38,15 @@ class Daemon {
   bool castFrame(const std::atomic<bool>& stop);
   /// Called in the thread of run() after each frame, with the simulation as the frame has it.
   void setObserver(std::function<void(Simulation&)> observer) { observer_ = std::move(observer); }
+  /// Whether a frame takes another of the steps that commands have asked for. Else the clock says it: a frame
+  /// takes as many as half the time between frames has room for, at least one.
+  void setStepping(std::function<bool(const Simulation&)> takes_another) {
+    takes_another_ = std::move(takes_another);
+  }
 
  private:
-  void obey(const Command& command, const std::atomic<bool>& stop);
+  void obey(const Command& command);
+  void answer(uint64_t command, const std::string& refusal);
   void apply(const Command& command);
   void pull(const Command& command, const std::string& where);
   void moveHead(const Command& command, const std::string& where);
@@ -51,7 +58,9 @@ class Daemon {
   void removeCollider(const Command& command, const std::string& where);
   void announceColliders();
   void placeColliders();
-  void takeSteps(const std::atomic<bool>& stop);
+  void askForSteps(const Command& command, const std::string& where);
+  bool takeSteps(const std::atomic<bool>& stop);
+  void dropSteps(const std::string& why);
   void advance();
   void publishFrame();
   /// Measures so many strands more of those that status tells of.
@@ -85,8 +94,13 @@ class Daemon {
   double owed_ = 0;  ///< s of simulation time
   bool shutdown_ = false;
   bool paused_ = false;
-  int steps_asked_ = 0;    ///< by the command that is obeyed, while paused
-  int steps_taken_ = 0;    ///< by commands before this frame
+  /// That a command has asked for while paused, and that are still to be taken.
+  struct Steps {
+    uint64_t command;
+    int left;
+  };
+  std::deque<Steps> steps_;
+  std::function<bool(const Simulation&)> takes_another_;
   double pull_until_ = 0;  ///< s of simulation time
   std::function<void(Simulation&)> observer_;
 };

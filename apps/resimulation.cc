@@ -104,6 +104,7 @@ class RecordedInputs final : public Publisher {
   std::optional<Rival> rival() const override { return std::nullopt; }
 
   uint64_t session() const { return next_.frame->session; }
+  double time() const { return next_.frame->simulation_time; }
   bool isOver() const { return is_over_; }
 
  private:
@@ -139,6 +140,8 @@ ResimulationReport resimulate(Recording& recording, const std::string& name, con
   report.device = daemon.status().device;
   report.recorded_device = source.device;
   daemon.setObserver([&](Simulation& simulation) { frame_done(report.frames, simulation); });
+  // How many steps the clock gave to each frame is told by the frames' times.
+  daemon.setStepping([&](const Simulation& simulation) { return simulation.time() < inputs.time(); });
   while (!inputs.isOver() && !stop && daemon.castFrame(stop)) {
   }
   return report;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include <utility>
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/finite_range.h"
@@ -61,7 +62,8 @@ int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
   command.kind = kind;
   command.name = name;
   command.values = values;
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(o.timeout);
+  auto heard = std::chrono::steady_clock::now();
+  double time = 0;  // s of simulation
   const std::optional<std::string> refusal = ask(*subscriber, command, [&] {
     if (g_interrupted) throw Interrupted();
     return std::chrono::steady_clock::now() > deadline;
@@ -280,7 +282,9 @@ Verb addCtl(CLI::App& app) {
   app.require_subcommand(1);
   app.fallthrough();
   addNetworkOptions(app, o->network);
-  app.add_option("--timeout", o->timeout, "seconds to wait for the daemon")->check(finiteRange(0.1, 3600.0));
+  app.add_option("--timeout", o->timeout, "seconds to wait for the daemon; for steps, since it took one")
+      ->check(finiteRange(0.1, 3600.0))
+      ->capture_default_str();
   app.add_flag("--json", o->json, "print one JSON object");
   app.footer(
       "Every command waits until the daemon has carried it out.\n"

@@ -12,16 +12,22 @@
 
 namespace strandcast {
 
+/// Why `apply` refuses, by an Error; empty where it carries out what it is to.
+template <class Apply>
+std::string refusalOf(const Apply& apply) {
+  try {
+    apply();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
 /// Carries out a command by `apply`, which throws Error where it refuses, and answers it in `status`.
 template <class Apply>
 void answerCommand(const Command& command, const Apply& apply, Status& status) {
   status.last_command = command.id;
-  status.last_command_error.clear();
-  try {
-    apply();
-  } catch (const Error& error) {
-    status.last_command_error = error.what();
-  }
+  status.last_command_error = refusalOf(apply);
 }
 
 /// What daemons answered to the newest commands: kept when their next status, or their end, comes before

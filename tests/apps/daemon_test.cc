@@ -41,28 +41,34 @@ TEST_F(DaemonTest, HoldsStillWhilePausedAndTakesSingleSteps) {
   EXPECT_GT(seconds(), held + 3.5 / 60);
 }
 
-TEST_F(DaemonTest, TakesTheStepsOfEachCommandBeforeTheNext) {
+TEST_F(DaemonTest, TakesManyStepsByAndBy) {
   EXPECT_EQ(order(CommandKind::kPause, {1}), "");
+  daemon_->setStepping([](const Simulation&) { return false; });  // one a frame
   const double held = seconds();
+  const uint64_t frame = subscriber_->frame()->frame;
   uint64_t id = 100;
-  const auto send = [&](CommandKind kind, double value, const char* name = "") {
-    subscriber_->send({.id = ++id, .kind = kind, .name = name, .values = {value}});
+  const auto step = [&](double count) {
+    subscriber_->send({.id = ++id, .kind = CommandKind::kStep, .name = "", .values = {count}});
+    cast(1);
     return id;
   };
-  send(CommandKind::kStep, 3);
-  send(CommandKind::kSetParameter, 0.001, "time_step");
-  const uint64_t last = send(CommandKind::kStep, 2);
-  cast(1);
-  EXPECT_EQ(subscriber_->status()->last_command, last) << "all in one frame";
-  EXPECT_NEAR(seconds(), held + 3.0 / 60 + 2 * 0.001, 1e-6);
-  const uint64_t frame = subscriber_->frame()->frame;
-  send(CommandKind::kStep, 1000);
-  const uint64_t later = send(CommandKind::kStep, 1);
-  cast(1);
-  EXPECT_EQ(subscriber_->frame()->frame, frame + 1);
-  EXPECT_NE(subscriber_->status()->last_command, later) << "a frame is not kept waiting for ever";
-  cast(1);
-  EXPECT_EQ(subscriber_->status()->last_command, later);
+  const auto answerTo = [&](uint64_t command) {
+    return subscriber_->waitForAnswer(command, std::chrono::milliseconds(0)).value_or("none yet");
+  };
+  const uint64_t three = step(3), one = step(1);
+  EXPECT_NEAR(seconds(), held + 2.0 / 60, 1e-6);
+  EXPECT_EQ(subscriber_->frame()->frame, frame + 2) << "frames go on being sent";
+  EXPECT_EQ(order(CommandKind::kSetParameter, {0.001}, "time_step"), "") << "others are obeyed meanwhile";
+  EXPECT_EQ(answerTo(three), "");
+  EXPECT_EQ(answerTo(one), "none yet");
+  cast(2);
+  EXPECT_EQ(answerTo(one), "");
+  EXPECT_NEAR(seconds(), held + 2.0 / 60 + 2 * 0.001, 1e-6);
+
+  const uint64_t many = step(999);
+  EXPECT_NE(answerTo(step(3)).find("998 steps are still to be taken"), std::string::npos);
+  EXPECT_EQ(order(CommandKind::kPause, {0}), "");
+  EXPECT_NE(answerTo(many).find("997 steps were not taken"), std::string::npos);
 }
 
 TEST_F(DaemonTest, AMotionBeginsWhereTheHeadIs) {

@@ -438,6 +438,10 @@ TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {
                              "daemon.txt");
   ASSERT_EQ(run(program_ + " ctl wind 3 0 0 --timeout 60" + network).exit_code, 0);
   EXPECT_EQ(run(program_ + " ctl set time_step 0.01" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl motion nod" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl pause" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl step 500" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl go" + network).exit_code, 0);
   const std::string live = (folder_ / "live.rec").string();
   const Outcome recorded =
       run(program_ + " record " + live + " --seconds 0.5 --codec float32 --json" + network);
@@ -451,7 +455,7 @@ TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {
   const nlohmann::json report = nlohmann::json::parse(again.out);
   EXPECT_GT(report["frames"], 30);
   EXPECT_EQ(report["frames_different"], 0);
-  EXPECT_EQ(report["inputs"], 2);
+  EXPECT_EQ(report["inputs"], 6);
   EXPECT_NE(again.err.find("not closed"), std::string::npos) << "the daemon was killed: " << again.err;
   const Outcome no_source = run(program_ + " replay " + live + " --resimulate");
   EXPECT_EQ(no_source.exit_code, 2) << no_source.out;
