@@ -20,7 +20,7 @@ bool StreamRecording::take(std::chrono::milliseconds timeout) {
   if (!is_new && frame->frame > last_->frame + 1) skipped_ += frame->frame - last_->frame - 1;
   const bool is_same = !is_new && frame->simulation_time == last_->simulation_time;  // of a paused daemon
   last_ = frame;
-  if (is_same) return false;
+  if (is_same) return true;
   if (is_new && !describe(*frame)) return true;
   session_ = frame->session;
   revision_ = frame->revision;

@@ -15,7 +15,8 @@ class StreamRecording {
   StreamRecording(Subscriber& subscriber, const std::filesystem::path& file, const RecordingOptions& options)
       : subscriber_(subscriber), recorder_(file, options, MakeFile::kWithGroom) {}
 
-  /// Waits for the next frame and writes it; false when none came in time. Throws Error as Recorder.
+  /// Waits for the next frame and writes it, where it is of another moment than the last; false when none
+  /// came in time. Throws Error as Recorder.
   bool take(std::chrono::milliseconds timeout);
   void close() { recorder_.close(); }
 

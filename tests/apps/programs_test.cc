@@ -384,9 +384,9 @@ TEST_F(Programs, DaemonCastsToARendererAndObeys) {
   }
   // Of a daemon that is paused there is one moment to record, not a film of it.
   EXPECT_EQ(run(program_ + " ctl pause" + network).exit_code, 0);
-  const Outcome paused =
-      run(program_ + " record " + (folder_ / "paused.rec").string() + " --timeout 2 --json" + network);
-  ASSERT_EQ(paused.exit_code, 0) << paused.err;
+  const Outcome paused = run("timeout -s INT 4 " + program_ + " record " + (folder_ / "paused.rec").string() +
+                             " --timeout 1 --json" + network);
+  ASSERT_EQ(paused.exit_code, 124) << "it is no silence: " << paused.err;
   EXPECT_LE(nlohmann::json::parse(paused.out)["frames"], 2);
   EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
   EXPECT_EQ(wait(first), 0);
