@@ -114,6 +114,7 @@ EmbeddedDaemon::EmbeddedDaemon(const Settings& settings, SimulationObserver obse
       const std::lock_guard lock(mutex_);
       failure_ = std::current_exception();
     }
+    has_ended_ = true;
   });
 }
 

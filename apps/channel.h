@@ -36,12 +36,14 @@ class EmbeddedDaemon {
   Subscriber& subscriber() { return *subscriber_; }
   /// Throws the Error that has ended the daemon, if one has.
   void checkAlive() const;
+  /// Whether it casts no more.
+  bool hasEnded() const { return has_ended_; }
 
  private:
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<Subscriber> subscriber_;
   std::unique_ptr<Daemon> daemon_;
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, has_ended_{false};
   mutable std::mutex mutex_;
   std::exception_ptr failure_;
   std::thread thread_;
@@ -59,6 +61,7 @@ class Stream {
   void checkAlive() const {
     if (embedded_) embedded_->checkAlive();
   }
+  bool hasEnded() const { return embedded_ && embedded_->hasEnded(); }
 
  private:
   std::unique_ptr<EmbeddedDaemon> embedded_;

@@ -63,12 +63,14 @@ void FrameCapture::run() {
   double start = -1;          // s of simulation time
   auto heard = std::chrono::steady_clock::now();
   while (captured < plan_.frames && !stop_ && !g_interrupted) {
+    const bool has_ended = stream_.hasEnded();  // before the look for its last frames
     const auto frame = subscriber.waitForNext(last.get(), std::chrono::milliseconds(100));
     const auto now = std::chrono::steady_clock::now();
     const bool is_other = frame && last && last->session != frame->session;  // another daemon took over
     // A daemon that is paused sends the same moment again and again.
     if (frame && (!last || is_other || last->simulation_time != frame->simulation_time)) heard = now;
     if (std::chrono::duration<double>(now - heard).count() > plan_.timeout) break;
+    if (!frame && has_ended) break;
     if (!frame) continue;
     const bool fits_last = last && !is_other && last->revision == frame->revision &&
                            last->positions.size() == frame->positions.size();

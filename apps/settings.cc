@@ -219,7 +219,7 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   simulation->add_option("--rate", given_.rate, "frames per second")
       ->check(finiteRange(1.0, 1000.0))
       ->capture_default_str();
-  simulation->add_option("--duration", given_.duration, "seconds to run; 0 = until interrupted")
+  simulation->add_option("--duration", given_.duration, "seconds to run, by the clock; 0 = until interrupted")
       ->check(finiteRange(0.0, 1e9));
   addNetworkOptions(app, given_);
   app.add_option("--codec", codec_, codecHelp())->check(CLI::IsMember(codecNames()));
