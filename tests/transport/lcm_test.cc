@@ -409,6 +409,11 @@ TEST(Lcm, BadOptionsAreRefused) {
                                  {"file:///no/such/file?mode=r", 1, "log file"},
                                  {"file:///no/such/file?mode=w", 1, "would replace the log"},
                                  {"memq://", 1, "makeLcmChannel"},
+                                 {"udpm://x", 1, "'x' is no multicast address"},
+                                 {"udpm://192.168.1.20:7667", 1, "no multicast address"},
+                                 {"udpm://239.255.76.67:99999?ttl=0", 1, "'99999' is no UDP port"},
+                                 {"udpm://239.255.76.67:0", 1, "no UDP port"},
+                                 {"udpm://239.255.76.67:", 1, "no UDP port"},
                                  {lcmUrl(0), 0, "groom id"}}) {
     const std::string error = errorOf([&] { makeLcmSubscriber({refusal.url, refusal.groom_id, 0, {}}); });
     EXPECT_NE(error.find(refusal.complaint), std::string::npos) << refusal.url << ": " << error;

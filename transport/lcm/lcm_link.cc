@@ -1,9 +1,12 @@
 #include "transport/lcm/lcm_link.h"
 
+#include <arpa/inet.h>
 #include <spdlog/spdlog.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <string_view>
 
 #include "core/error.h"
 #include "transport/lcm/lcm_ends.h"
@@ -11,6 +14,7 @@
 namespace strandcast {
 namespace {
 
+constexpr std::string_view kMulticast = "udpm://";
 constexpr const char* kReceiveBuffer =
     "recv_buf_size=4194304";  // with the default, bursts of a frame are lost
 /// Messages of a channel that may wait for the drain thread: frames of two million vertices.
@@ -18,12 +22,29 @@ constexpr int kQueued = 1024;
 constexpr int kPollMs = 50;
 
 std::string completed(const std::string& url) {
-  if (!url.starts_with("udpm://") || url.find("recv_buf_size") != std::string::npos) return url;
+  if (!url.starts_with(kMulticast) || url.find("recv_buf_size") != std::string::npos) return url;
   return url + (url.find('?') == std::string::npos ? "?" : "&") + kReceiveBuffer;
 }
 
+/// LCM 1.3.1 takes any text for an address, and port 0.
+void checkMulticast(const std::string& url, const std::string& place) {
+  if (place.empty()) return;  // LCM's own
+  const size_t colon = place.find(':');
+  const std::string address = place.substr(0, colon);
+  in_addr parsed{};
+  if (inet_pton(AF_INET, address.c_str(), &parsed) != 1 || ntohl(parsed.s_addr) >> 28 != 14)
+    throw Error("'" + address + "' is no multicast address", url,
+                "give 224.0.0.0 to 239.255.255.255, e.g. udpm://239.255.76.67:7667?ttl=0");
+  if (colon == std::string::npos) return;
+  const std::string port = place.substr(colon + 1);
+  uint16_t number = 0;
+  const auto [rest, failure] = std::from_chars(port.data(), port.data() + port.size(), number);
+  if (rest != port.data() + port.size() || failure != std::errc() || number == 0)
+    throw Error("'" + port + "' is no UDP port", url, "give 1 to 65535");
+}
+
 [[noreturn]] void fail(const std::string& url) {
-  if (url.starts_with("udpm://")) {
+  if (url.starts_with(kMulticast)) {
     throw Error("LCM cannot use multicast", url,
                 "it needs a route: `ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo` for this "
                 "machine alone, or dev and name of a network interface");
@@ -36,8 +57,10 @@ std::string completed(const std::string& url) {
 }  // namespace
 
 LcmLink::LcmLink(const std::string& url) : url_(url) {
+  if (url.starts_with(kMulticast))
+    checkMulticast(url, url.substr(kMulticast.size(), url.find('?') - kMulticast.size()));
   const bool is_known =
-      url.starts_with("udpm://") || url.starts_with("file://") || url.starts_with("memq://");
+      url.starts_with(kMulticast) || url.starts_with("file://") || url.starts_with("memq://");
   if (is_known) lcm_ = lcm_create(completed(url).c_str());
   if (lcm_ == nullptr) fail(url);
 }
