@@ -40,6 +40,13 @@ double numberOf(const Command& command, double low, double high) {
 
 }  // namespace
 
+void checkReplay(const Recording& recording, const ReplayOptions& options) {
+  if (recording.frames() > 0 && options.from <= recording.seconds()) return;
+  const double end = options.to > 0 ? options.to : recording.seconds();
+  throw Error("there is nothing to replay", fmt::format("{:g} to {:g} s", options.from, end),
+              fmt::format("the recording has {} frames, {:.3f} s", recording.frames(), recording.seconds()));
+}
+
 Replay::Replay(Recording& recording, Publisher& publisher, uint32_t groom_id, uint64_t session,
                const ReplayOptions& options)
     : recording_(recording), publisher_(publisher), rival_warning_(groom_id), options_(options) {
@@ -142,10 +149,7 @@ void Replay::publishStatus() {
 }
 
 ReplaySummary Replay::run(const std::atomic<bool>& stop) {
-  if (recording_.frames() == 0 || options_.from > recording_.seconds())
-    throw Error(
-        "there is nothing to replay", fmt::format("{:g} to {:g} s", options_.from, end()),
-        fmt::format("the recording has {} frames, {:.3f} s", recording_.frames(), recording_.seconds()));
+  checkReplay(recording_, options_);
   const Clock::time_point start = Clock::now();
   Clock::time_point shown = start, status_due = start;
   target_ = options_.from;

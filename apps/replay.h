@@ -21,6 +21,9 @@ inline bool isReplaySpeed(double speed) {
   return speed == 0 || (speed >= kMinReplaySpeed && speed <= kMaxReplaySpeed);
 }
 
+/// Throws Error when there is no frame to show.
+void checkReplay(const Recording& recording, const ReplayOptions& options);
+
 struct ReplaySummary {
   uint64_t frames = 0;   ///< published
   uint64_t damaged = 0;  ///< that could not be read and were left out

@@ -12,6 +12,7 @@
 #include "apps/resimulation.h"
 #include "apps/settings.h"
 #include "core/error.h"
+#include "transport/recording/record_file.h"
 #include "transport/recording/recording_publisher.h"
 
 using namespace strandcast;
@@ -88,6 +89,7 @@ int main(int argc, char** argv) {
     catchInterrupts();
     if (records->count() > 0 && file.empty())
       throw Error("the recording has no name", "--record ''", "name a file, e.g. --record run.rec");
+    if (!file.empty()) RecordWriter::check(file);  // before a scene is made and the groom claimed
     Settings settings = options.resolve();
     if (claims->count() > 0) settings.claim = claim;
     Scene scene = makeSceneAloud(settings.scene);

@@ -190,6 +190,7 @@ int simulateAgain(Recording& recording, const ReplayVerbOptions& o) {
 int cast(Recording& recording, const ReplayVerbOptions& o) {
   Settings settings = o.settings;
   settings.codec.codec = codecNamed(o.codec, "--codec");
+  checkReplay(recording, o.replay);  // before anyone hears of it
   const uint64_t session = newSession();
   const std::unique_ptr<Publisher> publisher = claimGroom(settings, session);
   Replay replay(recording, *publisher, settings.groom_id, session, o.replay);
