@@ -187,7 +187,7 @@ ContactPrimitive readPrimitive(Section& section) {
       out.kind = PrimitiveKind::kCapsule;
     else if (kind == "plane")
       out.kind = PrimitiveKind::kPlane;
-    else if (kind == "tapered_capsule")
+    else if (kind == "tapered_capsule" || kind == "tapered-capsule")
       out.kind = PrimitiveKind::kTaperedCapsule;
     else if (kind == "ellipsoid")
       out.kind = PrimitiveKind::kEllipsoid;

@@ -1,13 +1,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
-
 #include <utility>
+
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/finite_range.h"
@@ -42,6 +43,15 @@ CLI::Validator finiteNumber() {
   return {refuse, ""};
 }
 
+/// Leaves out the least count of a positional's numbers, which CLI11 tells as if it were the only one.
+class PlainUsage final : public CLI::Formatter {
+ public:
+  std::string make_option_usage(const CLI::Option* option) const override {
+    const std::string name = make_option_name(option, true);
+    return option->get_required() ? name : "[" + name + "]";
+  }
+};
+
 /// Polls until `ready` gives true; false on timeout. Throws Interrupted.
 bool waitUntil(double seconds, const std::function<bool()>& ready) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
@@ -66,7 +76,11 @@ int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
   double time = 0;  // s of simulation
   const std::optional<std::string> refusal = ask(*subscriber, command, [&] {
     if (g_interrupted) throw Interrupted();
-    return std::chrono::steady_clock::now() > deadline;
+    const auto now = std::chrono::steady_clock::now();
+    // Steps are answered when the last is taken: until then the simulation goes on.
+    const std::optional<Status> status = kind == CommandKind::kStep ? subscriber->status() : std::nullopt;
+    if (status && status->simulation_time != std::exchange(time, status->simulation_time)) heard = now;
+    return std::chrono::duration<double>(now - heard).count() > o.timeout;
   });
   if (!refusal)
     throw Error("the daemon did not answer",
@@ -190,13 +204,14 @@ constexpr ShapeForm kShapes[] = {
     {PrimitiveKind::kSphere, "sphere", 4, "X Y Z RADIUS"},
     {PrimitiveKind::kCapsule, "capsule", 7, "X Y Z to X Y Z, RADIUS"},
     {PrimitiveKind::kPlane, "plane", 6, "X Y Z, normal X Y Z"},
-    {PrimitiveKind::kTaperedCapsule, "tapered-capsule", 8, "X Y Z to X Y Z, RADIUS RADIUS"},
+    {PrimitiveKind::kTaperedCapsule, "tapered_capsule", 8, "X Y Z to X Y Z, RADIUS RADIUS"},
     {PrimitiveKind::kEllipsoid, "ellipsoid", 6, "X Y Z, half axes X Y Z"},
     {PrimitiveKind::kBox, "box", 6, "X Y Z, half edges X Y Z"}};
 
 /// The values of kAddCollider: the shape is at the origin of the collider, and the collider where it is asked
 /// to be; with the head, the shape itself is there.
-std::vector<double> colliderValues(const std::string& kind, const std::vector<double>& v, bool follows_head) {
+std::vector<double> colliderValues(std::string kind, const std::vector<double>& v, bool follows_head) {
+  std::replace(kind.begin(), kind.end(), '-', '_');
   const ShapeForm* form = nullptr;
   for (const ShapeForm& known : kShapes)
     if (kind == known.name) form = &known;
@@ -243,6 +258,7 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
   add->add_option("SHAPE", o->shape, "what it is")->required();
   add->add_option("VALUE", o->values, "m, in the world:" + shapes)
       ->expected(4, 8)
+      ->option_text("4 to 8 NUMBERS REQUIRED")
       ->required()
       ->check(finiteNumber());
   add->add_flag("--head", o->follows_head, "it moves with the head, which is at rest where it is placed");
@@ -256,6 +272,7 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
   move->add_option("NAME", o->name, "one that was added")->required();
   move->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "m, degrees")
       ->expected(3, 6)
+      ->option_text("3 to 6 NUMBERS REQUIRED")
       ->required()
       ->check(finiteNumber());
   move->add_option("--seconds", o->seconds, "that it takes")
@@ -281,6 +298,9 @@ Verb addCtl(CLI::App& app) {
   const auto run = std::make_shared<Verb>();
   app.require_subcommand(1);
   app.fallthrough();
+  const auto formatter = std::make_shared<PlainUsage>();
+  formatter->column_width(app.get_formatter()->get_column_width());
+  app.formatter(formatter);
   addNetworkOptions(app, o->network);
   app.add_option("--timeout", o->timeout, "seconds to wait for the daemon; for steps, since it took one")
       ->check(finiteRange(0.1, 3600.0))
@@ -294,7 +314,9 @@ Verb addCtl(CLI::App& app) {
       "  strandcast ctl head 0 0 0 30         turn the head 30 degrees to its left\n"
       "  strandcast ctl motion nod+turn\n"
       "  strandcast ctl collider add ball sphere 0 0.1 0.3 0.05\n"
-      "  strandcast ctl collider move ball 0 0.1 0 --seconds 2");
+      "  strandcast ctl collider move ball 0 0.1 0 --seconds 2\n"
+      "  strandcast ctl pull 0 0.1 0.1 0.03 0 0.2 0.2 20\n"
+      "  strandcast ctl step 3");
   const auto verb = [&](const char* name, const char* help, Verb body) {
     CLI::App* sub = app.add_subcommand(name, help);
     sub->callback([run, body = std::move(body)] { *run = body; });
@@ -312,11 +334,16 @@ Verb addCtl(CLI::App& app) {
   CLI::App* set = verb("set", "set a parameter (names: strandcastd --help)",
                        [o] { return sendCommand(*o, CommandKind::kSetParameter, o->name, o->values); });
   set->add_option("NAME", o->name, "parameter")->required();
-  set->add_option("VALUE", o->values, "1 or 3 numbers")->expected(1, 3)->required()->check(finiteNumber());
+  set->add_option("VALUE", o->values, "its components")
+      ->expected(1, 3)
+      ->option_text("1 or 3 NUMBERS REQUIRED")
+      ->required()
+      ->check(finiteNumber());
   verb("head", "move the head to a pose",
        [o] { return sendCommand(*o, CommandKind::kHeadPose, "", poseValues(o->values)); })
       ->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "offset from rest in m, angles in degrees")
       ->expected(3, 6)
+      ->option_text("3 to 6 NUMBERS REQUIRED")
       ->required()
       ->check(finiteNumber());
   verb("motion", "give the head a motion",
@@ -341,6 +368,7 @@ Verb addCtl(CLI::App& app) {
       ->add_option("X Y Z RADIUS TOX TOY TOZ RATE", o->values,
                    "where it closes, m, about what, m, where it pulls to, m, and how hard, 1/s")
       ->expected(0, 8)
+      ->option_text("8 NUMBERS or none")
       ->check(finiteNumber());
   verb("stop", "end the daemon", [o] { return sendCommand(*o, CommandKind::kShutdown, "", {}); });
   return [run] { return (*run)(); };
