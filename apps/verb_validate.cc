@@ -87,7 +87,7 @@ Suite suiteOf(const ValidateOptions& o) {
 int validate(const ValidateOptions& o) {
   const Suite suite = suiteOf(o);
   if (o.list) {
-    printList(suite);
+    printList(partOf(suite, o.only));
     return 0;
   }
   const SolverKind solver = solverKind(o.solver);
@@ -151,7 +151,7 @@ Verb addValidate(CLI::App& app) {
   app.add_option("--backend", o->backend, "auto, reference, simd or gpu")->capture_default_str();
   app.add_option("--solver", o->solver, "rod or gauss_seidel")->capture_default_str();
   app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
-  app.add_option("--only", o->only, "run the cases that have this in their name");
+  app.add_option("--only", o->only, "run or list the cases that have this in their name");
   auto number = [&](const char* name, auto& value, const char* help) {
     app.add_option_function<std::remove_reference_t<decltype(value)>>(
            name,

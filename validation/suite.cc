@@ -1,6 +1,6 @@
 #include "validation/suite.h"
 
-#include <algorithm>
+#include <utility>
 
 #include "core/error.h"
 #include "validation/experiments.h"
@@ -41,21 +41,26 @@ const Suite& validationSuite(const std::string& name) {
   throw Error("unknown suite", name, "choose one of " + names + ", or see `strandcast validate --help`");
 }
 
-std::vector<Case> runSuite(const Suite& suite, const Laboratory& laboratory, const std::string& only,
-                           const std::function<void(const std::string&, double)>& starting) {
-  auto wanted = [&](const std::string& name) { return name.find(only) != std::string::npos; };
-  std::vector<const Experiment*> chosen;
-  for (const Experiment& experiment : suite.experiments)
-    if (std::any_of(experiment.cases.begin(), experiment.cases.end(), wanted)) chosen.push_back(&experiment);
-  if (chosen.empty())
+Suite partOf(Suite suite, const std::string& only) {
+  for (Experiment& experiment : suite.experiments)
+    std::erase_if(experiment.cases,
+                  [&](const std::string& name) { return name.find(only) == std::string::npos; });
+  std::erase_if(suite.experiments, [](const Experiment& experiment) { return experiment.cases.empty(); });
+  if (suite.experiments.empty())
     throw Error("no case of this suite has '" + only + "' in its name", suite.name,
                 "see `strandcast validate " + suite.name + " --list`");
+  return suite;
+}
+
+std::vector<Case> runSuite(const Suite& suite, const Laboratory& laboratory, const std::string& only,
+                           const std::function<void(const std::string&, double)>& starting) {
+  const std::vector<Experiment> chosen = partOf(suite, only).experiments;
   std::vector<Case> cases;
   try {
     for (size_t i = 0; i < chosen.size(); ++i) {
-      if (starting) starting(chosen[i]->about, static_cast<double>(i) / static_cast<double>(chosen.size()));
-      for (Case& measured : chosen[i]->run(laboratory))
-        if (wanted(measured.name)) cases.push_back(std::move(measured));
+      if (starting) starting(chosen[i].about, static_cast<double>(i) / static_cast<double>(chosen.size()));
+      for (Case& measured : chosen[i].run(laboratory))
+        if (measured.name.find(only) != std::string::npos) cases.push_back(std::move(measured));
     }
   } catch (const Laboratory::Stopped&) {
   }

@@ -38,6 +38,9 @@ struct CantileverNumbers {
 /// square of the spacing more with fewer vertices. Error on numbers out of range.
 Suite cantileverSuite(const CantileverNumbers& numbers);
 
+/// The suite with the cases alone whose name has `only` in it. Error where no case has such a name.
+Suite partOf(Suite suite, const std::string& only);
+
 /// The cases of the suite whose name has `only` in it (all where that is empty), in the suite's order.
 /// `starting` is told, before each experiment, what it does and which part of all experiments is done. Ends
 /// early, with the cases so far, where the laboratory is stopped. Error where no case has such a name.
