@@ -260,7 +260,7 @@ std::vector<Case> hairDrier(const Laboratory& laboratory) {
   });
   const double windward = std::sqrt(squares[0] / counts[0]), lee = std::sqrt(squares[1] / counts[1]);
   Case out = absoluteCase({"hair in the lee", "rms way of its tips over that of tips in the wind", ""},
-                          lee / windward, 0, 1);
+                          lee / windward, 0, 0.3);
   out.note = fmt::format("in the wind {:.1f} mm, in the lee {:.1f} mm", 1e3 * windward, 1e3 * lee);
   return {out};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -22,14 +23,17 @@ Parameters frames(const Laboratory& laboratory, double air_drag) {
   return parameters;
 }
 
-// How deep the surface of hair is below that of a shape, m: of vertices, and of points between them.
+// How deep the surface of hair is below that of a shape, m: of vertices, and of points between them. Hair
+// that touches nothing is less than 0 deep.
 struct Depths {
-  double vertices = 0, segments = 0;
+  double vertices = -std::numeric_limits<double>::infinity(), segments = vertices;
 
   void see(std::span<const Vec3> strand, const MovingPrimitive& shape, std::span<const uint32_t> words,
            double hair_radius) {
     constexpr int kBetween = 7;
-    auto depth = [&](const Vec3& point) { return hair_radius - signedDistance(shape, point, words); };
+    auto depth = [&](const Vec3& point) {  // a field has a distance even where there is no number
+      return point.allFinite() ? hair_radius - signedDistance(shape, point, words) : std::nan("");
+    };
     for (size_t i = 1; i < strand.size(); ++i) {
       vertices = worse(vertices, depth(strand[i]));
       for (int k = 1; k <= kBetween; ++k)

@@ -308,7 +308,7 @@ std::vector<Case> farAway(const Laboratory& laboratory) {
   Simulation simulation = laboratory.simulation(modelOf(strands), {}, laboratory.parameters(kRate, kDrag));
   simulation.teleport(there);
   double stretch = 0;
-  const auto look = [&] { stretch = worse(stretch, 100 * simulation.measure().max_stretch); };
+  const auto look = [&] { stretch = worse(stretch, stretchOf(simulation)); };
   laboratory.advance(
       simulation, 1, [&](double t) { return there * shaken(t); }, look);
   laboratory.advance(

@@ -36,8 +36,11 @@ std::vector<Vec3> Laboratory::accelerations(const StrandModel& model, const Stra
   StepInput input;
   input.parameters = &parameters;
   surroundings->step(input, *backend);
-  const std::span<const Vec3> out = surroundings->accelerations();
-  return {out.begin(), out.end()};
+  const std::span<const Vec3> out = surroundings->accelerations(), places = backend->guides();
+  std::vector<Vec3> accelerations(out.begin(), out.end());
+  for (size_t v = 0; v < accelerations.size(); ++v)  // air leaves a strand that went wrong alone
+    if (!places[v].allFinite()) accelerations[v] = places[v];
+  return accelerations;
 }
 
 void Laboratory::advance(Simulation& simulation, double seconds,
@@ -66,6 +69,11 @@ std::span<const Vec3> strandOf(Simulation& simulation, size_t s) {
 }
 
 Vec3 tipOf(Simulation& simulation, size_t s) { return strandOf(simulation, s).back(); }
+
+double stretchOf(Simulation& simulation) {
+  const Measurement now = simulation.measure();
+  return now.non_finite > 0 ? std::nan("") : 100 * now.max_stretch;
+}
 
 double rmsSpeedOf(std::span<const Vec3> velocities) {
   double squares = 0;

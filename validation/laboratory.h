@@ -56,6 +56,8 @@ class Laboratory {
 std::span<const Vec3> strandOf(Simulation& simulation, size_t s);
 /// The last of them.
 Vec3 tipOf(Simulation& simulation, size_t s);
+/// Of the edge that is stretched most now, %; not a number where a vertex has none.
+double stretchOf(Simulation& simulation);
 /// Root mean square of speeds, m/s; of strand s, over its vertices.
 double rmsSpeedOf(std::span<const Vec3> velocities);
 double rmsSpeedOf(const StrandModel& model, const StrandState& state, size_t s);

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "validation/experiments.h"
@@ -20,11 +19,7 @@ std::vector<Case> stretch(const Laboratory& laboratory) {
   laboratory.advance(simulation, 4);
   double resting = 0, shaking = 0, turning = 0;
   auto keepLargest = [&](double& largest) {
-    return [&] {
-      const Measurement now = simulation.measure();
-      const double none = std::numeric_limits<double>::quiet_NaN();
-      largest = worse(largest, now.non_finite > 0 ? none : 100 * now.max_stretch);
-    };
+    return [&] { largest = worse(largest, stretchOf(simulation)); };
   };
   laboratory.advance(simulation, 0.5, keepLargest(resting));
   // 5 Hz: 0.0994 m is an amplitude of 10 g.

@@ -65,12 +65,12 @@ std::vector<Case> plate(const Laboratory& laboratory, double tilt) {
       const std::span<const Vec3> strand = strandOf(simulation, s);
       for (size_t v = 1; v < strand.size(); ++v) {
         const Vec3 inner = back.apply(strand[v - 1]), outer = back.apply(strand[v]);
-        // Behind the plate's middle, below its top: through it.
-        const auto through = [](const Vec3& p) { return p.x() < 0 && p.y() < 0; };
+        // Behind the plate's middle, below its top: through it. So is what is not a number.
+        const auto through = [](const Vec3& p) { return !(p.x() >= 0 || p.y() >= 0); };
         vertices += through(outer) ? 1 : 0;
-        if (inner.x() * outer.x() < 0) {  // where the segment meets the middle
+        if (!(inner.x() * outer.x() >= 0)) {  // where the segment meets the middle
           const float part = inner.x() / (inner.x() - outer.x());
-          segments += inner.y() + part * (outer.y() - inner.y()) < 0 ? 1 : 0;
+          segments += inner.y() + part * (outer.y() - inner.y()) >= 0 ? 0 : 1;
         }
       }
     }

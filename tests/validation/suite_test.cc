@@ -61,6 +61,47 @@ TEST(Suites, GaussSeidelFailsTheCantilever) {
   EXPECT_GE(std::count_if(cases.begin(), cases.end(), [](const Case& c) { return !c.passed; }), 8);
 }
 
+// Hair stays where it is put, or is no number after a step.
+class Broken final : public Backend {
+ public:
+  explicit Broken(bool stays) : stays_(stays) {}
+  std::string name() const override { return "reference"; }
+  std::string device() const override { return "none"; }
+  void load(const StrandModel& model, const StrandState& state) override {
+    upload(state);
+    state_.contacts.resize(model.vertices(), Vec3::Zero());
+  }
+  void upload(const StrandState& state) override { state_ = state; }
+  void download(StrandState& state) override { state = state_; }
+  void step(const StepInput&) override {
+    if (!stays_) std::fill(state_.positions.begin(), state_.positions.end(), Vec3::Constant(std::nanf("")));
+  }
+  std::span<const Vec3> guides() override { return state_.positions; }
+  std::span<const Vec3> velocities() override { return state_.velocities; }
+  bool takesAccelerations() const override { return true; }
+
+ private:
+  bool stays_;
+  StrandState state_;
+};
+
+void expectFailures(bool stays, const std::string& suite, const std::string& only) {
+  const Laboratory laboratory([=] { return std::make_unique<Broken>(stays); }, SolverKind::kRod);
+  for (const Case& c : runSuite(validationSuite(suite), laboratory, only))
+    EXPECT_FALSE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
+}
+
+TEST(Suites, HairThatIsNoNumberFails) {
+  expectFailures(false, "tunnel", "tilt=0");
+  expectFailures(false, "physics", "1 km from the origin: stretch");
+  expectFailures(false, "contact", "mesh tilted");
+}
+
+TEST(Suites, HairThatStaysWhereItIsFails) {
+  expectFailures(true, "contact", "dropped on a sphere: vertices");
+  expectFailures(true, "volume", "into each other");
+}
+
 TEST(Suites, OnlyCasesThatAreNamedAreGiven) {
   const Suite& cantilever = validationSuite("cantilever");
   const std::vector<Case> cases = runSuite(cantilever, reference(SolverKind::kRod), "gamma=10 convergence");
