@@ -50,8 +50,11 @@ WindSource::Kind windSourceKind(const std::string& name, const std::string& wher
 void checkWindSource(const WindSource& s, const std::string& where) {
   auto within = [](float value, float low, float high) { return value >= low && value <= high; };
   const float least = std::nextafter(0.0f, 1.0f);
-  if (!s.position.allFinite() || !s.direction.allFinite() || !(s.direction.norm() > 0))
-    throw Error("a source of wind has no place or direction", where, "give finite numbers and a direction");
+  if (s.kind < WindSource::Kind::kCone || s.kind > WindSource::Kind::kTurbine)
+    throw Error("a source of wind is of no known kind", where, "choose cone, sphere or turbine");
+  if (!s.position.allFinite() || !within(s.direction.norm(), 1e-3f, 1e3f))
+    throw Error("a source of wind has no place or direction", where,
+                "give finite numbers, and a direction of 0.001 to 1000 in length");
   if (!within(s.radius, least, 100) || !within(s.length, least, 100))
     throw Error("a source of wind has no size", where, "give radius and length above 0 to 100 m");
   if (!within(s.angle, least, static_cast<float>(std::numbers::pi / 2) * 1.0001f))

@@ -35,7 +35,7 @@ std::vector<WindSource> movedBy(std::vector<WindSource> sources, const Vec3& way
 /// "cone", "sphere" or "turbine"; Error, naming `where`, otherwise.
 WindSource::Kind windSourceKind(const std::string& name, const std::string& where);
 /// Throws Error, naming `where`, where a number is not finite or out of range: lengths above 0 to 100 m,
-/// angle above 0 to pi/2, speeds within +-100 m/s, rate 0 to 1000, direction not zero.
+/// angle above 0 to pi/2, speeds within +-100 m/s, rate 0 to 1000, direction's length 0.001 to 1000.
 void checkWindSource(const WindSource& source, const std::string& where);
 
 }  // namespace strandcast

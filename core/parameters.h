@@ -17,7 +17,8 @@ enum class SolverKind {
 /// gravity.
 constexpr float kLongestSubstep = 1.0f / 60.0f, kShortestSubstep = 1.0f / 4000.0f;
 
-constexpr float kThickestHair = 0.01f;  ///< m, Parameters::hair_radius at most
+constexpr float kThickestHair = 0.01f;     ///< m, Parameters::hair_radius at most
+constexpr float kStrongestGravity = 1e4f;  ///< m/s^2, each component of Parameters::gravity at most
 
 /// Everything that may change while a simulation runs, but for the solver. SI units; parameterList() has the
 /// range of each, beyond which checkParameters() throws.
@@ -28,7 +29,7 @@ struct Parameters {
   /// shape rates, and stretches.
   SolverKind solver = SolverKind::kRod;
   int iterations = 6;          ///< of gauss_seidel: of {angular, distance, contact} per substep, 1 to 64
-  Vec3 gravity{0, -9.81f, 0};  ///< m/s^2, each component within 10,000
+  Vec3 gravity{0, -9.81f, 0};  ///< m/s^2, each component within kStrongestGravity
   Vec3 wind = Vec3::Zero();    ///< m/s, uniform air velocity, each component within 100
   float air_drag = 1.0f;       ///< 1/s, rate at which hair takes on the velocity of the air; 0 to 1000
   /// 1/s, of gauss_seidel: rate at which the local shape is restored at the root; 0 to 1e6.

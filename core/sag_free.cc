@@ -1,11 +1,14 @@
 #include "core/sag_free.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <thread>
 
 #include "core/error.h"
 #include "core/joint_law.h"
+#include "core/parameters.h"
 
 namespace strandcast {
 namespace {
@@ -103,8 +106,9 @@ bool Strand::stable(double factor) {
 }  // namespace
 
 SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity) {
-  if (!gravity.allFinite())
-    throw Error("gravity is not finite", "makeSagFree", "give three numbers in m/s^2");
+  if (!(gravity.cwiseAbs().array() <= kStrongestGravity).all())
+    throw Error("gravity is not finite or out of range", "makeSagFree",
+                fmt::format("give three numbers within +-{:g} m/s^2", kStrongestGravity));
   constexpr double kGrowth = 1.5;  // of the factor from one trial to the next
   std::vector<float> factors(model.strands());
   auto work = [&](size_t begin, size_t end) {

@@ -22,7 +22,7 @@ struct SagFreeReport {
 /// between it and the next vertex outwards that is pinned, or the tip. A joint is stiffened where its rest
 /// strain would change by more than kLargestChange, and a strand as a whole where its shape would not be
 /// stable under kWeightHeld times its weight (the second variation of its energy, a block tridiagonal matrix,
-/// is not positive). Throws Error where gravity is not finite.
+/// is not positive). Throws Error where a component of gravity is beyond kStrongestGravity.
 SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity);
 
 constexpr double kLargestChange = 1.0;   ///< of a rest strain, 2 tan(angle / 2): 53 degrees

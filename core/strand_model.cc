@@ -212,17 +212,20 @@ void checkModel(const StrandModel& model, const std::string& where) {
       throw Error(
           fmt::format("a strand has not {} to {} vertices", kMinVerticesPerStrand, kMaxVerticesPerStrand),
           fmt::format("{}, strand {}", where, s), "make the model with makeStrandModel()");
-  const auto check = [&](const char* name, const auto& values, size_t count, bool may_be_empty, auto sound) {
+  const auto check = [&](const char* name, const auto& values, size_t count, bool may_be_empty, auto sound,
+                         const char* advice = "make it with makeStrandModel()") {
     if (!(may_be_empty && values.empty()) && values.size() != count)
       throw Error(fmt::format("the model's {} has {} entries, not {}", name, values.size(), count), where,
                   "make it with makeStrandModel()");
     if (!std::all_of(values.begin(), values.end(), sound))
       throw Error(fmt::format("the model's {} has a number that is not finite or out of range", name), where,
-                  "make it with makeStrandModel()");
+                  advice);
   };
   const auto is_vector = [](const Vec3& v) { return v.allFinite(); };
   const auto is_rotation = [](const Quat& q) { return std::fabs(q.norm() - 1) < kUnitTolerance; };
   const auto is_factor = [](float f) { return f >= 0 && std::isfinite(f); };
+  const auto is_stiffness = [](float f) { return f >= 0 && f <= kStiffestJoint; };
+  const char* softer = "give softer or thinner hair, or longer edges";
   const auto is_mass = [](float m) { return m > 0 && std::isfinite(m); };
   const auto is_number = [](float f) { return std::isfinite(f); };
   const auto any = [](const auto&) { return true; };
@@ -232,8 +235,8 @@ void checkModel(const StrandModel& model, const std::string& where) {
         [&](const Pose& p) { return is_vector(p.position) && is_rotation(p.rotation); });
   check("rest_frames", model.rest_frames, vertices, false, is_rotation);
   check("rest_strain", model.rest_strain, vertices, false, is_vector);
-  check("bend", model.bend, vertices, false, is_factor);
-  check("twist", model.twist, vertices, false, is_factor);
+  check("bend", model.bend, vertices, false, is_stiffness, softer);
+  check("twist", model.twist, vertices, false, is_stiffness, softer);
   check("mass", model.mass, vertices, false, is_mass);
   check("rest_tension", model.rest_tension, vertices, false, is_number);
   check("reference_mass", model.reference_mass, strands, false, is_mass);
@@ -243,6 +246,13 @@ void checkModel(const StrandModel& model, const std::string& where) {
   check("damping_scale", model.damping_scale, strands, true, is_factor);
   check("friction_scale", model.friction_scale, strands, true, is_factor);
   check("tether", model.tether, vertices, true, is_factor);
+  const int given = !model.air_drag_scale.empty() + !model.goal_scale.empty() + !model.damping_scale.empty() +
+                    !model.friction_scale.empty() + !model.tether.empty();
+  if (given % 5 != 0)
+    throw Error(
+        "the model has some, but not all, of air_drag_scale, goal_scale, damping_scale, friction_scale, "
+        "tether",
+        where, "give all of them or none");
   check("rest_distance", model.rest_distance, vertices, true, is_number);
   if (model.bones.empty()) throw Error("the model has no bone", where, "the head is its first");
   check("root_bones", model.root_bones, strands, true, is_bone);

@@ -77,6 +77,10 @@ struct StrandModel {
 /// Whether a strand's bends at rest change unevenly from joint to joint: bendsUnevenly() of kernels/rod.h.
 bool bendsUnevenly(const StrandModel& model, size_t strand);
 
+/// m^2/s^2, bend and twist at most, 100 times that of the shortest fur: a strand as stiff as this all along
+/// steps to finite numbers in float at any time step.
+constexpr float kStiffestJoint = 1e9f;
+
 /// What moves. Natural order. `frames`, `tensions` and `contacts` are the rod's; they may be empty where only
 /// the others matter: a step then starts from untwisted frames, no tension and no contact.
 struct StrandState {
@@ -98,7 +102,8 @@ struct StrandState {
 StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials = {Material{}});
 
 /// Throws Error, naming `where` and the array, when arrays of a model do not fit each other, are missing, or
-/// have a number that is not finite or out of range. What makeStrandModel() gives passes.
+/// have a number that is not finite or out of range, or where only some of the grooming's are given. What
+/// makeStrandModel() gives passes, but where bend or twist comes out above kStiffestJoint.
 void checkModel(const StrandModel& model, const std::string& where);
 
 /// Pins to a bone what of a strand lies from `from` to `to`, parts of its arc length from the root (0) to the

@@ -257,7 +257,12 @@ TEST(WindSource, IsCheckedAtTheDoor) {
   source.radius = 0;
   EXPECT_THROW(checkWindSource(source, "test"), Error);
   source = {};
-  source.direction.setZero();
+  for (const float length : {0.0f, 1e30f, std::nanf("")}) {
+    source.direction = Vec3(0, length, 0);
+    EXPECT_THROW(checkWindSource(source, "test"), Error);
+  }
+  source = {};
+  source.kind = static_cast<WindSource::Kind>(9);
   EXPECT_THROW(checkWindSource(source, "test"), Error);
   source = {};
   source.speed = std::nanf("");

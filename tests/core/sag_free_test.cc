@@ -5,8 +5,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <random>
 
+#include "core/error.h"
 #include "core/simulation.h"
 #include "validation/specimen.h"
 
@@ -48,6 +50,12 @@ TEST(SagFree, TheGroomedShapeStaysWhereItIs) {
   StrandModel model = makeStrandModel(grooms());
   makeSagFree(model, kGravity);
   EXPECT_LT(drift(model, 3), 1e-4);
+}
+
+TEST(SagFree, GravityBeyondThatOfASimulationIsRefused) {
+  StrandModel model = makeStrandModel(grooms());
+  for (const float gravity : {-1e30f, std::nanf(""), std::numeric_limits<float>::infinity()})
+    EXPECT_THROW(makeSagFree(model, Vec3(0, gravity, 0)), Error);
 }
 
 TEST(SagFree, WithoutItHairSags) { EXPECT_GT(drift(makeStrandModel(grooms()), 1), 1e-2); }

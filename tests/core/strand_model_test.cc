@@ -8,8 +8,10 @@
 #include <limits>
 
 #include "core/measure.h"
+#include "core/simulation.h"
 #include "core/strand_block.h"
 #include "tests/error_of.h"
+#include "validation/specimen.h"
 
 namespace strandcast {
 namespace {
@@ -179,8 +181,36 @@ TEST(StrandModel, AModelThatIsNotSoundIsRefused) {
             std::string::npos);
   EXPECT_NE(complaint([](StrandModel& m) { m.mass[1] = 0; }).find("mass"), std::string::npos);
   EXPECT_NE(complaint([](StrandModel& m) { m.root_bones = {1}; }).find("root_bones"), std::string::npos);
+  EXPECT_NE(complaint([](StrandModel& m) { m.twist[0] = 1e30f; }).find("twist"), std::string::npos);
   const StrandModel model = makeStrandModel(oneStrand({{0, 0, 0}, {0, 1, 0}}));
   EXPECT_NE(errorOf([&] { restState(model, {}); }).find("0 roots for 1 strands"), std::string::npos);
+}
+
+TEST(StrandModel, SomeOfTheGroomingAloneIsRefused) {
+  for (std::vector<float> StrandModel::*factors :
+       {&StrandModel::air_drag_scale, &StrandModel::goal_scale, &StrandModel::damping_scale,
+        &StrandModel::friction_scale, &StrandModel::tether}) {
+    StrandModel model = makeStrandModel(oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 2, 0}}));
+    const bool of_strands = factors == &StrandModel::damping_scale || factors == &StrandModel::friction_scale;
+    (model.*factors).assign(of_strands ? 1 : 3, 2.0f);
+    EXPECT_NE(errorOf([&] { checkModel(model, "here"); }).find("some, but not all"), std::string::npos);
+  }
+}
+
+TEST(StrandModel, AStrandOfTheStiffestJointsStepsToFiniteNumbers) {
+  StrandSet set;
+  set.append(helixStrand(0.01, 0.01, 0.2, 32));
+  StrandModel model = makeStrandModel(set);
+  std::fill(model.bend.begin(), model.bend.end(), kStiffestJoint);
+  std::fill(model.twist.begin(), model.twist.end(), kStiffestJoint);
+  for (const float time_step : {1.0f / 30, 1e-5f}) {
+    Parameters parameters;
+    parameters.time_step = time_step;
+    parameters.substeps = 1;
+    Simulation simulation(model, {}, parameters, makeReferenceBackend());
+    for (int step = 0; step < 100; ++step) simulation.step();
+    EXPECT_EQ(simulation.measure().non_finite, 0u) << time_step;
+  }
 }
 
 }  // namespace
