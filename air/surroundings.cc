@@ -39,10 +39,11 @@ class StrandSurroundings final : public Surroundings, public AirFields {
       wind = std::make_unique<WindGrid<Scalar>>(passes_, workers_, p.grid_cells, windCell(box_, p.grid_cells),
                                                 Wind::Border::kOpen);
     if (hair) hair_ = std::move(hair);
-    const bool other_wind = wind != nullptr;
-    if (other_wind) wind_ = std::move(wind);
+    if (p.volume_stiffness == 0) hair_->reset();
+    const bool wind_begins = wind != nullptr || (p.wind_grid > 0 && !blows_);
+    if (wind) wind_ = std::move(wind);
     if (wind_) wind_->ambient().configure(p);
-    if (other_wind) {
+    if (wind_begins) {
       wind_->ambient().setProgress(progress_);
       wind_->centreAt(Vec3(box_.center()));
       wind_->reset();
@@ -60,7 +61,11 @@ class StrandSurroundings final : public Surroundings, public AirFields {
   void reset(const Vec3& origin) override {
     origin_ = origin;
     sources_ = movedBy(world_sources_, -origin);
-    if (wind_) wind_->reset();
+    progress_ = {};
+    if (wind_) {
+      wind_->ambient().setProgress(progress_);
+      wind_->reset();
+    }
     if (hair_) hair_->reset();
     course_.forget();
   }

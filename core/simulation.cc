@@ -244,7 +244,9 @@ void Simulation::setParameters(const Parameters& parameters) {
                 "make another simulation");
   const Parameters stepped = withSolvableSubsteps(parameters);
   backend_->expect(stepped, !primitives_.empty());
-  surrounded_ = configureSurroundings(stepped);
+  const bool surrounded = configureSurroundings(stepped);
+  if (surrounded && !surrounded_) surroundings_->reset(origin_);  // it has stood still meanwhile
+  surrounded_ = surrounded;
   parameters_ = parameters;
   stepped_ = stepped;
 }

@@ -17,8 +17,9 @@ class Surroundings {
   /// each time, `backend` has loaded it; it is told to expect accelerations where step() gives
   /// input.accelerations. May allocate; throws Error and leaves all as it was where they do not fit.
   virtual void configure(const StrandModel& model, const Parameters& parameters, Backend& backend) = 0;
-  /// The air is as at the start again: after a reset or a teleport. From now on the backend and
-  /// StepInput have `origin` (m, world) as theirs, which was the world's before. May allocate; throws Error.
+  /// The air is as at the start again: after a reset or a teleport, and where it is needed again. From now on
+  /// the backend and StepInput have `origin` (m, world) as theirs, which was the world's before. May
+  /// allocate; throws Error.
   virtual void reset(const Vec3& origin) = 0;
 
   /// Advances by a step that `backend` is about to do: from its positions and velocities come

@@ -94,10 +94,11 @@ void GpuSurroundings::makeGrids(Passes& our, const StrandModel& model, const Par
     throw Error("the grids of the air do not fit the GPU's memory",
                 fmt::format("grid_cells {}", p.grid_cells), "use fewer cells or --backend simd");
   if (hair) our.hair = std::move(hair);
-  const bool other_wind = wind != nullptr;
-  if (other_wind) our.wind = std::move(wind);
+  if (p.volume_stiffness == 0) our.hair->reset();
+  const bool wind_begins = wind != nullptr || (p.wind_grid > 0 && !blows_);
+  if (wind) our.wind = std::move(wind);
   if (our.wind) our.wind->ambient().configure(p);
-  if (!other_wind) return;
+  if (!wind_begins) return;
   our.wind->ambient().setProgress(progress_);
   static_cast<void>(our.wind->moveTo(Vec3(box_.center()), our.block.settings));
   our.wind->reset(our.block);
@@ -106,6 +107,7 @@ void GpuSurroundings::makeGrids(Passes& our, const StrandModel& model, const Par
 
 void GpuSurroundings::reset(const Vec3& origin) {
   restarts_ = true;
+  progress_ = {};
   if (origin == origin_) return;
   image_.reset();
   origin_ = origin;
@@ -131,14 +133,13 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   const bool on_grid = p.wind_grid > 0, drags = on_grid && p.air_drag > 0 && p.hairs_per_strand > 0;
   splatted_ = forces || drags;
   blows_ = on_grid;
+  Ambient& blown = on_grid ? our.wind->ambient() : *our.free_wind;
+  blown.setProgress(progress_);
   if (std::exchange(restarts_, false)) {
     course_.forget();
     hair.reset();
-    if (our.wind) our.wind->reset(our.block);
+    if (on_grid) our.wind->reset(our.block);
   }
-
-  Ambient& blown = on_grid ? our.wind->ambient() : *our.free_wind;
-  blown.setProgress(progress_);
   blown.advance(dt);
   progress_ = blown.progress();
   grid_head_ = course_.ahead(head_, input.bones_end.empty() ? head_ : input.bones_end[0]);

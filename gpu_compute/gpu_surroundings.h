@@ -40,7 +40,7 @@ class GpuSurroundings final : public Surroundings, public AirFields, public Meas
  private:
   struct Passes;
   struct Image;
-  /// Those that these settings need and `our` has not, and the air of a new wind as at the start. Throws
+  /// Those that these settings need and `our` has not, and air that did not blow as at the start. Throws
   /// Error and leaves `our` as it was where they do not fit the GPU.
   void makeGrids(Passes& our, const StrandModel& model, const Parameters& parameters);
   const Image& image() const;

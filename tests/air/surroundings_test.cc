@@ -155,6 +155,76 @@ TEST(Surroundings, SettingsMayChangeWhileItRuns) {
   EXPECT_THROW(setParameter(parameters, "grid_cells", {256}, "test"), Error);
 }
 
+Simulation tuftIn(const Parameters& parameters) {
+  return Simulation(squareTuft(), {}, parameters, makeReferenceBackend(),
+                    cpuAir("reference").surroundings({}));
+}
+
+TEST(Surroundings, AreAsAtTheStartAfterAReset) {
+  for (const int grid : {0, 1}) {
+    Parameters parameters = everything();
+    parameters.wind_grid = grid;
+    parameters.gust = parameters.turbulence = 0.5f;
+    Simulation simulation = tuftIn(parameters);
+    uint64_t hashes[2];
+    for (uint64_t& hash : hashes) {
+      for (int i = 0; i < 20; ++i) simulation.step();
+      hash = stateHash(simulation.state());
+      simulation.reset();
+    }
+    EXPECT_EQ(hashes[0], hashes[1]) << "grid " << grid;
+  }
+}
+
+// Whether the gusts keep the air going meanwhile or nothing needs it.
+TEST(Surroundings, WindThatWasSwitchedOffLeavesNoTrace) {
+  for (const float gust : {0.0f, 0.5f}) {
+    Parameters parameters;
+    parameters.gust = gust;
+    Parameters windy = parameters;
+    windy.wind_grid = 1;
+    windy.wind = Vec3(10, 0, 0);
+    Simulation simulation = tuftIn(windy);
+    for (int i = 0; i < 20; ++i) simulation.step();
+    simulation.setParameters(parameters);
+    simulation.step();
+    parameters.wind_grid = 1;
+    simulation.setParameters(parameters);
+    simulation.step();
+    EXPECT_LT(airFields(simulation.surroundings())->at(Vec3(0.1f, 0, 0)).wind.norm(), 0.1f)
+        << "gust " << gust;
+  }
+}
+
+// Hair that is crowded as long as it is denser than half of what it is at rest.
+TEST(Surroundings, APushIsHeldNoLongerThanItIsOn) {
+  for (const float friction : {0.0f, 5.0f}) {
+    Parameters on;
+    on.gravity.setZero();
+    on.volume_stiffness = 1;
+    on.volume_target = 2;
+    on.hair_friction = friction;
+    const auto push = [](Simulation& simulation) {
+      simulation.backend().upload(restState(simulation.model(), simulation.model().rest_roots));
+      simulation.step();
+      double largest = 0;
+      for (const Vec3& acceleration : simulation.surroundings()->accelerations())
+        largest = std::max(largest, double{acceleration.norm()});
+      return largest;
+    };
+    Simulation simulation = tuftIn(on);
+    const double first = push(simulation);
+    for (int i = 0; i < 60; ++i) push(simulation);
+    EXPECT_GT(push(simulation), 1.1 * first);
+    Parameters off = on;
+    off.volume_stiffness = 0;
+    simulation.setParameters(off);
+    simulation.step();
+    simulation.setParameters(on);
+    EXPECT_NEAR(push(simulation), first, 0.05 * first) << "friction " << friction;
+  }
+}
+
 TEST(Surroundings, BlowFarFromTheOriginAsTheyDoAtIt) {
   for (const int grid : {0, 1}) {
     Parameters parameters = everything();
