@@ -275,7 +275,8 @@ void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair
       exchanges = 1;
     }
   }
-  for (const WindSource& source : sources) {
+  for (const WindSource& given : sources) {
+    const WindSource source = onGrid(given, cell_);
     const Box reach = source.reach();
     if (begin.y() < reach.min().y() || begin.y() > reach.max().y() || begin.z() < reach.min().z() ||
         begin.z() > reach.max().z())

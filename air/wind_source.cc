@@ -35,6 +35,13 @@ Box WindSource::reach() const {
   return {middle - half, middle + half};
 }
 
+WindSource onGrid(WindSource source, float cell) {
+  if (source.kind != WindSource::Kind::kTurbine || source.length >= cell) return source;
+  source.rate *= source.length / cell;
+  source.length = cell;
+  return source;
+}
+
 std::vector<WindSource> movedBy(std::vector<WindSource> sources, const Vec3& way) {
   for (WindSource& source : sources) source.position += way;
   return sources;

@@ -10,8 +10,10 @@ namespace strandcast {
 /// rate `rate`.
 struct WindSource {
   enum class Kind {
-    kCone,    ///< a fan: from `position` along `direction` within `angle`, weaker towards `length`
-    kSphere,  ///< out of `position` in all directions (inwards where speed is negative), within `radius`
+    kCone,  ///< a fan: from `position` along `direction` within `angle`, weaker towards `length`
+    /// Out of `position` in all directions (inwards where speed is negative), within `radius`. Next to
+    /// nothing on a grid: air that comes from nowhere is a gradient, which the pressure takes away.
+    kSphere,
     kTurbine  ///< a disc across `direction` of `radius` and thickness `length` that blows and turns the air
   };
   Kind kind = Kind::kCone;
@@ -29,6 +31,10 @@ struct WindSource {
   /// All that it reaches lies within.
   Box reach() const;
 };
+
+/// As a grid with cells of `cell` m has it, which asks it at their middles only: a turbine is a cell thick at
+/// least, and drives the more air the less.
+WindSource onGrid(WindSource source, float cell);
 
 std::vector<WindSource> movedBy(std::vector<WindSource> sources, const Vec3& way);
 

@@ -36,7 +36,10 @@ class WindPasses {
 
   /// Of `words`, which are in `shapes`. Bodies are copied.
   void takeBodies(std::span<const MovingPrimitive> bodies, AirSettings& settings);
-  void takeSources(std::span<const WindSource> sources) { sources_ = packed(sources); }
+  void takeSources(std::vector<WindSource> sources) {
+    for (WindSource& source : sources) source = onGrid(source, cell_);
+    sources_ = packed(sources);
+  }
   /// Sources of wind as shaders/ambient.glsl reads them.
   static gl::Buffer packed(std::span<const WindSource> sources);
 

@@ -208,6 +208,30 @@ TEST(WindGrid, SourcesDriveTheAir) {
   }
 }
 
+TEST(WindGrid, AThinTurbineBlowsWhereverItIsInACell) {
+  const Workers workers(1);
+  const float cell = 0.025f;
+  float winds[2];
+  for (int place : {0, 1}) {
+    WindSource thin;
+    thin.kind = WindSource::Kind::kTurbine;
+    thin.position = Vec3(0, 0, (0.1f + 0.3f * static_cast<float>(place)) * cell);
+    thin.length = 0.3f * cell;
+    thin.rate = 100;
+    Grid grid(simdPasses(), workers, 32, cell, Grid::Border::kOpen);
+    grid.centreAt(Vec3::Zero());
+    grid.reset();
+    for (int step = 0; step < 60; ++step) {
+      grid.advect(kStep, false);
+      grid.exchange(kStep, {}, {&thin, 1});
+      grid.project();
+    }
+    winds[place] = grid.velocityAt(Vec3(0, 0, 0.05f)).z();
+  }
+  EXPECT_GT(winds[0], 0.5f);
+  EXPECT_NEAR(winds[1], winds[0], 0.05f * winds[0]);
+}
+
 TEST(WindGrid, ASourceThatMovedAwayDrivesNothingAnyMore) {
   const Workers workers(1);
   Grid grid(simdPasses(), workers, 32, 0.025f, Grid::Border::kOpen);
