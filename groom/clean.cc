@@ -3,22 +3,33 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/strand_block.h"
 #include "core/strand_model.h"
 #include "groom/strand_edit.h"
 
 namespace strandcast {
 namespace {
 
-/// A strand's runs of coinciding vertices, each of which becomes one vertex.
+/// A strand's runs of vertices too near each other, each of which becomes one vertex.
 struct Runs {
   std::vector<uint32_t> first;  ///< vertex that the run starts with
   std::vector<uint32_t> kept;   ///< vertex of the run that stays: its first, but of the last run the tip
 };
 
-void findRuns(std::span<const Vec3> points, float nearest, Runs& runs) {
-  runs.first.clear();
-  for (uint32_t i = 0; i < points.size(); ++i)
-    if (i == 0 || (points[i] - points[runs.first.back()]).norm() > nearest) runs.first.push_back(i);
+void findRuns(std::span<const Vec3> points, Runs& runs) {
+  const float length = arcLength(points);
+  size_t before, now = points.size();
+  do {  // what is left has longer edges
+    before = now;
+    const float nearest = kShortestEdge * length / (static_cast<float>(before) - 1);
+    auto apart = [&](size_t a, size_t b) { return (points[a] - points[b]).norm() > nearest; };
+    std::vector<uint32_t>& first = runs.first;
+    first.clear();
+    for (uint32_t i = 0; i < points.size(); ++i)
+      if (i == 0 || apart(i, first.back())) first.push_back(i);
+    while (first.size() > 1 && !apart(points.size() - 1, first[first.size() - 2])) first.pop_back();
+    now = first.size();
+  } while (now < before);
   runs.kept = runs.first;
   if (runs.kept.size() > 1) runs.kept.back() = static_cast<uint32_t>(points.size() - 1);
 }
@@ -40,7 +51,7 @@ void mergeAndDrop(Groom& groom, float median) {
   Runs runs;
   for (size_t s = 0; s < groom.strands.strands(); ++s) {
     const std::span<const Vec3> points = groom.strands.strand(s);
-    findRuns(points, kNearestOfMedian * median, runs);
+    findRuns(points, runs);
     const float length = arcLength(points);
     if (runs.kept.size() < kMinVerticesPerStrand || !(length > 0) || length < kShortestOfMedian * median) {
       ++groom.report.dropped_short;

@@ -17,7 +17,8 @@ struct SurfacePoint {
 using ClosestPoint = std::function<SurfacePoint(const Vec3&)>;
 
 /// Makes strands that the solver can take (makeStrandModel): merges neighbouring vertices nearer to each
-/// other than a millionth of the median length (pins go to the one that stays), drops strands with fewer than
+/// other than kShortestEdge of the strand's mean edge, below which the rod's forces are no gradient and feed
+/// motion (root and tip stay, pins go to the one that stays), drops strands with fewer than
 /// 2 vertices then or shorter than 1 % of the median, evens strands of more than 128 vertices down to 128.
 /// Adds what it did to `groom.report`. Positions must be finite.
 void cleanStrands(Groom& groom);

@@ -10,7 +10,7 @@ namespace strandcast {
 struct GroomReport {
   size_t strands_read = 0;
   size_t dropped_short = 0;  ///< fewer than 2 distinct vertices, or shorter than 1 % of the median length
-  size_t duplicate_vertices = 0;  ///< vertices of kept strands that coincided with their neighbour, removed
+  size_t duplicate_vertices = 0;  ///< vertices of kept strands that were too near their neighbour, removed
   size_t reversed = 0;            ///< strands whose tip was nearer the scalp than the root, turned round
   size_t both_ends_pinned = 0;    ///< kept strands whose tip is pinned too
   size_t resampled = 0;           ///< strands of more than 128 vertices, evened down to 128

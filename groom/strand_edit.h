@@ -17,7 +17,5 @@ float medianLength(const StrandSet& strands);
 
 /// Strands shorter than this part of the median length are no hair.
 constexpr float kShortestOfMedian = 0.01f;
-/// Neighbouring vertices closer than this part of the median length are one vertex.
-constexpr float kNearestOfMedian = 1e-6f;
 
 }  // namespace strandcast

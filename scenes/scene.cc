@@ -105,7 +105,7 @@ void noteReport(const GroomReport& report, std::vector<std::string>& notes) {
     if (count > 0) notes.push_back(fmt::format("{} {}", count, what));
   };
   note(report.dropped_short, "strands dropped: too short to simulate");
-  note(report.duplicate_vertices, "duplicate vertices merged");
+  note(report.duplicate_vertices, "vertices merged into their neighbours, which were too near");
   note(report.reversed, "strands turned round: their tip was at the scalp");
   note(report.both_ends_pinned, "strands are pinned at both ends");
   note(report.resampled, "strands resampled");

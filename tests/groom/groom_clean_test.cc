@@ -76,6 +76,39 @@ TEST(CleanStrands, AMergedVertexLeavesItsPinToTheOneThatStays) {
   EXPECT_EQ(groom.report.both_ends_pinned, 1u);
 }
 
+TEST(CleanStrands, NoEdgeIsLeftShorterThanATenthOfItsStrandsMean) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> any(0, 1);
+  Groom groom;
+  for (int s = 0; s < 200; ++s) {
+    std::vector<Vec3> points = straight(Vec3(0.01f * static_cast<float>(s), 0, 0), 0.2f, 4 + s % 40);
+    for (Vec3& point : points) point += std::pow(any(random), 4.0f) * Vec3(0.02f, 0.2f, 0);
+    points.push_back(points.back() - Vec3(0, std::pow(any(random), 8.0f) * 0.05f, 0));
+    groom.strands.append(points);
+  }
+  const StrandSet before = groom.strands;
+  cleanStrands(groom);
+  EXPECT_GT(groom.report.duplicate_vertices, 200u);
+  ASSERT_EQ(groom.strands.strands(), before.strands());
+  for (size_t s = 0; s < before.strands(); ++s) {
+    const std::span<const Vec3> points = groom.strands.strand(s);
+    EXPECT_EQ(points.front(), before.strand(s).front());
+    EXPECT_EQ(points.back(), before.strand(s).back());
+    const float mean = arcLength(points) / static_cast<float>(points.size() - 1);
+    for (size_t i = 1; i < points.size(); ++i) EXPECT_GT((points[i] - points[i - 1]).norm(), 0.1f * mean);
+  }
+}
+
+TEST(CleanStrands, EdgesOfAQuarterOfTheMeanStay) {
+  Groom groom;
+  std::vector<Vec3> points = straight(Vec3::Zero(), 0.2f, 9);
+  points.insert(points.begin() + 4, 0.75f * points[4] + 0.25f * points[3]);
+  groom.strands.append(points);
+  cleanStrands(groom);
+  EXPECT_EQ(groom.report.duplicate_vertices, 0u);
+  EXPECT_EQ(groom.strands.verticesOf(0), 10u);
+}
+
 TEST(CleanStrands, StrandsOfMoreThan128VerticesAreEvenedDownAndCounted) {
   Groom groom;
   groom.strands.append(helix(128));
