@@ -51,22 +51,25 @@ BvhOnSkeleton onSkeleton(const BvhClip& bvh, const Skeleton& skeleton, float uni
                 "rename them: the clip has '" + bvh.joints.front().name + "', the body '" +
                     skeleton.joints.front().name + "'");
   std::vector<std::vector<Eigen::Vector4f>> turns(joints), moves(joints);
-  const Quat root = nearestRotation(skeleton.root.linear());
-  std::vector<Quat> now(joints);
+  std::vector<Quat> moved(joints);  // in the world, from rest
   for (size_t f = 0; f < bvh.frames; ++f)
     for (size_t j = 0; j < joints; ++j) {
       const SkeletonJoint& joint = skeleton.joints[j];
-      const Quat parent = joint.parent < 0 ? root : now[static_cast<size_t>(joint.parent)];
-      now[j] = parent * joint.rest.rotation;
+      const bool is_root = joint.parent < 0;
+      const auto parent = static_cast<size_t>(joint.parent);
+      const Placement& above = is_root ? skeleton.root : rest[parent];
+      const Quat above_moved = is_root ? Quat(Quat::Identity()) : moved[parent];
+      moved[j] = above_moved;
       if (namesake[j] < 0) continue;
       const auto other = static_cast<size_t>(namesake[j]);
       const Pose pose = bvh.pose(other, f);
-      now[j] = (up * pose.rotation * up.conjugate() * nearestRotation(rest[j].linear())).normalized();
-      turns[j].emplace_back((parent.conjugate() * now[j]).normalized().coeffs());
+      moved[j] = (up * pose.rotation * up.conjugate()).normalized();
+      const Quat axes = turnOf(above);
+      const Quat turn = axes.conjugate() * above_moved.conjugate() * moved[j] * axes * joint.rest.rotation;
+      turns[j].emplace_back(turn.normalized().coeffs());
       if (bvh.joints[other].parent >= 0) continue;
-      const Vec3 moved = up * (pose.position - bvh.pose(other, 0).position) * unit;
-      const Placement& above = joint.parent < 0 ? skeleton.root : rest[static_cast<size_t>(joint.parent)];
-      const Eigen::Vector3d local = above.inverse() * (rest[j].translation() + moved.cast<double>());
+      const Vec3 travel = up * (pose.position - bvh.pose(other, 0).position) * unit;
+      const Eigen::Vector3d local = above.inverse() * (rest[j].translation() + travel.cast<double>());
       moves[j].emplace_back(local.cast<float>().homogeneous());
     }
   out.clip.name = name;

@@ -283,6 +283,11 @@ Quat nearestRotation(const Eigen::Matrix3d& matrix) {
   return Eigen::Quaterniond(u * svd.matrixV().transpose()).normalized().cast<float>();
 }
 
+Quat turnOf(const Placement& joint) {
+  const Eigen::Matrix3d linear = joint.linear();
+  return nearestRotation(linear.determinant() < 0 ? Eigen::Matrix3d(-linear) : linear);
+}
+
 std::vector<SkinPart> cutSkin(const SkinnedMesh& skin, int between) { return Cutter(skin, between).run(); }
 
 Pose partPose(const SkinPart& part, std::span<const Placement> bindings) {

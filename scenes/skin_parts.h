@@ -47,5 +47,8 @@ SurfaceBend partBend(const SkinPart& part, std::span<const Placement> bindings, 
 
 /// The rotation nearest to a matrix.
 Quat nearestRotation(const Eigen::Matrix3d& matrix);
+/// How a joint is turned; where it is a mirror image, how the image through its middle is. From one such to
+/// another the rotation is the joint's own.
+Quat turnOf(const Placement& joint);
 
 }  // namespace strandcast

@@ -15,7 +15,7 @@ namespace strandcast {
 namespace {
 
 Pose rigid(const Placement& placement) {
-  return {Vec3(placement.translation().cast<float>()), nearestRotation(placement.linear())};
+  return {Vec3(placement.translation().cast<float>()), turnOf(placement)};
 }
 
 Placement placementOf(const Pose& pose) {

@@ -59,14 +59,14 @@ TEST(SkinnedBody, TheHeadsMotionTurnsItsJointAndWhatHangsOnIt) {
 }
 
 /// Joints of the same names as an arm's, which hang in other places; the lower one turns about Z.
-std::string bendingBvh(const std::string& upper, const std::string& lower) {
+std::string bendingBvh(const std::string& upper, const std::string& lower, int side = 1) {
   std::string text =
       "HIERARCHY\nROOT " + upper + "\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nJOINT " +
       lower +
       "\n{\nOFFSET 0 100 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 70 0\n}\n}\n}\n";
   text += "MOTION\nFrames: 61\nFrame Time: 0.03333333\n";
   for (int f = 0; f <= 60; ++f)
-    text += std::to_string(f) + " 0 0 " + std::to_string(60 - 2 * std::abs(f - 30)) + " 0 0\n";
+    text += std::to_string(f) + " 0 0 " + std::to_string(side * (60 - 2 * std::abs(f - 30))) + " 0 0\n";
   return text;
 }
 
@@ -84,6 +84,37 @@ TEST(SkinnedBody, ABvhClipMovesTheJointsOfItsNames) {
         arm({(folder / "other.bvh").string(), "lower"});
       },
       {"other.bvh", "no joint of the clip"});
+}
+
+TEST(SkinnedBody, AMirroredSkeletonMovesAsTheMirrorImage) {
+  const auto mirrored = [](const std::string& clip) {
+    const std::string upper = R"("name":"upper","translation":[0,0,0])";
+    const auto gltf = samples::armWith({}, upper, upper + R"(,"scale":[-1,1,1])");
+    return SkinnedBody(readGltfSkin(gltf, "arm.gltf"), {clip, "lower"});
+  };
+  const auto image = [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); };
+  const ScratchFolder folder;
+  const std::string left = (folder / "left.bvh").string(), right = (folder / "right.bvh").string();
+  std::ofstream(left) << bendingBvh("upper", "lower");
+  std::ofstream(right) << bendingBvh("upper", "lower", -1);
+  for (const auto& [clip, image_clip] :
+       {std::pair<std::string, std::string>{"bend", "bend"}, {left, right}}) {
+    const SkinnedBody plain = arm({clip, "lower"}), other = mirrored(image_clip);
+    const Pose head = proceduralMotion("nod", plain.pivot())(0.3);  // about X, as its image
+    for (const double t : {0.0, 0.3, 0.7, 1.2}) {
+      std::vector<Vec3> images;
+      for (const Vec3& p : plain.surface(t, head)) images.push_back(image(p));
+      EXPECT_LT(worstBetween(images, other.surface(t, head)), 1e-5) << clip << " at " << t;
+      const Pose a = plain.carried(t), b = other.carried(t);
+      for (const Vec3& p : {Vec3(0, 0.5f, 0), Vec3(0.1f, 0, 0.2f)})
+        EXPECT_LT((image(a.apply(p)) - b.apply(image(p))).norm(), 1e-5f) << clip << " at " << t;
+      const auto parts = plain.placedParts(t, head), other_parts = other.placedParts(t, head);
+      for (size_t i = 0; i < parts.size(); ++i) {
+        const Vec3 p = plain.pivot();
+        EXPECT_LT((image(parts[i].pose.apply(p)) - other_parts[i].pose.apply(p)).norm(), 1e-5f);
+      }
+    }
+  }
 }
 
 TEST(SkinnedBody, WhatItDoesNotHaveIsRefused) {
