@@ -161,6 +161,8 @@ TEST(GltfMesh, BadJsonAndBadContainersAreRefused) {
   expectGltfError(fromText("{}"), "asset");
   expectGltfError(fromText(R"({"asset":{"version":"1.0"}})"), "asset");
   expectGltfError(fromText(std::string(100000, '[')), "nested");
+  expectGltfError(fromText(R"({"asset":")" + std::string(100, '[') + R"(\"[","b":)" + std::string(64, '[')),
+                  "nested too deeply: body.gltf, byte 182");
   const Bytes whole = samples::glb();
   for (size_t size = 0; size < whole.size(); ++size)
     expectGltfError(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)), "body.gltf");
