@@ -17,11 +17,20 @@ void apply(const MaterialRule& rule, Material& material) {
 }  // namespace
 
 size_t partOf(const std::string& part, const std::vector<std::string>& names, const std::string& where) {
-  std::string list;
+  std::string list, namesakes;
+  size_t found = names.size(), count = 0;
   for (size_t i = 0; i < names.size(); ++i) {
-    if (part == names[i] || part == std::to_string(i)) return i;
     list += fmt::format("{}{} ({})", i > 0 ? ", " : "", names[i], i);
+    if (names[i] != part) continue;
+    found = i;
+    namesakes += fmt::format("{}{}", count++ > 0 ? ", " : "", i);
   }
+  if (count > 1)
+    throw Error(fmt::format("{} parts of the groom are called '{}'", count, part), where,
+                "choose by number: " + namesakes);
+  for (size_t i = 0; i < names.size() && count == 0; ++i)
+    if (part == std::to_string(i)) found = i;
+  if (found < names.size()) return found;
   throw Error("the groom has no part '" + part + "'", where, "its parts are " + list);
 }
 

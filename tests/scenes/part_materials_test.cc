@@ -38,6 +38,15 @@ TEST(PartMaterials, AnUnknownPartIsAnErrorThatNamesThoseThereAre) {
   EXPECT_EQ(error, "the groom has no part 'tale': hair.toml line 3; its parts are cap (0), tail (1)");
 }
 
+TEST(PartMaterials, NamesGoBeforeNumbersAndMustBeOne) {
+  EXPECT_EQ(partOf("0", {"1", "0", "2"}, "a"), 1u);
+  EXPECT_EQ(partOf("3", {"1", "0", "2", "x"}, "a"), 3u);
+  const std::vector<std::string> names = {"cap", "tail", "cap"};
+  EXPECT_EQ(partOf("2", names, "a"), 2u);
+  EXPECT_EQ(strandcast::errorOf([&] { partOf("cap", names, "hair.toml line 3"); }),
+            "2 parts of the groom are called 'cap': hair.toml line 3; choose by number: 0, 2");
+}
+
 TEST(PartMaterials, AShearModulusGoesWithTheYoungsModulusOfItsRule) {
   const std::vector<MaterialRule> rules = {
       {{}, {{"shear_modulus", {0.4e9}, "a"}, {"youngs_modulus", {1e9}, "a"}}, "a"}};
