@@ -41,7 +41,10 @@ int convert(const ConvertOptions& o) {
     GroomReadOptions read;
     read.unit_meters = o.unit_meters;
     read.up = upAxisOf(o.up);
-    strands = loadGroom({o.in}, read).strands;
+    read.keep_pins = true;
+    Groom groom = loadGroom({o.in}, read);
+    for (const std::string& line : groom.report.lines()) spdlog::warn("{}: {}", o.out, line);
+    strands = std::move(groom.strands);
   } else {
     RawGroom raw = readRawGroom(o.in);
     strands = std::move(raw.strands);

@@ -1,11 +1,27 @@
 #include "groom/groom.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
 #include "groom/strand_edit.h"
 
 namespace strandcast {
+
+std::vector<std::string> GroomReport::lines() const {
+  std::vector<std::string> out;
+  auto add = [&](size_t count, const char* what) {
+    if (count > 0) out.push_back(fmt::format("{} {}", count, what));
+  };
+  add(dropped_short, "strands dropped: too short to simulate");
+  add(duplicate_vertices, "vertices merged into their neighbours, which were too near");
+  add(reversed, "strands turned round: their tip was at the scalp");
+  add(both_ends_pinned, "strands are pinned at both ends");
+  add(resampled, "strands resampled");
+  out.insert(out.end(), warnings.begin(), warnings.end());
+  return out;
+}
 
 GroomSummary summarize(const StrandSet& strands) {
   GroomSummary summary;

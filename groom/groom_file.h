@@ -15,6 +15,7 @@ struct GroomReadOptions {
   float unit_meters =
       0;  ///< metres per unit of the file, positive; 0 = guess from the bounding box, with a warning
   UpAxis up = UpAxis::kAuto;  ///< Z up becomes (x, z, -y), X up (-y, x, z): quarter turns, no mirroring
+  bool keep_pins = false;     ///< as the files have them, for writing them again
 };
 
 /// Strands as the file has them, in its own units and axes: nothing converted, nothing cleaned, so that
@@ -59,9 +60,9 @@ std::vector<std::string> leftOutOf(const std::filesystem::path& file, const Stra
 
 /// Reads one or more files (at most 65,535) into one groom in metres, Y up, and cleans it (cleanStrands);
 /// `parts` says which file each strand came from. One unit holds for all files, the up axis is each file's
-/// own unless given. A pin of vertex 1 is dropped where vertex 0 is pinned and vertex 2 free: the root's
-/// frame is clamped instead. Throws Error as readRawGroom, and when a unit is not positive, a vertex lies
-/// 10 km away, or no strand is left.
+/// own unless given. A pin of vertex 1 is dropped where vertex 0 is pinned and vertex 2 free, unless pins are
+/// to be kept: the root's frame is clamped instead. Throws Error as readRawGroom, and when a unit is not
+/// positive, a vertex lies 10 km away, or no strand is left.
 Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options);
 
 /// Metres per unit guessed from a groom's bounding box in file units: 1, 0.1, 0.01, 0.001 or the 0.0025 of

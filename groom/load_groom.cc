@@ -150,7 +150,7 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
   for (size_t f = 0; f < files.size(); ++f) {
     RawGroom raw = readRawGroom(files[f]);
     turnYUp(raw.strands.positions, options.up == UpAxis::kAuto ? raw.native_up : options.up);
-    freeSecondVertices(raw.strands);
+    if (!options.keep_pins) freeSecondVertices(raw.strands);
     merger.add(raw.strands, f);
     if (f > 0) groom.name += '+';
     groom.name += files[f].stem().string();

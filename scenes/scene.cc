@@ -100,18 +100,6 @@ Scene makeProceduralScene(const SceneOptions& options, const Progress& progress)
   return scene;
 }
 
-void noteReport(const GroomReport& report, std::vector<std::string>& notes) {
-  auto note = [&](size_t count, const char* what) {
-    if (count > 0) notes.push_back(fmt::format("{} {}", count, what));
-  };
-  note(report.dropped_short, "strands dropped: too short to simulate");
-  note(report.duplicate_vertices, "vertices merged into their neighbours, which were too near");
-  note(report.reversed, "strands turned round: their tip was at the scalp");
-  note(report.both_ends_pinned, "strands are pinned at both ends");
-  note(report.resampled, "strands resampled");
-  notes.insert(notes.end(), report.warnings.begin(), report.warnings.end());
-}
-
 /// Shrinks spheres until no free vertex of the groom at rest lies inside: a strand that cannot stretch could
 /// not be pushed out of a body that its root is deep in. Real roots are up to centimetres under the skin.
 void keepOutOfRestingHair(const StrandSet& strands, float hair_radius,
@@ -316,7 +304,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
     scene.groom.report.resampled = strands.strands();
     cleanStrands(scene.groom);
   }
-  noteReport(scene.groom.report, scene.notes);
+  for (std::string& line : scene.groom.report.lines()) scene.notes.push_back(std::move(line));
   noteHairInBody(strands, scene.bodies, scene.notes);
 
   if (scene.skinned) {

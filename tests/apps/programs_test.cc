@@ -261,6 +261,20 @@ TEST_F(Programs, ConvertSaysWhatTheOtherFormatHasNoPlaceFor) {
   EXPECT_NE(converted(hair, tfx).find("no radii"), std::string::npos);
 }
 
+TEST_F(Programs, ConvertSaysWhatCleaningDoesAndKeepsPins) {
+  StrandSet strands;
+  strands.append(std::vector<Vec3>{{0, 0, 0}, {0, 10, 0}, {0, 20, 0}, {0, 30, 0}});
+  strands.append(std::vector<Vec3>{{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}});
+  strands.pinned = {1, 1, 0, 0, 1, 1, 0, 0};
+  const std::string in = (folder_ / "in.tfx").string(), out = (folder_ / "out.tfx").string();
+  writeGroom(in, strands);
+  const Outcome r = run(program_ + " convert --clean " + in + " " + out);
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.err.find("the unit is guessed: 0.01 m"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("1 strands dropped"), std::string::npos) << r.err;
+  EXPECT_EQ(readRawGroom(out).strands.pinned, (std::vector<uint8_t>{1, 1, 0, 0}));
+}
+
 TEST_F(Programs, ConvertCleansWhatResamplingGetsIntoOnePlace) {
   StrandSet strands;
   strands.append(std::vector<Vec3>{{0, 0, 0}, {0, 0.1f, 0}, {0, 0, 0}});
