@@ -119,11 +119,19 @@ void fillBody(const SceneOptions& options, const Progress& progress, Scene& scen
   PrimitiveFitOptions fit;
   fit.max_primitives = options.body_primitives;
   RigidBody body{fitSpheres(scene.body, fit), true};
+  const size_t fitted = body.primitives.size();
   keepOutOfRestingHair(scene.groom.strands, scene.parameters.hair_radius, body.primitives);
-  if (body.primitives.empty())
-    scene.warnings.push_back("the body mesh encloses no volume: hair goes through it");
-  else
+  if (!body.primitives.empty())
     scene.notes.push_back(fmt::format("{} spheres stand for the body in collisions", body.primitives.size()));
+  else if (options.body_primitives == 0)
+    scene.notes.push_back("no spheres are fitted into the body (fitted_spheres = 0): hair goes through it");
+  else if (fitted == 0)
+    scene.warnings.push_back("no sphere fits into the body mesh: hair goes through it");
+  else
+    scene.warnings.push_back(fmt::format(
+        "hair is at rest in each of the {} spheres fitted into the body, which are left out: hair "
+        "goes through it",
+        fitted));
   scene.bodies.push_back(std::move(body));
 }
 

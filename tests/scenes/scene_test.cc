@@ -209,6 +209,17 @@ TEST_F(BallScene, ABodyThatEnclosesNothingIsWarnedOf) {
   }
 }
 
+TEST_F(BallScene, SpheresThatAreNotThereAreToldOfAsItIs) {
+  options_.body_contact = BodyContact::kSpheres;
+  options_.body_primitives = 0;
+  const Scene none = makeScene(options_);
+  EXPECT_TRUE(noted(none, "fitted_spheres = 0"));
+  EXPECT_TRUE(none.warnings.empty()) << none.warnings[0];
+  options_.body_primitives = 1;
+  std::ofstream(folder_ / "hair.obj") << "v 0.1 0 0\nv 0 0 0\nv -0.1 0 0\nl 1 2 3\n";
+  EXPECT_TRUE(isIn(makeScene(options_).warnings, "hair is at rest in each of the 1 spheres"));
+}
+
 // Hair of 30 cm, in centimetres, with its roots where `root` is in metres.
 void writeHair(const std::filesystem::path& file, const Vec3& root) {
   std::ofstream hair(file);
