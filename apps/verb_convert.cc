@@ -37,6 +37,7 @@ void cleanAgain(StrandSet& strands, const std::string& out) {
 int convert(const ConvertOptions& o) {
   StrandSet strands;
   UpAxis up = UpAxis::kY;
+  std::vector<std::string> unread;
   if (o.clean || o.unit_meters > 0 || o.up != "auto") {
     GroomReadOptions read;
     read.unit_meters = o.unit_meters;
@@ -45,10 +46,12 @@ int convert(const ConvertOptions& o) {
     Groom groom = loadGroom({o.in}, read);
     for (const std::string& line : groom.report.lines()) spdlog::warn("{}: {}", o.out, line);
     strands = std::move(groom.strands);
+    unread = std::move(groom.report.unread);
   } else {
     RawGroom raw = readRawGroom(o.in);
     strands = std::move(raw.strands);
     up = raw.native_up;
+    unread = std::move(raw.unread);
   }
   if (o.vertices > 0) {
     strands = resample(strands, o.vertices);
@@ -58,6 +61,7 @@ int convert(const ConvertOptions& o) {
   const std::vector<std::string> left_out = leftOutOf(o.out, strands);
   if (!left_out.empty())
     spdlog::warn("{}: this format has no {}; {} has", o.out, fmt::join(left_out, " and no "), o.in);
+  if (!unread.empty()) spdlog::warn("{}: without the {} of {}", o.out, fmt::join(unread, ", "), o.in);
   fmt::print("{}: {} strands, {} vertices\n", o.out, strands.strands(), strands.vertices());
   return 0;
 }

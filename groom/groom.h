@@ -17,6 +17,7 @@ struct GroomReport {
   float unit_meters =
       0;  ///< metres per unit of the files, given or guessed; a body of the same origin has it too
   std::vector<std::string> warnings;  ///< one line each, e.g. that the unit was guessed, and from what
+  std::vector<std::string> unread;    ///< what else the files have (RawGroom)
 
   std::vector<std::string> lines() const;  ///< what to tell of it, warnings last
 };

@@ -29,7 +29,8 @@ struct GroomReadOptions {
 struct RawGroom {
   StrandSet strands;
   UpAxis native_up = UpAxis::kY;
-  std::string format;  ///< "tfx3", "tfx4", "hair", "obj"
+  std::string format;               ///< "tfx3", "tfx4", "hair", "obj"
+  std::vector<std::string> unread;  ///< what else the file has, e.g. "colours": nothing here has it
 };
 
 /// Reads .tfx (versions 3 and 4), .hair or .obj polylines by content and extension. Throws Error (file, byte

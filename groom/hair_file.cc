@@ -13,6 +13,7 @@ namespace strandcast {
 namespace {
 
 constexpr uint32_t kHeaderBytes = 128;
+constexpr float kDefaultThickness = 1, kDefaultTransparency = 0, kDefaultColour = 0.5f;  // as written here
 enum ArrayBits : uint32_t { kSegments = 1, kPoints = 2, kThickness = 4, kTransparency = 8, kColours = 16 };
 
 /// The header's counts and, worked out from its bits, where each array starts.
@@ -95,6 +96,21 @@ void readThickness(const ByteReader& reader, const HairHeader& header, StrandSet
   }
 }
 
+/// Defaults stand for arrays that the file has not.
+std::vector<std::string> unreadOf(const ByteReader& reader, const HairHeader& header) {
+  std::vector<std::string> out;
+  const auto has = [&](uint32_t bit) { return (header.arrays & bit) != 0; };
+  const auto differs = [&](uint64_t at, float from) { return reader.at<float>(at) != from; };
+  if (has(kTransparency)) out.emplace_back("transparency");
+  if (has(kColours)) out.emplace_back("colours");
+  if (!has(kThickness) && differs(20, kDefaultThickness)) out.emplace_back("default thickness");
+  if (!has(kTransparency) && differs(24, kDefaultTransparency)) out.emplace_back("default transparency");
+  if (!has(kColours) &&
+      (differs(28, kDefaultColour) || differs(32, kDefaultColour) || differs(36, kDefaultColour)))
+    out.emplace_back("default colour");
+  return out;
+}
+
 }  // namespace
 
 RawGroom readHair(std::span<const std::byte> bytes, const std::string& name) {
@@ -107,6 +123,7 @@ RawGroom readHair(std::span<const std::byte> bytes, const std::string& name) {
   readOffsets(reader, header, groom.strands);
   readPoints(reader, header, groom.strands);
   readThickness(reader, header, groom.strands);
+  groom.unread = unreadOf(reader, header);
   return groom;
 }
 
@@ -131,9 +148,9 @@ std::vector<std::byte> encodeHair(const StrandSet& strands, const std::string& n
   writer.put(static_cast<uint32_t>(strands.vertices()));
   writer.put(static_cast<uint32_t>(kPoints | (equal ? 0u : kSegments) | (has_radii ? kThickness : 0u)));
   writer.put(equal ? static_cast<uint32_t>(first_count - 1) : uint32_t{0});
-  writer.put(1.0f);                                                // default thickness
-  writer.put(0.0f);                                                // default transparency
-  for (int channel = 0; channel < 3; ++channel) writer.put(0.5f);  // default colour
+  writer.put(kDefaultThickness);
+  writer.put(kDefaultTransparency);
+  for (int channel = 0; channel < 3; ++channel) writer.put(kDefaultColour);
   std::array<char, 88> info{};
   constexpr char kInfo[] = "written by Strandcast";
   std::copy(std::begin(kInfo), std::end(kInfo), info.begin());

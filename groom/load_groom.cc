@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
@@ -36,7 +37,8 @@ class GroomMerger {
  public:
   explicit GroomMerger(Groom& groom) : groom_(groom) {}
 
-  void add(const StrandSet& part, size_t file) {
+  void add(const RawGroom& raw, size_t file) {
+    const StrandSet& part = raw.strands;
     StrandSet& all = groom_.strands;
     if (all.vertices() + part.vertices() > std::numeric_limits<uint32_t>::max())
       throw Error("the groom has more than 4294967295 vertices", fmt::format("file {}", file),
@@ -49,6 +51,9 @@ class GroomMerger {
     all.radii.insert(all.radii.end(), part.radii.begin(), part.radii.end());
     all.uvs.insert(all.uvs.end(), part.uvs.begin(), part.uvs.end());
     all.parts.insert(all.parts.end(), part.strands(), static_cast<uint16_t>(file));
+    std::vector<std::string>& unread = groom_.report.unread;
+    for (const std::string& what : raw.unread)
+      if (std::find(unread.begin(), unread.end(), what) == unread.end()) unread.push_back(what);
   }
 
   void finish() {
@@ -56,8 +61,7 @@ class GroomMerger {
     if (!any_pins_) all.pinned.clear();
     if (!all.radii.empty() && all.radii.size() != all.vertices()) {
       all.radii.clear();
-      groom_.report.warnings.push_back(
-          "some of the files have no radii: the material's radius is used for all");
+      groom_.report.warnings.push_back("some of the files have no radii: those of the others are left out");
     }
     if (!all.uvs.empty() && all.uvs.size() != all.strands()) {
       all.uvs.clear();
@@ -151,7 +155,7 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
     RawGroom raw = readRawGroom(files[f]);
     turnYUp(raw.strands.positions, options.up == UpAxis::kAuto ? raw.native_up : options.up);
     if (!options.keep_pins) freeSecondVertices(raw.strands);
-    merger.add(raw.strands, f);
+    merger.add(raw, f);
     if (f > 0) groom.name += '+';
     groom.name += files[f].stem().string();
   }

@@ -313,6 +313,8 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
     cleanStrands(scene.groom);
   }
   for (std::string& line : scene.groom.report.lines()) scene.notes.push_back(std::move(line));
+  if (!strands.radii.empty())
+    scene.notes.push_back("the radii of the groom's files are not simulated: those of [[material]] are");
   noteHairInBody(strands, scene.bodies, scene.notes);
 
   if (scene.skinned) {

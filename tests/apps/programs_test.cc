@@ -15,8 +15,10 @@
 #include <vector>
 
 #include "groom/distance_field_file.h"
+#include "groom/file_bytes.h"
 #include "groom/groom_file.h"
 #include "tests/apps/program_fixture.h"
+#include "tests/groom/sample_files.h"
 #include "tests/transport/dds_domain.h"
 
 namespace strandcast {
@@ -259,6 +261,9 @@ TEST_F(Programs, ConvertSaysWhatTheOtherFormatHasNoPlaceFor) {
   strands.radii.assign(4, 4e-5f);
   writeGroom(hair, strands);
   EXPECT_NE(converted(hair, tfx).find("no radii"), std::string::npos);
+  writeFileBytes(hair, samples::hair());
+  EXPECT_NE(converted(hair, hair + ".hair").find("without the transparency, colours of"), std::string::npos);
+  EXPECT_EQ(converted(hair + ".hair", hair), "") << "they are gone";
 }
 
 TEST_F(Programs, ConvertSaysWhatCleaningDoesAndKeepsPins) {

@@ -148,6 +148,20 @@ TEST(Hair, HasItsCountsPointsAndHalfItsThicknessAsRadius) {
   EXPECT_TRUE(groom.strands.isPinned(1, 0));
 }
 
+TEST(Hair, WhatIsNotReadIsNamed) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(readHair(samples::hair(), "wig.hair").unread, (Names{"transparency", "colours"}));
+  Bytes plain = encodeHair(readHair(samples::hair(), "wig.hair").strands, "wig.hair");
+  EXPECT_EQ(readHair(plain, "wig.hair").unread, Names());
+  overwrite(plain, 24, 0.25f);
+  overwrite(plain, 36, 1.0f);
+  EXPECT_EQ(readHair(plain, "wig.hair").unread, (Names{"default transparency", "default colour"}));
+  Bytes tfx = samples::tfx4();
+  EXPECT_EQ(readTfx(tfx, "wig.tfx").unread, Names());
+  overwrite(tfx, 28, uint32_t{160});
+  EXPECT_EQ(readTfx(tfx, "wig.tfx").unread, Names{"colours"});
+}
+
 TEST(Hair, DefaultSegmentsGiveEveryStrandTheSameCount) {
   const RawGroom groom = readHair(samples::hairDefaultSegments(), "wig.hair");
   EXPECT_EQ(groom.strands.offsets, (std::vector<uint32_t>{0, 4, 8}));
