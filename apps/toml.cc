@@ -24,17 +24,21 @@ size_t endOfString(const std::string& text, size_t at) {
   return text.size();
 }
 
-/// TOML has other characters than ASCII in strings and comments alone; behind a value, toml++ 3.0 runs into
-/// code that it calls unreachable.
-void refuseBareUnicode(const std::string& text, const std::string& name) {
-  const std::string byte_order_mark = "\xef\xbb\xbf";
-  int line = 1;
+/// What toml++ 3.0 cannot take. TOML has other characters than ASCII in strings and comments alone; behind a
+/// value it runs into code that it calls unreachable. And every part of a dotted key nests its calls deeper.
+void refuseWhatCrashes(const std::string& text, const std::string& name) {
+  constexpr int kMostParts = 64;  // of a key
+  const std::string byte_order_mark = "\xef\xbb\xbf", ends_of_keys = "\n=,[]{}";
+  int line = 1, parts = 1;
+  const auto place = [&] { return fmt::format("{} line {}", name, line); };
   for (size_t i = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0; i < text.size();) {
     const char c = text[i];
-    if (static_cast<unsigned char>(c) >= 0x80) {
-      throw Error("not valid TOML: a character that is not ASCII", fmt::format("{} line {}", name, line),
+    if (static_cast<unsigned char>(c) >= 0x80)
+      throw Error("not valid TOML: a character that is not ASCII", place(),
                   "put names and paths that have one in quotes");
-    }
+    if (ends_of_keys.find(c) != std::string::npos) parts = 1;
+    if (c == '.' && ++parts > kMostParts)
+      throw Error(fmt::format("a key of more than {} parts", kMostParts), place(), "is it the right file?");
     const size_t end = c == '#'                ? std::min(text.find('\n', i), text.size())
                        : c == '"' || c == '\'' ? endOfString(text, i)
                                                : i + 1;
@@ -47,7 +51,7 @@ void refuseBareUnicode(const std::string& text, const std::string& name) {
 }  // namespace
 
 toml::table parsedToml(const std::string& text, const std::string& name) {
-  refuseBareUnicode(text, name);
+  refuseWhatCrashes(text, name);
   try {
     return toml::parse(text, name);
   } catch (const toml::parse_error& error) {

@@ -226,6 +226,21 @@ TEST(Config, OtherThanAsciiIsForStringsAndComments) {
   }
 }
 
+TEST(Config, KeysOfVeryManyPartsAreRefused) {
+  const auto parts = [](int n, const std::string& part) {
+    std::string key = part;
+    for (int i = 1; i < n; ++i) key += " ." + part;
+    return key;
+  };
+  // The first of these ran out of stack.
+  for (const std::string& text : {parts(100000, "a") + "=1", "[" + parts(65, "a") + "]",
+                                  "[[" + parts(65, "'a'") + "]]", "a = {" + parts(65, "\"a\"") + " = 1}"})
+    EXPECT_NE(errorOf("\n" + text).find("more than 64 parts: hair.toml line 2"), std::string::npos) << text;
+  EXPECT_EQ(errorOf("[" + parts(64, "a") + "]").find("parts"), std::string::npos);
+  EXPECT_EQ(errorOf("motion = \"" + parts(100, "a") + "\"  # " + parts(100, "a")), "");
+  EXPECT_EQ(errorOf("[parameters]\nwind = [" + parts(1, "1.5") + ", 0.0, 1.5]"), "");
+}
+
 TEST(Config, AFileThatCannotBeReadSaysSo) {
   Settings settings;
   EXPECT_THROW(readConfig("no/such/file.toml", settings), Error);
