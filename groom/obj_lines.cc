@@ -1,6 +1,9 @@
 #include "groom/obj_lines.h"
 
+#include <charconv>
 #include <limits>
+
+#include "groom/text_number.h"
 
 namespace strandcast {
 namespace {
@@ -23,16 +26,6 @@ void splitWords(std::string_view line, std::vector<std::string_view>& words) {
     while (i < line.size() && !isBlank(line[i])) ++i;
     words.push_back(line.substr(start, i - start));
   }
-}
-
-/// Of a number that a double cannot hold: whether it is too small for it, not too large.
-bool isTiny(std::string_view number) {
-  const size_t mantissa = std::min(number.find_first_of("eE"), number.size());
-  const std::string_view digits = number.substr(0, mantissa), power = number.substr(mantissa);
-  double exponent = 0;
-  if (power.size() > 1) std::from_chars(power.data() + 1, power.data() + power.size(), exponent);
-  const auto point = static_cast<double>(std::min(digits.find('.'), digits.size()));
-  return exponent + point - static_cast<double>(digits.find_first_of("123456789")) < 0;
 }
 
 /// A word as errors quote it: short, and printable whatever the file holds.
@@ -76,16 +69,11 @@ Vec3 ObjLines::position() const {
   if (words_.size() < 4) fail("a vertex has fewer than three coordinates", line_);
   Vec3 point;
   for (int axis = 0; axis < 3; ++axis) {
-    std::string_view word = words_[axis + 1];
-    if (word.front() == '+') word.remove_prefix(1);
-    double value = 0;
-    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
-    const bool sound = failure == std::errc() || (failure == std::errc::result_out_of_range && isTiny(word));
-    if (!sound || end != word.data() + word.size())
-      fail("a coordinate is not a number: " + quoted(words_[axis + 1]), line_);
-    if (!(std::abs(value) <= FLT_MAX))
+    const std::optional<double> value = numberOf(words_[axis + 1]);
+    if (!value) fail("a coordinate is not a number: " + quoted(words_[axis + 1]), line_);
+    if (!(std::abs(*value) <= FLT_MAX))
       fail("a coordinate is not a finite number: " + quoted(words_[axis + 1]), line_);
-    point[axis] = static_cast<float>(value);
+    point[axis] = static_cast<float>(*value);
   }
   return point;
 }

@@ -1,6 +1,5 @@
 #pragma once
 #include <cfloat>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

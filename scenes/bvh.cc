@@ -1,7 +1,6 @@
 #include "scenes/bvh.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -9,6 +8,7 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "groom/text_number.h"
 
 namespace strandcast {
 namespace {
@@ -18,7 +18,10 @@ constexpr int kMaxDepth = 256;
 
 class Parser {
  public:
-  Parser(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+  Parser(std::string_view text, const std::string& name) : text_(text), name_(name) {
+    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+    if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
+  }
 
   BvhClip run() {
     expect("HIERARCHY");
@@ -51,6 +54,16 @@ class Parser {
     at_ += token.size();
     return token;
   }
+  /// Up to the end of the line or a brace: names may have spaces.
+  std::string_view restOfLine() {
+    skipSpace();
+    std::string_view rest = text_.substr(at_);
+    rest = rest.substr(0, rest.find_first_of("\n{"));
+    while (!rest.empty() && static_cast<unsigned char>(rest.back()) <= ' ') rest.remove_suffix(1);
+    if (rest.empty()) fail("a joint has no name");
+    at_ += rest.size();
+    return rest;
+  }
   void expect(std::string_view token) {
     const std::string_view found = next();
     if (found != token) fail("expected " + std::string(token) + ", found " + shown(found));
@@ -63,12 +76,10 @@ class Parser {
   }
   double number() {
     const std::string_view token = next();
-    double value = 0;
-    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
-    if (error != std::errc() || end != token.data() + token.size())
-      fail("expected a number, found " + shown(token));
-    if (!std::isfinite(value) || std::fabs(value) > 1e9) fail("number is out of range: " + shown(token));
-    return value;
+    const std::optional<double> value = numberOf(token);
+    if (!value) fail("expected a number, found " + shown(token));
+    if (!std::isfinite(*value) || std::fabs(*value) > 1e9) fail("number is out of range: " + shown(token));
+    return *value;
   }
   size_t count(const char* of, size_t least, size_t most) {
     const double value = number();
@@ -82,7 +93,7 @@ class Parser {
     if (clip_.joints.size() >= kMaxJoints) fail("too many joints");
     const int index = static_cast<int>(clip_.joints.size());
     BvhJoint& made = clip_.joints.emplace_back();
-    made.name = next();
+    made.name = restOfLine();
     made.parent = parent;
     body(index, depth);
   }

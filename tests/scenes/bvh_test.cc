@@ -71,6 +71,18 @@ TEST(Bvh, ChannelsMayComeInAnyOrderAndNumber) {
   EXPECT_EQ(clip.joints[0].channels[1], BvhChannel::kZPosition);
 }
 
+TEST(Bvh, WhatProgramsWriteBesidesIsTaken) {
+  const BvhClip marked = parse("\xef\xbb\xbf" + replaced("JOINT MyHead", "JOINT My head \t"));
+  EXPECT_EQ(marked.joints[1].name, "My head");
+  EXPECT_EQ(marked.find(""), 1);
+  const BvhClip braced = parse(replaced("MyHead\n  {", "My head {"));
+  EXPECT_EQ(braced.joints[1].name, "My head");
+  const BvhClip numbers = parse(replaced("0 1 1 0", "+0.5 1e-400 -1e-400 0"));
+  EXPECT_EQ(numbers.pose(0, 1).position, Vec3(0.5f, 0, 0));
+  EXPECT_NE(errorOf(replaced("0 1 1 0", "0 1e400 1 0")).find("expected a number"), std::string::npos);
+  EXPECT_NE(errorOf(replaced("MyHead", "")).find("a joint has no name"), std::string::npos);
+}
+
 TEST(Bvh, ErrorsNameTheFileTheLineAndWhatIsWrong) {
   EXPECT_NE(errorOf("").find("the file ends early: clip.bvh, line 1"), std::string::npos);
   EXPECT_NE(errorOf("hello").find("expected HIERARCHY"), std::string::npos);

@@ -1,0 +1,30 @@
+#include "groom/text_number.h"
+
+#include <algorithm>
+#include <charconv>
+
+namespace strandcast {
+namespace {
+
+/// Of a number that a double cannot hold: whether it is too small for it, not too large.
+bool isTiny(std::string_view number) {
+  const size_t mantissa = std::min(number.find_first_of("eE"), number.size());
+  const std::string_view digits = number.substr(0, mantissa), power = number.substr(mantissa);
+  double exponent = 0;
+  if (power.size() > 1) std::from_chars(power.data() + 1, power.data() + power.size(), exponent);
+  const auto point = static_cast<double>(std::min(digits.find('.'), digits.size()));
+  return exponent + point - static_cast<double>(digits.find_first_of("123456789")) < 0;
+}
+
+}  // namespace
+
+std::optional<double> numberOf(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool sound = failure == std::errc() || (failure == std::errc::result_out_of_range && isTiny(text));
+  if (!sound || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace strandcast
