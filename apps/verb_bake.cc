@@ -4,15 +4,18 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "apps/console.h"
 #include "apps/finite_range.h"
 #include "apps/interrupt.h"
+#include "apps/output_folder.h"
 #include "apps/settings.h"
 #include "apps/verbs.h"
 #include "collision/field_bake.h"
 #include "core/error.h"
 #include "groom/distance_field_file.h"
+#include "groom/file_bytes.h"
 #include "groom/mesh_file.h"
 #include "scenes/field_cache.h"
 #ifdef STRANDCAST_HAS_RENDER
@@ -113,6 +116,9 @@ int bake(BakeOptions o) {
   read.up = upAxisOf(o.up);
   o.limits.memory_bytes = o.memory_mib << 20;
   if (o.out.empty()) o.out = std::filesystem::path(o.file).stem().string() + ".sdf";
+  checkWritable(o.out);
+  std::optional<OutputFolder> slices;
+  if (!o.slices.empty()) slices.emplace(o.slices);
   const TriangleMesh mesh = loadMesh(o.file, read);
   try {
     ProgressBar bar;

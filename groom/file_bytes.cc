@@ -49,14 +49,17 @@ void write(const std::filesystem::path& into, std::span<const std::byte> bytes,
 
 bool isWritable(const std::filesystem::path& path) { return ::access(path.c_str(), W_OK) == 0; }
 
+std::filesystem::path folderOf(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : ".";
+}
+
 /// Links, pipes and devices are written through, and what is write-protected stays.
 bool mayBeReplaced(const std::filesystem::path& file) {
   std::error_code failure;
   const std::filesystem::file_status status = std::filesystem::symlink_status(file, failure);
   const bool is_own = std::filesystem::is_regular_file(status) &&
                       std::filesystem::hard_link_count(file, failure) == 1 && isWritable(file);
-  return (is_own || !std::filesystem::exists(status)) &&
-         isWritable(file.has_parent_path() ? file.parent_path() : ".");
+  return (is_own || !std::filesystem::exists(status)) && isWritable(folderOf(file));
 }
 
 }  // namespace
@@ -94,6 +97,17 @@ void writeFileBytes(const std::filesystem::path& file, std::span<const std::byte
   if (!failure) return;
   std::filesystem::remove(part, ignored);
   write(file, bytes, file);  // what is mounted there, say
+}
+
+void checkWritable(const std::filesystem::path& file) {
+  std::error_code failure;
+  const std::filesystem::path folder = folderOf(file);
+  const bool exists = std::filesystem::exists(file, failure);
+  if (std::filesystem::is_directory(folder, failure) && !std::filesystem::is_directory(file, failure) &&
+      isWritable(exists ? file : folder))
+    return;
+  throw Error("the file cannot be written", file.string(),
+              "name a file in a folder that is there and may be written to");
 }
 
 std::string lowerExtension(const std::filesystem::path& file) {

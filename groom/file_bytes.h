@@ -16,6 +16,9 @@ std::vector<std::byte> readFileBytes(const std::filesystem::path& file);
 /// cannot be opened or written in full.
 void writeFileBytes(const std::filesystem::path& file, std::span<const std::byte> bytes);
 
+/// Throws Error where the folder is not there or the file cannot be written: for what takes long to make.
+void checkWritable(const std::filesystem::path& file);
+
 /// The extension with its dot, in lower case.
 std::string lowerExtension(const std::filesystem::path& file);
 

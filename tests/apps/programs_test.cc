@@ -322,6 +322,21 @@ TEST_F(Programs, BakeWritesAFieldSaysHowGoodItIsAndFindsItAgain) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "slices" / "y_50.png"));
 }
 
+TEST_F(Programs, ABakeThatCouldNotBeWrittenIsNotBegun) {
+  const std::string bake =
+      program_ + " bake " + write("cube.obj", kCube).string() + " --unit-meters 1 --no-cache";
+  const std::string out = (folder_ / "cube.sdf").string(), file = write("file", "").string();
+  std::vector<std::string> refused = {" --out " + (folder_ / "absent" / "cube.sdf").string(),
+                                      " --out " + folder_.string(), " --out " + file + "/cube.sdf"};
+  if (STRANDCAST_GL) refused.push_back(" --out " + out + " --slices " + file);
+  for (const std::string& options : refused) {
+    const Outcome r = run(bake + options);
+    EXPECT_EQ(r.exit_code, 2) << options;
+    EXPECT_EQ(r.err.find("bricks"), std::string::npos) << r.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
 TEST_F(Programs, InterruptStopsABakeAndLeavesNoFile) {
   const std::filesystem::path cube = write("cube.obj", kCube), out = folder_ / "cube.sdf";
   const pid_t child = start({program_, "bake", cube.string(), "--unit-meters", "1", "--cell", "0.0002",
