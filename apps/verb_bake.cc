@@ -41,10 +41,11 @@ double mebibytes(size_t bytes) { return static_cast<double>(bytes) / (1 << 20); 
 void announce(const FieldBaker& baker, const std::string& file) {
   const BakeEstimate& e = baker.estimate();
   fmt::print(stderr,
-             "{}: {} triangles, cells of {:.3g} mm: about {} bricks, {:.1f} MiB, and {:.1f} MiB while "
+             "{}: {} triangles, cells of {:.3g} mm: about {} bricks{}, {:.1f} MiB, and {:.1f} MiB while "
              "baking; about {:.1f} s; Ctrl-C stops it\n",
-             file, baker.mesh().triangles, 1e3 * baker.options().cell, e.bricks, mebibytes(e.field_bytes),
-             mebibytes(e.working_bytes), e.seconds);
+             file, baker.mesh().triangles, 1e3 * baker.options().cell, e.bricks,
+             baker.mesh().open_edges.empty() ? "" : " and more about lids of openings",
+             mebibytes(e.field_bytes), mebibytes(e.working_bytes), e.seconds);
 }
 
 struct Baked {

@@ -44,6 +44,7 @@ struct FieldBaker::Impl {
   MeshCheck check;
   FieldGrid grid{};
   BakeEstimate estimate;
+  size_t mesh_bytes = 0;                                               // of the mesh and its hierarchies
   double seconds_hidden = 0, seconds_corners = 0, seconds_bricks = 0;  // of the estimate
   std::vector<uint32_t> index;                                         // about the whole mesh
   std::optional<MeshQuery> whole;
@@ -73,10 +74,10 @@ struct FieldBaker::Impl {
   void prepare(const BakeProgress& progress) {
     const size_t triangles = mesh.triangles.size();
     // Two hierarchies: of the whole mesh and of the surface that bounds the outside.
-    estimate.working_bytes = 2 * MeshQuery::bytes(triangles) +
-                             triangles * (sizeof(mesh.triangles[0]) + sizeof(std::vector<Corners>)) +
-                             mesh.positions.size() * sizeof(Vec3);
-    require(estimate.working_bytes, fmt::format("the hierarchy of {} triangles", triangles));
+    mesh_bytes = 2 * MeshQuery::bytes(triangles) +
+                 triangles * (sizeof(mesh.triangles[0]) + sizeof(std::vector<Corners>)) +
+                 mesh.positions.size() * sizeof(Vec3);
+    require(mesh_bytes, fmt::format("the hierarchy of {} triangles", triangles));
     tell(progress, "checking the mesh");
     check = checkMesh(mesh);
     grid = makeFieldGrid(mesh, options);
@@ -89,6 +90,8 @@ struct FieldBaker::Impl {
     estimate.field_bytes = sizeof(FieldGrid) +
                            sizeof(uint32_t) * (index.size() + found.size() * kBrickWords) +
                            sizeof(float) * corner_count;
+    // The field is there twice when it is packed and when it is written.
+    estimate.working_bytes = mesh_bytes + estimate.field_bytes;
     require(estimate.working_bytes + estimate.field_bytes,
             fmt::format("{} bricks and the hierarchy", found.size()));
     std::vector<uint32_t> words(kBrickWords * found.size());
@@ -200,7 +203,7 @@ struct FieldBaker::Impl {
              [&](size_t row) { bakeCornerRow(row, field.corners.data()); });
     addLids(field);
     const std::vector<uint32_t> found = candidates(field.index);
-    require(estimate.working_bytes + field.bytes() + found.size() * kBrickWords * sizeof(uint32_t),
+    require(mesh_bytes + 2 * (field.bytes() + found.size() * kBrickWords * sizeof(uint32_t)),
             fmt::format("{} bricks and the hierarchy", found.size()));
     field.samples.resize(found.size() * kBrickWords);
     std::vector<float> nearest(found.size());

@@ -49,7 +49,7 @@ struct BakeStopped : std::runtime_error {
 struct BakeEstimate {
   size_t bricks = 0;         ///< to be stored at most, but for those about lids
   size_t field_bytes = 0;    ///< of the field with as many bricks
-  size_t working_bytes = 0;  ///< besides, while baking
+  size_t working_bytes = 0;  ///< besides, while baking and writing it
   double seconds = 0;        ///< from a small sample, on this machine
 };
 
