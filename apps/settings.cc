@@ -155,7 +155,9 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
 SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   auto* scene = app.add_option_group("Scene", "what is simulated");
   scene_ = scene;
-  scene->add_option("--config", config_, "TOML file with any of these settings; options win over it");
+  scene->add_option(
+      "--config", config_,
+      "TOML file with settings of scene, simulation and network (README.md); options win over it");
   scene->add_option("--scene", given_.scene.name, sceneHelp());
   scene->add_option("--groom", groom_, "groom files (.tfx, .hair, .obj), separated by commas")
       ->delimiter(',');
