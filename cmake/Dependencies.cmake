@@ -1,5 +1,5 @@
 # Everything comes from Debian's packages (./dev setup). GL, DDS, LCM, GLFW and Dear ImGui may be missing: that part is then switched off,
-# said so here and in `strandcast info --backends`, and the rest still builds.
+# said so here, of GL, DDS and LCM in `strandcast info --backends` too, and the rest still builds.
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
@@ -41,6 +41,9 @@ elseif(EPOXY_FOUND AND EGL_FOUND)
   set(STRANDCAST_GL ON)
 else()
   message(WARNING "OpenGL is off: libepoxy-dev or libegl-dev is missing (run ./dev setup)")
+endif()
+if(STRANDCAST_GL AND NOT (glfw3_FOUND AND IMGUI_FOUND))
+  message(WARNING "There is no window: libglfw3-dev or libimgui-dev is missing (run ./dev setup)")
 endif()
 set(STRANDCAST_DDS OFF)
 if(STRANDCAST_WITHOUT_DDS)

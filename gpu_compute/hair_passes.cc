@@ -232,13 +232,6 @@ void HairPasses::gather(const Strands& strands, const Needs& needs, const gl::Bu
   finishPass();
 }
 
-std::vector<int32_t> HairPasses::downloadSums() const {
-  std::vector<int32_t> out(4 * nodes_count_);
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  glGetNamedBufferSubData(sums_.id(), 0, static_cast<GLsizeiptr>(out.size() * sizeof(out[0])), out.data());
-  return out;
-}
-
 std::vector<std::array<float, 4>> HairPasses::downloadNodes() const {
   std::vector<Vec4> out(nodes_count_);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);

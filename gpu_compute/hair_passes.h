@@ -51,8 +51,6 @@ class HairPasses {
 
   /// Momentum and mass per volume, of nodes, 4 numbers each.
   const gl::Buffer& nodes() const { return nodes_; }
-  /// Whole numbers of the last splat, whose forces have not been found yet.
-  std::vector<int32_t> downloadSums() const;
   std::vector<std::array<float, 4>> downloadNodes() const;
 
  private:

@@ -119,8 +119,8 @@ struct Status {
   uint64_t frames = 0;         ///< published
   double simulation_time = 0;  ///< s
   double step_ms_median = 0, step_ms_p95 = 0;
-  double mean_stretch = 0,
-         max_stretch = 0;      ///< relative; of the frames since the last status, since the start
+  double mean_stretch = 0;     ///< relative, in the frames since the last status
+  double max_stretch = 0;      ///< relative, the most since the start
   double max_penetration = 0;  ///< m, deepest since the start
   uint64_t non_finite = 0;     ///< vertices, in the frames since the last status
   uint64_t strands_reset = 0;  ///< put back to their rest shape because they went wrong, since the start
