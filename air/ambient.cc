@@ -4,6 +4,8 @@
 #include <numbers>
 #include <random>
 
+#include "kernels/scalar_float.h"
+
 namespace strandcast {
 namespace {
 
@@ -16,6 +18,11 @@ double uniform(std::mt19937_64& random) { return static_cast<double>(random() >>
 Eigen::Vector3d direction(std::mt19937_64& random) {
   const double z = 2 * uniform(random) - 1, angle = kTurn * uniform(random), r = std::sqrt(1 - z * z);
   return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+Vec3 turnedToBox(const Vec3& v) {
+  const auto turned = kernels::f32::turnedToBox({v.x(), v.y(), v.z()});
+  return {turned.x, turned.y, turned.z};
 }
 
 size_t boxIndex(int i, int j, int k) {
@@ -74,7 +81,7 @@ void Ambient::configure(const Parameters& p) {
 
 void Ambient::advance(double seconds) {
   Progress next = progress_;
-  next.carried += wind_.cast<double>() * (seconds / static_cast<double>(turbulence_length_));
+  next.carried += turnedToBox(wind_).cast<double>() * (seconds / static_cast<double>(turbulence_length_));
   next.carried -= next.carried.array().floor().matrix();
   next.gust += seconds / static_cast<double>(gust_period_);
   next.gust -= std::floor(next.gust);
@@ -99,7 +106,7 @@ void Ambient::findMean() {
 
 Vec3 Ambient::at(const Vec3& point) const {
   if (!(turbulence_ > 0)) return mean_;
-  const Vec3 place = (point - carried_) * boxPlacesPerMetre();
+  const Vec3 place = (turnedToBox(point) - carried_) * boxPlacesPerMetre();
   if (!place.allFinite()) return mean_;  // of a strand that went wrong
   const Vec3 low = place.array().floor(), part = place - low;
   const Vec3 first = low - kBox * (low / kBox).array().floor().matrix();  // in the box, exactly
@@ -111,7 +118,7 @@ Vec3 Ambient::at(const Vec3& point) const {
            box_[boxIndex(static_cast<int>(first.x()) + (c & 1), static_cast<int>(first.y()) + (c >> 1 & 1),
                          static_cast<int>(first.z()) + (c >> 2))];
   }
-  return mean_ + out;
+  return mean_ + turnedToBox(out);
 }
 
 float Ambient::boxPlacesPerMetre() const { return kBox / turbulence_length_; }

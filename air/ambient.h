@@ -12,7 +12,8 @@ namespace strandcast {
 /// Gusts: the speed is wind (1 + gust s(t)), s a sum of 8 harmonics of gust_period with random phases and
 /// amplitudes as n^(-5/6), so that power goes with frequency^(-5/3), rms 1 (Kolmogorov's inertial range).
 /// Turbulence: a periodic box of edge turbulence_length, sum of 96 solenoidal Fourier modes (Kraichnan 1970)
-/// with whole wave numbers 1 <= |n| < 8 and energy E(n) as n^(-5/3); rms of each component turbulence |wind|.
+/// with whole wave numbers 1 <= |n| < 8 and energy E(n) as n^(-5/3); mean square of the components
+/// (turbulence |wind|)^2. Its axes are not the world's: turnedToBox() of kernels/grid.h.
 class Ambient {
  public:
   /// How far it has come, summed up step by step, so that other settings move neither eddies nor gusts.
@@ -35,7 +36,7 @@ class Ambient {
   // What a GPU needs to do the same as at().
   int seed() const { return seed_; }
   float turbulence() const { return turbulence_; }  ///< m/s
-  const Vec3& carried() const { return carried_; }  ///< m, where the box of turbulence has its corner
+  const Vec3& carried() const { return carried_; }  ///< m, in the axes of the box: where that has its corner
   float boxPlacesPerMetre() const;
   std::span<const Vec3> box() const { return box_; }  ///< 32^3 places, x fastest
   /// Mean over the three components and all points of the box of the square of what it holds: 1.

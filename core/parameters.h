@@ -50,7 +50,7 @@ struct Parameters {
   float hairs_per_strand = 40;     ///< that a strand stands for, where it holds the air back
   float gust = 0;                  ///< rms of the inflow's speed over its mean
   float gust_period = 4;           ///< s, of the slowest gust
-  float turbulence = 0;            ///< rms of each component of the inflow's turbulence over its mean speed
+  float turbulence = 0;            ///< rms of a component of the inflow's turbulence over its mean speed
   float turbulence_length = 0.3f;  ///< m, of the largest eddies
   int wind_seed = 1;               ///< of gusts and turbulence
   float volume_stiffness = 0;      ///< m^2/s^2, of hair that is denser than at rest; 0 = off

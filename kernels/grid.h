@@ -34,6 +34,12 @@ FN real splatWeight(IN(real3) part, IN(real) cx, IN(real) cy, IN(real) cz) {
   real z = madd(cz, part.z + part.z - lit(1), lit(1) - part.z);
   return x * y * z;
 }
+// From the world's axes to those of the box of turbulence, and back: half a turn about (2, 3, 7). Wind along an axis of the box would bring
+// the same again after one length of it, and eddies that lie along that axis would stand still in it.
+FN real3 turnedToBox(IN(real3) v) {
+  real by = (lit(2) * v.x + lit(3) * v.y + lit(7) * v.z) * lit(1.0 / 31);
+  return makeReal3(lit(2) * by - v.x, lit(3) * by - v.y, lit(7) * by - v.z);
+}
 // One axis of a blur by (1 2 1) / 4.
 FN real blurred(IN(real) before, IN(real) here, IN(real) after) {
   return madd(before + after, lit(0.25), here * lit(0.5));

@@ -7,7 +7,7 @@ layout(std140, binding = 1) uniform Air {  // gpu_compute/air_layout.h
   vec4 wind_of_hair[3];  // hair nodes to middles of the wind's cells, rows
   vec4 wind_box;         // low corner of the wind grid, m; w: its cell, m
   vec4 ambient_mean;     // m/s; w: turbulence, m/s
-  vec4 ambient_carried;  // m; w: cells of the box of turbulence per metre
+  vec4 ambient_carried;  // m, in the axes of the box of turbulence; w: cells of the box of turbulence per metre
   vec4 uniform_wind;     // m/s, the parameter; w: 1 - air_drag_along
   int cells;
   int open_border;       // 1, or 0 for walls

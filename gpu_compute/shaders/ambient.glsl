@@ -11,16 +11,16 @@ layout(std430, binding = 14) readonly buffer Sources { Source sources[]; };
 
 vec3 ambientAt(vec3 point) {
   const int kBox = 32;
-  vec3 out_ = air.ambient_mean.xyz;
-  if (!(air.ambient_mean.w > 0.0)) return out_;
-  vec3 place = (point - air.ambient_carried.xyz) * air.ambient_carried.w, low = floor(place), part = place - low;
+  if (!(air.ambient_mean.w > 0.0)) return air.ambient_mean.xyz;
+  vec3 place = (turnedToBox(point) - air.ambient_carried.xyz) * air.ambient_carried.w, low = floor(place), part = place - low;
+  vec3 eddies = vec3(0);
   for (int c = 0; c < 8; ++c) {
     ivec3 corner = (ivec3(low) + cornerOf(c)) & (kBox - 1);
     int at = 3 * (corner.x + kBox * (corner.y + kBox * corner.z));
     float weight = air.ambient_mean.w * splatWeight(part, float(c & 1), float((c >> 1) & 1), float(c >> 2));
-    out_ = madd(vec3(turbulence[at], turbulence[at + 1], turbulence[at + 2]), weight, out_);
+    eddies = madd(vec3(turbulence[at], turbulence[at + 1], turbulence[at + 2]), weight, eddies);
   }
-  return out_;
+  return air.ambient_mean.xyz + turnedToBox(eddies);
 }
 
 // Whether a source reaches a point, and the velocity that it draws the air there to.

@@ -302,9 +302,9 @@ TEST(Ambient, TurbulenceHasItsStrengthAndItsSeed) {
   EXPECT_NEAR(ambient.boxMeanSquare(), 1, 1e-3);
   double squares = 0;
   int count = 0;
-  for (float x = 0; x < 0.3f; x += 0.3f / 32)
-    for (float y = 0; y < 0.3f; y += 0.3f / 32)
-      for (float z = 0; z < 0.3f; z += 0.3f / 32, ++count)
+  for (float x = 0; x < 3; x += 0.07f)
+    for (float y = 0; y < 3; y += 0.07f)
+      for (float z = 0; z < 3; z += 0.07f, ++count)
         squares += (ambient.at(Vec3(x, y, z)) - ambient.mean()).squaredNorm() / 3;
   EXPECT_NEAR(std::sqrt(squares / count), 1, 0.05) << "a quarter of the wind";
   other.configure(parameters);
@@ -312,6 +312,28 @@ TEST(Ambient, TurbulenceHasItsStrengthAndItsSeed) {
   parameters.wind_seed = 7;
   other.configure(parameters);
   EXPECT_NE(other.at(Vec3(0.1f, 0.2f, 0.3f)), ambient.at(Vec3(0.1f, 0.2f, 0.3f)));
+}
+
+TEST(Ambient, TurbulenceInWindAlongAnAxisIsNoSteadyWind) {
+  for (const Vec3& wind : {Vec3(3, 0, 0), Vec3(0, 3, 0), Vec3(0, 0, 3)}) {
+    Parameters parameters = windOf(wind);
+    parameters.turbulence = 1;
+    double steady = 0, all = 0;  // squares
+    for (parameters.wind_seed = 1; parameters.wind_seed <= 3; ++parameters.wind_seed) {
+      Ambient ambient;
+      ambient.configure(parameters);
+      constexpr int kTimes = 4000;
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (int i = 0; i < kTimes; ++i) {
+        ambient.advance(0.0101);
+        const Vec3 eddy = ambient.at(Vec3(0.1f, 0.2f, 0.3f)) - ambient.mean();
+        sum += eddy.cast<double>() / kTimes;
+        all += eddy.cast<double>().squaredNorm() / kTimes;
+      }
+      steady += sum.squaredNorm();
+    }
+    EXPECT_LT(steady, 0.02 * all) << wind.transpose();
+  }
 }
 
 TEST(Ambient, GustsHaveTheirStrength) {
