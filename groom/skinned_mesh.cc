@@ -4,6 +4,7 @@
 #include "groom/axes_and_units.h"
 #include "groom/file_bytes.h"
 #include "groom/gltf_mesh.h"
+#include "groom/mesh_file.h"
 
 namespace strandcast {
 
