@@ -16,7 +16,10 @@ size_t endOfString(const std::string& text, size_t at) {
     if (text[i] == '\\' && quote[0] == '"') {
       ++i;
     } else if (text.compare(i, quote.size(), quote) == 0) {
-      return i + quote.size();
+      const size_t most = std::min(i + (quote.size() == 3 ? 5 : 1), text.size());  // two may be the string's
+      size_t end = i + quote.size();
+      while (end < most && text[end] == quote[0]) ++end;
+      return end;
     } else if (text[i] == '\n' && quote.size() == 1) {
       return i;
     }
@@ -25,23 +28,29 @@ size_t endOfString(const std::string& text, size_t at) {
 }
 
 /// What toml++ 3.0 cannot take. TOML has other characters than ASCII in strings and comments alone; behind a
-/// value it runs into code that it calls unreachable. And every part of a dotted key nests its calls deeper.
+/// value, and behind a quote in what is none, it runs into code that it calls unreachable. And every part of
+/// a dotted key nests its calls deeper.
 void refuseWhatCrashes(const std::string& text, const std::string& name) {
   constexpr int kMostParts = 64;  // of a key
   const std::string byte_order_mark = "\xef\xbb\xbf", ends_of_keys = "\n=,[]{}";
+  const std::string before_quotes = "\n\r\t =,.[{";
   int line = 1, parts = 1;
   const auto place = [&] { return fmt::format("{} line {}", name, line); };
-  for (size_t i = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0; i < text.size();) {
+  const size_t start = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
+  for (size_t i = start; i < text.size();) {
     const char c = text[i];
+    const bool quotes = c == '"' || c == '\'';
+    if (quotes && i > start && before_quotes.find(text[i - 1]) == std::string::npos)
+      throw Error("not valid TOML: a quote within a word", place(), "put the whole value in quotes");
     if (static_cast<unsigned char>(c) >= 0x80)
       throw Error("not valid TOML: a character that is not ASCII", place(),
                   "put names and paths that have one in quotes");
     if (ends_of_keys.find(c) != std::string::npos) parts = 1;
     if (c == '.' && ++parts > kMostParts)
       throw Error(fmt::format("a key of more than {} parts", kMostParts), place(), "is it the right file?");
-    const size_t end = c == '#'                ? std::min(text.find('\n', i), text.size())
-                       : c == '"' || c == '\'' ? endOfString(text, i)
-                                               : i + 1;
+    const size_t end = c == '#' ? std::min(text.find('\n', i), text.size())
+                       : quotes ? endOfString(text, i)
+                                : i + 1;
     line += static_cast<int>(std::count(text.begin() + static_cast<ptrdiff_t>(i),
                                         text.begin() + static_cast<ptrdiff_t>(end), '\n'));
     i = end;

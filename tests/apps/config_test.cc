@@ -224,6 +224,8 @@ TEST(Config, OtherThanAsciiIsForStringsAndComments) {
   for (const char* text : {"\nseed = [1\xc3\xa4]", "\nseed = 1 \xe2\x80\x83", "\n\xc3\xa4 = 1"}) {
     EXPECT_NE(errorOf(text).find("not ASCII: hair.toml line 2; "), std::string::npos) << errorOf(text);
   }
+  EXPECT_NE(errorOf("\nseed = --!-'\xef\xbb\x9f'").find("a quote within a word: hair.toml line 2; "),
+            std::string::npos);
 }
 
 TEST(Config, KeysOfVeryManyPartsAreRefused) {

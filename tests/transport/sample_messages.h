@@ -155,7 +155,7 @@ inline void fillSampleFrame(const GroomDescription& groom, uint64_t number, Guid
   frame.publish_time = systemTime();
   frame.head.position = Vec3(0, static_cast<float>(number), 0);
   frame.head.rotation = Quat(0.6f, 0, 0.8f, 0);
-  const Pose at(Vec3(0, 0, static_cast<float>(number)), Quat(0.6f, 0, 0.8f, 0));
+  const Pose at{Vec3(0, 0, static_cast<float>(number)), Quat(0.6f, 0, 0.8f, 0)};
   frame.colliders = {{7, at, sampleBend(number)}, {8, at, {}}};
   frame.positions.resize(groom.guides.vertices());
   for (size_t v = 0; v < frame.positions.size(); ++v) {
