@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace strandcast {
 
@@ -15,34 +14,45 @@ void Measurement::add(const Measurement& other) {
   edges += other.edges;
 }
 
+namespace {
+
+/// Of free vertices of these strands below the surface of one body, m, where any is deeper than `most`.
+double deepest(const StrandModel& model, std::span<const Vec3> positions, const MovingPrimitive& body,
+               std::span<const uint32_t> words, StrandRange strands, double most) {
+  const Box box = sweptBox(body);
+  for (size_t s = strands.begin; s < strands.end; ++s)
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
+      if (!box.contains(Eigen::Vector3f(positions[v])) || model.isPinned(s, v)) continue;
+      const double allowed = model.rest_distance.empty() ? 0 : std::min(0.0f, model.rest_distance[v]);
+      most = std::max<double>(most, allowed - signedDistance(body, positions[v], words));
+    }
+  return most;
+}
+
+}  // namespace
+
 Measurement measure(const StrandModel& model, std::span<const Vec3> positions,
                     std::span<const MovingPrimitive> primitives, std::span<const uint32_t> words,
                     StrandRange strands) {
-  std::vector<Box> boxes(primitives.size());
-  std::transform(primitives.begin(), primitives.end(), boxes.begin(), sweptBox);
+  strands.end = std::min(strands.end, model.strands());
   Measurement out;
   double sum = 0;
-  for (size_t s = strands.begin; s < std::min(strands.end, model.strands()); ++s) {
+  for (size_t s = strands.begin; s < strands.end; ++s) {
     for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
       if (!positions[v].allFinite()) {
         ++out.non_finite;
         continue;
       }
-      if (v > model.offsets[s]) {
-        const float rest = (model.rest_local[v] - model.rest_local[v - 1]).norm();
-        const double stretch = std::fabs((positions[v] - positions[v - 1]).norm() / rest - 1.0);
-        sum += stretch;
-        ++out.edges;
-        out.max_stretch = std::max(out.max_stretch, stretch);
-      }
-      if (model.isPinned(s, v)) continue;
-      const double allowed = model.rest_distance.empty() ? 0 : std::min(0.0f, model.rest_distance[v]);
-      for (size_t p = 0; p < primitives.size(); ++p)
-        if (boxes[p].contains(Eigen::Vector3f(positions[v])))
-          out.max_penetration = std::max<double>(
-              out.max_penetration, allowed - signedDistance(primitives[p], positions[v], words));
+      if (v == model.offsets[s]) continue;
+      const float rest = (model.rest_local[v] - model.rest_local[v - 1]).norm();
+      const double stretch = std::fabs((positions[v] - positions[v - 1]).norm() / rest - 1.0);
+      sum += stretch;
+      ++out.edges;
+      out.max_stretch = std::max(out.max_stretch, stretch);
     }
   }
+  for (const MovingPrimitive& body : primitives)
+    out.max_penetration = deepest(model, positions, body, words, strands, out.max_penetration);
   out.mean_stretch = out.edges > 0 ? sum / static_cast<double>(out.edges) : 0;
   return out;
 }

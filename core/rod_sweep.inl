@@ -127,7 +127,7 @@ class RodStep {
 
   void findTraits();
   mask isUneven() const;
-  real drivenByAir(int i) const;
+  real drivenByAir(int i, const real& wind) const;
   void predict(const RootFrame& root, double time);
   real3 ownShift(int i) const;
   real3 inertialShift(int i, const real3& own, const RootFrame& root, double time) const;

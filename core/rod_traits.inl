@@ -16,10 +16,10 @@ inline mask RodStep::isUneven() const {
   return bendsUnevenly(bends, changes, second_changes, lit(ne - 1));
 }
 
-// How much air, and what else accelerates a vertex besides gravity, drives vertex i, at most: m/s^2.
-inline real RodStep::drivenByAir(int i) const {
+// How much air, and what else accelerates a vertex besides gravity, drives vertex i, at most: m/s^2. `wind`: its speed over the substep.
+inline real RodStep::drivenByAir(int i, const real& wind) const {
   const real dragged = lit(1) - (grooming_.on() ? grooming_.keep(i) : lit(keep_));
-  real driven = dragged * lit(p.wind.norm() / h);
+  real driven = dragged * wind;
   if (b.acceleration != nullptr) {
     const real3 own = accelerationOf(b, i);
     driven = driven + sqrt(dot(own, own));
@@ -29,13 +29,14 @@ inline real RodStep::drivenByAir(int i) const {
 
 inline void RodStep::findTraits() {
   real length = lit(0), hung = lit(0), shortest = lengthOf(0), driven = lit(0);
+  const real wind = lit(p.wind.norm() / h);
   stiffest_ = lit(0);
   for (int e = 0; e < ne; ++e) {
     const real il = inverseLength(e);
     stiffest_ = max(stiffest_, stiffnessOf(bend(e), il, lit(h * h), state(b.weight, 0, rowOfVertex(e + 1))));
     length = length + lengthOf(e);
     shortest = min(shortest, lengthOf(e));
-    driven = max(driven, drivenByAir(e + 1));
+    driven = max(driven, drivenByAir(e + 1, wind));
     hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
   }
   kinked_ = isKinked(isUneven(), stiffest_);

@@ -247,15 +247,18 @@ TEST_F(Dds, ARivalIsHeardAndForgotten) {
   EXPECT_TRUE(becomesTrue([&] { return !first->rival(); }));
 }
 
+/// Shares groom 1 with others.
+std::unique_ptr<Publisher> claimant(int domain, const GroomDescription& groom, uint64_t session,
+                                    uint32_t strength) {
+  auto publisher = makeDdsPublisher({domain, 1, session, {Codec::kFloat32}, strength});
+  publisher->announce(groom, sampleBody(4));
+  return publisher;
+}
+
 TEST_F(Dds, AStatusGoesWithTheTurnOfWhoSharesAGroom) {
   const int domain = testDomain(15);
   const GroomDescription groom = uniformGroom(10, 4);
-  const auto claims = [&](uint64_t session, uint32_t strength) {
-    auto publisher = makeDdsPublisher({domain, 1, session, {Codec::kFloat32}, strength});
-    publisher->announce(groom, sampleBody(4));
-    return publisher;
-  };
-  const auto first = claims(11, 1);
+  const auto first = claimant(domain, groom, 11, 1);
   const auto reader = makeDdsSubscriber({domain, 1, 0, {}});
   uint64_t number = 0;
   Status status;
@@ -276,7 +279,7 @@ TEST_F(Dds, AStatusGoesWithTheTurnOfWhoSharesAGroom) {
     });
   };
   ASSERT_TRUE(becomesTheOne(11, {first.get()}));
-  const auto second = claims(22, 2);
+  const auto second = claimant(domain, groom, 22, 2);
   EXPECT_TRUE(becomesTheOne(22, {first.get(), second.get()}));
   const auto late = makeDdsSubscriber({domain, 1, 0, {}});
   ASSERT_TRUE(becomesTrue([&] { return !late->allStatuses().empty(); }));
@@ -287,12 +290,7 @@ TEST_F(Dds, AStatusGoesWithTheTurnOfWhoSharesAGroom) {
 TEST_F(Dds, AStrongerClaimantSilencesNobodyBeforeItHasFrames) {
   const int domain = testDomain(16);
   const GroomDescription groom = uniformGroom(10, 4);
-  const auto claims = [&](uint64_t session, uint32_t strength) {
-    auto publisher = makeDdsPublisher({domain, 1, session, {Codec::kFloat32}, strength});
-    publisher->announce(groom, sampleBody(4));
-    return publisher;
-  };
-  const auto first = claims(11, 1);
+  const auto first = claimant(domain, groom, 11, 1);
   const auto reader = makeDdsSubscriber({domain, 1, 0, {}});
   uint64_t number = 0, seen = 0;
   auto newest = std::chrono::steady_clock::now();
@@ -313,7 +311,7 @@ TEST_F(Dds, AStrongerClaimantSilencesNobodyBeforeItHasFrames) {
   };
   ASSERT_EQ(castsFor(4000, {first.get()}), 11u);
   longest = {};
-  auto second = claims(22, 2);
+  auto second = claimant(domain, groom, 22, 2);
   EXPECT_EQ(castsFor(3000, {first.get()}), 11u) << "it listens, and makes its simulation";
   EXPECT_FALSE(second->rival()) << "they share the groom";
   EXPECT_EQ(castsFor(1000, {first.get(), second.get()}), 22u);
