@@ -5,12 +5,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace strandcast {
@@ -74,6 +76,12 @@ class ProgramFixture : public ::testing::Test {
     running_.insert(child);
     return child;
   }
+  /// Ctrl-C, once the program listens for it: however slowly it started, it does not die of it unheard.
+  void interrupt(pid_t child) {
+    for (int i = 0; i < 600 && !catchesInterrupts(child) && isRunning(child); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    kill(child, SIGINT);
+  }
   int wait(pid_t child) {
     int status = 0;
     running_.erase(child);
@@ -90,6 +98,13 @@ class ProgramFixture : public ::testing::Test {
   const std::string daemon_ = STRANDCAST_DAEMON, program_ = STRANDCAST_PROGRAM;
 
  private:
+  static bool catchesInterrupts(pid_t child) {
+    std::ifstream status("/proc/" + std::to_string(child) + "/status");
+    for (std::string line; std::getline(status, line);)
+      if (line.rfind("SigCgt:", 0) == 0) return std::stoull(line.substr(7), nullptr, 16) >> (SIGINT - 1) & 1;
+    return false;
+  }
+
   std::set<pid_t> running_;
 };
 

@@ -218,7 +218,7 @@ TEST_F(Programs, InterruptEndsACompareWithoutNumbers) {
       {program_, "compare", "--scene", "straight", "--strands", "60", "--no-pictures", "--rest", "3600"},
       "compare.txt");
   std::this_thread::sleep_for(std::chrono::seconds(1));
-  kill(child, SIGINT);
+  interrupt(child);
   EXPECT_EQ(wait(child), 130);
   EXPECT_EQ(contents(folder_ / "compare.txt"), "");
 }
@@ -343,7 +343,7 @@ TEST_F(Programs, InterruptStopsABakeAndLeavesNoFile) {
                              "--threads", "1", "--no-cache", "--out", out.string()},
                             "bake.txt");
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
-  kill(child, SIGINT);
+  interrupt(child);
   EXPECT_EQ(wait(child), 130);
   EXPECT_FALSE(std::filesystem::exists(out));
 }
@@ -418,10 +418,16 @@ TEST_F(Programs, DaemonCastsToARendererAndObeys) {
   }
   // Of a daemon that is paused there is one moment to record, not a film of it.
   EXPECT_EQ(run(program_ + " ctl pause" + network).exit_code, 0);
-  const Outcome paused = run("timeout -s INT 4 " + program_ + " record " + (folder_ / "paused.rec").string() +
-                             " --timeout 1 --json" + network);
-  ASSERT_EQ(paused.exit_code, 124) << "it is no silence: " << paused.err;
-  EXPECT_LE(nlohmann::json::parse(paused.out)["frames"], 2);
+  const std::filesystem::path take = folder_ / "paused.rec";
+  const pid_t record = start(
+      {program_, "record", take.string(), "--timeout", "4", "--json", "--domain", domain_}, "record.json");
+  for (int i = 0; i < 300 && !std::filesystem::exists(take) && isRunning(record); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  std::this_thread::sleep_for(std::chrono::seconds(5));
+  ASSERT_TRUE(isRunning(record)) << "it is no silence";
+  interrupt(record);
+  EXPECT_EQ(wait(record), 130);
+  EXPECT_LE(nlohmann::json::parse(contents(folder_ / "record.json"))["frames"], 2);
   EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
   EXPECT_EQ(wait(first), 0);
   const nlohmann::json summary = nlohmann::json::parse(contents(folder_ / "daemon.json"));
@@ -560,7 +566,7 @@ TEST_F(Programs, AnInterruptWhileADaemonListensForOthersEndsItAtOnce) {
             "daemon.txt");
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   ASSERT_TRUE(isRunning(daemon));
-  kill(daemon, SIGINT);
+  interrupt(daemon);
   const auto start = std::chrono::steady_clock::now();
   EXPECT_EQ(wait(daemon), 130);
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3)) << "it would listen for 6 s";
@@ -581,7 +587,7 @@ TEST_F(Programs, CtlWaitsNoLongerThanItIsToldTo) {
     const pid_t child = ProgramFixture::start(
         {"sh", "-c", "exec " + program_ + " ctl " + verb + " --domain " + domain_}, "ctl.txt");
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
-    kill(child, SIGINT);
+    interrupt(child);
     EXPECT_EQ(wait(child), 130) << verb;
     EXPECT_EQ(contents(folder_ / "ctl.txt"), "") << verb;
   }
@@ -778,7 +784,7 @@ TEST_F(Programs, InterruptEndsTheDaemonCleanly) {
       start({daemon_, "--scene", "straight", "--strands", "50", "--domain", domain_, "--json", "--quiet"},
             "daemon.json");
   ASSERT_EQ(run(program_ + " ctl wind 1 0 0 --timeout 60 --domain " + domain_).exit_code, 0);
-  kill(child, SIGINT);
+  interrupt(child);
   EXPECT_EQ(wait(child), 130);
   EXPECT_TRUE(nlohmann::json::accept(contents(folder_ / "daemon.json")));
 }
