@@ -76,6 +76,9 @@ void checkFits(size_t vertices, size_t rows = 1) {
                 "use fewer strands or --backend simd");
 }
 
+bool isField(const MovingPrimitive& body) {
+  return body.kind == static_cast<uint32_t>(PrimitiveKind::kField);
+}
 bool turns(const MovingPrimitive& body) {
   return body.kind >= static_cast<uint32_t>(PrimitiveKind::kEllipsoid);
 }
@@ -147,6 +150,7 @@ void GpuStrands::upload(const StrandState& state) {
     contacts_.write(std::span<const Vec4>(packed));
   }
   uploaded_ = state.positions;
+  seen_ = SeenBodies();
 }
 
 void GpuStrands::download(StrandState& state) const {
@@ -257,6 +261,7 @@ void GpuStrands::step(const StepInput& input) {
   if (rod)
     rod_->step({.bodies = !input.primitives.empty(),
                 .turning = turning,
+                .fields = std::any_of(input.primitives.begin(), input.primitives.end(), isField),
                 .goal = goal,
                 .accelerated = accelerated,
                 .damping = input.parameters->damping_time > 0,

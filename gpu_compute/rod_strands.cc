@@ -55,11 +55,17 @@ constexpr GLuint kWholeGroup = 0xFFFFFFFF;  // as in shaders/rod_strand.glsl
 constexpr float kUniform = 2e-5f;
 bool equal(float a, float b) { return std::fabs(a - b) <= kUniform * std::fabs(b); }
 
-// By Needs::turning.
+// By Needs::turning, and 3 for each of the numbers that shaders/look.comp has for SORTING.
 constexpr std::array<const char*, 3> kTurning = {"#define TURNING 0\n", "#define TURNING 1\n",
                                                  "#define TURNING 2\n"};
+constexpr std::array<const char*, 9> kLooking = {
+    "#define TURNING 0\n#define SORTING 0\n", "#define TURNING 1\n#define SORTING 0\n",
+    "#define TURNING 2\n#define SORTING 0\n", "#define TURNING 0\n#define SORTING 1\n",
+    "#define TURNING 1\n#define SORTING 1\n", "#define TURNING 2\n#define SORTING 1\n",
+    "#define TURNING 0\n#define SORTING 2\n", "#define TURNING 1\n#define SORTING 2\n",
+    "#define TURNING 2\n#define SORTING 2\n"};
 
-/// Of shaders/rod_strand.glsl.
+/// Of shaders/rod_work.glsl.
 struct StrandRest {
   float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, stiffest, uneven;
 };
@@ -150,6 +156,7 @@ constexpr size_t kMostSubsteps = 64;
 
 constexpr uint32_t kStrandsLooking = 8;  // of a workgroup of shaders/look.comp
 constexpr uint32_t kRootsLooking = 64;   // of a workgroup of shaders/roots.comp
+constexpr uint32_t kSorted = 128;        // of a workgroup of shaders/clear_strands.comp
 // Workgroups that go through a list as long as it is; so many keep every GPU busy.
 constexpr uint32_t kMostKeptOut = 2048;
 
@@ -178,7 +185,7 @@ RodStrands::RodStrands(const StrandModel& model, size_t few)
       joints[v] = {strain.x(), strain.y(), strain.z(), model.bend[v]};
     }
   }
-  std::vector<uint32_t> work(lostList() + model.strands());
+  std::vector<uint32_t> work(listAt(List::kLost) + model.strands());
   std::copy(groups_.order().begin(), groups_.order().end(), work.begin());
   work_ = gl::Buffer(std::span<const uint32_t>(work));
   joints_ = gl::Buffer(std::span<const Vec4>(joints));
@@ -217,28 +224,33 @@ void RodStrands::expect(bool goal, bool bodies) {
   edges_ = gl::Buffer(std::span<const Vec4>(packEdges(model_)));
 }
 
+const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray, const Needs& needs,
+                                       ProgramCache& programs) const {
+  const uint32_t key = groups_.groups()[group].key;
+  const bool groomed = needs.goal || (key & kGroomed) != 0, clear = motion == Motion::kClear;
+  const bool violent = motion == Motion::kViolent, bodies = needs.bodies && !clear;
+  const Spread spread = spreadOf(key, bodies);
+  return programs.get(
+      "rod.comp", shaders::kRodComp,
+      fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n"
+                  "#define PINNED {:d}\n#define CLEAR {:d}\n#define BODIES {:d}\n#define TURNING {}\n"
+                  "#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define STIFF {:d}\n"
+                  "#define ASTRAY {:d}\n#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
+                  spread.per_thread, spread.threads, edges_of_[group], (key & kGeneral) == 0 && !groomed,
+                  (key & kPinned) != 0, clear, bodies, astray ? needs.turning : 0, groomed, needs.damping,
+                  violent, violent && isStiff(needs), astray, shuffled_, needs.accelerated));
+}
+
 RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& programs) const {
-  auto get = [&](size_t g, bool violent, bool astray) {
-    const uint32_t key = groups_.groups()[g].key;
-    const bool groomed = needs.goal || (key & kGroomed) != 0;
-    const Spread spread = spreadOf(key, needs.bodies);
-    return &programs.get(
-        "rod.comp", shaders::kRodComp,
-        fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n"
-                    "#define PINNED {:d}\n#define BODIES {:d}\n#define TURNING {}\n#define GROOMED {:d}\n"
-                    "#define DAMPED {:d}\n#define VIOLENT {:d}\n#define STIFF {:d}\n#define ASTRAY {:d}\n"
-                    "#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
-                    spread.per_thread, spread.threads, edges_of_[g], (key & kGeneral) == 0 && !groomed,
-                    (key & kPinned) != 0, needs.bodies, astray ? needs.turning : 0, groomed, needs.damping,
-                    violent, violent && isStiff(needs), astray, shuffled_, needs.accelerated));
+  auto get = [&](size_t group, Motion motion, bool astray) {
+    return &compile(group, motion, astray, needs, programs);
   };
   Programs out;
   for (size_t g = 0; g < edges_of_.size(); ++g) {
-    const StrandGroup& group = groups_.groups()[g];
-    out.calm.push_back(areFew(needs.bodies) ? nullptr : get(g, false, false));
-    const bool apart = doesAstrayApart(group);
-    out.violent.push_back(get(g, true, needs.bodies && !apart));
-    out.astray.push_back(needs.bodies && apart ? get(g, true, true) : nullptr);
+    const bool apart = needs.bodies && doesAstrayApart(groups_.groups()[g]);
+    out.calm.push_back(areFew(needs.bodies) ? nullptr : get(g, Motion::kCalm, false));
+    out.violent.push_back(get(g, Motion::kViolent, needs.bodies && !apart));
+    out.astray.push_back(apart ? get(g, Motion::kViolent, true) : nullptr);
   }
   return out;
 }
@@ -259,36 +271,62 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   }
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
   glClearNamedBufferSubData(
-      work_.id(), GL_RGBA32UI, static_cast<GLintptr>(violentAt(0, 0) * sizeof(uint32_t)),
-      static_cast<GLsizeiptr>((violentAt(0, dispatches) - violentAt(0, 0)) * sizeof(uint32_t)),
-      GL_RGBA_INTEGER, GL_UNSIGNED_INT, kNobody.data());
+      work_.id(), GL_RGBA32UI, static_cast<GLintptr>(clearAt(0) * sizeof(uint32_t)),
+      static_cast<GLsizeiptr>((violentAt(0, dispatches) - clearAt(0)) * sizeof(uint32_t)), GL_RGBA_INTEGER,
+      GL_UNSIGNED_INT, kNobody.data());
   if (!needs.bodies) {
     solve(mine, needs, 0, substeps);
     return;
   }
+  const bool sorted = sortsOutClear(needs);
   const auto turning = static_cast<size_t>(needs.turning);
-  const char* const defines = kTurning[turning];
-  const gl::Program& roots = roots_[turning].get(programs, "roots.comp", shaders::kRootsComp, defines);
-  const gl::Program& look = look_[turning].get(programs, "look.comp", shaders::kLookComp, defines);
+  const gl::Program& roots =
+      roots_[turning].get(programs, "roots.comp", shaders::kRootsComp, kTurning[turning]);
   const gl::Program& keep_out =
-      keep_out_[turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, defines);
+      keep_out_[turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, kTurning[turning]);
   const auto strands = static_cast<uint32_t>(groups_.order().size());
   for (int substep = 0; substep < substeps; ++substep) {
     glProgramUniform1i(roots.id(), 0, substep);
+    glProgramUniform1i(roots.id(), 1, sorted);
     dispatch(roots, strands, kRootsLooking);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    const size_t looks = turning + (!sorted ? 0 : substep == 0 ? 3 : 6);
+    const gl::Program& look = look_[looks].get(programs, "look.comp", shaders::kLookComp, kLooking[looks]);
     glProgramUniform1i(look.id(), 0, substep);
     glProgramUniform1i(look.id(), 1, substep == 0 && !needs.same_bodies);
     dispatch(look, strands, kStrandsLooking);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    if (sorted && substep == 0) doClear(needs, substeps, programs);
     solve(mine, needs, substep, substep + 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glProgramUniform1ui(keep_out.id(), 2, static_cast<GLuint>(lostCount(substep)));
-    glProgramUniform1ui(keep_out.id(), 3, static_cast<GLuint>(lostList()));
+    glProgramUniform1ui(keep_out.id(), 3, static_cast<GLuint>(listAt(List::kLost)));
     glProgramUniform1i(keep_out.id(), 4, substep);
     dispatch(keep_out, std::min(kMostKeptOut, strands), 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   }
+}
+
+void RodStrands::doClear(const Needs& needs, int substeps, ProgramCache& programs) {
+  const std::span<const StrandGroup> groups = groups_.groups();
+  GroupPrograms& mine = clear_[(needs.goal ? 1 : 0) + (needs.accelerated ? 2 : 0) + (needs.damping ? 4 : 0)];
+  for (size_t g = mine.size(); g < groups.size(); ++g)
+    mine.push_back(&compile(g, Motion::kClear, false, needs, programs));
+  const gl::Program& sort = clear_strands_.get(programs, "clear_strands.comp", shaders::kClearStrandsComp);
+  for (size_t g = 0; g < groups.size(); ++g) {
+    const Strands clear = listed(List::kClear, g), near = listed(List::kNear, g);
+    glProgramUniform1ui(sort.id(), 0, groups[g].first);
+    glProgramUniform1ui(sort.id(), 1, groups[g].count);
+    glProgramUniform2ui(sort.id(), 2, clear.count, near.count);
+    glProgramUniform2ui(sort.id(), 3, clear.list, near.list);
+    dispatch(sort, groups[g].count, kSorted);
+  }
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  for (size_t g = 0; g < groups.size(); ++g) {
+    placeWork(*mine[g], false, g, listed(List::kClear, g), listed(List::kNear, g), 0, substeps);
+    dispatch(*mine[g], groups[g].count, kWorkgroup / spreadOf(groups[g].key, false).threads);
+  }
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
 void RodStrands::solve(const Programs& programs, const Needs& needs, int first, int end) const {
@@ -296,49 +334,64 @@ void RodStrands::solve(const Programs& programs, const Needs& needs, int first, 
   const bool few = areFew(needs.bodies);
   for (size_t g = 0; g < groups.size(); ++g) {
     const gl::Program& program = few ? *programs.violent[g] : *programs.calm[g];
-    placeWork(program, needs, g, first, end);
+    const Strands own = sortsOutClear(needs) ? listed(List::kNear, g) : wholeGroup(g);
+    placeWork(program, needs.bodies, g, own, listed(List::kViolent, g, first), first, end);
     dispatch(program, groups[g].count, kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
   }
   if (few) return;
-  auto doListed = [&](const gl::Program& program, size_t g, size_t at) {
-    placeWork(program, needs, g, first, end);
-    program.use();
-    glDispatchComputeIndirect(static_cast<GLintptr>(at * sizeof(uint32_t)));
-  };
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-  for (size_t g = 0; g < groups.size(); ++g) doListed(*programs.violent[g], g, violentAt(g, first));
-  for (size_t g = 0; g < groups.size(); ++g) {
-    if (programs.astray[g] == nullptr) continue;
+  auto doAll = [&](const GroupPrograms& left, List list) {
+    if (std::all_of(left.begin(), left.end(), [](auto program) { return program == nullptr; })) return;
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-    doListed(*programs.astray[g], g, astrayAt(g, first));
-  }
+    for (size_t g = 0; g < groups.size(); ++g) {
+      if (left[g] == nullptr) continue;
+      const Strands own = listed(list, g, first);
+      placeWork(*left[g], needs.bodies, g, own, own, first, end);
+      left[g]->use();
+      glDispatchComputeIndirect(static_cast<GLintptr>((own.count - 3) * sizeof(uint32_t)));
+    }
+  };
+  doAll(programs.violent, List::kViolent);
+  doAll(programs.astray, List::kAstray);
 }
 
 size_t RodStrands::violentAt(size_t group, int substep) const {
-  const size_t dispatches = 2 * groups_.groups().size() + 1;
-  return (groups_.order().size() + 3) / 4 * 4 + 4 * (dispatches * static_cast<size_t>(substep) + group);
+  const size_t all = groups_.groups().size(), dispatches = 2 * all + 1;
+  return clearAt(2 * all) + 4 * (dispatches * static_cast<size_t>(substep) + group);
 }
-size_t RodStrands::violentLists() const { return violentAt(0, kMostSubsteps); }
-size_t RodStrands::astrayLists() const { return violentLists() + groups_.order().size(); }
-size_t RodStrands::lostList() const { return astrayLists() + groups_.order().size(); }
 
-void RodStrands::placeWork(const gl::Program& program, const Needs& needs, size_t group, int first,
-                           int end) const {
-  const StrandGroup& own = groups_.groups()[group];
-  const bool few = areFew(needs.bodies), apart = doesAstrayApart(own);
-  const GLuint violent_at = few ? kWholeGroup : static_cast<GLuint>(violentAt(group, first));
-  const GLuint violent_list = few ? own.first : static_cast<GLuint>(violentLists() + own.first);
-  glProgramUniform1ui(program.id(), 0, own.first);
-  glProgramUniform1ui(program.id(), 1, own.count);
-  glProgramUniform1ui(program.id(), 2, violent_at);
-  glProgramUniform1ui(program.id(), 3, violent_list);
+size_t RodStrands::listAt(List list, size_t group) const {
+  const size_t first = list == List::kLost ? 0 : groups_.groups()[group].first;
+  return violentAt(0, kMostSubsteps) + static_cast<size_t>(list) * groups_.order().size() + first;
+}
+
+RodStrands::Strands RodStrands::listed(List list, size_t group, int substep) const {
+  const size_t dispatch = list == List::kClear     ? clearAt(group)
+                          : list == List::kNear    ? nearAt(group)
+                          : list == List::kViolent ? violentAt(group, substep)
+                                                   : astrayAt(group, substep);
+  return {static_cast<GLuint>(dispatch + 3), static_cast<GLuint>(listAt(list, group))};
+}
+
+RodStrands::Strands RodStrands::wholeGroup(size_t group) const {
+  return {kWholeGroup, groups_.groups()[group].first};
+}
+
+void RodStrands::placeWork(const gl::Program& program, bool bodies, size_t group, Strands own, Strands left,
+                           int first, int end) const {
+  glProgramUniform1ui(program.id(), 0, own.count);
+  glProgramUniform1ui(program.id(), 1, own.list);
+  glProgramUniform1ui(program.id(), 2, left.count);
+  glProgramUniform1ui(program.id(), 3, left.list);
   glProgramUniform1i(program.id(), 4, first);
   glProgramUniform1i(program.id(), 5, end);
-  if (!needs.bodies) return;
+  glProgramUniform1ui(program.id(), 10, groups_.groups()[group].count);
+  if (!bodies) return;
+  const List to = doesAstrayApart(groups_.groups()[group]) ? List::kAstray : List::kViolent;
+  const Strands astray = areFew(true) ? own : listed(to, group, first);
   glProgramUniform1ui(program.id(), 6, static_cast<GLuint>(lostCount(first)));
-  glProgramUniform1ui(program.id(), 7, static_cast<GLuint>(lostList()));
-  glProgramUniform1ui(program.id(), 8, apart ? static_cast<GLuint>(astrayAt(group, first)) : violent_at);
-  glProgramUniform1ui(program.id(), 9, apart ? static_cast<GLuint>(astrayLists() + own.first) : violent_list);
+  glProgramUniform1ui(program.id(), 7, static_cast<GLuint>(listAt(List::kLost)));
+  glProgramUniform1ui(program.id(), 8, astray.count);
+  glProgramUniform1ui(program.id(), 9, astray.list);
 }
 
 }  // namespace strandcast::gpu

@@ -21,6 +21,7 @@ class RodStrands {
   struct Needs {
     bool bodies;       ///< there are some
     int turning;       ///< 1: some of them are of kinds with a rotation; 2: fields that bend
+    bool fields;       ///< some of them are fields
     bool goal;         ///< all strands are pulled towards their goals
     bool accelerated;  ///< StepInput::accelerations
     bool damping;      ///< there is internal damping
@@ -28,8 +29,8 @@ class RodStrands {
     bool same_bodies;  ///< what vertices have seen of bodies in the step before holds on
   };
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs
-  /// compiles. Without bodies it is one dispatch of each group of few strands, two of
-  /// many; with them some for each substep.
+  /// compiles. Without bodies it is one dispatch of each group of few strands, two of many; with them some
+  /// for each substep, of many strands without those that no body comes near in the step.
   void step(const Needs& needs, int substeps, ProgramCache& programs);
 
  private:
@@ -45,21 +46,36 @@ class RodStrands {
   bool isStiff(const Needs& needs) const;
   /// Whether the keys of some groups have one of these.
   bool anyGroup(uint32_t bits) const;
+  enum class Motion { kClear, kCalm, kViolent };
+  const gl::Program& compile(size_t group, Motion motion, bool astray, const Needs& needs,
+                             ProgramCache& programs) const;
   Programs compile(const Needs& needs, ProgramCache& programs) const;
-  /// The substeps from `first` until before `end`.
+  /// Whether it pays to find those that no body comes near in the step.
+  bool sortsOutClear(const Needs& needs) const { return needs.bodies && !areFew(true) && !needs.fields; }
+  /// After the first look of a step: sorts strands into clear and near ones, and does the clear ones.
+  void doClear(const Needs& needs, int substeps, ProgramCache& programs);
+  /// The substeps from `first` until before `end`; among bodies, of near strands.
   void solve(const Programs& programs, const Needs& needs, int first, int end) const;
-  // Places in work_, in 4 bytes: the dispatch of a group's violent strands in a substep, after those of all
-  // groups that of its strands astray, then how many strands are lost; and where lists start.
+  // Places in work_, in 4 bytes: see shaders/rod_work.glsl.
+  size_t clearAt(size_t group) const { return (groups_.order().size() + 3) / 4 * 4 + 4 * group; }
+  size_t nearAt(size_t group) const { return clearAt(groups_.groups().size() + group); }
   size_t violentAt(size_t group, int substep) const;
   size_t astrayAt(size_t group, int substep) const {
     return violentAt(groups_.groups().size() + group, substep);
   }
   size_t lostCount(int substep) const { return violentAt(2 * groups_.groups().size(), substep); }
-  size_t violentLists() const;
-  size_t astrayLists() const;
-  size_t lostList() const;
-  /// Tells the program what to do and where in work_ it lists the group's strands.
-  void placeWork(const gl::Program& program, const Needs& needs, size_t group, int first, int end) const;
+  enum class List { kClear, kNear, kViolent, kAstray, kLost };
+  size_t listAt(List list, size_t group = 0) const;
+  /// Some strands, as the programs are told where they are in work_.
+  struct Strands {
+    GLuint count, list;
+  };
+  Strands listed(List list, size_t group, int substep = 0) const;
+  Strands wholeGroup(size_t group) const;
+  /// Tells the program which strands of a group to do, where to leave those that it cannot, and in which
+  /// substeps.
+  void placeWork(const gl::Program& program, bool bodies, size_t group, Strands own, Strands left, int first,
+                 int end) const;
 
   const StrandModel& model_;
   StrandGroups groups_;             ///< key: see rod_strands.cc
@@ -69,8 +85,11 @@ class RodStrands {
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
   const size_t few_;
   const bool shuffled_;
-  std::array<Programs, 96> programs_;                   ///< by needs; empty until first needed
-  std::array<LazyProgram, 3> roots_, look_, keep_out_;  ///< by Needs::turning
+  std::array<Programs, 96> programs_;            ///< by needs; empty until first needed
+  std::array<GroupPrograms, 8> clear_;           ///< the same, of clear strands
+  std::array<LazyProgram, 3> roots_, keep_out_;  ///< by Needs::turning
+  std::array<LazyProgram, 9> look_;              ///< by this and SORTING of shaders/look.comp
+  LazyProgram clear_strands_;
 };
 
 }  // namespace strandcast::gpu

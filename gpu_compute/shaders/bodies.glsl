@@ -23,9 +23,6 @@ uint nearBody(uint i) { return settings.neighbourhoods == 0u ? i : near_bodies[i
 // How far from every body a vertex must be, m; `velocity`: its entry, in w its rest distance.
 float clearance(vec4 velocity) { return min(settings.hair_radius, velocity.w); }
 
-// The body with this number at the end of a substep.
-PlacedBody bodyAt(uint index, int substep) { return bodies[uint(substep) * settings.body_count + index]; }
-
 float surfaceAt(PlacedBody body, vec3 x, float clear, out vec3 normal) {
   BodyShape shape = BodyShape(body.kind, body.a, body.b, body.radius, body.radius_b, body.rotation, body.extent, body.data,
                               body.extra

@@ -3,14 +3,15 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=1 TURNING=2 GROOMED=0 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0
+// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 CLEAR=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 CLEAR=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 CLEAR=0 BODIES=1 TURNING=2 GROOMED=0 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 CLEAR=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 CLEAR=1 BODIES=0 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=1
 // One step of strands as inextensible rods: core/rod_sweep.inl with the state in registers, PER_THREAD (2 or 4) edges per
 // invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand become: own slots by
 // elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
 // PINNED: more vertices than the roots are. BODIES: there are some; then a dispatch does one substep, for which look.comp has
-// looked at them, and lists strands for keep_out.comp; without, all of them. TURNING: see bodies.glsl. GROOMED: there is a goal
-// pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
+// looked at them, and lists strands for keep_out.comp; without, all of them. CLEAR: there are bodies, but it seems that none will come
+// near these strands in the step; those that one may have come near after all are left to the others. TURNING: see bodies.glsl. GROOMED: there
+// is a goal pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
 // DAMPED: there is internal damping.
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
@@ -41,6 +42,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/grooming.glsl"
 #endif
 #include "gpu_compute/shaders/strand_threads.glsl"
+#include "gpu_compute/shaders/rod_work.glsl"
 #include "gpu_compute/shaders/rod_strand.glsl"
 #include "gpu_compute/shaders/root_poses.glsl"
 #include "gpu_compute/shaders/root_motion.glsl"
@@ -353,6 +355,8 @@ bool anyStrand(bool own) {
 
 #if BODIES
 #include "gpu_compute/shaders/rod_contact.glsl"
+#elif CLEAR
+#include "gpu_compute/shaders/rod_clear.glsl"
 #endif
 
 #if VIOLENT && BODIES
@@ -566,9 +570,9 @@ uint listStrand(uint count, uint list) {
   return at;
 }
 // The same for a dispatch, which gets a workgroup more for every kStrands of them: see work[].
-void leaveStrand(uint to, uint list) {
-  uint at = listStrand(to + 3u, list);
-  if (at % kStrands == 0u && at / kStrands < kMostWorkgroups) atomicAdd(work[to], 1u);
+void leaveStrand(uint count, uint list) {
+  uint at = listStrand(count, list);
+  if (at % kStrands == 0u && at / kStrands < kMostWorkgroups) atomicAdd(work[count - 3u], 1u);
 }
 
 void store() {
@@ -586,6 +590,9 @@ void stepStrands(uint list, uint first, uint count) {
   const int passes = settings.substeps > 0u ? 2 : 0;  // of lengths, at most; compilers would unroll a 2
 #else
   const int passes = 1;
+#endif
+#if CLEAR
+  loadBodies();
 #endif
 #if BODIES
   astray = false;
@@ -637,17 +644,32 @@ void stepStrands(uint list, uint first, uint count) {
 #else
     finish();
 #endif
+#if CLEAR
+    addWays(substep);
+#endif
   }
   bool stays = exists;
 #if BODIES && !ASTRAY
   if (ofStrand(astray)) {
-    if (stays && rank == 0) leaveStrand(astray_dispatch, astray_list);
+    if (stays && rank == 0) leaveStrand(astray_count, astray_list);
     stays = false;
   }
 #endif
 #if !VIOLENT
-  if (ofStrand(isViolent(most))) {
-    if (stays && rank == 0) leaveStrand(violent_dispatch, violent_list);
+  bool leaves = isViolent(most);
+#if CLEAR
+  vec4 looked[PER_THREAD];
+  leaves = comesNear(looked) || leaves;
+#endif
+  if (ofStrand(leaves)) {
+    if (stays && rank == 0) {
+#if CLEAR
+      contacts[sightAt(root_vertex, kLooked)].x = kNear;
+      listStrand(left_count, left_list);
+#else
+      leaveStrand(left_count, left_list);
+#endif
+    }
     stays = false;
   }
 #endif
@@ -655,21 +677,19 @@ void stepStrands(uint list, uint first, uint count) {
   if (ofStrand(lost) && stays && rank == 0) listStrand(lost_count, lost_list);
 #endif
   if (stays) store();
+#if CLEAR
+  if (stays) storeSights(looked);
+#endif
   storeGuides(stays);
 }
 
 void main() {
   const uint workgroup = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-#if ASTRAY
-  const uint own = astray_dispatch, list = astray_list;
-#elif VIOLENT
-  const uint own = violent_dispatch, list = violent_list;
-#endif
+  const uint count = own_count == kWholeGroup ? strands_in_group : work[own_count];
 #if VIOLENT
-  const uint count = own == kWholeGroup ? strands_in_group : work[own + 3u];
   const uint workgroups = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
-  for (uint first = workgroup * kStrands; first < count; first += workgroups * kStrands) stepStrands(list, first, count);
+  for (uint first = workgroup * kStrands; first < count; first += workgroups * kStrands) stepStrands(own_list, first, count);
 #else
-  stepStrands(first_strand, workgroup * kStrands, strands_in_group);
+  if (workgroup * kStrands < count) stepStrands(own_list, workgroup * kStrands, count);
 #endif
 }

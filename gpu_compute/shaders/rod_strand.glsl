@@ -5,38 +5,24 @@
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz; w: rest distance from bodies, m
 layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
-// Strands by group; 4 numbers for each group's violent strands, and for its strands astray: workgroups in x, y, z of their
-// dispatch, and how many strands; how many are lost; the lists of violent strands, which start where the groups do, of those
-// astray likewise; that of lost ones.
-layout(std430, binding = 5) buffer Work { uint work[]; };
 layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // of the edge that starts at the vertex
 layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // rest strain, bend
 layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };     // length, twist; mass, weight of its end
-struct StrandRest {      // gpu_compute/rod_strands.cc
-  float edge_length;     // m; of uniform strands
-  float inverse_length;  // 1/m
-  float twist_per_bend;  // of uniform strands
-  float shortest;        // m; shorter edges bend as if they were this long
-  float free_mass;       // of all vertices that are not pinned
-  float arc_length;      // m
-  float stiffest;        // 1/s^2: the greatest kappa of an edge (isStiff) over the square of the substep
-  float uneven;          // bendsUnevenly(): 1, and isCutUnevenly(): 2
-};
-layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
-// Of this group; places in work[].
-layout(location = 0) uniform uint first_strand;
-layout(location = 1) uniform uint strands_in_group;
-layout(location = 2) uniform uint violent_dispatch;
-layout(location = 3) uniform uint violent_list;
+// Places in work[]: of the strands that are to be done, and of those that are left to another program.
+layout(location = 0) uniform uint own_count;
+layout(location = 1) uniform uint own_list;
+layout(location = 2) uniform uint left_count;
+layout(location = 3) uniform uint left_list;
 layout(location = 4) uniform int first_substep;
 layout(location = 5) uniform int end_substep;  // the first that is not done
 #if BODIES
 layout(location = 6) uniform uint lost_count;
 layout(location = 7) uniform uint lost_list;
-layout(location = 8) uniform uint astray_dispatch;
+layout(location = 8) uniform uint astray_count;
 layout(location = 9) uniform uint astray_list;
 #endif
-const uint kWholeGroup = 0xFFFFFFFFu;             // in place of a dispatch: of all its strands
+layout(location = 10) uniform uint strands_in_group;
+const uint kWholeGroup = 0xFFFFFFFFu;             // in place of a count: of all its strands
 const uint kStrands = uint(WORKGROUP / THREADS);  // of a workgroup
 const uint kMostWorkgroups = 65535u;              // in x, that every driver takes
 

@@ -22,11 +22,13 @@ layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    
 layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // xyz, m/s; w: rest distance from bodies, m
 layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };       // length, ...
 layout(location = 0) uniform int substep;
+layout(location = 1) uniform bool sorted;  // later substeps are of near strands only
 
 void main() {
   const uint strand = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * uint(WORKGROUP) + gl_LocalInvocationID.x;
   if (strand >= settings.strand_count) return;
   const uint root = offsets[strand];
+  if (substep > 0 && sorted && isClear(strand)) return;
   const RootPoses poses = rootPoses(strand);
   const RootMotion motion = motionOfRoot(poses, substep, 0, positions[root].xyz, velocities[root].xyz);
   contacts[sightAt(root, kRootPosition)] = vec4(motion.position, motion.jump.x);

@@ -48,6 +48,7 @@ float timeAfter(int substep) { return float(substep + 1) / float(settings.subste
 layout(std430, binding = 6) readonly buffer Poses { float poses[]; };
 // body_count at the end of the first substep, then of the next, and so on.
 layout(std430, binding = 7) readonly buffer Bodies { PlacedBody bodies[]; };
+PlacedBody bodyAt(uint index, int substep) { return bodies[uint(substep) * settings.body_count + index]; }
 layout(std430, binding = 14) readonly buffer Shapes { uint shape_words[]; };
 // Where the list of each neighbourhood starts (one more than there are), then the lists; then the same of the leaders of these
 // bodies, each once.

@@ -297,5 +297,35 @@ TEST_F(GpuRod, FewStrandsComeOutAlikeInOneTurnAndInTwo) {
   }
 }
 
+// A ball goes through the middle of the hair: many strands do not meet it in a step and are done without
+// bodies.
+TEST_F(GpuRod, StrandsThatNoBodyComesNearComeOutAsAmongBodies) {
+  const StrandModel model = arcs(600, {32}, 0.2f, false);
+  const auto unsorted = makeGpuBackend(30 * model.vertices()), sorted = makeGpuBackend(0);
+  const StrandState from = restState(model, model.rest_roots);
+  unsorted->load(model, from);
+  sorted->load(model, from);
+  const ContactPrimitive ball{PrimitiveKind::kSphere, Vec3::Zero(), Vec3::UnitY(), 0.02f, 0.3f};
+  const auto at = [](int step) {
+    return Pose{Vec3(0.11f, 0.02f, 0.2f - 0.02f * static_cast<float>(step)), Quat::Identity()};
+  };
+  StrandState one, two;
+  double deepest = 0, pressed = 0;
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<MovingPrimitive> bodies = {moved(ball, at(i), at(i + 1), parameters_.time_step)};
+    unsorted->step({&parameters_, {}, {}, bodies});
+    sorted->step({&parameters_, {}, {}, bodies});
+    sorted->download(two);
+    for (const Vec3& x : two.positions)
+      deepest = std::max<double>(deepest, ball.radius - (x - at(i + 1).position).norm());
+    for (const Vec3& force : two.contacts) pressed += force != Vec3::Zero();
+  }
+  unsorted->download(one);
+  EXPECT_LT(difference(model, one, two), 1e-4);
+  EXPECT_LT(deepest, 1e-4);
+  EXPECT_GT(pressed, 100) << "the ball must meet hair";
+  EXPECT_NE(one.positions, two.positions) << "not even to the bit: some are done by another program";
+}
+
 }  // namespace
 }  // namespace strandcast
