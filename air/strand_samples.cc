@@ -56,12 +56,21 @@ StrandSamples strandSamples(const StrandModel& model, float cell) {
         of_vertex[vertex + i] += masses[i];
       }
     };
-    // A vertex stands for half of each edge beside it, of the hair as thick as it is there.
+    // A vertex stands for half of each edge beside it, each as thick as it is a quarter of the way to the
+    // other vertex.
+    auto length = [&](uint32_t edge) {
+      return edge >= first && edge < last ? edgeLength(model, edge) : 0.0f;
+    };
+    auto thickness = [&](uint32_t vertex) {
+      return double{model.mass[vertex]} / double{length(vertex - 1) + length(vertex)};
+    };
+    auto half = [&](uint32_t vertex, uint32_t edge) {
+      const uint32_t other = vertex == edge ? edge + 1 : edge;
+      return length(edge) > 0 ? double{length(edge)} * (3 * thickness(vertex) + thickness(other)) : 0.0;
+    };
     auto part = [&](uint32_t vertex, uint32_t edge) {
-      const double before = vertex > first ? edgeLength(model, vertex - 1) : 0,
-                   behind = vertex < last ? edgeLength(model, vertex) : 0;
-      return static_cast<float>(double{model.mass[vertex]} * model.reference_mass[s] *
-                                edgeLength(model, edge) / (before + behind));
+      return static_cast<float>(double{model.mass[vertex]} * model.reference_mass[s] * half(vertex, edge) /
+                                (half(vertex, vertex - 1) + half(vertex, vertex)));
     };
     for (uint32_t e = first; e < last; ++e) out.edge_masses[e] = {part(e, e), part(e + 1, e)};
     for (uint32_t e = first; strand.parts > 1 && e < last; ++e)

@@ -9,12 +9,11 @@
 #include "core/error.h"
 #include "core/joint_law.h"
 #include "core/pose_check.h"
+#include "core/rod_sections.h"
 #include "kernels/scalar_float.h"
 
 namespace strandcast {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 void checkStrand(std::span<const Vec3> points, size_t strand) {
   const std::string where = fmt::format("strand {}", strand);
@@ -66,15 +65,12 @@ void setRod(StrandModel& model, size_t s, const Material& material) {
     length[e] = (model.rest_local[first + e + 1] - model.rest_local[first + e]).cast<double>().norm();
     total += length[e];
   }
-  auto area = [&](double place) {
-    const double r = material.radius * material.radius_scale.at(static_cast<float>(place / total));
-    return kPi * r * r;
-  };
+  const RodSections sections(material, total);
   double mass = 0, along = 0;
   std::vector<double> vertex_mass(edges + 1);
   for (size_t i = 0; i <= edges; ++i) {
-    const double cell = 0.5 * ((i > 0 ? length[i - 1] : 0) + (i < edges ? length[i] : 0));
-    vertex_mass[i] = material.density * area(along) * cell;
+    const double before = i > 0 ? 0.5 * length[i - 1] : 0, behind = i < edges ? 0.5 * length[i] : 0;
+    vertex_mass[i] = sections.mass(along - before, along + behind);
     mass += vertex_mass[i];
     if (i < edges) along += length[i];
   }
@@ -86,11 +82,9 @@ void setRod(StrandModel& model, size_t s, const Material& material) {
     const uint32_t v = first + static_cast<uint32_t>(j);
     model.mass[v] = static_cast<float>(vertex_mass[j] / reference);
     if (j == edges) break;
-    const double cell = j > 0 ? 0.5 * (length[j - 1] + length[j]) : 0.5 * length[0];
-    const double a = area(along);
-    const double second_moment = a * a / (4 * kPi);
-    const double bending = material.youngs_modulus *
-                           material.stiffness_scale.at(static_cast<float>(along / total)) * second_moment;
+    const double before = j > 0 ? 0.5 * length[j - 1] : 0, behind = 0.5 * length[j];
+    const double cell = before + behind;
+    const double bending = sections.bendingStiffness(along - before, along + behind);
     const Eigen::Quaterniond outer(model.rest_frames[v].cast<double>());
     // The law is in 2 tan(theta/2): this keeps its stiffness at the rest angle that of the rod, up to the
     // fold where the law is capped.

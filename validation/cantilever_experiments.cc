@@ -18,16 +18,37 @@ constexpr double kRates[] = {360, 720};
 
 struct Cantilever {
   double gamma;
-  int edges;  ///< what the names of cases call vertices: those beside the clamped one
+  int edges;                         ///< what the names of cases call vertices: those beside the clamped one
+  double place = 1;                  ///< from which on, of its length, it is another
+  double stiffness = 1, radius = 1;  ///< there, over those at the clamp
 };
+
+ElasticaStep stepOf(const Cantilever& c) {
+  return {c.place, c.stiffness * std::pow(c.radius, 4), c.radius * c.radius};
+}
+
+Material materialOf(const Cantilever& c) {
+  auto jump = [&](double factor) {
+    const auto place = static_cast<float>(c.place);
+    return RootTipCurve{{{place, 1.0f}, {place, static_cast<float>(factor)}}};
+  };
+  Material material;
+  if (c.stiffness != 1) material.stiffness_scale = jump(c.stiffness);
+  if (c.radius != 1) material.radius_scale = jump(c.radius);
+  return material;
+}
 
 /// Drop over reach of the tips of horizontal strands of human hair, at rest.
 std::vector<double> restingSlopes(const Laboratory& laboratory, const std::vector<Cantilever>& cantilevers,
                                   double rate, float drag = kDrag, double settling = kSettlingTime) {
   std::vector<StrandPoints> strands;
-  for (const Cantilever& c : cantilevers)
+  std::vector<Material> materials;
+  for (const Cantilever& c : cantilevers) {
     strands.push_back(straightStrand(lengthOfGamma(c.gamma, Material{}), c.edges, Vec3::UnitX()));
-  Simulation simulation = laboratory.simulation(modelOf(strands), laboratory.parameters(rate, drag));
+    materials.push_back(materialOf(c));
+  }
+  Simulation simulation =
+      laboratory.simulation(modelOf(strands, materials), laboratory.parameters(rate, drag));
   laboratory.advance(simulation, settling);
   std::vector<double> slopes;
   for (size_t s = 0; s < strands.size(); ++s) {
@@ -123,6 +144,41 @@ std::vector<Case> convergence(const Laboratory& laboratory) {
   return cases;
 }
 
+// The middle is at a joint of an even number of edges; 0.45 is within an edge.
+const std::vector<Cantilever>& steppedCantilevers() {
+  static const std::vector<Cantilever> list = [] {
+    std::vector<Cantilever> cantilevers;
+    for (const Cantilever& c : {Cantilever{1, 0, 0.5, 0.1, 1}, Cantilever{1, 0, 0.45, 0.1, 1},
+                                Cantilever{1, 0, 0.45, 10, 1}, Cantilever{1, 0, 0.45, 1, 0.6}})
+      for (const int edges : {8, 16, 32}) {
+        cantilevers.push_back(c);
+        cantilevers.back().edges = edges;
+      }
+    return cantilevers;
+  }();
+  return list;
+}
+
+std::vector<std::string> namesOfSteps() {
+  std::vector<std::string> names;
+  for (const Cantilever& c : steppedCantilevers())
+    names.push_back(fmt::format("{} {:g} x {} from {:g}", nameOf(c), c.radius != 1 ? c.radius : c.stiffness,
+                                c.radius != 1 ? "as thick" : "as stiff", c.place));
+  return names;
+}
+
+std::vector<Case> steps(const Laboratory& laboratory) {
+  const std::vector<Cantilever>& cantilevers = steppedCantilevers();
+  const std::vector<double> slopes = restingSlopes(laboratory, cantilevers, 360);
+  const std::vector<std::string> names = namesOfSteps();
+  std::vector<Case> cases;
+  for (size_t i = 0; i < cantilevers.size(); ++i) {
+    const double truth = restingElastica(cantilevers[i].gamma, 0, stepOf(cantilevers[i])).slope();
+    cases.push_back(relativeCase({names[i], "tip H/W", ""}, slopes[i], truth, limitOf(cantilevers[i])));
+  }
+  return cases;
+}
+
 void checkNumber(const char* name, double value, double low, double high) {
   if (!(value >= low && value <= high))
     throw Error("a number is out of range", fmt::format("{} {:g}", name, value),
@@ -155,6 +211,7 @@ void addCantileverExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back(
       {"horizontal strands of as many edges sag under their own weight", namesOfSag(), sag});
   experiments.push_back({"the same with more and more vertices", namesOfConvergence(), convergence});
+  experiments.push_back({"the same, softer, stiffer or thinner from some place on", namesOfSteps(), steps});
 }
 
 }  // namespace strandcast

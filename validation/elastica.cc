@@ -10,28 +10,35 @@
 namespace strandcast {
 namespace {
 
-// psi = angle of the tangent from the vertical: psi'' = (gamma u + alpha) sin psi over the distance u from
-// the tip. Measured from the vertical, the tip of a heavy rod keeps its digits however close to hanging it
-// is.
-using State = Eigen::Vector4d;  // psi, psi', drop, reach
+// psi = angle of the tangent from the vertical: psi' = m / b and m' = (force + alpha) sin psi over the
+// distance u from the tip, m = moment, b = stiffness, force = weight beyond, all over what they are at the
+// clamp. Measured from the vertical, the tip of a heavy rod keeps its digits however close to hanging it is.
+using State = Eigen::Vector4d;  // psi, m, drop, reach
 
-State atClamp(double gamma, double alpha, double tip_angle) {
-  constexpr int kSteps = 2000;
+State atClamp(double gamma, double alpha, const ElasticaStep& step, double tip_angle) {
   State y(tip_angle, 0, 0, 0);
-  for (int i = 0; i < kSteps; ++i)
-    y = rungeKuttaStep(static_cast<double>(i) / kSteps, y, 1.0 / kSteps, [&](double u, const State& at) {
-      return State(at[1], (gamma * u + alpha) * std::sin(at[0]), std::cos(at[0]), std::sin(at[0]));
-    });
+  const double outer = 1 - step.place;
+  auto follow = [&](double from, double to, double stiffness, double force, double weight) {
+    const int steps = static_cast<int>(std::ceil(2000 * (to - from)));
+    const double h = (to - from) / steps;
+    for (int i = 0; i < steps; ++i)
+      y = rungeKuttaStep(i * h, y, h, [&](double u, const State& at) {
+        return State(at[1] / stiffness, (gamma * (force + weight * u) + alpha) * std::sin(at[0]),
+                     std::cos(at[0]), std::sin(at[0]));
+      });
+  };
+  follow(0, outer, step.stiffness, 0, step.weight);
+  follow(outer, 1, 1, step.weight * outer, 1);
   return y;
 }
 
 }  // namespace
 
-ElasticaTip restingElastica(double gamma, double alpha) {
+ElasticaTip restingElastica(double gamma, double alpha, const ElasticaStep& step) {
   constexpr double kHorizontal = std::numbers::pi / 2;
   const double tip_angle =
-      shootFromTip(kHorizontal, [&](double angle) { return atClamp(gamma, alpha, angle)[0]; });
-  const State clamp = atClamp(gamma, alpha, tip_angle);
+      shootFromTip(kHorizontal, [&](double angle) { return atClamp(gamma, alpha, step, angle)[0]; });
+  const State clamp = atClamp(gamma, alpha, step, tip_angle);
   return {clamp[2], clamp[3]};
 }
 

@@ -10,8 +10,16 @@ struct ElasticaTip {
   double slope() const { return drop / reach; }
 };
 
-/// Under its own weight, gamma = w L^3 / B (w: weight per length, B: bending stiffness), and a load P at its
-/// tip, alpha = P L^2 / B; both 0 or more, at most about 1e5, not both 0. Solved by shooting from the tip.
-ElasticaTip restingElastica(double gamma, double alpha);
+/// From `place` on, of its length from the clamp, 0 to 1, it is so many times as stiff and as heavy.
+struct ElasticaStep {
+  double place = 1;
+  double stiffness = 1;
+  double weight = 1;
+};
+
+/// Under its own weight, gamma = w L^3 / B (w: weight per length, B: bending stiffness, both at the clamp),
+/// and a load P at its tip, alpha = P L^2 / B; both 0 or more, at most about 1e5, not both 0. Solved by
+/// shooting from the tip.
+ElasticaTip restingElastica(double gamma, double alpha, const ElasticaStep& step = {});
 
 }  // namespace strandcast

@@ -56,11 +56,26 @@ TEST(StrandModel, ATaperedStrandIsLighterAndSofterTowardsItsTip) {
   tapered.radius_scale.knots = {{0, 1}, {1, 0.5f}};
   const StrandModel even = makeStrandModel(set), model = makeStrandModel(set, {tapered});
   for (int j = 1; j < 4; ++j) {
-    const double scale = 1 - 0.125 * j;
+    // Means over the cell of the squared radius, and of one over its fourth power.
+    const double from = 1 - 0.125 * (j - 0.5), to = 1 - 0.125 * (j + 0.5);
     EXPECT_NEAR(model.bend[j] * model.reference_mass[0] / (even.bend[j] * even.reference_mass[0]),
-                std::pow(scale, 4), 1e-5);
+                3 * (from - to) / (std::pow(to, -3) - std::pow(from, -3)), 1e-5);
     EXPECT_NEAR(model.mass[j] * model.reference_mass[0] / (even.mass[j] * even.reference_mass[0]),
-                std::pow(scale, 2), 1e-5);
+                (std::pow(from, 3) - std::pow(to, 3)) / (3 * (from - to)), 1e-5);
+  }
+}
+
+TEST(StrandModel, AJointBendsAsTheRodAroundItDoes) {
+  const StrandSet set = oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 3, 0}, {0, 4, 0}});
+  Material stepped;
+  stepped.stiffness_scale.knots = {{0.3f, 1}, {0.3f, 0.1f}};
+  const StrandModel even = makeStrandModel(set), model = makeStrandModel(set, {stepped});
+  // The cell of joint 1 goes from 0.5 to 2, the jump is at 1.2.
+  const double factors[] = {1, 1.5 / (0.7 + 0.8 / 0.1), 0.1};
+  for (int j = 0; j < 3; ++j) {
+    EXPECT_NEAR(model.bend[j] / even.bend[j], factors[j], 1e-5) << j;
+    EXPECT_NEAR(model.twist[j] / even.twist[j], factors[j], 1e-5) << j;
+    EXPECT_EQ(model.mass[j], even.mass[j]) << j;
   }
 }
 

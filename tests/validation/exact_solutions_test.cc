@@ -46,6 +46,12 @@ TEST(ExactSolutions, ElasticaWithTipLoad) {
   }
   // Small loads add up: w L^4 / (8 B) and P L^3 / (3 B).
   EXPECT_NEAR(restingElastica(1e-3, 2e-3).drop, 1e-3 / 8 + 2e-3 / 3, 1e-8);
+  // The integral of moment x distance from the tip / stiffness, of both halves.
+  const ElasticaStep half{0.5, 0.25};
+  EXPECT_NEAR(restingElastica(1e-3, 0, half).drop, 1e-3 / 8 * (15.0 / 16 + 4 * 1.0 / 16), 1e-8);
+  EXPECT_NEAR(restingElastica(0, 1e-3, half).drop, 1e-3 / 3 * (7.0 / 8 + 4 * 1.0 / 8), 1e-8);
+  // An outer half without weight: w (L / 2)^4 / (8 B), and its slope w (L / 2)^3 / (6 B) on to the tip.
+  EXPECT_NEAR(restingElastica(1e-3, 0, {0.5, 1, 0}).drop, 1e-3 * (1.0 / 128 + 1.0 / 96), 1e-8);
 }
 
 TEST(ExactSolutions, Modes) {

@@ -1,0 +1,69 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/material.h"
+
+namespace strandcast {
+
+/// What a strand of a material is like along its length, summed up over stretches of it: places are metres
+/// from the root. Joints and vertices stand for the stretch around them, not for the point where they are, or
+/// a curve that jumps between two edges would be known to an edge's length only.
+class RodSections {
+ public:
+  RodSections(const Material& material, double length) : material_(material), length_(length) {
+    for (const RootTipCurve* curve : {&material.radius_scale, &material.stiffness_scale})
+      for (const auto& [place, factor] : curve->knots) knots_.push_back(static_cast<double>(place) * length);
+    std::sort(knots_.begin(), knots_.end());
+  }
+
+  /// kg
+  double mass(double from, double to) const {
+    return material_.density * (to - from) * mean(from, to, [&](float place) { return area(place); });
+  }
+  /// N m^2: what the stretch bends as by an even moment, which makes curvature as 1 / stiffness (the harmonic
+  /// mean).
+  double bendingStiffness(double from, double to) const {
+    return 1 / mean(from, to, [&](float place) {
+             const double a = area(place), second_moment = a * a / (4 * kPi);
+             return 1 / (material_.youngs_modulus * material_.stiffness_scale.at(place) * second_moment);
+           });
+  }
+
+ private:
+  static constexpr double kPi = 3.14159265358979323846;
+
+  /// `place`: 0 (root) to 1 (tip).
+  double area(float place) const {
+    const double r = material_.radius * material_.radius_scale.at(place);
+    return kPi * r * r;
+  }
+  /// Over what lies between two knots curves are linear: Gauss and Legendre's rule of three points.
+  template <class Function>
+  double mean(double from, double to, const Function& function) const {
+    const double outer = std::sqrt(0.6);
+    double sum = 0;
+    auto add = [&](double begin, double end) {
+      if (!(end > begin)) return;
+      const double middle = 0.5 * (begin + end), half = 0.5 * (end - begin);
+      auto at = [&](double place) { return function(static_cast<float>(place / length_)); };
+      sum += (end - begin) / 18 *
+             (5 * at(middle - outer * half) + 8 * at(middle) + 5 * at(middle + outer * half));
+    };
+    double begin = from;
+    for (const double knot : knots_)
+      if (knot > begin && knot < to) {
+        add(begin, knot);
+        begin = knot;
+      }
+    add(begin, to);
+    return sum / (to - from);
+  }
+
+  const Material& material_;
+  double length_;
+  std::vector<double> knots_;  ///< of both curves, m
+};
+
+}  // namespace strandcast
