@@ -188,7 +188,7 @@ class StrandSurroundings final : public Surroundings, public AirFields {
         for (uint32_t i = 0; i < sample.count; ++i) {
           const float rate = rates_.empty() ? rate_ : rates_[sample.vertex + i];
           Vec3 sum = pushed + local * rate;
-          if (less > 0) sum -= notFelt(relative, tangent, std::min(rate, per_second), less);
+          if (less > 0) sum -= notFelt(relative, tangent, rate, less);
           out[i] += parts[i] * sum;
         }
       }

@@ -72,7 +72,8 @@ FN real draggedTo(IN(real) velocity, IN(real) other, IN(real) exchange) {
 }
 
 // Slender bodies feel less drag along themselves than across (Taylor 1952: about half). What is to be taken from a drag of
-// rate x relative: its part along the strand, `less` = 1 - (along / across).
+// rate x relative: its part along the strand, `less` = 1 - (along / across). It is found once a step, but what it adds meanwhile the
+// drag itself, in every substep, takes: at any rate no more is left than the speed that it was found from.
 FN real3 dragNotFelt(IN(real3) relative, IN(real3) tangent, IN(real) rate, IN(real) less) {
   return tangent * (dot(relative, tangent) * rate * less);
 }

@@ -83,7 +83,7 @@ Felt feltBy(SampleTile tile, uint root, uint piece, uint sample_) {
 }
 
 vec3 accelerationBy(Felt felt, float rate) {
-  return madd(felt.local, rate, felt.pushed) - felt.not_felt * min(rate, inverse(air.seconds));
+  return madd(felt.local - felt.not_felt, rate, felt.pushed);
 }
 void keep(uint sample_, Felt felt) {
 #if RATES

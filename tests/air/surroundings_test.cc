@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "air/air_fields.h"
+#include "air/wind.h"
 #include "core/error.h"
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
@@ -135,6 +136,20 @@ TEST(Surroundings, HairShieldsTheHairBehindIt) {
     return sum;
   };
   EXPECT_LT(lean(1000), 0.9 * lean(0));
+}
+
+TEST(Surroundings, WindAlongAStrandPullsAtItByTheDragAlong) {
+  Parameters parameters;
+  parameters.wind = Vec3(0, -3, 0);
+  parameters.air_drag_along = 0.5f;
+  for (const float drag : {20.0f, 200.0f}) {
+    parameters.air_drag = drag;
+    Simulation simulation(modelOf({straightStrand(0.2, 16, -Vec3::UnitY())}), {}, parameters,
+                          makeReferenceBackend(), cpuAir("reference").surroundings({}));
+    for (int i = 0; i < 60; ++i) simulation.step();
+    const float hung = 15.5f, pull = parameters.gravity.norm() + 0.5f * dragRate(parameters, 1) * 3;
+    EXPECT_NEAR(simulation.state().tensions[0] / (hung * pull), 1, 5e-3) << drag;
+  }
 }
 
 TEST(Surroundings, SettingsMayChangeWhileItRuns) {
