@@ -38,12 +38,12 @@ Measurement measure(const StrandModel& model, std::span<const Vec3> positions,
   Measurement out;
   double sum = 0;
   for (size_t s = strands.begin; s < strands.end; ++s) {
+    bool inner_is_finite = false;
     for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
-      if (!positions[v].allFinite()) {
-        ++out.non_finite;
-        continue;
-      }
-      if (v == model.offsets[s]) continue;
+      const bool is_finite = positions[v].allFinite(), has_length = is_finite && inner_is_finite;
+      inner_is_finite = is_finite;
+      if (!is_finite) ++out.non_finite;
+      if (!has_length) continue;
       const float rest = (model.rest_local[v] - model.rest_local[v - 1]).norm();
       const double stretch = std::fabs((positions[v] - positions[v - 1]).norm() / rest - 1.0);
       sum += stretch;

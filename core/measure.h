@@ -15,7 +15,7 @@ struct Measurement {
   /// (StrandModel::rest_distance) where that is deeper; 0 when none is.
   double max_penetration = 0;
   size_t non_finite = 0;  ///< vertices with a NaN or an infinity
-  size_t edges = 0;       ///< of which the mean is: all whose outer end is finite
+  size_t edges = 0;       ///< of which the mean is: all whose ends are finite
 
   /// Takes in what was measured of other strands.
   void add(const Measurement& other);

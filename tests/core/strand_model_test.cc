@@ -129,6 +129,11 @@ TEST(Measure, SeesStretchPenetrationAndWhatIsNotFinite) {
   EXPECT_NEAR(m.max_penetration, 0.1, 1e-6) << "the root is pinned and does not count";
   EXPECT_EQ(m.non_finite, 1u);
   EXPECT_NEAR(m.mean_stretch, (0.5 + 0.25) / 2, 1e-6) << "edges without a length do not count";
+  std::vector<Vec3> torn = positions;
+  torn[1].x() = nan;
+  torn[3] = Vec3(0, 3.5f, 0);
+  EXPECT_NEAR(measure(model, torn, {}).mean_stretch, 0.25, 1e-6) << "of the last edge alone";
+  EXPECT_EQ(measure(model, torn, {}).edges, 1u);
   EXPECT_EQ(measure(makeStrandModel(StrandSet()), {}, bodies).mean_stretch, 0);
 }
 
