@@ -97,7 +97,9 @@ struct StrandState {
 
 /// Builds a model from rest strands. Strands must have 2 to 128 vertices within kFarthestPose of the origin
 /// and edges of positive length (groom/ cleans them); throws Error naming the strand otherwise, and as
-/// checkStrandSet() and checkMaterial().
+/// checkStrandSet() and checkMaterial(). It takes edges as they are: a strand with one that is shorter than a
+/// tenth of the strand's mean edge trembles for ever under `rod` (cleanStrands() of groom/clean.h merges such
+/// vertices).
 /// `materials` by StrandSet::parts, the last one for all further parts; at least one.
 StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials = {Material{}});
 
