@@ -53,6 +53,13 @@ HairGrid<Scalar>::HairGrid(const GridPasses<Scalar>& passes, const Workers& work
   masses_.assign(padded, Scalar(0));
   for (size_t n = 0; n < samples_.samples.size(); ++n)
     masses_[n] = static_cast<Scalar>(samples_.samples[n].mass);
+  drag_shares_ = dragShares(model, samples_);
+  if (!drag_shares_.of_samples.empty()) {
+    drag_nodes_.assign(4 * shape_.size(), Scalar(0));
+    drag_masses_ = masses_;
+    for (size_t n = 0; n < samples_.samples.size(); ++n)
+      drag_masses_[n] *= static_cast<Scalar>(drag_shares_.of_samples[n]);
+  }
   view_.stride = padded;
   for (GridArray<Scalar>* array : {&nodes_, &spread_, &scratch4_, &changes_})
     array->assign(4 * shape_.size(), Scalar(0));
@@ -151,7 +158,6 @@ void HairGrid<Scalar>::locate(std::span<const Vec3> positions, std::span<const V
 template <class Scalar>
 void HairGrid<Scalar>::splat() {
   SplatView<Scalar>& view = view_;
-  const int chunks = static_cast<int>(chunks_);
   double fastest = 1e-6;
   NodeBox box;
   for (const SplatReach<Scalar>& reach : reach_) {
@@ -166,22 +172,36 @@ void HairGrid<Scalar>::splat() {
   filled_ = box;
   view.mass_scale = static_cast<Scalar>(kWhole / mass_);
   view.momentum_scale = static_cast<Scalar>(kWhole / (mass_ * fastest));
-  workers_.forEach(chunks, [&](int c) {
-    clear(shape_, 4, changed, sums_[c].data());
+  sumUp(view, changed, nodes_);
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::splatDrag() {
+  if (drag_shares_.of_samples.empty()) return;
+  SplatView<Scalar> view = view_;
+  view.masses = drag_masses_.data();
+  sumUp(view, drag_filled_.merged(filled_), drag_nodes_);
+  drag_filled_ = filled_;
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::sumUp(const SplatView<Scalar>& view, const NodeBox& box, GridArray<Scalar>& nodes) {
+  workers_.forEach(static_cast<int>(chunks_), [&](int c) {
+    clear(shape_, 4, box, sums_[c].data());
     passes_.splat(view, firstOf(c), firstOf(c + 1), sums_[c].data() + 4 * origin_);
   });
   const Scalar volume = static_cast<Scalar>(layout_.cell) * static_cast<Scalar>(layout_.cell) *
                         static_cast<Scalar>(layout_.cell);
   const Scalar density = 1 / (view.mass_scale * volume), flow = 1 / (view.momentum_scale * volume);
-  eachLayer(changed, [&](int k) {
-    for (int j = changed.min().y(); j <= changed.max().y(); ++j) {
-      const size_t first = shape_.at(changed.min().x(), j, k), end = shape_.at(changed.max().x(), j, k) + 1;
+  eachLayer(box, [&](int k) {
+    for (int j = box.min().y(); j <= box.max().y(); ++j) {
+      const size_t first = shape_.at(box.min().x(), j, k), end = shape_.at(box.max().x(), j, k) + 1;
       int32_t* sum = sums_[0].data();
       for (size_t c = 1; c < chunks_; ++c)
         for (size_t i = 4 * first; i < 4 * end; ++i) sum[i] += sums_[c][i];
       for (size_t i = first; i < end; ++i) {
-        for (size_t c = 0; c < 3; ++c) nodes_[4 * i + c] = flow * static_cast<Scalar>(sum[4 * i + c]);
-        nodes_[4 * i + 3] = density * static_cast<Scalar>(sum[4 * i + 3]);
+        for (size_t c = 0; c < 3; ++c) nodes[4 * i + c] = flow * static_cast<Scalar>(sum[4 * i + c]);
+        nodes[4 * i + 3] = density * static_cast<Scalar>(sum[4 * i + 3]);
       }
     }
   });

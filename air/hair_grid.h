@@ -1,6 +1,7 @@
 #pragma once
 #include <span>
 
+#include "air/drag_shares.h"
 #include "air/grid_passes.h"
 #include "air/hair_layout.h"
 #include "air/strand_samples.h"
@@ -35,6 +36,8 @@ class HairGrid {
               double seconds = 0);
   /// Their sums on the grid.
   void splat();
+  /// After that, the same weighed by how much of the drag is whose: for dragNodes().
+  void splatDrag();
   /// Nothing is held any more: hair was put elsewhere.
   void reset();
   /// From what was splatted: how samples change their velocities over a step of `seconds`.
@@ -49,7 +52,12 @@ class HairGrid {
   const GridShape& shape() const { return shape_; }
   /// Momentum per volume and density (kg/m^3, of the strands themselves), from place (0, 0, 0).
   const Scalar* nodes() const { return nodes_.data() + 4 * origin_; }
-  const NodeBox& box() const { return filled_; }  ///< beyond it nodes are empty
+  /// As the air feels it: masses x their shares of the drag.
+  const Scalar* dragNodes() const {
+    return (drag_shares_.of_samples.empty() ? nodes_ : drag_nodes_).data() + 4 * origin_;
+  }
+  double meanDrag() const { return drag_shares_.mean; }  ///< factor of air_drag, of all hair
+  const NodeBox& box() const { return filled_; }         ///< beyond it nodes are empty
   const Scalar* frame() const { return frame_; }
   /// Density at a node, blurred, kg/m^3.
   double densityAt(int i, int j, int k) const { return static_cast<double>(density_[shape_.at(i, j, k)]); }
@@ -69,6 +77,8 @@ class HairGrid {
   /// did it last.
   NodeBox blurBox(bool crowds, bool rubs);
   void measureRest(const StrandModel& model);
+  /// To nodes of 4 numbers, where `box` says that there may be some, or were.
+  void sumUp(const SplatView<Scalar>& view, const NodeBox& box, GridArray<Scalar>& nodes);
   /// What crowding and what is held of it can come to at most.
   void boundCrowding(float volume_target);
   void findCrowding(const Parameters& parameters, double stiffness, double seconds, const NodeBox& box);
@@ -84,18 +94,20 @@ class HairGrid {
   Scalar frame_[12] = {};
   Pose head_;
   StrandSamples samples_;
+  DragShares drag_shares_;
   double mass_ = 0;  ///< kg, of all samples
   size_t chunks_;    ///< of samples, each with sums of its own
   std::vector<std::vector<int32_t, CacheLineAllocator<int32_t>>> sums_, number_sums_;
   SplatView<Scalar> view_{};               ///< of the last splat
   std::vector<SplatReach<Scalar>> reach_;  ///< per chunk
   NodeBox filled_;                         ///< beyond it sums_ and nodes_ are 0
+  NodeBox drag_filled_;                    ///< and drag_nodes_ beyond this
   NodeBox blurred_;  ///< filled_ of the last blur: a node around it all that comes from blurs is 0
   bool crowded_before_ = false, rubbed_before_ = false;  ///< in it
   float bound_target_ = 0;                               ///< volume_target of crowding_bound_
   double crowding_bound_ = 0;  ///< of all samples, mass x crowding with a stiffness of 1
-  GridArray<Scalar> places_, motion_, masses_, rest_density_, held_, largest_crowding_, nodes_, density_,
-      spread_, crowding_, crowded_, scratch_, scratch4_, changes_;
+  GridArray<Scalar> places_, motion_, masses_, drag_masses_, drag_nodes_, rest_density_, held_,
+      largest_crowding_, nodes_, density_, spread_, crowding_, crowded_, scratch_, scratch4_, changes_;
 };
 
 extern template class HairGrid<float>;

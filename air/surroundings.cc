@@ -98,10 +98,12 @@ class StrandSurroundings final : public Surroundings, public AirFields {
       wind_->advect(dt, p.mac_cormack > 0);
       wind_->diffuse(dt, static_cast<double>(p.air_viscosity));
       HairDrag<Scalar> drag;
-      if (drags)
-        drag = {&hair_->shape(), hair_->nodes(), hair_->frame(), hair_->box(),
-                static_cast<Scalar>(static_cast<double>(p.air_drag) *
+      if (drags) {
+        hair_->splatDrag();
+        drag = {&hair_->shape(), hair_->dragNodes(), hair_->frame(), hair_->box(),
+                static_cast<Scalar>(static_cast<double>(p.air_drag) * hair_->meanDrag() *
                                     static_cast<double>(p.hairs_per_strand) / kAirDensity)};
+      }
       wind_->exchange(dt, drag, sources_);
       wind_->project();
     }

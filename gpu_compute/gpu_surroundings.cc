@@ -146,7 +146,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   hair.describe(settings, grid_head_, p, dt);
   settings.uniform_wind = {p.wind.x(), p.wind.y(), p.wind.z(), 1 - p.air_drag_along};
   settings.drag = dragRate(p, 1);
-  settings.exchange = static_cast<float>(dt * static_cast<double>(p.air_drag) *
+  settings.exchange = static_cast<float>(dt * static_cast<double>(p.air_drag) * hair.meanDrag() *
                                          static_cast<double>(p.hairs_per_strand) / kAirDensity);
   const gl::Buffer* shapes = &our.nothing;
   bool moved = false;
@@ -169,7 +169,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   // Hair and air do not need each other until momentum is exchanged: their passes go side by side.
   const HairPasses::Strands where{strands.positions(), strands.velocityBuffer()};
   const bool mac_cormack = p.mac_cormack > 0;
-  hair.splat(where);
+  hair.splat(where, drags);
   our.timer.passed("splat");
   if (on_grid) {
     our.wind->findDisplacements(mac_cormack);
@@ -177,7 +177,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   }
   finishPass();
   our.timer.passed("displace, solids");
-  if (splatted_) hair.findDensity();
+  if (splatted_) hair.findDensity(drags);
   our.timer.passed("blur");
   if (on_grid) our.wind->advect(mac_cormack);
   finishPass();
@@ -185,7 +185,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   if (crowds) hair.crowd(where);
   our.timer.passed("crowd");
   const bool exchanges = drags || (on_grid && !sources_.empty());
-  if (on_grid && exchanges) our.wind->findExchange(drags ? &hair.nodes() : nullptr);
+  if (on_grid && exchanges) our.wind->findExchange(drags ? &hair.dragNodes() : nullptr);
   finishPass();
   our.timer.passed("exchange");
   if (forces) hair.findForces(crowds, rubs);

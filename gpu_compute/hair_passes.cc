@@ -52,7 +52,24 @@ HairPasses::HairPasses(const StrandModel& model, const Box& box, int cells, AirB
   nodes_ = zeros<Vec4>(nodes_count_);
   changes_ = zeros<Vec4>(nodes_count_);
   rates_ = zeros<float>(1);
+  makeDrag(model, samples);
   measureRest(model, block);
+}
+
+void HairPasses::makeDrag(const StrandModel& model, const StrandSamples& samples) {
+  drag_shares_ = dragShares(model, samples);
+  if (!unevenlyDragged()) return;
+  std::vector<std::array<float, 2>> masses = samples.edge_masses;
+  for (const StrandPieces& strand : samples.strands)
+    for (uint32_t p = 0; p < strand.pieces; p += strand.parts) {
+      const uint32_t first = strand.firstEdge(p), end = strand.firstEdge(p + strand.parts);
+      for (uint32_t v = strand.vertex + first; v < strand.vertex + end; ++v)
+        for (float& mass : masses[v]) mass *= drag_shares_.of_samples[strand.sample + p];
+    }
+  drag_edge_masses_ = gl::Buffer(std::span<const std::array<float, 2>>(masses));
+  drag_sums_ = zeros<int32_t>(4 * nodes_count_);
+  drag_nodes_ = zeros<Vec4>(nodes_count_);
+  drag_densities_ = zeros<float>(nodes_count_);
 }
 
 void HairPasses::measureRest(const StrandModel& model, AirBlock& block) {
@@ -65,9 +82,9 @@ void HairPasses::measureRest(const StrandModel& model, AirBlock& block) {
   const gl::Buffer positions{std::span<const Vec4>(rest)}, velocities = zeros<Vec4>(rest.size());
   describe(block.settings, Pose{}, Parameters(), 1);
   block.send();
-  splat({positions, velocities});
+  splat({positions, velocities}, false);
   finishPass();
-  findDensity();
+  findDensity(false);
   finishPass();
   bindTiles({positions, velocities});
   resting_.bindStorage(0);
@@ -154,7 +171,7 @@ void HairPasses::bindTiles(const Strands& strands) const {
   order_.bindStorage(10);
 }
 
-void HairPasses::splat(const Strands& strands) {
+void HairPasses::splat(const Strands& strands, bool drags) {
   bindTiles(strands);
   sums_.bindStorage(7);
   if (!clean_) {
@@ -169,18 +186,32 @@ void HairPasses::splat(const Strands& strands) {
     measured_ = true;
   }
   splat_.get(programs_, "hair_splat.comp", shaders::kHairSplatComp, "#define MEASURE 0\n").use();
+  if (drags && unevenlyDragged()) {
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glClearNamedBufferData(drag_sums_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+    drag_edge_masses_.bindStorage(4);
+    drag_sums_.bindStorage(7);
+    dispatchTiles();
+    finishPass();  // both write where samples are
+    edge_masses_.bindStorage(4);
+    sums_.bindStorage(7);
+  }
   dispatchTiles();
   clean_ = false;
 }
 
-void HairPasses::findDensity() {
-  fastest_.bindStorage(6);
-  sums_.bindStorage(7);
-  crowd_sums_.bindStorage(8);
-  nodes_.bindStorage(9);
-  densities_.bindStorage(10);
+void HairPasses::findDensity(bool drags) {
   density_of_.get(programs_, "hair_density.comp", shaders::kHairDensityComp).use();
-  dispatchNodes();
+  fastest_.bindStorage(6);
+  crowd_sums_.bindStorage(8);
+  auto find = [&](const gl::Buffer& sums, const gl::Buffer& nodes, const gl::Buffer& densities) {
+    sums.bindStorage(7);
+    nodes.bindStorage(9);
+    densities.bindStorage(10);
+    dispatchNodes();
+  };
+  if (drags && unevenlyDragged()) find(drag_sums_, drag_nodes_, drag_densities_);
+  find(sums_, nodes_, densities_);
 }
 
 void HairPasses::crowd(const Strands& strands) {

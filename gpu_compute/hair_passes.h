@@ -2,6 +2,7 @@
 #include <array>
 #include <vector>
 
+#include "air/drag_shares.h"
 #include "air/hair_layout.h"
 #include "air/strand_samples.h"
 #include "core/parameters.h"
@@ -33,9 +34,9 @@ class HairPasses {
   struct Strands {
     const gl::Buffer &positions, &velocities;
   };
-  // Passes. Only gather() ends with finishPass().
-  void splat(const Strands& strands);
-  void findDensity();
+  // Passes. Only gather() ends with finishPass(). `drags`: for dragNodes(), too.
+  void splat(const Strands& strands, bool drags);
+  void findDensity(bool drags);
   void crowd(const Strands& strands);
   void findForces(bool crowds, bool rubs);
   enum class Air { kUniform, kFree, kGrid };
@@ -49,13 +50,16 @@ class HairPasses {
   void gather(const Strands& strands, const Needs& needs, const gl::Buffer& centres,
               const gl::Buffer& turbulence, const gl::Buffer& sources, const gl::Buffer& accelerations);
 
-  /// Momentum and mass per volume, of nodes, 4 numbers each.
-  const gl::Buffer& nodes() const { return nodes_; }
+  /// Momentum and mass per volume, of nodes, 4 numbers each, as the air feels it: masses x their DragShares.
+  const gl::Buffer& dragNodes() const { return unevenlyDragged() ? drag_nodes_ : nodes_; }
+  double meanDrag() const { return drag_shares_.mean; }  ///< factor of air_drag, of all hair
   std::vector<std::array<float, 4>> downloadNodes() const;
 
  private:
   void bindTiles(const Strands& strands) const;
   void dispatchTiles() const;
+  bool unevenlyDragged() const { return !drag_shares_.of_samples.empty(); }
+  void makeDrag(const StrandModel& model, const StrandSamples& samples);
   void dispatchNodes() const;
   void measureRest(const StrandModel& model, AirBlock& block);
 
@@ -64,6 +68,7 @@ class HairPasses {
   std::array<LazyProgram, 4> forces_of_;   ///< by crowding and friction
   std::array<LazyProgram, 24> gather_of_;  ///< by what there is to gather
   HairLayout layout_;
+  DragShares drag_shares_;
   size_t tiles_ = 0, nodes_count_;
   double mass_ = 0;
   double crowding_bound_ = 0;
@@ -73,6 +78,9 @@ class HairPasses {
   bool clean_ = true;  ///< sums are 0
   gl::Buffer sample_tiles_, roots_, order_, edge_masses_, places_, motions_, fastest_, sums_, crowd_sums_,
       nodes_, densities_, resting_, held_, changes_, rates_;
+  // Where pieces have shares of the drag of their own: the same as the air feels it. Its densities are of no
+  // use.
+  gl::Buffer drag_edge_masses_, drag_sums_, drag_nodes_, drag_densities_;
 };
 
 }  // namespace strandcast::gpu

@@ -138,6 +138,38 @@ TEST(Surroundings, HairShieldsTheHairBehindIt) {
   EXPECT_LT(lean(1000), 0.9 * lean(0));
 }
 
+// Middle of the tuft's lee after some steps of wind through it, m/s.
+Vec3 windBehindTuft(float hairs, const std::vector<float>& drag_scale) {
+  Parameters parameters = everything();
+  parameters.volume_stiffness = parameters.hair_friction = 0;
+  parameters.hairs_per_strand = hairs;
+  parameters.air_drag = 5;
+  StrandModel model = squareTuft();
+  if (!drag_scale.empty()) {
+    model.air_drag_scale = drag_scale;
+    model.goal_scale.assign(model.vertices(), 0);
+    model.damping_scale.assign(model.strands(), 1);
+    model.friction_scale.assign(model.strands(), 1);
+    model.tether.assign(model.vertices(), kNoTether);
+  }
+  Simulation simulation(model, {}, parameters, makeReferenceBackend(), cpuAir("reference").surroundings({}));
+  for (int i = 0; i < 10; ++i) simulation.step();
+  return airFields(simulation.surroundings())->at(Vec3(0.06f, -0.1f, 0.02f)).wind;
+}
+
+TEST(Surroundings, HairHoldsAirBackByTheDragThatItFeels) {
+  const size_t vertices = squareTuft().vertices();
+  const Vec3 free = windBehindTuft(0, {}), held = windBehindTuft(1000, {});
+  EXPECT_GT((held - free).norm(), 0.2f);
+  EXPECT_LT((windBehindTuft(1000, std::vector<float>(vertices, 0)) - free).norm(), 1e-6f);
+  // Half of the strands without drag hold back about half as much, not all of it.
+  std::vector<float> every_other(vertices, 1);
+  for (size_t v = 0; v < vertices; ++v)
+    if (v / 17 % 2 == 0) every_other[v] = 0;
+  const float half = (windBehindTuft(500, {}) - free).norm();
+  EXPECT_NEAR((windBehindTuft(1000, every_other) - free).norm() / half, 1, 0.2);
+}
+
 TEST(Surroundings, WindAlongAStrandPullsAtItByTheDragAlong) {
   Parameters parameters;
   parameters.wind = Vec3(0, -3, 0);
