@@ -120,6 +120,18 @@ FN Closing hairClosing(IN(real) u, IN(real) clump, IN(real) bodies, IN(real) bod
   return closing;
 }
 
+// The place of a hair that follows one guide from a root beside that guide's own, `beside` metres away (only x and y): it
+// closes in as hair between guides does.
+FN AcrossGuide besideGuide(IN(real3) beside, IN(Closing) closing) {
+  real open = lit(1) - closing.part;
+  AcrossGuide at;
+  at.x = beside.x * open;
+  at.y = beside.y * open;
+  at.slope_x = -(beside.x * closing.slope);
+  at.slope_y = -(beside.y * closing.slope);
+  return at;
+}
+
 // The hair from its guides' positions at u: `ab` and `ac` from the first to the others, with their weights.
 FN real3 hairPosition(IN(real3) a, IN(real3) ab, IN(real3) ac, IN(real) weight_b, IN(real) weight_c, IN(Closing) closing,
                       IN(AcrossGuide) across, IN(real3) normal, IN(real3) binormal) {

@@ -52,8 +52,9 @@ HairGroups::HairGroups(const StrandSet& guides, std::span<const Hair> hairs, con
   for (const Hair& hair : hairs) {
     group_of_.push_back(group_of_guide[hair.guides[0]]);
     Group& group = groups_[group_of_.back()];
+    const float root = std::hypot(hair.beside[0], hair.beside[1]);
     const float lock = std::hypot(hair.offset[0], hair.offset[1]) * profile;
-    const float reach = lock + hair.tip_deviation + hair.whole_deviation + hair.curl_radius +
+    const float reach = root + lock + hair.tip_deviation + hair.whole_deviation + hair.curl_radius +
                         hair.example_scale * example_reach;
     group.reach = std::max(group.reach, reach);
     mean_reach_ += reach / static_cast<float>(hairs.size());

@@ -68,15 +68,13 @@ void placeBetween(Hair& hair, const RootTriangle& triangle, RandomStream& random
   const int nearest = static_cast<int>(std::max_element(weights, weights + 3) - weights);
   for (int k = 0; k < 3; ++k) {
     hair.guides[k] = triangle.guides[(nearest + k) % 3];
-    hair.weights[k] = weights[(nearest + k) % 3];
+    if (k > 0) hair.weights[k - 1] = weights[(nearest + k) % 3];
   }
 }
 
-void placeAround(Hair& hair, uint32_t guide) {
-  for (uint32_t& g : hair.guides) g = guide;
-  hair.weights[0] = 1;
-  hair.weights[1] = hair.weights[2] = 0;
-  hair.clump = 0;
+void followOne(Hair& hair) {
+  hair.guides[1] = hair.guides[2] = hair.guides[0];
+  hair.weights[0] = hair.weights[1] = 0;
 }
 
 void setOffset(Hair& hair, float radius, RandomStream& random) {
@@ -87,16 +85,17 @@ void setOffset(Hair& hair, float radius, RandomStream& random) {
 }
 
 /// Where guides part: the hair keeps its root, seen from the nearest guide's frame, and follows that guide
-/// alone. What lies along the guide is left out, as it would only slide the hair along itself.
+/// alone, closing in on it as on others. What lies along the guide is left out, as it would only slide the
+/// hair along itself.
 void placeBeside(Hair& hair, const StrandSet& guides) {
-  Vec3 root = Vec3::Zero();
-  for (int k = 0; k < 3; ++k) root += hair.weights[k] * guides.strand(hair.guides[k]).front();
   const auto points = guides.strand(hair.guides[0]);
+  Vec3 from_guide = Vec3::Zero();
+  for (int k = 0; k < 2; ++k)
+    from_guide += hair.weights[k] * (guides.strand(hair.guides[k + 1]).front() - points.front());
   const RootFrame frame = rootFrame(points);
-  const Vec3 from_guide = root - points.front();
-  placeAround(hair, hair.guides[0]);
-  hair.offset[0] += from_guide.dot(frame.normal);
-  hair.offset[1] += from_guide.dot(frame.binormal);
+  followOne(hair);
+  hair.beside[0] = from_guide.dot(frame.normal);
+  hair.beside[1] = from_guide.dot(frame.binormal);
 }
 
 /// The same for all hairs that close in on a guide, so that locks differ and their curls keep together.
@@ -121,11 +120,11 @@ Hair growOne(const Plot& plot, const StrandSet& guides, const HairGrowth& growth
   Hair hair{};
   placeBetween(hair, plot.triangle, random);
   const float clump = random.uniform();
-  hair.clump = combined ? growth.clump * clump * (2 - clump) : 0;
   const bool in_lock = random.uniform() < growth.single_strand_part;
   const bool single =
       plot.lone || growth.interpolation == Interpolation::kSingleStrand || (combined && in_lock);
-  if (single) placeAround(hair, hair.guides[0]);
+  if (single) followOne(hair);
+  hair.clump = combined && !single ? growth.clump * clump * (2 - clump) : 0;
   setOffset(hair, single ? growth.clump_radius : 0.25f * growth.clump_radius, random);
   if (plot.triangle.parted && !single) placeBeside(hair, guides);
   const float shortness = random.uniform();

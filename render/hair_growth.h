@@ -13,16 +13,18 @@ namespace strandcast {
 
 /// How one hair follows the guides: 96 bytes, one layout for the CPU and for GLSL std430. With u the part of
 /// the arc length from the root, P_k the guides' curves and N, B the twist-free frame of guide 0, the hair is
-///   x(u) = sum_k w_k(u) P_k(u) + across_x(u) N + across_y(u) B
-/// with w(u) = (1 - clump u) weights + clump u (1, 0, 0) and what lies across the guide (the place in the
-/// lock, curls and deviations) as hairAcross and exampleAcross of kernels/hair.h have it, for u in [0,
-/// extent]. Width is full up to three quarters of the length and then falls linearly to nothing at the tip.
+///   x(u) = P_0(u) + (1 - clump u) (spread_1(u) + spread_2(u) + beside_x N + beside_y B)
+///          + across_x(u) N + across_y(u) B
+/// with spread_k = weight_k (P_k - P_0) and what lies across the guide (the place in the lock, curls and
+/// deviations) as hairAcross and exampleAcross of kernels/hair.h have it, for u in [0, extent]. Width is full
+/// up to three quarters of the length and then falls linearly to nothing at the tip.
 struct Hair {
   uint32_t guides[3];
   float dither;  ///< [0, 1): decides how many samples a hair narrower than a pixel reaches, and when it goes
-  float weights[3];       ///< sum to 1; 1, 0, 0 is single-strand interpolation
-  float clump;            ///< 0 to 1: how far the tip closes in on guide 0
+  float weights[2];       ///< of guides 1 and 2, 0 or more; guide 0, the nearest root's, has the rest of 1
+  float beside[2];        ///< m, from guide 0's root to the hair's, where guides part; else 0
   float offset[2];        ///< m, in the lock, times HairGrowth::lock_profile
+  float clump;            ///< 0 to 1: how far the tip closes in on guide 0
   float extent;           ///< part of the guide's length, 0 to 1
   float width;            ///< times RenderSettings::hair_width
   float tip_deviation;    ///< m, at the tip
@@ -36,7 +38,6 @@ struct Hair {
   float importance;     ///< above 0 to 1: how long it stays when hairs are left out, as a factor of its width
   float example_scale;  ///< m, of HairGrowth::curl_example, turned by curl_phase; 0 without
   float first_sample;   ///< [0, 1), of a pixel's, that it reaches; what `dither` is says nothing of it
-  float unused;
 };
 static_assert(sizeof(Hair) == 96);
 

@@ -75,13 +75,14 @@ HairReference::Vertex HairReference::at(const Hair& hair, const HairGrowth& grow
   f64::AcrossGuide across = f64::hairAcross(
       u, {hair.offset[0], hair.offset[1], 0}, lanes(growth.lock_profile.cast<double>()), hair.tip_deviation,
       hair.whole_deviation, hair.deviation_phase, hair.curl_radius, hair.curl_turns, hair.curl_phase);
+  across = f64::bothAcross(across, f64::besideGuide({hair.beside[0], hair.beside[1], 0}, closing));
   if (growth.curl_example) across = f64::bothAcross(across, exampleAt(*growth.curl_example, hair, u));
   const f64::real3 ab = from(1, &Node::position), ac = from(2, &Node::position);
-  const f64::real3 position = f64::hairPosition(lanes(of[0]->position), ab, ac, hair.weights[1],
-                                                hair.weights[2], closing, across, normal, binormal);
+  const f64::real3 position = f64::hairPosition(lanes(of[0]->position), ab, ac, hair.weights[0],
+                                                hair.weights[1], closing, across, normal, binormal);
   const f64::real3 slope =
       f64::hairDerivative(derivative, from(1, &Node::derivative), from(2, &Node::derivative), ab, ac,
-                          hair.weights[1], hair.weights[2], closing, across, normal, binormal);
+                          hair.weights[0], hair.weights[1], closing, across, normal, binormal);
   return {vector(position), vector(f64::normalizeOrZero(slope))};
 }
 

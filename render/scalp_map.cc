@@ -38,14 +38,16 @@ ScalpPlaces::ScalpPlaces(const StrandSet& guides) : guides_(guides) {
   if (!roots.isEmpty()) middle_ = roots.center();
 }
 
-Vec2 ScalpPlaces::of(const uint32_t (&guides)[3], const float (&weights)[3]) const {
+Vec2 ScalpPlaces::of(const uint32_t (&guides)[3], const float (&weights)[2]) const {
   if (guides_.uvs.size() == guides_.strands()) {
-    Vec2 place = Vec2::Zero();
-    for (int k = 0; k < 3; ++k) place += weights[k] * guides_.uvs[guides[k]];
+    const Vec2& first = guides_.uvs[guides[0]];
+    Vec2 place = first;
+    for (int k = 0; k < 2; ++k) place += weights[k] * (guides_.uvs[guides[k + 1]] - first);
     return place;
   }
-  Vec3 out = -middle_;
-  for (int k = 0; k < 3; ++k) out += weights[k] * guides_.strand(guides[k]).front();
+  const Vec3& first = guides_.strand(guides[0]).front();
+  Vec3 out = first - middle_;
+  for (int k = 0; k < 2; ++k) out += weights[k] * (guides_.strand(guides[k + 1]).front() - first);
   const float turn = std::atan2(out.x(), out.z()) / (2 * std::numbers::pi_v<float>);
   const float height = out.y() / std::max(out.norm(), 1e-9f);
   return {0.5f + turn, 0.5f - std::asin(std::clamp(height, -1.0f, 1.0f)) / std::numbers::pi_v<float>};

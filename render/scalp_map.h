@@ -24,8 +24,8 @@ ScalpMap readScalpMap(const std::filesystem::path& file);
 class ScalpPlaces {
  public:
   explicit ScalpPlaces(const StrandSet& guides);
-  /// Of a root between three guides.
-  Vec2 of(const uint32_t (&guides)[3], const float (&weights)[3]) const;
+  /// Of a root between three guides, with the weights of the second and the third.
+  Vec2 of(const uint32_t (&guides)[3], const float (&weights)[2]) const;
 
  private:
   const StrandSet& guides_;

@@ -6,9 +6,10 @@
 struct Hair {
   uvec3 guides;
   float dither;
-  vec3 weights;
-  float clump;
+  vec2 weights;
+  vec2 beside;
   vec2 offset;
+  float clump;
   float extent;
   float width;
   float tip_deviation;
@@ -22,7 +23,6 @@ struct Hair {
   float importance;
   float example_scale;
   float first_sample;
-  float unused;
 };
 layout(std430, binding = 3) readonly buffer Nodes { vec4 nodes[]; };
 layout(std430, binding = 4) readonly buffer Hairs { Hair hairs[]; };
@@ -46,9 +46,10 @@ struct HairPoint {
   bool usable;
 };
 
-AcrossGuide acrossGuide(Hair hair, float u) {
+AcrossGuide acrossGuide(Hair hair, float u, Closing closing) {
   AcrossGuide across = hairAcross(u, vec3(hair.offset, 0), growth.profile.xyz, hair.tip_deviation, hair.whole_deviation,
                                   hair.deviation_phase, hair.curl_radius, hair.curl_turns, hair.curl_phase);
+  across = bothAcross(across, besideGuide(vec3(hair.beside, 0), closing));
   if (hair.example_scale <= 0.0) return across;
   float place = u * float(kExampleParts);
   int part = min(int(place), kExampleParts - 1);
@@ -72,10 +73,10 @@ HairPoint freeHair(Hair hair, uint wanted_node, vec2 bodies) {
   vec3 da = nodes[a + 1u].xyz, normal = nodes[a + 2u].xyz;
   vec3 binormal = cross(normalizeOrZero(da), normal), ab = pb.xyz - pa.xyz, ac = pc.xyz - pa.xyz;
   Closing closing = hairClosing(u, hair.clump, bodies.x, bodies.y);
-  AcrossGuide across = acrossGuide(hair, u);
-  point.position = hairPosition(pa.xyz, ab, ac, hair.weights.y, hair.weights.z, closing, across, normal, binormal);
-  point.derivative = hairDerivative(da, nodes[b + 1u].xyz - da, nodes[c + 1u].xyz - da, ab, ac, hair.weights.y,
-                                    hair.weights.z, closing, across, normal, binormal);
+  AcrossGuide across = acrossGuide(hair, u, closing);
+  point.position = hairPosition(pa.xyz, ab, ac, hair.weights.x, hair.weights.y, closing, across, normal, binormal);
+  point.derivative = hairDerivative(da, nodes[b + 1u].xyz - da, nodes[c + 1u].xyz - da, ab, ac, hair.weights.x,
+                                    hair.weights.y, closing, across, normal, binormal);
   point.u = u;
   point.along = float(node) / last;
   point.usable = pa.w * pb.w * pc.w > 0.5;

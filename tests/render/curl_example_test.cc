@@ -61,7 +61,7 @@ TEST(CurlExample, OfAStrandThatOnlyBendsIsNone) {
 /// Hair about one guide and nothing else but the curl.
 Hair curledHair(double scale) {
   Hair hair{};
-  hair.weights[0] = hair.extent = hair.width = hair.importance = 1;
+  hair.extent = hair.width = hair.importance = 1;
   hair.example_scale = static_cast<float>(scale);
   return hair;
 }

@@ -1,5 +1,6 @@
 // Hair of the tessellator and of the compute shader against the same hair evaluated in double precision on
 // the CPU.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -84,11 +85,13 @@ Vec hairPoint(const Hair& hair, const std::vector<std::vector<Node>>& guides, co
   const double u = static_cast<double>(node) / segments, turn = 2 * std::numbers::pi;
   Vec x = Vec::Zero();
   for (int k = 0; k < 3; ++k) {
-    const double w = (1 - hair.clump * u) * hair.weights[k] + (k == 0 ? hair.clump * u : 0);
+    const double given = k == 0 ? 1.0 - hair.weights[0] - hair.weights[1] : hair.weights[k - 1];
+    const double w = (1 - hair.clump * u) * given + (k == 0 ? hair.clump * u : 0);
     x += w * guides[hair.guides[k]][node].position;
   }
   const Node& main = guides[hair.guides[0]][node];
   const Vec n = main.normal, b = main.derivative.normalized().cross(n);
+  x += (1 - hair.clump * u) * (hair.beside[0] * n + hair.beside[1] * b);
   const double lock = std::pow(1 - u, 2) * profile[0] + 2 * u * (1 - u) * profile[1] + u * u * profile[2];
   x += lock * (hair.offset[0] * n + hair.offset[1] * b);
   const double opening = 1 - std::pow(1 - u, 2);
@@ -109,11 +112,12 @@ StrandSet bentGuides() {
   StrandSet guides;
   for (int g = 0; g < 40; ++g) {
     const int vertices = 2 + g % 15;
+    const float down = g % 7 < 5 ? 0.3f : -0.3f;  // the others part from them
     std::vector<Vec3> points;
     for (int i = 0; i < vertices; ++i) {
       const float t =
           static_cast<float>(i * i + 3 * i) / static_cast<float>((vertices - 1) * (vertices + 2));  // uneven
-      points.emplace_back(0.01f * static_cast<float>(g % 7) + 0.03f * std::sin(4 * t), 0.1f - 0.3f * t,
+      points.emplace_back(0.01f * static_cast<float>(g % 7) + 0.03f * std::sin(4 * t), 0.1f - down * t,
                           0.01f * static_cast<float>(g / 7) + 0.02f * t * t);
     }
     guides.append(points);
@@ -147,6 +151,9 @@ class HairCurve : public OffscreenTest {
     scene_ = gl::Buffer(sizeof(SceneBlock), &block, GL_DYNAMIC_STORAGE_BIT);
     glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_.id());
     EXPECT_EQ(nodes_->update(guides_.positions, Pose{}), 0u);
+    hairs_ = growHairs(guides_, growth_);
+    const auto beside = [](const Hair& hair) { return hair.beside[0] != 0; };
+    EXPECT_GT(std::count_if(hairs_.begin(), hairs_.end(), beside), 10);
     for (size_t g = 0; g < guides_.strands(); ++g)
       curves_.push_back(guideNodes(guides_.strand(g), kCurveSegments));
   }
@@ -157,6 +164,7 @@ class HairCurve : public OffscreenTest {
 
   HairGrowth growth_;
   StrandSet guides_;
+  std::vector<Hair> hairs_;
   std::unique_ptr<GuideNodes> nodes_;
   gl::Buffer scene_;
   std::vector<std::vector<Node>> curves_;
@@ -164,7 +172,7 @@ class HairCurve : public OffscreenTest {
 
 TEST_F(HairCurve, TessellatedVerticesAreTheCurvesToRounding) {
   HairPass pass(GrowthPath::kTessellator, HairGeometry::kLines);
-  pass.setHairs(growHairs(guides_, growth_), growth_);
+  pass.setHairs(hairs_, growth_);
   pass.grow(*nodes_, pass.all());
   const std::vector<GrownVertex> captured = readTessellated(pass, *nodes_, pass.all());
   ASSERT_EQ(captured.size(), 2 * kHairs * kCurveSegments);
@@ -196,7 +204,7 @@ TEST_F(HairCurve, TessellatedVerticesAreTheCurvesToRounding) {
 
 TEST_F(HairCurve, VerticesOfTheComputeShaderAreTheCurvesToRounding) {
   HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
-  pass.setHairs(growHairs(guides_, growth_), growth_);
+  pass.setHairs(hairs_, growth_);
   const HairReference reference(guides_, guides_.positions, kCurveSegments);
   for (const int stride : {1, 3}) {
     HairDetail detail = pass.all();

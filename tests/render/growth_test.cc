@@ -5,10 +5,13 @@
 
 #include "render/hair_detail.h"
 #include "render/hair_growth.h"
+#include "render/hair_reference.h"
 #include "render/root_triangles.h"
 
 namespace strandcast {
 namespace {
+
+using Vec = Eigen::Vector3d;
 
 StrandSet grid(int side, float spacing, auto&& direction) {
   StrandSet guides;
@@ -24,12 +27,7 @@ StrandSet grid(int side, float spacing, auto&& direction) {
 
 Vec3 up(int, int) { return Vec3::UnitY(); }
 
-Vec3 rootOf(const StrandSet& guides, const Hair& hair) {
-  Vec3 root = Vec3::Zero();
-  for (int k = 0; k < 3; ++k) root += hair.weights[k] * guides.strand(hair.guides[k]).front();
-  const RootFrame frame = rootFrame(guides.strand(hair.guides[0]));
-  return Vec3(root + hair.offset[0] * frame.normal + hair.offset[1] * frame.binormal);
-}
+bool followsOne(const Hair& hair) { return hair.weights[0] == 0 && hair.weights[1] == 0; }
 
 TEST(HairGrowth, GrowsTheWantedNumberAndTheSameForTheSameSeed) {
   const StrandSet guides = grid(8, 0.01f, up);
@@ -43,16 +41,14 @@ TEST(HairGrowth, GrowsTheWantedNumberAndTheSameForTheSameSeed) {
   EXPECT_NE(std::memcmp(a.data(), c.data(), a.size() * sizeof(Hair)), 0);
 }
 
-TEST(HairGrowth, WeightsSumToOneAndBothWaysOfInterpolatingOccur) {
+TEST(HairGrowth, TheFirstGuideIsTheNearestAndBothWaysOfInterpolatingOccur) {
   const StrandSet guides = grid(8, 0.01f, up);
   size_t single = 0, several = 0;
   for (const Hair& hair : growHairs(guides, {.hairs = 2000})) {
-    EXPECT_NEAR(hair.weights[0] + hair.weights[1] + hair.weights[2], 1, 1e-6);
-    for (int k = 0; k < 3; ++k) {
-      EXPECT_GE(hair.weights[k], 0);
-      EXPECT_LT(hair.guides[k], guides.strands());
-    }
-    (hair.weights[0] == 1 ? single : several) += 1;
+    for (const float weight : hair.weights) EXPECT_GE(weight, 0);
+    EXPECT_LE(hair.weights[0] + hair.weights[1], 2.0f / 3 + 1e-6f);  // guide 0 is the nearest
+    for (const uint32_t guide : hair.guides) EXPECT_LT(guide, guides.strands());
+    (followsOne(hair) ? single : several) += 1;
   }
   EXPECT_GT(single, 300u);
   EXPECT_GT(several, 1000u);
@@ -64,8 +60,10 @@ TEST(HairGrowth, RootsCoverTheAreaOfTheGuidesEvenly) {
   const StrandSet guides = grid(side, spacing, up);
   int count[cells][cells] = {};
   int outside = 0;
-  for (const Hair& hair : growHairs(guides, {.hairs = 16000, .clump_radius = 0.001f})) {
-    const Vec3 root = rootOf(guides, hair);
+  const HairGrowth growth{.hairs = 16000, .clump_radius = 0.001f};
+  const HairReference grown(guides, guides.positions, 1);
+  for (const Hair& hair : growHairs(guides, growth)) {
+    const Vec root = grown.at(hair, growth, 0).position;
     const int x = static_cast<int>(std::floor(root.x() / width * cells)),
               z = static_cast<int>(std::floor(root.z() / width * cells));
     if (x < 0 || z < 0 || x >= cells || z >= cells)
@@ -84,17 +82,41 @@ TEST(HairGrowth, DoesNotMixGuidesThatPartButGrowsHairBetweenThem) {
   const StrandSet guides =
       grid(side, spacing, [](int x, int) { return Vec3(x < side / 2 ? -1 : 1, 0.2f, 0).normalized(); });
   size_t on_the_part = 0;
-  for (const Hair& hair : growHairs(guides, {.hairs = 4000, .clump_radius = 0.0005f})) {
-    for (int k = 1; k < 3; ++k) {
-      if (hair.weights[k] > 0) {
-        EXPECT_EQ(hair.guides[0] % side < side / 2, hair.guides[k] % side < side / 2);
-      }
-    }
+  const HairGrowth growth{.hairs = 4000, .clump_radius = 0.0005f};
+  const HairReference grown(guides, guides.positions, 1);
+  for (const Hair& hair : growHairs(guides, growth)) {
+    for (const uint32_t guide : hair.guides)
+      EXPECT_EQ(hair.guides[0] % side < side / 2, guide % side < side / 2);
     // Sliding along the guide is left out, so look across it: between the columns beside the part in height.
-    const Vec3 off = rootOf(guides, hair) - guides.strand(hair.guides[0]).front();
-    if (hair.weights[0] == 1 && off.norm() > 0.001f) ++on_the_part;
+    const Vec off = grown.at(hair, growth, 0).position - guides.strand(hair.guides[0]).front().cast<double>();
+    if (followsOne(hair) && off.norm() > 0.001) ++on_the_part;
   }
   EXPECT_GT(on_the_part, 50u);
+}
+
+TEST(HairGrowth, AtAPartingRootsStayWhereTheyAreWhateverALocksProfile) {
+  const int side = 8;
+  const StrandSet guides =
+      grid(side, 0.01f, [](int x, int) { return Vec3(x < side / 2 ? -1 : 1, 0.2f, 0).normalized(); });
+  const HairReference grown(guides, guides.positions, 4);
+  HairGrowth growth{.hairs = 4000, .clump_radius = 1e-6f, .tip_deviation = 0, .whole_deviation = 0};
+  growth.lock_profile = {1, 1, 1};
+  const std::vector<Hair> even = growHairs(guides, growth);
+  size_t beside = 0;
+  for (const Vec3& profile : {Vec3(0, 0, 0), Vec3(3, 1, 0)}) {
+    HairGrowth other = growth;
+    other.lock_profile = profile;
+    const std::vector<Hair> hairs = growHairs(guides, other);
+    ASSERT_EQ(hairs.size(), even.size());
+    for (size_t i = 0; i < hairs.size(); ++i) {
+      beside += std::hypot(hairs[i].beside[0], hairs[i].beside[1]) > 0.001f;
+      for (const int node : {0, 2, 4})
+        EXPECT_LT(
+            (grown.at(hairs[i], other, node).position - grown.at(even[i], growth, node).position).norm(),
+            1e-5);
+    }
+  }
+  EXPECT_GT(beside, 100u);
 }
 
 TEST(HairGrowth, LeavesOutGuidesThatAreNoCurves) {
@@ -124,11 +146,11 @@ TEST(HairGrowth, GrowsAroundOneGuideAndNothingWithoutGuides) {
 TEST(HairGrowth, EachKindOfInterpolationFollowsAsManyGuidesAsItShould) {
   const StrandSet guides = grid(8, 0.01f, up);
   for (const Hair& hair : growHairs(guides, {.hairs = 500, .interpolation = Interpolation::kMultiStrand})) {
-    EXPECT_LT(hair.weights[0], 1);
+    EXPECT_FALSE(followsOne(hair));
     EXPECT_EQ(hair.clump, 0);
   }
   for (const Hair& hair : growHairs(guides, {.hairs = 500, .interpolation = Interpolation::kSingleStrand})) {
-    EXPECT_EQ(hair.weights[0], 1);
+    EXPECT_TRUE(followsOne(hair));
     EXPECT_EQ(hair.clump, 0);
   }
 }
@@ -218,7 +240,7 @@ TEST(ScalpMap, RootsWithoutUvsLieByLongitudeAndLatitude) {
        {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)})
     guides.append(std::vector<Vec3>{root, Vec3(2 * root)});
   const ScalpPlaces places(guides);
-  const auto at = [&](uint32_t g) { return places.of({g, g, g}, {1, 0, 0}); };
+  const auto at = [&](uint32_t g) { return places.of({g, g, g}, {0, 0}); };
   EXPECT_NEAR((at(0) - Vec2(0.5f, 0.5f)).norm(), 0, 1e-5);
   EXPECT_NEAR((at(2) - Vec2(0.75f, 0.5f)).norm(), 0, 1e-5);
   EXPECT_NEAR((at(3) - Vec2(0.25f, 0.5f)).norm(), 0, 1e-5);
