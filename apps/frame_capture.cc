@@ -11,6 +11,7 @@ namespace strandcast {
 namespace {
 
 constexpr double kSameTime = 1e-5;  // s, in which nothing moves visibly
+constexpr double kPause = 1;        // s in which a daemon sends one moment until it is said to be paused
 
 std::shared_ptr<const GuideFrame> between(const GuideFrame& a, const GuideFrame& b, double time) {
   auto mixed = std::make_shared<GuideFrame>();
@@ -61,15 +62,26 @@ void FrameCapture::run() {
   std::shared_ptr<const GuideFrame> last;
   int captured = 0, due = 0;  // pictures, the latter since `start`
   double start = -1;          // s of simulation time
-  auto heard = std::chrono::steady_clock::now();
+  auto moved = std::chrono::steady_clock::now();
+  bool stands = false, told = false;
   while (captured < plan_.frames && !stop_ && !g_interrupted) {
     const bool has_ended = stream_.hasEnded();  // before the look for its last frames
     const auto frame = subscriber.waitForNext(last.get(), std::chrono::milliseconds(100));
     const auto now = std::chrono::steady_clock::now();
     const bool is_other = frame && last && last->session != frame->session;  // another daemon took over
     // A daemon that is paused sends the same moment again and again.
-    if (frame && (!last || is_other || last->simulation_time != frame->simulation_time)) heard = now;
-    if (std::chrono::duration<double>(now - heard).count() > plan_.timeout) break;
+    if (frame) stands = last && !is_other && last->simulation_time == frame->simulation_time;
+    if (frame && !stands) moved = now;
+    const double still = std::chrono::duration<double>(now - moved).count();
+    if (still > kPause && stands && !std::exchange(told, true))
+      spdlog::warn("the daemon is paused at {:g} s: `strandcast ctl go` lets it go on",
+                   last->simulation_time);
+    if (still > plan_.timeout) {
+      is_paused_ = stands && subscriber.status().has_value();  // it may have gone since
+      const StreamScene scene = StreamScene::of(subscriber);
+      if (is_paused_ && captured == 0 && scene.fits(*last)) keep({last, scene});
+      break;
+    }
     if (!frame && has_ended) break;
     if (!frame) continue;
     const bool fits_last = last && !is_other && last->revision == frame->revision &&

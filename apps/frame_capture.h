@@ -26,7 +26,7 @@ class FrameCapture {
     int frames;                     ///< to pick
     double fps;                     ///< 1/s of simulation time
     double skip;                    ///< s of it before the first
-    double timeout;                 ///< s without a frame until it ends
+    double timeout;                 ///< s without a new moment until it ends
     size_t room = size_t{1} << 30;  ///< bytes of guides that may wait
   };
   FrameCapture(Stream& stream, const Plan& plan);
@@ -35,6 +35,8 @@ class FrameCapture {
   /// The next frame to draw; nothing when there will be no more, or at Ctrl-C. Throws Error as
   /// Stream::checkAlive().
   std::optional<CapturedFrame> next();
+  /// Whether it ended because the daemon is paused. The moment that this has is picked, also before `skip`.
+  bool isPaused() const { return is_paused_; }
   /// How many were due while there was no room.
   int passedOver() const { return passed_over_; }
 
@@ -50,7 +52,7 @@ class FrameCapture {
   size_t held_ = 0;  ///< bytes, in queue_
   bool done_ = false;
   std::atomic<int> passed_over_{0};
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> is_paused_{false}, stop_{false};
   std::thread thread_;
 };
 

@@ -157,7 +157,8 @@ int render(const RenderOptions& o) {
   report(o, subscriber, status, capture, samples, drawn, draw_ms);
   if (g_interrupted) return kExitInterrupted;
   if (drawn < o.frames) {
-    spdlog::warn("the stream ended after {} of {} frames", drawn, o.frames);
+    spdlog::warn("{} after {} of {} frames",
+                 capture.isPaused() ? "the daemon was paused" : "the stream ended", drawn, o.frames);
     return kExitCheckFailed;
   }
   return 0;
@@ -195,7 +196,10 @@ Verb addRender(CLI::App& app) {
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->capture_default_str();
   app.add_option("--movie", o->movie, "also join the pictures into this file, with ffmpeg");
-  app.add_option("--timeout", o->timeout, "seconds to wait for a daemon, and for its next frame")
+  app.add_option("--timeout", o->timeout,
+                 "seconds to wait for a daemon, and for its next moment: of one that is paused only the "
+                 "moment is drawn "
+                 "that it has")
       ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
   app.add_flag("--json", o->json, "print the closing summary as one JSON object");

@@ -66,6 +66,22 @@ TEST_F(StreamTest, AnInterruptDoesNotWaitForWhatIsStillToBeDrawn) {
   g_interrupted = false;
 }
 
+TEST_F(StreamTest, OfADaemonThatIsPausedTheMomentIsPickedThatItHas) {
+  Stream stream(fewStrands(), true, 10);
+  Command pause;
+  pause.id = 1;
+  pause.kind = CommandKind::kPause;
+  pause.values = {1};
+  stream.subscriber().send(pause);
+  ASSERT_EQ(stream.subscriber().waitForAnswer(1, std::chrono::seconds(30)), "");
+  for (const double skip : {0.0, 100.0}) {
+    FrameCapture capture(stream, {.frames = 3, .fps = 60, .skip = skip, .timeout = 0.5});
+    EXPECT_TRUE(capture.next());
+    EXPECT_FALSE(capture.next());
+    EXPECT_TRUE(capture.isPaused());
+  }
+}
+
 TEST_F(StreamTest, ASimulationThatRunsIsNoError) {
   Stream stream(fewStrands(), true, 10);
   ASSERT_TRUE(stream.subscriber().waitForFrame(3, std::chrono::seconds(30)));
