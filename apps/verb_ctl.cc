@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "apps/answer_wait.h"
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/finite_range.h"
@@ -72,15 +73,10 @@ int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
   command.kind = kind;
   command.name = name;
   command.values = values;
-  auto heard = std::chrono::steady_clock::now();
-  double time = 0;  // s of simulation
+  AnswerWait wait(o.timeout, kind == CommandKind::kStep ? values[0] : 0);
   const std::optional<std::string> refusal = ask(*subscriber, command, [&] {
     if (g_interrupted) throw Interrupted();
-    const auto now = std::chrono::steady_clock::now();
-    // Steps are answered when the last is taken: until then the simulation goes on.
-    const std::optional<Status> status = kind == CommandKind::kStep ? subscriber->status() : std::nullopt;
-    if (status && status->simulation_time != std::exchange(time, status->simulation_time)) heard = now;
-    return std::chrono::duration<double>(now - heard).count() > o.timeout;
+    return wait.isOver(subscriber->status());
   });
   if (!refusal)
     throw Error("the daemon did not answer",

@@ -68,7 +68,8 @@ class Subscriber {
   virtual std::optional<Status> status() const = 0;
   /// Newest status of every live daemon on the network.
   virtual std::vector<Status> allStatuses() const = 0;
-  /// Whether this program is permitted to (DDS, profile `secure`).
+  /// Whether this program is permitted to (DDS, profile `secure`), and commands go anywhere: from readers of
+  /// a log file (LCM) they do not.
   virtual bool mayCommand() const { return true; }
   /// Sends a command to the daemon of `command.groom_id` 's groom, which is this subscriber's (0 stands for
   /// it). Blocks until the daemon's machine has it (over LCM: until it is sent), and the daemon's answer can

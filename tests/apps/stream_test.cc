@@ -1,4 +1,5 @@
 // What programs that draw or record a stream rely on.
+#include "apps/answer_wait.h"
 #include "apps/channel.h"
 #include "apps/frame_capture.h"
 #include "apps/interrupt.h"
@@ -7,6 +8,7 @@
 #include "tests/apps/daemon_fixture.h"
 #include "tests/error_of.h"
 #include "tests/transport/true_within.h"
+#include "transport/parameter_table.h"
 
 namespace strandcast {
 namespace {
@@ -32,6 +34,29 @@ TEST(StreamScene, FitsFramesOfItsDaemonAloneAndOnlyWhole) {
   EXPECT_FALSE((StreamScene{groom, described<BodyDescription>(11, 1)}.fits(frame)));
   frame.session = 12;
   EXPECT_FALSE((StreamScene{groom, body}.fits(frame)));
+}
+
+TEST(AnswerWait, LastsAsLongAsStepsAreTakenAndNoLonger) {
+  using std::chrono::milliseconds;
+  const auto steps_until_over = [](double asked, double between) {  // s of which it waits 0.3
+    AnswerWait wait(0.3, asked);
+    Status status;
+    status.parameters = parameterTable(Parameters{});
+    for (int steps = 0; steps < 100; ++steps) {
+      const auto next = std::chrono::steady_clock::now() + std::chrono::duration<double>(between);
+      while (std::chrono::steady_clock::now() < next) {
+        if (wait.isOver(status)) return steps;
+        std::this_thread::sleep_for(milliseconds(5));
+      }
+      status.simulation_time += static_cast<double>(Parameters{}.time_step);
+    }
+    return 100;
+  };
+  const int slow = steps_until_over(8, 0.1);
+  EXPECT_GE(slow, 8) << "they are being taken";
+  EXPECT_LE(slow, 12);
+  EXPECT_LE(steps_until_over(0, 0.1), 3) << "no steps";
+  EXPECT_LE(steps_until_over(2, 0.02), 20) << "a simulation that heard nothing";
 }
 
 class StreamTest : public DaemonFixture {};

@@ -174,6 +174,10 @@ TEST_F(LcmItself, ALogFileIsReplayed) {
     ASSERT_TRUE(becomesTrue([&] { return subscriber->frame() && subscriber->frame()->frame == 5; })) << again;
     EXPECT_EQ(subscriber->groom()->guides.positions, groom.guides.positions);
     EXPECT_EQ(subscriber->statistics().frames_received, 5u);
+    EXPECT_FALSE(subscriber->mayCommand());
+    const Command command{.groom_id = 1, .id = 7, .kind = CommandKind::kReset, .name = "", .values = {}};
+    EXPECT_NE(errorOf([&] { ask(*subscriber, command, [] { return false; }); }).find("takes no commands"),
+              std::string::npos);
   }
   std::filesystem::remove(file);
 }

@@ -70,8 +70,11 @@ class LcmSubscriber final : public ReceivingSubscriber {
     return ReceivingSubscriber::allStatuses();
   }
 
+  bool mayCommand() const override { return !options_.url.starts_with("file://"); }
   void send(const Command& command, const std::function<bool()>& gives_up) override {
     checkCommand(command, options_.groom_id);
+    if (!mayCommand())
+      throw Error("a log file takes no commands", options_.url, "steer a daemon that casts on a network");
     const auto deadline = Clock::now() + kAnswerTime;
     while (!status()) {
       if (Clock::now() > deadline || (gives_up && gives_up())) {
