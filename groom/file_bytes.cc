@@ -81,6 +81,13 @@ std::vector<std::byte> readFileBytes(const std::filesystem::path& file) {
   return bytes;
 }
 
+std::string_view textOfFile(std::span<const std::byte> bytes) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  return text;
+}
+
 void writeFileBytes(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   if (!mayBeReplaced(file)) return write(file, bytes, file);
   const std::filesystem::path part = file.string() + "." + std::to_string(::getpid());

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace strandcast {
@@ -10,6 +11,9 @@ namespace strandcast {
 /// A whole regular file. Throws Error when it is missing, a directory, a pipe or device, unreadable, empty or
 /// larger than 4 GiB (the formats' offsets have 32 bits).
 std::vector<std::byte> readFileBytes(const std::filesystem::path& file);
+
+/// Those of a text file as characters, without the byte-order mark that UTF-8 may begin with.
+std::string_view textOfFile(std::span<const std::byte> bytes);
 
 /// Replaces `file` with `bytes`: whole or not at all, whoever else writes or reads it, where it is a regular
 /// file in a folder that can be written to; a link, pipe or device is written through. Throws Error when it

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/geometry.h"
+#include "groom/file_bytes.h"
 
 namespace strandcast {
 
@@ -18,9 +19,7 @@ namespace strandcast {
 class ObjLines {
  public:
   ObjLines(std::span<const std::byte> bytes, std::string name)
-      : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()), name_(std::move(name)) {
-    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);  // UTF-8's mark
-  }
+      : text_(textOfFile(bytes)), name_(std::move(name)) {}
 
   /// Moves to the next statement that has a word in it; false at the end of the text.
   bool next();

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <numbers>
 #include <string_view>
 
 #include "core/error.h"
+#include "groom/file_bytes.h"
 #include "groom/text_number.h"
 
 namespace strandcast {
@@ -18,10 +17,7 @@ constexpr int kMaxDepth = 256;
 
 class Parser {
  public:
-  Parser(std::string_view text, const std::string& name) : text_(text), name_(name) {
-    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-    if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
-  }
+  Parser(std::string_view text, const std::string& name) : text_(text), name_(name) {}
 
   BvhClip run() {
     expect("HIERARCHY");
@@ -229,17 +225,9 @@ float BvhClip::guessedUnit() const {
 }
 
 BvhClip readBvh(std::span<const std::byte> bytes, const std::string& name) {
-  return Parser({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name).run();
+  return Parser(textOfFile(bytes), name).run();
 }
 
-BvhClip readBvh(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error))
-    throw Error("no such file", file.string(), "check the path");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error("cannot read", file.string(), "check its permissions");
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return readBvh(std::as_bytes(std::span(text.data(), text.size())), file.string());
-}
+BvhClip readBvh(const std::filesystem::path& file) { return readBvh(readFileBytes(file), file.string()); }
 
 }  // namespace strandcast

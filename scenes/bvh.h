@@ -46,6 +46,7 @@ struct BvhClip {
 /// Reads a BVH (Biovision hierarchy) clip. Throws Error with `name`, line and remedy on anything truncated,
 /// malformed, oversized or not finite. Never allocates more than the input's size justifies.
 BvhClip readBvh(std::span<const std::byte> bytes, const std::string& name);
+/// Also as readFileBytes.
 BvhClip readBvh(const std::filesystem::path& file);
 
 }  // namespace strandcast

@@ -18,6 +18,16 @@ size_t filesIn(const ScratchFolder& folder) {
   return static_cast<size_t>(std::distance(fs::directory_iterator(folder.path()), {}));
 }
 
+TEST(TextOfFile, HasNoByteOrderMark) {
+  const auto text = [](const std::string& bytes) {
+    return std::string(textOfFile(std::as_bytes(std::span(bytes.data(), bytes.size()))));
+  };
+  EXPECT_EQ(text("\xef\xbb\xbfv 0"), "v 0");
+  EXPECT_EQ(text("v \xef\xbb\xbf"), "v \xef\xbb\xbf");
+  EXPECT_EQ(text("\xef\xbb"), "\xef\xbb");
+  EXPECT_EQ(text(""), "");
+}
+
 TEST(WriteFileBytes, TakesThePlaceOfTheOldFileAndKeepsItsPermissions) {
   const ScratchFolder folder;
   const fs::path file = folder / "a";

@@ -121,7 +121,7 @@ TEST(SkinnedBody, WhatItDoesNotHaveIsRefused) {
   expectError([] { arm({"walk", "lower"}); }, {"no clip 'walk'", "arm.glb", "bend"});
   expectError([] { arm({"bend", "louver"}); }, {"no joint 'louver'", "arm.glb", "lower"});
   expectError([] { arm({"bend", ""}); }, {"'head' in its name", "arm.glb", "--body-joint"});
-  expectError([] { arm({"/nowhere/walk.bvh", "lower"}); }, {"no such file", "/nowhere/walk.bvh"});
+  expectError([] { arm({"/nowhere/walk.bvh", "lower"}); }, {"the file cannot be found", "/nowhere/walk.bvh"});
 }
 
 void writeStrands(const std::filesystem::path& file, const std::vector<std::vector<Vec3>>& strands) {
