@@ -38,17 +38,34 @@ class Visit {
   const std::filesystem::path home_;
 };
 
+/// JSON's texts are UTF-8, names of files any bytes: what is no UTF-8 is a list of its bytes.
+nlohmann::json jsonOfBytes(const std::string& bytes) {
+  nlohmann::json text = bytes;
+  try {
+    (void)text.dump();
+  } catch (const nlohmann::json::type_error&) {
+    text = std::vector<uint8_t>(bytes.begin(), bytes.end());
+  }
+  return text;
+}
+std::string bytesOfJson(const nlohmann::json& text) {
+  if (text.is_string()) return text;
+  const std::vector<uint8_t> bytes = text;
+  return {bytes.begin(), bytes.end()};
+}
+
 Source sourceOf(const std::string& text, const std::string& name) {
   if (text.empty())
     throw Error("the recording does not say what made it", name,
                 "only what `strandcastd --record` wrote can be simulated again");
   try {
     const nlohmann::json source = nlohmann::json::parse(text);
-    const Visit visit(source.at("folder").get<std::string>());  // files are named from there
+    const Visit visit(bytesOfJson(source.at("folder")));  // files are named from there
     CLI::App app;
     SettingsOptions options(app);
     app.allow_extras();  // --record, --quiet and the like
-    std::vector<std::string> words = source.at("arguments");
+    std::vector<std::string> words;
+    for (const nlohmann::json& word : source.at("arguments")) words.push_back(bytesOfJson(word));
     std::reverse(words.begin(), words.end());  // as CLI11 takes them
     app.parse(words);
     Source out{options.resolve(source.at("config").get<std::string>()), source.at("device"), {}};
@@ -121,8 +138,10 @@ class RecordedInputs final : public Publisher {
 std::string simulationSource(const std::vector<std::string>& words, const SettingsOptions& options,
                              const std::string& backend, const std::string& device) {
   const std::string config = options.config().empty() ? "" : configText(options.config());
-  return jsonText({{"arguments", words},
-                   {"folder", std::filesystem::current_path().string()},
+  nlohmann::json arguments = nlohmann::json::array();
+  for (const std::string& word : words) arguments.push_back(jsonOfBytes(word));
+  return jsonText({{"arguments", arguments},
+                   {"folder", jsonOfBytes(std::filesystem::current_path().string())},
                    {"config", config},
                    {"backend", backend},
                    {"device", device}});

@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
 #include <ctime>
 #include <set>
 #include <thread>
 
+#include "apps/channel.h"
 #include "apps/resimulation.h"
 #include "core/error.h"
+#include "groom/groom_file.h"
 #include "tests/error_of.h"
 #include "tests/groom/scratch_folder.h"
 #include "tests/transport/moving_hair.h"
@@ -16,6 +19,7 @@
 #include "transport/in_process.h"
 #include "transport/parameter_table.h"
 #include "transport/recording/recorder.h"
+#include "transport/recording/recording_publisher.h"
 
 namespace strandcast {
 namespace {
@@ -178,6 +182,31 @@ TEST_F(ReplayTest, NothingToReplayIsSaid) {
   EXPECT_NE(errorOf([&] { replay.run(stop_); }).find("nothing to replay"), std::string::npos);
   EXPECT_NE(errorOf([&] { resimulate(recording, "a.rec", stop_, {}); }).find("strandcastd --record"),
             std::string::npos);
+}
+
+TEST_F(ReplayTest, ARunIsRepeatedWhoseFilesHaveNamesInNoUtf8) {
+  StrandSet hair;
+  hair.append(std::vector<Vec3>{Vec3(0, 0.1f, 0), Vec3(0, 0.14f, 0), Vec3(0, 0.16f, 0.03f)});
+  const std::filesystem::path groom = folder_ / "fris\xe9.tfx", run = folder_ / "run.rec";
+  writeGroom(groom, hair);
+  const std::vector<std::string> words{"--groom", groom.string(), "--unit-meters",
+                                       "1",       "--backend",    "reference"};
+  CLI::App app;
+  const SettingsOptions options(app);
+  app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  {
+    RecordingPublisher publisher(makeInProcessChannel(1).first, false);
+    const Settings settings = options.resolve();
+    Daemon daemon(settings, makeSceneAloud(settings.scene), publisher, 77);
+    publisher.open(run, {1, {Codec::kFloat32}, simulationSource(words, options, "reference", "")});
+    daemon.announce();
+    for (int i = 0; i < 3; ++i) daemon.castFrame(stop_);
+    EXPECT_EQ(publisher.close(), "");
+  }
+  Recording recording(run);
+  const ResimulationReport report = resimulate(recording, "run.rec", stop_, [](uint64_t, Simulation&) {});
+  EXPECT_EQ(report.frames, 3u);
+  EXPECT_EQ(report.different, 0u);
 }
 
 }  // namespace
