@@ -123,10 +123,4 @@ Vec3 Ambient::at(const Vec3& point) const {
 
 float Ambient::boxPlacesPerMetre() const { return kBox / turbulence_length_; }
 
-double Ambient::boxMeanSquare() const {
-  double square = 0;
-  for (const Vec3& u : box_) square += u.cast<double>().squaredNorm() / 3;
-  return square / static_cast<double>(box_.size());
-}
-
 }  // namespace strandcast

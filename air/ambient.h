@@ -38,9 +38,8 @@ class Ambient {
   float turbulence() const { return turbulence_; }  ///< m/s
   const Vec3& carried() const { return carried_; }  ///< m, in the axes of the box: where that has its corner
   float boxPlacesPerMetre() const;
-  std::span<const Vec3> box() const { return box_; }  ///< 32^3 places, x fastest
-  /// Mean over the three components and all points of the box of the square of what it holds: 1.
-  double boxMeanSquare() const;
+  /// 32^3 places, x fastest. The square of a component of what they hold is 1 in the mean.
+  std::span<const Vec3> box() const { return box_; }
 
  private:
   void makeBox(uint64_t seed);

@@ -81,12 +81,16 @@ std::vector<Job> jobsOf(const AllOptions& o) {
       jobs.push_back({fmt::format("gpu_{}_alone", size), step});
       jobs.push_back({fmt::format("gpu_{}_all", size), step + " --bodies mesh --air 64"});
     }
-  if (!o.only.empty())
-    std::erase_if(jobs, [&](const Job& job) {
-      return std::find(o.only.begin(), o.only.end(), job.name) == o.only.end();
-    });
-  if (jobs.empty())
-    throw Error("nothing is left to run", "--only", "choose among the files of bench/results");
+  if (o.only.empty()) return jobs;
+  std::vector<std::string> names;
+  for (const Job& job : jobs) names.push_back(job.name);
+  for (const std::string& name : o.only)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw Error("this machine has no benchmark '" + name + "'", "--only",
+                  fmt::format("choose among {}", fmt::join(names, ", ")));
+  std::erase_if(jobs, [&](const Job& job) {
+    return std::find(o.only.begin(), o.only.end(), job.name) == o.only.end();
+  });
   return jobs;
 }
 
@@ -184,7 +188,7 @@ std::function<int()> addAllBench(CLI::App& app) {
   app.add_option("--machine", o->machine, "another name for that folder, e.g. nvidia-h100");
   app.add_option("--out", o->out, "folder for CSVs and plots where they are not saved (out/bench)");
   app.add_option("--only", o->only,
-                 "some of step, step_10k, scaling, peers, contact, grid, wire, end_to_end, ...")
+                 "some of them, e.g. step,wire; at a name that is none, those that this machine has are told")
       ->delimiter(',');
   app.add_flag("--thorough", o->thorough, "in the long forms: half an hour and more");
   addPrintOptions(app, o->print);

@@ -313,14 +313,6 @@ Vec2 scalpUv(const Vec3& p) {
 
 }  // namespace
 
-HairStyle hairStyle(const std::string& name) {
-  if (name == "straight") return HairStyle::kStraight;
-  if (name == "wavy") return HairStyle::kWavy;
-  if (name == "curly") return HairStyle::kCurly;
-  if (name == "ponytail") return HairStyle::kPonytail;
-  throw Error("unknown hair style", name, "choose straight, wavy, curly or ponytail");
-}
-
 Groom makeProceduralGroom(const ProceduralGroomOptions& options,
                           const std::function<void(double part)>& growing) {
   constexpr int kToldEvery = 256;  // strands

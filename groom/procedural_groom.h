@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <functional>
-#include <string>
 
 #include "core/triangle_mesh.h"
 #include "groom/groom.h"
@@ -9,7 +8,6 @@
 namespace strandcast {
 
 enum class HairStyle { kStraight, kWavy, kCurly, kPonytail };
-HairStyle hairStyle(const std::string& name);  ///< "straight", "wavy", "curly", "ponytail"; Error otherwise
 
 struct ProceduralGroomOptions {
   HairStyle style = HairStyle::kStraight;

@@ -407,15 +407,4 @@ dds::DataReader* DdsParticipant::createReader(const TopicProfile& profile, dds::
   return reader;
 }
 
-void MatchCounter::on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) {
-  const std::lock_guard lock(mutex_);
-  matched_ = status.current_count;
-  changed_.notify_all();
-}
-
-bool MatchCounter::waitForMatch(std::chrono::milliseconds timeout) {
-  std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, timeout, [&] { return matched_ > 0; });
-}
-
 }  // namespace strandcast

@@ -1,6 +1,5 @@
 #pragma once
 #include <atomic>
-#include <condition_variable>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
@@ -12,7 +11,6 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -144,15 +142,13 @@ class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
 class MatchCounter final : public eprosima::fastdds::dds::DataWriterListener {
  public:
   void on_publication_matched(eprosima::fastdds::dds::DataWriter*,
-                              const eprosima::fastdds::dds::PublicationMatchedStatus& status) override;
+                              const eprosima::fastdds::dds::PublicationMatchedStatus& status) override {
+    matched_ = status.current_count;
+  }
   uint32_t matched() const { return static_cast<uint32_t>(matched_.load()); }
-  /// False when nobody is matched by then.
-  bool waitForMatch(std::chrono::milliseconds timeout);
 
  private:
   std::atomic<int> matched_{0};
-  std::mutex mutex_;
-  std::condition_variable changed_;
 };
 
 }  // namespace strandcast

@@ -33,7 +33,11 @@ TEST(AllBench, KeepsWhatItRanAndReportWritesThePageOfIt) {
 
 TEST(AllBench, RefusesWhatItDoesNotKnow) {
   const fs::path out = fs::temp_directory_path() / ("strandcast_none_" + std::to_string(getpid()));
-  EXPECT_EQ(runBench("all --only everything --out " + out.string() + " 2>/dev/null").status, 2);
+  const BenchOutput unknown = runBench("all --only step_10k,everything --out " + out.string() + " 2>&1");
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.text.find("'everything': --only; choose among step, step_10k, scaling, "),
+            std::string::npos)
+      << unknown.text;
   EXPECT_FALSE(fs::exists(out));
   const BenchOutput nowhere = runBench("all --only step_10k --out /proc/absent 2>&1");
   EXPECT_EQ(nowhere.status, 2);
