@@ -139,14 +139,14 @@ Verb addValidate(CLI::App& app) {
     suites += fmt::format("\n  {:<12}{}", suite.name, suite.about);
   suites += fmt::format("\n  {:<12}{}", "all", "the above");
   for (const Suite& suite : otherSuites()) suites += fmt::format("\n  {:<12}{}", suite.name, suite.about);
-  app.description(app.get_description() + ".\nSuites:" + suites +
-                  "\n\nExit code 0: every case within its limit; 1: a case failed; 2: it could not run.\n"
-                  "Examples:\n"
-                  "  strandcast validate cantilever --backend simd\n"
-                  "  strandcast validate cantilever --gamma 3.7 --vertices 40 --dt 0.002 --damping 1\n"
-                  "  strandcast validate physics --only helix --json\n"
-                  "  strandcast validate wire --only \"delta16 5000x32 60 Hz\"\n"
-                  "  strandcast validate cantilever --solver gauss_seidel   what the other solver misses");
+  app.footer("Suites:" + suites +
+             "\n\nExit code 0: every case within its limit; 1: a case failed; 2: it could not run.\n"
+             "Examples:\n"
+             "  strandcast validate cantilever --backend simd\n"
+             "  strandcast validate cantilever --gamma 3.7 --vertices 40 --dt 0.002 --damping 1\n"
+             "  strandcast validate physics --only helix --json\n"
+             "  strandcast validate wire --only \"delta16 5000x32 60 Hz\"\n"
+             "  strandcast validate cantilever --solver gauss_seidel   what the other solver misses");
   app.add_option("SUITE", o->suite, "which suite")->required();
   app.add_option("--backend", o->backend, "auto, reference, simd or gpu")->capture_default_str();
   app.add_option("--solver", o->solver, "rod or gauss_seidel")->capture_default_str();
