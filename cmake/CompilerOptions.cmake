@@ -9,6 +9,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 target_compile_options(strandcast_options INTERFACE
   -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wpedantic
+  $<$<CXX_COMPILER_ID:Clang>:-Wno-overlength-strings>  # shaders are texts as long as they are
   -pthread
   -ffp-contract=off)   # fused multiply-adds are asked for by name (madd), so rounding is a choice
 if(STRANDCAST_WERROR)
