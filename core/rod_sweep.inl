@@ -11,6 +11,7 @@ enum RodScratch : int {
   kShift = 0,         // 3
   kTangent = 3,       // 3, later of the lengths
   kStrain = 6,        // 3, of a joint, later the right-hand sides of bending
+  kShared = kStrain,  // 3, of an edge: its share of what exact lengths leave between pins, m
   kNormal = 9,        // 3, of the contact at a vertex
   kGained = 12,       // 3, strain that internal damping adds, per substep of the damping time
   kResidual = kGained,     // excess lengths that the pulls of violent motion leave
@@ -81,11 +82,11 @@ class RodStep {
         moveByPulls();
         substituteLengths();
       }
-      const real thrown_by = thrownBy(most, nearness_);
+      const real thrown_by = thrownBy(most, select(between_pins_, lit(1), nearness_));
       const bool any_thrown = anyTrue(thrown_by > lit(0));
       const real before = any_thrown ? fastest() : lit(0);
       const real speed = finish(any_thrown);
-      if (any_thrown) slowDown(slowed(speed, before, thrown_by));
+      if (any_thrown) slowDown(slowed(speed, before, thrown_by, between_pins_));
       frame_ = root.rotation;
     }
     if (!among_bodies_ && !in.primitives.empty())
@@ -149,6 +150,7 @@ class RodStep {
   class Pulls;
   real fastest() const;
   real finish(bool any_thrown);
+  void shareMissing();
   void slowDown(const real& part);
   real3 collide(int i, const real3& shift);
   real3 pressed(int i, const real3& shift, const real3& x);
@@ -192,6 +194,7 @@ class RodStep {
   // Of a vertex among bodies: some lane may have a contact force, and in this substep a normal. Most have none.
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
   mask kinked_, cut_unevenly_;  // the strands that are, see isKinked(), isCutUnevenly()
+  mask between_pins_;           // those with a free vertex before one that is pinned
   real stiffest_;  // the greatest kappa of a strand, see stiffnessOf()
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
   mask meets_;  // those with a vertex that a body is near in this substep, or has pressed
@@ -619,6 +622,7 @@ inline void RodStep::moveByPulls() {
 // What the last pulls move, exact lengths, velocities. Where some strand is thrown, gives the speed of the fastest vertices as
 // lengths alone have left them, which nothing has turned out of bodies yet.
 inline real RodStep::finish(bool any_thrown) {
+  if (b.pinned) shareMissing();
   const real inverse_h = lit(1 / h);
   real3 old_in = state3(b.position, 0), pulled_in = get3(kShift, 0), shift = pulled_in, inner = root_.position;
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
@@ -630,7 +634,8 @@ inline real RodStep::finish(bool any_thrown) {
   for (int e = 0; e < ne; ++e) {
     store(pulls.tension(e) * lit(1 / (h * h)), b.tension + at(0, e));
     const real3 old = state3(b.position, e + 1), pulled = pulls.shifted(e), advance = pulled - pulled_in;
-    const real3 exact = advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
+    real3 exact = advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
+    if (b.pinned) exact = exact + get3(kShared, e);
     shift = select(weight(e + 1) > lit(0), shift + exact, pulled);
     if (among_bodies_) {
       const real3 kept = keptOut(e + 1, shift, inner);
@@ -643,6 +648,7 @@ inline real RodStep::finish(bool any_thrown) {
       shift = kept;
       if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(1 / (h * h)), b.contact, e + 1);
     }
+    if (any_thrown && !among_bodies_) way2 = max(way2, dot(shift, shift));
     inner = old + shift;
     store3(shift * inverse_h, b.velocity, e + 1);
     store3(inner, b.position, e + 1);
@@ -655,6 +661,7 @@ inline real RodStep::finish(bool any_thrown) {
 #include "core/rod_traits.inl"
 #include "core/held_contact.inl"
 #include "core/kept_out.inl"
+#include "core/pinned_lengths.inl"
 #include "core/stiff_pulls.inl"
 #include "core/thrown_strands.inl"
 

@@ -28,6 +28,8 @@ inline real RodStep::drivenByAir(int i, const real& wind) const {
 }
 
 inline void RodStep::findTraits() {
+  mask seen_free = lit(1) < lit(0);
+  between_pins_ = seen_free;
   real length = lit(0), hung = lit(0), shortest = lengthOf(0), driven = lit(0);
   const real wind = lit(p.wind.norm() / h);
   stiffest_ = lit(0);
@@ -37,7 +39,10 @@ inline void RodStep::findTraits() {
     length = length + lengthOf(e);
     shortest = min(shortest, lengthOf(e));
     driven = max(driven, drivenByAir(e + 1, wind));
-    hung = hung + select(weight(e + 1) > lit(0), ownMass(e + 1), lit(0));
+    const mask is_free = weight(e + 1) > lit(0);
+    between_pins_ = between_pins_ || (seen_free && !is_free);
+    seen_free = seen_free || is_free;
+    hung = hung + select(is_free, ownMass(e + 1), lit(0));
   }
   kinked_ = isKinked(isUneven(), stiffest_);
   cut_unevenly_ = isCutUnevenly(shortest, length * lit(1.0 / ne));

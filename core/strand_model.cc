@@ -127,6 +127,15 @@ bool isGrooming(const Material& material) {
 
 }  // namespace
 
+bool hangsBetweenPins(const StrandModel& model, size_t strand) {
+  bool seen_free = false;
+  for (uint32_t v = model.offsets[strand]; v < model.offsets[strand + 1]; ++v) {
+    if (seen_free && model.isPinned(strand, v)) return true;
+    seen_free = seen_free || !model.isPinned(strand, v);
+  }
+  return false;
+}
+
 bool bendsUnevenly(const StrandModel& model, size_t strand) {
   const uint32_t root = model.offsets[strand], joints_end = model.offsets[strand + 1] - 1;
   float bends = 0, changes = 0, second_changes = 0;

@@ -76,6 +76,8 @@ struct StrandModel {
 
 /// Whether a strand's bends at rest change unevenly from joint to joint: bendsUnevenly() of kernels/rod.h.
 bool bendsUnevenly(const StrandModel& model, size_t strand);
+/// Whether a strand has a free vertex before one that is pinned.
+bool hangsBetweenPins(const StrandModel& model, size_t strand);
 
 /// m^2/s^2, bend and twist at most, 100 times that of the shortest fur: a strand as stiff as this all along
 /// steps to finite numbers in float at any time step.

@@ -7,7 +7,8 @@
   for (int i = 1; i < n; ++i) {
     const real3 v = state3(b.velocity, i), x = state3(b.position, i), shift = get3(kShift, i);
     speed2 = max(speed2, dot(v, v));
-    way2 = max(way2, select(weight(i) > lit(0), near_.carried2(i, x + shift, x), dot(shift, shift)));
+    const real beside2 = among_bodies_ ? near_.carried2(i, x + shift, x) : lit(0);
+    way2 = max(way2, select(weight(i) > lit(0), beside2, dot(shift, shift)));
   }
   return sqrt(max(speed2, way2 * lit(1 / (h * h))));
 }

@@ -96,8 +96,9 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
     stiffest = std::max(stiffest,
                         kernels::f32::stiffnessOf(model.bend[v - 1], 1 / bends_over, 1, 1 / model.mass[v]));
   }
-  const int uneven =
-      (bendsUnevenly(model, strand) ? 1 : 0) + (kernels::f32::isCutUnevenly(shortest, mean) ? 2 : 0);
+  const int uneven = (bendsUnevenly(model, strand) ? 1 : 0) +
+                     (kernels::f32::isCutUnevenly(shortest, mean) ? 2 : 0) +
+                     (hangsBetweenPins(model, strand) ? 4 : 0);
   return {mean,
           1 / mean,
           model.twist[first] / model.bend[first],

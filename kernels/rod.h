@@ -184,10 +184,11 @@ FN mask isViolent(IN(real) violence) { return violence > lit(0.05); }
 // Pulls that would move ends farther than their edges are long: how a strand beside a body folds then is beyond the substep, and what it
 // would take for speed is not its own. thrownBy() says how much that is so, 0 to 1; `nearness`: of the body, see kernels/contact.h.
 // Then slowed() is the part that its vertices keep of their speeds, of which the largest is `speed`; `fastest`: the most that any of them,
-// its root, its pins or a body beside it had before, m/s.
+// its root, its pins or a body beside it had before, m/s. What hangs between two pins is beyond the substep without any body, and as
+// both hold it whatever it gains it keeps: it has to lose some each time.
 FN real thrownBy(IN(real) violence, IN(real) nearness) { return clamp(violence - lit(1), lit(0), lit(1)) * nearness; }
-FN real slowed(IN(real) speed, IN(real) fastest, IN(real) thrown_by) {
-  real bound = madd(fastest, lit(1.1), lit(0.1));
+FN real slowed(IN(real) speed, IN(real) fastest, IN(real) thrown_by, IN(mask) between_pins) {
+  real bound = madd(fastest, select(between_pins, lit(0.9), lit(1.1)), lit(0.1));
   return max(lit(1) - thrown_by * max(lit(1) - bound * inverse(max(speed, lit(1e-6))), lit(0)), lit(1e-6));
 }
 // How the pulls of the edges before and after a vertex move it in this metric, per weight; as a force with softness 0. In contact

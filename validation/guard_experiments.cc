@@ -294,6 +294,58 @@ std::vector<Case> strongWind(const Laboratory& laboratory) {
                        tension, truth, 0.1)};
 }
 
+// Hair fastened at both ends, as a braid's or a bun's, nearly taut: a quick turn of the head must not leave
+// it crumpled.
+constexpr const char *kTautStretch = "taut between pins, shaken: stretch",
+                     *kTautRest = "taut between pins: at rest";
+
+std::vector<Case> tautBetweenPins(const Laboratory& laboratory) {
+  constexpr int kStrands = 16, kManyEdges = 60;
+  constexpr float kLength = 0.25f, kSlack = 5e-4f;    // m, of the length
+  constexpr double kShaking = 2, kResting = 4;        // s
+  constexpr double kTurn = 1.2, kWay = 0.1, kHz = 3;  // radians, m
+  constexpr double kMoving = 0.005;                   // m/s
+  std::vector<StrandPoints> strands;
+  for (int s = 0; s < kStrands; ++s) {  // flat arches, level and not
+    const double around = 0.3 * s;
+    const Vec3 along =
+        Vec3(static_cast<float>(std::cos(around)), static_cast<float>(0.2 * std::sin(2 * around)),
+             static_cast<float>(std::sin(around)))
+            .normalized();
+    StrandPoints points = {Vec3(0.1f, 0, 0.02f * static_cast<float>(s))};
+    for (int e = 0; e < kManyEdges; ++e) {
+      const float place = (static_cast<float>(e) + 0.5f) / kManyEdges - 0.5f;
+      const Vec3 edge = (along + std::sqrt(24 * kSlack) * place * Vec3::UnitY()).normalized();
+      points.push_back(points.back() + kLength / kManyEdges * edge);
+    }
+    strands.push_back(points);
+  }
+  StrandModel model = modelOf(strands);
+  model.pinned.assign(model.vertices(), 0);
+  for (size_t s = 0; s < model.strands(); ++s)
+    model.pinned[model.offsets[s]] = model.pinned[model.offsets[s + 1] - 1] = 1;
+  Parameters parameters = laboratory.parameters(60, kDrag);
+  parameters.substeps = 4;
+  Simulation simulation = laboratory.simulation(std::move(model), {}, parameters);
+  double stretch = 0;
+  laboratory.advance(
+      simulation, kShaking,
+      [&](double t) {
+        const double swing =
+            std::sin(std::numbers::pi * t / kShaking) * std::sin(2 * std::numbers::pi * kHz * t);
+        return Pose{Vec3(0, 0, static_cast<float>(kWay * swing)),
+                    Quat(Eigen::AngleAxisf(static_cast<float>(kTurn * swing), Vec3::UnitY()))};
+      },
+      [&] { stretch = worse(stretch, stretchOf(simulation)); });
+  laboratory.advance(simulation, kResting);
+  const StrandState state = simulation.state();
+  double moving = 0;
+  for (size_t s = 0; s < kStrands; ++s)
+    if (!(rmsSpeedOf(simulation.model(), state, s) < kMoving)) ++moving;
+  return {absoluteCase({kTautStretch, "largest of an edge", "%"}, stretch, 0, 50),
+          absoluteCase({kTautRest, "strands of 16 faster than 5 mm/s after 4 s", ""}, moving, 0, 0)};
+}
+
 // A stage is no laboratory: a float of the world tells 0.06 mm there.
 constexpr const char *kFarStretch = "1 km from the origin: stretch",
                      *kFarSpeed = "1 km from the origin: speed";
@@ -358,6 +410,10 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back({"a strand in wind that pulls at it 30 times as hard as gravity",
                          {kStrongWind, kStrongWindTension},
                          strongWind});
+  experiments.push_back(
+      {"16 strands of 61 vertices pinned at both ends, 1/2000 longer than the way between, shaken",
+       {kTautStretch, kTautRest},
+       tautBetweenPins});
   experiments.push_back({"16 strands 1 km from the origin on two axes, shaken for 1 s and left alone for 4",
                          {kFarStretch, kFarSpeed},
                          farAway});

@@ -359,32 +359,6 @@ bool anyStrand(bool own) {
 #include "gpu_compute/shaders/rod_clear.glsl"
 #endif
 
-#if VIOLENT && BODIES
-// Of the strand's vertices, their root and pins and what is beside them, before the substep gives new speeds, m/s. Old ones are read again: kept,
-// they would take registers all the time. `checked`: see finish().
-float fastestOfStrand(vec3 checked[PER_THREAD]) {
-  const vec3 root = rank == 0 ? shift_in : vec3(0);
-  float way2 = dot(root, root), speed2 = 0.0;
-  for (int p = 0; p < PER_THREAD; ++p) {
-    if (!isEdge(p)) continue;
-    const vec3 old = velocities[vertexOf(p)].xyz;
-    speed2 = max(speed2, dot(old, old));
-    if (weight(p) == 0.0) way2 = max(way2, dot(checked[p], checked[p]));
-    else if (sees[p]) way2 = max(way2, carried2Of(vertexOf(p), x[p] + checked[p], x[p]));
-  }
-  return sqrt(strandMax(max(speed2, way2 * settings.per_substep * settings.per_substep)));
-}
-// After it has.
-void slowDown(float fastest, float thrown_by) {
-  float speed2 = 0.0;
-  for (int p = 0; p < PER_THREAD; ++p)
-    if (isEdge(p)) speed2 = max(speed2, dot(v[p], v[p]));
-  speed_kept = slowed(sqrt(strandMax(speed2)), fastest, thrown_by);
-  for (int p = 0; p < PER_THREAD; ++p)
-    if (weight(p) > 0.0) v[p] *= speed_kept;
-}
-#endif
-
 #if VIOLENT
 // The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the second
 // length system in the metric of the masses. Of other strands only the barriers are wanted.
@@ -498,70 +472,7 @@ void moveByPulls() {
   shift_in = select(hasBefore(1), madd(push_in, weight_in, shift_in), shift_in);
 }
 
-// Exact lengths along the directions found, from the root or the last pinned vertex on: a scan. Then velocities.
-#if BODIES
-// `checked`: the shifts that contact left the vertices with.
-void finish(vec3 checked[PER_THREAD]) {
-#else
-void finish() {
-#endif
-#if VIOLENT && BODIES
-  float thrown_by = thrownBy(most, 1.0), fastest = 0.0;
-  const bool any_thrown = anyStrand(thrown_by > 0.0);
-  if (any_thrown) {
-    thrown_by = thrownBy(most, strandMax(near_body));
-    fastest = fastestOfStrand(checked);
-  }
-#endif
-  vec3 along[PER_THREAD];  // shifts, less that of the vertex before slot 0 where that is no root
-  bool anchored[PER_THREAD];
-  vec3 sum = select(hasBefore(1), vec3(0), shift_in);
-  bool fixed_here = false;
-  for (int p = 0; p < PER_THREAD; ++p) {
-    sum += select(isEdge(p), edgeShift(p) + missingLength(newEdge(p), tangent[p], restLength(p)), vec3(0));
-#if PINNED
-    if (weight(p) == 0.0) {
-      sum = shift[p];
-      fixed_here = true;
-    }
-#endif
-    along[p] = sum;
-    anchored[p] = fixed_here;
-  }
-#if THREADS > 1
-  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
-    int distance = 1 << doubling;
-    send_a(vec4(sum, fixed_here ? 1 : 0));
-    rendezvous();
-    vec4 other = received_a(before(distance));
-    release();
-    const bool follows = hasBefore(distance) && !fixed_here;
-    sum += select(follows, other.xyz, vec3(0));
-    fixed_here = fixed_here || (follows && other.w > 0.5);
-  }
-  // Exactly as the invocation before has it: both add it to the same position.
-  send_a(vec4(sum, 0));
-  rendezvous();
-  vec3 last_before = received_a(before(1)).xyz;
-  release();
-  shift_in = select(hasBefore(1), last_before, shift_in);
-  for (int p = 0; p < kLast; ++p) along[p] += select(hasBefore(1) && !anchored[p], last_before, vec3(0));
-#endif
-  shift = along;
-  shift[kLast] = sum;
-#if BODIES
-  lost = isLost(checked);
-#endif
-  v_in = shift_in * settings.per_substep;
-  x_in += shift_in;
-  for (int p = 0; p < PER_THREAD; ++p) {
-    v[p] = shift[p] * settings.per_substep;
-    x[p] += shift[p];
-  }
-#if VIOLENT && BODIES
-  if (any_thrown) slowDown(fastest, thrown_by);
-#endif
-}
+#include "gpu_compute/shaders/rod_finish.glsl"
 
 // Lists the strand; its place in the list.
 uint listStrand(uint count, uint list) {

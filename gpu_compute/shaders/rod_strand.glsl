@@ -30,6 +30,7 @@ uint strand, root_vertex;
 StrandRest rest;
 bool kinked;        // isKinked()
 bool cut_unevenly;  // isCutUnevenly()
+bool between_pins;  // hangsBetweenPins()
 bool exists;  // invocations past the last strand go along with copies of it, because every one must reach each barrier
 
 vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
@@ -162,6 +163,7 @@ void loadStrand(uint list, uint first, uint count) {
   rest = strand_rest[strand];
   kinked = isKinked((int(rest.uneven) & 1) != 0, kappa());
   cut_unevenly = (int(rest.uneven) & 2) != 0;
+  between_pins = (int(rest.uneven) & 4) != 0;
 #if EDGES == 0
   edges = int(offsets[strand + 1u] - root_vertex) - 1;
 #endif

@@ -29,6 +29,7 @@ class DaemonTest : public DaemonFixture {
 TEST_F(DaemonTest, HoldsStillWhilePausedAndTakesSingleSteps) {
   EXPECT_NE(order(CommandKind::kStep, {1}).find("pause it first"), std::string::npos);
   EXPECT_EQ(order(CommandKind::kPause, {1}), "");
+  daemon_->setStepping([](const Simulation&) { return true; });  // however long they take, all within a frame
   const double held = seconds();
   const uint64_t frame = subscriber_->frame()->frame;
   cast(5);

@@ -1,0 +1,27 @@
+// Lengths between pins. Included in core/rod_sweep.inl.
+
+// Exact lengths from one pin on miss the next one: what lacks there is shared by the edges between the two, by their lengths. Left to the last
+// edge, a taut strand that was shaken stayed crumpled, with that edge as long as all others.
+[[gnu::noinline]] inline void RodStep::shareMissing() {
+  real3 old_in = state3(b.position, 0), pulled_in = get3(kShift, 0), shift = pulled_in;
+  real length = lit(0);  // since the last pin
+  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
+  Pulls pulls(*this);
+  for (int e = 0; e < ne; ++e) {
+    pulls.tension(e);
+    const real3 old = state3(b.position, e + 1), pulled = pulls.shifted(e), advance = pulled - pulled_in;
+    shift = shift + advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
+    length = length + lengthOf(e);
+    const mask pinned = !(weight(e + 1) > lit(0));
+    set3(kShared, e, select(pinned, (pulled - shift) * inverse(max(length, lit(1e-9))), zero));
+    shift = select(pinned, pulled, shift);
+    length = select(pinned, lit(0), length);
+    old_in = old;
+    pulled_in = pulled;
+  }
+  real3 per_length = zero;
+  for (int e = ne - 1; e >= 0; --e) {
+    per_length = select(weight(e + 1) > lit(0), per_length, get3(kShared, e));
+    set3(kShared, e, per_length * lengthOf(e));
+  }
+}
