@@ -31,6 +31,7 @@ void slowDown(float fastest, float thrown_by) {
 #endif
   for (int p = 0; p < PER_THREAD; ++p)
     if (weight(p) > 0.0) v[p] *= kept;
+  if (hasBefore(1) && weight_in > 0.0) v_in *= kept;  // as the invocation before has it
 }
 #endif
 
