@@ -8,7 +8,6 @@
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   Pulls pulls(*this);
   for (int e = 0; e < ne; ++e) {
-    pulls.tension(e);
     const real3 old = state3(b.position, e + 1), pulled = pulls.shifted(e), advance = pulled - pulled_in;
     shift = shift + advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
     length = length + lengthOf(e);
