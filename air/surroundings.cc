@@ -52,9 +52,9 @@ class StrandSurroundings final : public Surroundings, public AirFields {
       if (!free_wind_) free_wind_.emplace();
       free_wind_->configure(p);
     }
-    rate_ = dragRate(p, 1);
+    rate_ = p.air_drag;
     rates_.clear();
-    for (const float scale : model.air_drag_scale) rates_.push_back(dragRate(p, scale));
+    for (const float scale : model.air_drag_scale) rates_.push_back(p.air_drag * scale);
     backend.expectAccelerations();
   }
 
@@ -242,7 +242,7 @@ class StrandSurroundings final : public Surroundings, public AirFields {
   std::unique_ptr<HairGrid<Scalar>> hair_;
   std::unique_ptr<WindGrid<Scalar>> wind_;
   std::optional<Ambient> free_wind_;                        ///< of wind without a grid
-  float rate_ = 0;                                          ///< 1/s, at which a substep draws hair to the air
+  float rate_ = 0;                                          ///< 1/s, at which hair takes on the velocity of the air
   std::vector<float> rates_;                                ///< the same by vertex, where they differ
   bool forces_ = false, splatted_ = false, blows_ = false;  ///< in the newest step
   Pose head_;                                               ///< at its start

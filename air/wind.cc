@@ -25,10 +25,4 @@ float windCell(const Box& box, int cells) {
   return kWindBox * std::max(box.sizes().maxCoeff(), 1e-3f) / static_cast<float>(cells);
 }
 
-float dragRate(const Parameters& p, float scale) {
-  const double h = static_cast<double>(p.time_step) / p.substeps;
-  return static_cast<float>(
-      (1 - std::exp(-static_cast<double>(p.air_drag) * static_cast<double>(scale) * h)) / h);
-}
-
 }  // namespace strandcast

@@ -70,9 +70,6 @@ constexpr double kLargestPart =
 constexpr double kAirDensity = 1.2;  ///< kg/m^3
 /// Edge of a cell, m, around a groom at rest in `box`: the wind's box is twice as large.
 float windCell(const Box& box, int cells);
-/// The rate at which hair takes on the velocity of the air, as a substep of the solver applies it, 1/s.
-/// `scale`: of the vertex, StrandModel::air_drag_scale.
-float dragRate(const Parameters& parameters, float scale);
 /// Roots of Chebyshev's polynomial over the upper half of the spectrum of Jacobi's iteration, 0.5 to 2: how
 /// much of it the two sweeps of a smoothing take.
 constexpr double kFirstWeight = 1 / (1.25 + 0.75 * 0.70710678),

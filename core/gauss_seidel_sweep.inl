@@ -16,7 +16,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
   const int n = b.vertices;
   const double h = p.time_step / p.substeps;
   const real3 gravity = fill3(p.gravity), wind = fill3(p.wind);
-  const real keep = lit(std::exp(-p.air_drag * h));
+  const DragStep drag(p.air_drag, h);
   const double strength_root = 1 - std::exp(-p.shape_rate * h / p.iterations);
   const double strength_tip = 1 - std::exp(-p.shape_rate_tip * h / p.iterations);
   NearBodies near(b, input);
@@ -37,9 +37,10 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
       const real3 x = load3(b.position, i);
       store3(x, start, i);
       const real3 pulled = b.acceleration != nullptr ? gravity + accelerationOf(b, i) : gravity;
-      real3 free = predictPosition(x, load3(b.velocity, i), pulled, wind, grooming.on() ? grooming.keep(i) : keep, lit(h));
+      const real keep = grooming.on() ? grooming.keep(i) : lit(drag.keep), time2 = grooming.on() ? grooming.time2(i) : lit(drag.time2);
+      real3 free = predictPosition(x, load3(b.velocity, i), pulled, wind, keep, lit(h), time2);
       const real3 held = heldPoint(b, root, i, time);
-      if (grooming.on()) free = drawnToGoal(free, held, grooming.rate(i), lit(h));
+      if (grooming.on()) free = drawnToGoal(free, held, grooming.rate(i), time2);
       store3(select(inverseMass(b, i) < lit(0.5), held, free), b.position, i);
     }
 

@@ -9,18 +9,24 @@ class Grooming {
     on_ = b.factors || p.goal_rate > 0;
     if (!on_) return;
     const double h = static_cast<double>(p.time_step) / p.substeps;
+    const DragStep usual(p.air_drag, h);
     substep_ = lit(h);
-    keep_ = lit(std::exp(-p.air_drag * h));
+    keep_ = lit(usual.keep);
+    time2_ = lit(usual.time2);
+    gravity_ = fill3(p.gravity);
     for (int i = 0; i < b.vertices; ++i) {
-      Scalar* keep = row(kKeep, i);
+      Scalar *keep = row(kKeep, i), *time2 = row(kTime2, i);
       for (int lane = 0; lane < kLanes; ++lane) {
         const double scale = b.grooming != nullptr ? plane(kAirDragScale, i)[lane] : 1.0;
-        keep[lane] = static_cast<Scalar>(std::exp(-p.air_drag * scale * h));
+        const DragStep own(p.air_drag * scale, h);
+        keep[lane] = static_cast<Scalar>(own.keep);
+        time2[lane] = static_cast<Scalar>(own.time2);
       }
       const real free = select(load(b.weight + at(0, i)) > lit(0), lit(1), lit(0));
-      const real m = load(b.mass + at(0, i));
+      const real own_mass = load(b.mass + at(0, i));
+      const real m = select(free > lit(0), own_mass * (time2_ * inverse(load(time2))), own_mass);
       const real rate = lit(p.goal_rate) * groomingFactor(b, kGoalScale, i) * free;
-      const real stiffness = goalStiffness(m, rate, substep_);
+      const real stiffness = goalStiffness(own_mass, rate, time2_);
       store(rate, row(kRate, i));
       store(stiffness, row(kStiffnessAdded, i));
       store(m + stiffness, row(kMassWith, i));
@@ -31,20 +37,22 @@ class Grooming {
   bool on() const { return on_; }
 
   real keep(int i) const { return load(row(kKeep, i)); }
+  real time2(int i) const { return load(row(kTime2, i)); }    // s^2, see DragStep
   real rate(int i) const { return load(row(kRate, i)); }      // 1/s, of the goal pull, 0 where pinned
-  real mass(int i) const { return load(row(kMassWith, i)); }  // with the goal's stiffness
+  real mass(int i) const { return load(row(kMassWith, i)); }  // as forces times the usual time2 move it, with the goal's stiffness
   real weight(int i) const { return load(row(kWeightWith, i)); }
   // Right-hand side for vertex i of the rod, shifted so in this substep; `way`: where it would go if it were like all others and
   // not pulled.
   real3 pull(int i, const real3& way, const RootFrame& root, const real3& shift) const {
     const real3 lack = (restPoint(block_, root, i) - load3(block_.position, i)) - shift;
-    const real3 own = madd(wind_, (keep_ - keep(i)) * substep_, way);
+    const real3 driven = block_.acceleration != nullptr ? gravity_ + accelerationOf(block_, i) : gravity_;
+    const real3 own = madd(driven, time2(i) - time2_, madd(wind_, (keep_ - keep(i)) * substep_, way));
     const real3 pulled = goalPull(own, mass(i), load(row(kStiffnessAdded, i)), lack);
     return select(weight(i) > lit(0), pulled, makeReal3(lit(0), lit(0), lit(0)));
   }
 
  private:
-  enum Row : int { kKeep, kRate, kStiffnessAdded, kMassWith, kWeightWith };
+  enum Row : int { kKeep, kTime2, kRate, kStiffnessAdded, kMassWith, kWeightWith };
   static_assert(kWeightWith + 1 == kGroomingRows);
   Scalar* row(Row which, int i) const { return rows_ + (static_cast<size_t>(i) * kGroomingRows + which) * kLanes; }
   const Scalar* plane(GroomingPlane which, int i) const {
@@ -53,7 +61,7 @@ class Grooming {
 
   const Block& block_;
   Scalar* rows_;
-  real3 wind_;
-  real substep_ = lit(0), keep_ = lit(1);
+  real3 wind_, gravity_;
+  real substep_ = lit(0), keep_ = lit(1), time2_ = lit(0);
   bool on_ = false;
 };

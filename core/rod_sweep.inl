@@ -47,11 +47,13 @@ class RodStep {
     begin_ = loadRoot(b, 0);
     end_ = loadRoot(b, kRootPlanes / 2);
     frame_ = begin_.rotation;
-    keep_ = std::exp(-p.air_drag * h);
+    const DragStep drag(p.air_drag, h);
+    keep_ = drag.keep;
+    time2_ = drag.time2;
     const real damping_scale = groomingFactor(b, kDampingScale, 0);
     damped_ = p.damping_time > 0;
     ahead_ = lit(p.damping_time / h) * damping_scale;
-    damping_ = lit(p.damping_time * h) * damping_scale;
+    damping_ = ahead_ * lit(time2_);
   }
 
   void run() {
@@ -180,9 +182,9 @@ class RodStep {
   const int n, ne;
   const bool among_bodies_;
   const double h;
-  double keep_ = 1;
+  double keep_ = 1, time2_ = 0;  // see DragStep
   bool damped_ = false;
-  real ahead_, damping_;  // damping time over and times the substep
+  real ahead_, damping_;  // damping time over the substep, and that times time2_
   real root_spin_ = lit(0);  // radians, of the root about its tangent in this substep
   RootFrame begin_, end_;
   quat frame_;          // of the root after the last substep
@@ -240,16 +242,16 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     if (among_bodies_) {
       near_.lookAhead(e + 1, x + own, x);
       faces_[e + 1] = false;
-      if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(h * h), b.contact, e + 1);
+      if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(time2_), b.contact, e + 1);
     }
     const real3 old = x - before, advance = shift - shift_in;
     const real3 edge = old + advance;
     const real il = inverseLength(e);
     const real3 unit = old * il;
-    const real kept = min(keptTension(state(b.tension, 0, e) * lit(h * h), advance * il, bend(e), il, lit(h * h)),
+    const real kept = min(keptTension(state(b.tension, 0, e) * lit(time2_), advance * il, bend(e), il, lit(time2_)),
                           most_tension_);
     store(kept, b.tension + at(0, e));
-    const real kappa = select(cut_unevenly_, stiffest_, stiffnessOf(bend(e), il, lit(h * h), weight(e + 1)));
+    const real kappa = select(cut_unevenly_, stiffest_, stiffnessOf(bend(e), il, lit(time2_), weight(e + 1)));
     const real blend = timeBlend(advance * il, unit - unit_before, kappa, kinked_);
     set(kBlend, e, blend);
     const quat frame = state4(b.frame, e);
@@ -276,7 +278,7 @@ inline void RodStep::eliminateTwist() {
     const real3 strain = jointStrain(inner, q);
     const real3 excess = strain - state3(b.rest_strain, j);
     const real c = dot(t_in, t);
-    const real stiffness = bendMatrixStiffness(kb, c, madd(implicitShare(get(kBlend, j)), lit(h * h), damping_));
+    const real stiffness = bendMatrixStiffness(kb, c, madd(implicitShare(get(kBlend, j)), lit(time2_), damping_));
     set3(kStrain, j, strain);
     set(kStiffness, j, stiffness);
     set(kMargin, j, bendMatrixMargin(stiffness, c, excess, kinked_));
@@ -317,7 +319,7 @@ inline void RodStep::eliminateTwist() {
 // Twist substituted, forces, and the elimination of the bending system from tip to root.
 inline void RodStep::eliminateBending() {
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  const real3 pull = fill3(p.gravity) * lit(h * h) + fill3(p.wind) * lit(h * (1 - keep_)) - jump_;
+  const real3 pull = fill3(p.gravity) * lit(time2_) + fill3(p.wind) * lit(h * (1 - keep_)) - jump_;
   real turn = get(kRight, ne - 1);
   quat outer = twistFrame(state4(b.frame, ne - 1), clamp(turn, lit(-1), lit(1)));
   real3 t = get3(kTangent, ne - 1), t_out = t, t_out2 = t;
@@ -341,10 +343,10 @@ inline void RodStep::eliminateBending() {
     const real3 moment = jointMoment(inner, strain, excess, kb, twist(e));
     const real kept = state(b.tension, 0, e);
 
-    real3 force = cross(moment_out - moment, t) * (il * lit(h * h)) - t * kept;
+    real3 force = cross(moment_out - moment, t) * (il * lit(time2_)) - t * kept;
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
-    const real3 way = b.acceleration != nullptr ? madd(accelerationOf(b, e + 1), lit(h * h), pull) : pull;
+    const real3 way = b.acceleration != nullptr ? madd(accelerationOf(b, e + 1), lit(time2_), pull) : pull;
     real3 total = grooming_.on() ? grooming_.pull(e + 1, way, root_, get3(kShift, e + 1)) + (force - force_out)
                                  : madd(way, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
     if (among_bodies_ && forced_[e + 1]) total = total + state3(b.contact, e + 1);
@@ -632,7 +634,7 @@ inline real RodStep::finish(bool any_thrown) {
   store3(inner, b.position, 0);
   Pulls pulls(*this);
   for (int e = 0; e < ne; ++e) {
-    store(pulls.tension(e) * lit(1 / (h * h)), b.tension + at(0, e));
+    store(pulls.tension(e) * lit(1 / time2_), b.tension + at(0, e));
     const real3 old = state3(b.position, e + 1), pulled = pulls.shifted(e), advance = pulled - pulled_in;
     real3 exact = advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
     if (b.pinned) exact = exact + get3(kShared, e);
@@ -646,7 +648,7 @@ inline real RodStep::finish(bool any_thrown) {
         turned = turned + (kept - shift);
       }
       shift = kept;
-      if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(1 / (h * h)), b.contact, e + 1);
+      if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(1 / time2_), b.contact, e + 1);
     }
     if (any_thrown && !among_bodies_) way2 = max(way2, dot(shift, shift));
     inner = old + shift;

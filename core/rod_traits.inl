@@ -16,10 +16,10 @@ inline mask RodStep::isUneven() const {
   return bendsUnevenly(bends, changes, second_changes, lit(ne - 1));
 }
 
-// How much air, and what else accelerates a vertex besides gravity, drives vertex i, at most: m/s^2. `wind`: its speed over the substep.
+// How much air, and what else accelerates a vertex besides gravity, drives vertex i, at most: m/s^2. `wind`: what it does to one whose
+// air drag has no factor.
 inline real RodStep::drivenByAir(int i, const real& wind) const {
-  const real dragged = lit(1) - (grooming_.on() ? grooming_.keep(i) : lit(keep_));
-  real driven = dragged * wind;
+  real driven = groomingFactor(b, kAirDragScale, i) * wind;
   if (b.acceleration != nullptr) {
     const real3 own = accelerationOf(b, i);
     driven = driven + sqrt(dot(own, own));
@@ -31,11 +31,11 @@ inline void RodStep::findTraits() {
   mask seen_free = lit(1) < lit(0);
   between_pins_ = seen_free;
   real length = lit(0), hung = lit(0), shortest = lengthOf(0), driven = lit(0);
-  const real wind = lit(p.wind.norm() / h);
+  const real wind = lit(p.air_drag * p.wind.norm());
   stiffest_ = lit(0);
   for (int e = 0; e < ne; ++e) {
     const real il = inverseLength(e);
-    stiffest_ = max(stiffest_, stiffnessOf(bend(e), il, lit(h * h), state(b.weight, 0, rowOfVertex(e + 1))));
+    stiffest_ = max(stiffest_, stiffnessOf(bend(e), il, lit(time2_), state(b.weight, 0, rowOfVertex(e + 1))));
     length = length + lengthOf(e);
     shortest = min(shortest, lengthOf(e));
     driven = max(driven, drivenByAir(e + 1, wind));
@@ -46,5 +46,5 @@ inline void RodStep::findTraits() {
   }
   kinked_ = isKinked(isUneven(), stiffest_);
   cut_unevenly_ = isCutUnevenly(shortest, length * lit(1.0 / ne));
-  most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()) + driven, lit(h * h));
+  most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()) + driven, lit(time2_));
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/backend.h"
+#include "core/drag_step.h"
 
 namespace strandcast {
 
@@ -99,7 +100,7 @@ constexpr int kMostLanes = 64;  ///< strands of a block, at most
 
 constexpr int kSolverPlanes = 22;   ///< scratch numbers per vertex of a solver,
 constexpr int kPullPlanes = 29;     ///< of the pulls of stiff strands,
-constexpr int kGroomingRows = 5;    ///< of core/grooming.inl
+constexpr int kGroomingRows = 6;    ///< of core/grooming.inl
 constexpr int kContactPlanes = 21;  ///< and of core/near_bodies.inl,
 constexpr int kPlacedBodies = 16;   ///< which has one for each of so many bodies too, whatever the lanes
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/drag_step.h"
+
 namespace strandcast::gpu {
 
 Settings settingsOf(const StepInput& input, const StrandModel& model) {
@@ -12,7 +14,9 @@ Settings settingsOf(const StepInput& input, const StrandModel& model) {
     s.gravity[c] = p.gravity[c];
     s.wind[c] = p.wind[c];
   }
-  s.keep = static_cast<float>(std::exp(-p.air_drag * h));
+  const DragStep drag(p.air_drag, h);
+  s.keep = static_cast<float>(drag.keep);
+  s.time2 = static_cast<float>(drag.time2);
   s.substep = static_cast<float>(h);
   s.per_substep = static_cast<float>(1 / h);
   s.strength_root = static_cast<float>(1 - std::exp(-p.shape_rate * h / p.iterations));

@@ -10,6 +10,7 @@ struct Settings {
   float gravity[4];
   float wind[4];
   float keep;           ///< exp(-drag substep)
+  float time2;          ///< s^2, see DragStep
   float substep;        ///< s
   float per_substep;    ///< 1/s
   float strength_root;  ///< of the angular constraint, per iteration, 0 to 1
@@ -25,7 +26,7 @@ struct Settings {
   uint32_t bone_count;
   uint32_t neighbourhoods;
 };
-static_assert(sizeof(Settings) == 92);
+static_assert(sizeof(Settings) == 96);
 static_assert(sizeof(Pose) == 28);  // the shader reads poses as 7 floats: position, rotation x y z w
 
 Settings settingsOf(const StepInput& input, const StrandModel& model);

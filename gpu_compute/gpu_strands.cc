@@ -246,10 +246,11 @@ void GpuStrands::step(const StepInput& input) {
   if (!uploads_->takes(wanted)) expectUploads({2 * wanted.bodies, 2 * wanted.near});
   takeShapes(input.shapes);
   uploads_->write(input);
-  const bool goal = input.parameters->goal_rate > 0;
+  const Parameters& p = *input.parameters;
+  const bool goal = p.goal_rate > 0;
   const bool accelerated = std::exchange(accelerated_, false) || !input.accelerations.empty();
   if (!input.accelerations.empty()) guides_.write(input.accelerations);
-  const bool rod = input.parameters->solver == SolverKind::kRod;
+  const bool rod = p.solver == SolverKind::kRod;
   const bool pressing = rod && !input.primitives.empty();
   const bool bends = input.shapes != nullptr && !input.shapes->bends.empty();
   const bool some_turn = std::any_of(input.primitives.begin(), input.primitives.end(), turns);
@@ -264,10 +265,11 @@ void GpuStrands::step(const StepInput& input) {
                 .fields = std::any_of(input.primitives.begin(), input.primitives.end(), isField),
                 .goal = goal,
                 .accelerated = accelerated,
-                .damping = input.parameters->damping_time > 0,
-                .substep = input.parameters->time_step / static_cast<float>(input.parameters->substeps),
+                .damping = p.damping_time > 0,
+                .time2 = static_cast<float>(
+                    DragStep(p.air_drag, static_cast<double>(p.time_step) / p.substeps).time2),
                 .same_bodies = seen_.holdsIn(input)},
-               input.parameters->substeps, programs_);
+               p.substeps, programs_);
   else
     gauss_seidel_->step(groomed_ || goal, accelerated, turning > 1, programs_);
   timer_.end();

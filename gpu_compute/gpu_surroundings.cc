@@ -76,7 +76,7 @@ void GpuSurroundings::configure(const StrandModel& model, const Parameters& p, B
   }
   our.block.settings.sources = static_cast<int>(sources_.size());
   std::vector<float> rates;
-  for (const float scale : model.air_drag_scale) rates.push_back(dragRate(p, scale));
+  for (const float scale : model.air_drag_scale) rates.push_back(p.air_drag * scale);
   our.hair->takeRates(rates);
   our.hair->takeVolumeTarget(p.volume_target);
 }
@@ -145,7 +145,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   grid_head_ = course_.ahead(head_, input.bones_end.empty() ? head_ : input.bones_end[0]);
   hair.describe(settings, grid_head_, p, dt);
   settings.uniform_wind = {p.wind.x(), p.wind.y(), p.wind.z(), 1 - p.air_drag_along};
-  settings.drag = dragRate(p, 1);
+  settings.drag = p.air_drag;
   settings.exchange = static_cast<float>(dt * static_cast<double>(p.air_drag) * hair.meanDrag() *
                                          static_cast<double>(p.hairs_per_strand) / kAirDensity);
   const gl::Buffer* shapes = &our.nothing;

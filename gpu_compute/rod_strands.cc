@@ -215,7 +215,7 @@ bool RodStrands::doesAstrayApart(const StrandGroup& group) const {
 }
 
 bool RodStrands::isStiff(const Needs& needs) const {
-  return kernels::f32::isStiff(stiffest_ * needs.substep * needs.substep);
+  return kernels::f32::isStiff(stiffest_ * needs.time2);
 }
 
 bool RodStrands::holdsVertices() const { return anyGroup(kPinned | kGroomed); }

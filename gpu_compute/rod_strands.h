@@ -25,7 +25,7 @@ class RodStrands {
     bool goal;         ///< all strands are pulled towards their goals
     bool accelerated;  ///< StepInput::accelerations
     bool damping;      ///< there is internal damping
-    float substep;     ///< s
+    float time2;       ///< s^2, see DragStep
     bool same_bodies;  ///< what vertices have seen of bodies in the step before holds on
   };
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs

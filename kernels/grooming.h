@@ -2,19 +2,17 @@
 
 // The goal pull is a spring without damping from a vertex to its place in the rest shape as the root carries it:
 // acceleration rate^2 (goal - x), rate in 1/s, at the end of the substep (implicit Euler). It adds this to the vertex's
-// mass in a linear system for its displacement, and goalPull() stands in the place of acceleration x mass.
-FN real goalStiffness(IN(real) mass, IN(real) rate, IN(real) substep) {
-  real turn = rate * substep;
-  return mass * turn * turn;
-}
+// mass in a linear system for its displacement, and goalPull() stands in the place of acceleration x mass. `time2`: of an
+// acceleration, how far it takes a vertex in the substep, s^2.
+FN real goalStiffness(IN(real) mass, IN(real) rate, IN(real) time2) { return mass * rate * rate * time2; }
 // Right-hand side (m x mass) of a vertex that is `lack` from its goal and would go on by `way` without the pull. `mass` has the
 // stiffness added.
 FN real3 goalPull(IN(real3) way, IN(real) mass, IN(real) stiffness, IN(real3) lack) {
   return madd(lack - way, stiffness, way * mass);
 }
 // The same pull on a vertex that nothing else holds: where it ends up instead of at x.
-FN real3 drawnToGoal(IN(real3) x, IN(real3) goal, IN(real) rate, IN(real) substep) {
-  real stiffness = goalStiffness(lit(1), rate, substep);
+FN real3 drawnToGoal(IN(real3) x, IN(real3) goal, IN(real) rate, IN(real) time2) {
+  real stiffness = goalStiffness(lit(1), rate, time2);
   return madd(goal - x, stiffness * inverse(lit(1) + stiffness), x);
 }
 

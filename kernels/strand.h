@@ -3,10 +3,10 @@
 // the parent's frame, distance constraints, in batches that share no vertex.
 
 // Position after `dt` of free motion. keep = exp(-drag dt) is the part of the velocity that the air leaves; what it
-// takes away it replaces by wind.
-FN real3 predictPosition(IN(real3) x, IN(real3) v, IN(real3) gravity, IN(real3) wind, IN(real) keep, IN(real) dt) {
+// takes away it replaces by wind. `time2`: how far an acceleration of 1 m/s^2 takes it, m.
+FN real3 predictPosition(IN(real3) x, IN(real3) v, IN(real3) gravity, IN(real3) wind, IN(real) keep, IN(real) dt, IN(real) time2) {
   real3 blown = madd(v, keep, wind * (lit(1) - keep));
-  return madd(madd(gravity, dt, blown), dt, x);
+  return madd(gravity, time2, madd(blown, dt, x));
 }
 
 // Distance constraint between neighbours a and b with inverse masses wa, wb (relative, 0 pinned): |b - a| = rest.

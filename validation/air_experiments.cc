@@ -201,23 +201,28 @@ std::vector<Case> sphere(const Laboratory& laboratory) {
           behind};
 }
 
-constexpr double kLoads[] = {1, 10, 100};  // rate x wind x L^3 / (B / mass per length)
+constexpr double kLoads[] = {1, 10, 100, 10};  // rate x wind x L^3 / (B / mass per length)
+constexpr double kDrags[] = {5, 5, 5, 100};    // 1/s
 
-std::vector<std::string> namesOfDeflection() { return caseNames("strand in the wind load={:g}", kLoads); }
+std::vector<std::string> namesOfDeflection() {
+  std::vector<std::string> names = caseNames("strand in the wind load={:g}", kLoads);
+  names.back() += " drag=100";
+  return names;
+}
 
 std::vector<Case> deflection(const Laboratory& laboratory) {
   constexpr double kLength = 0.1, kAlong = 0.5;
-  constexpr float kDrag = 5;
   std::vector<Case> cases;
-  for (const double load : kLoads) {
-    Parameters parameters = laboratory.parameters(360, kDrag);
+  for (size_t i = 0; i < std::size(kLoads); ++i) {
+    const double load = kLoads[i], drag = kDrags[i];
+    Parameters parameters = laboratory.parameters(360, static_cast<float>(drag));
     parameters.gravity.setZero();
     parameters.wind_grid = 1;
     parameters.grid_cells = 16;
     parameters.air_drag_along = static_cast<float>(kAlong);
     parameters.hairs_per_strand = 0;  // the wind of the truth is uniform
     parameters.wind.x() =
-        static_cast<float>(load * bendingOverMass(Material{}) / (kDrag * std::pow(kLength, 3)));
+        static_cast<float>(load * bendingOverMass(Material{}) / (drag * std::pow(kLength, 3)));
     Simulation simulation =
         laboratory.simulation(modelOf({straightStrand(kLength, 32, -Vec3::UnitY())}), parameters);
     laboratory.advance(simulation, 5);

@@ -120,6 +120,25 @@ std::vector<Case> chain(const Laboratory& laboratory) {
   return cases;
 }
 
+constexpr const char* kThickAir = "chain in thick air";
+
+// The air is too thick for it to swing: its first mode dies away, as an oscillator does that is damped beyond
+// the aperiodic limit.
+std::vector<Case> chainInThickAir(const Laboratory& laboratory) {
+  constexpr double kDrag = 100, kFrom = 0.5, kTo = 2;  // 1/s; s
+  const StrandPoints points = straightStrand(kHairLength, kEdges, -Vec3::UnitY());
+  Simulation simulation =
+      laboratory.simulation(modelOf({points}, limp()), laboratory.parameters(kRate, kDrag));
+  laboratory.advance(simulation, 1);
+  const double frequency = chainRoot(1) / 2 * std::sqrt(kGravity / kHairLength);
+  const std::vector<double> amplitude =
+      modeAmplitudes(laboratory, simulation, chainShape, {frequency}, Vec3::UnitX(), kTo)[0];
+  const size_t from = static_cast<size_t>(kFrom * kRate), to = amplitude.size() - 1;
+  const double rate = std::log(amplitude[from] / amplitude[to]) * kRate / static_cast<double>(to - from);
+  const double truth = kDrag / 2 - std::sqrt(kDrag * kDrag / 4 - frequency * frequency);
+  return {relativeCase({kThickAir, "rate at which it comes to hang", "1/s"}, rate, truth, 2)};
+}
+
 constexpr double kAngles[] = {30, 90};  // degrees
 
 std::vector<std::string> namesOfPendulum() { return caseNames("pendulum angle={:g}", kAngles); }
@@ -158,6 +177,7 @@ void addVibrationExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back({"limp strands hang and swing as chains do",
                          {"chain mode=1", "chain energy lost per cycle", "chain mode=2", "chain mode=3"},
                          chain});
+  experiments.push_back({"a limp strand comes to hang in thick air", {kThickAir}, chainInThickAir});
   experiments.push_back({"limp strands of one edge swing as pendulums do", namesOfPendulum(), pendulum});
 }
 

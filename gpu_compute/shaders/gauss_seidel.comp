@@ -88,9 +88,9 @@ void main() {
     for (uint inner = first; inner < vertex; ++inner) arc_length += rest_edge[inner].w;
   float inverse_mass = max(local.w, 0.0);
 #if GROOMED
-  float keep = keepOf(vertex), goal_rate = goalRateOf(vertex), friction_scale = grooming[first].x;
+  float keep = keepOf(vertex), time2 = time2Of(vertex), goal_rate = goalRateOf(vertex), friction_scale = grooming[first].x;
 #else
-  const float keep = settings.keep, friction_scale = 1.0;
+  const float keep = settings.keep, time2 = settings.time2, friction_scale = 1.0;
 #endif
   const RootPoses root_poses = rootPoses(strand);
   const Pose root_begin = root_poses.begin, root_end = root_poses.end;
@@ -110,10 +110,10 @@ void main() {
 #else
     vec3 gravity = settings.gravity.xyz;
 #endif
-    vec3 free = predictPosition(x, v, gravity, settings.wind.xyz, keep, settings.substep);
+    vec3 free = predictPosition(x, v, gravity, settings.wind.xyz, keep, settings.substep, time2);
     vec3 held = local.w < 0.0 ? bonePoint(local, time) : rotate(root, local.xyz) + root_position;
 #if GROOMED
-    free = drawnToGoal(free, held, goal_rate, settings.substep);
+    free = drawnToGoal(free, held, goal_rate, time2);
 #endif
     x = inverse_mass < 0.5 ? held : free;
     shared_position[me] = vec4(x, inverse_mass);

@@ -4,5 +4,12 @@
 // goal's rate, length of the tether (m).
 layout(std430, binding = 13) readonly buffer Grooming { vec4 grooming[]; };
 
-float keepOf(uint vertex) { return exp(-settings.air_drag * grooming[vertex].x * settings.substep); }
+float airDragOf(uint vertex) { return settings.air_drag * grooming[vertex].x; }
+// As DragStep has them.
+float keepOf(uint vertex) { return exp(-airDragOf(vertex) * settings.substep); }
+float time2Of(uint vertex) {
+  const float x = airDragOf(vertex) * settings.substep;
+  const float small = madd(-x, madd(-x, madd(-x, madd(-x, 1.0 / 120.0, 1.0 / 24.0), 1.0 / 6.0), 0.5), 1.0);
+  return settings.substep * settings.substep * (x < 0.1 ? small : (1.0 - exp(-x)) / x);
+}
 float goalRateOf(uint vertex) { return settings.goal_rate * grooming[vertex].y; }

@@ -111,11 +111,10 @@ vec3 edgeTurning(int p) { return turningOf(frame[p], edgeShift(p) * inverseLengt
 // The kept tension of the edge of slot p, its tangent between the old edge and the inertial one, its frame carried along.
 // Returns the blend of the two; `unit_in`: of the old edge before it.
 float predictEdge(int p, vec3 unit_in) {
-  const float dt2 = settings.substep * settings.substep;
   float il = inverseLength(p);
   vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
-  tension[p] = min(keptTension(tension[p], advance * il, bends[p], il, dt2), most_tension);
-  float kappa_here = stiffnessOf(bends[p], il, dt2, weight(p));
+  tension[p] = min(keptTension(tension[p], advance * il, bends[p], il, settings.time2), most_tension);
+  float kappa_here = stiffnessOf(bends[p], il, settings.time2, weight(p));
 #if !UNIFORM
   kappa_here = select(cut_unevenly, kappa(), kappa_here);
 #endif
@@ -175,7 +174,7 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     strain[p] = jointStrain(inner, frame[p]);
     vec3 excess = strain[p] - rest_strain[p];
     float c = dot(t_in, tangent[p]);
-    float time2 = settings.substep * madd(implicitShare(blend[p]), settings.substep, DAMPING_TIME);
+    float time2 = settings.time2 * madd(DAMPING_TIME, settings.per_substep, implicitShare(blend[p]));
     stiffness[p] = bendMatrixStiffness(bends[p], c, time2);
     margin[p] = bendMatrixMargin(stiffness[p], c, excess, kinked);
     float coupling = twistOfBending(strain[p], excess, bends[p]), shear = torqueDifference(strain[p], excess, bends[p]);
@@ -248,9 +247,8 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
 
 // What the edge of slot p pushes its outer vertex with (x dt^2, m), while vertices are at the inertial points.
 vec3 edgeForce(int p, RootMotion root) {
-  const float dt2 = settings.substep * settings.substep;
   float il = inverseLength(p);
-  vec3 pushed = cross(moment[p + 1] - moment[p], tangent[p]) * (il * dt2) - tangent[p] * tension[p];
+  vec3 pushed = cross(moment[p + 1] - moment[p], tangent[p]) * (il * settings.time2) - tangent[p] * tension[p];
   if (p == 0) pushed += select(rank == 0, root.swing * (stiffness[0] * il), vec3(0));
   return pushed;
 }
@@ -269,7 +267,7 @@ void makeBending(RootMotion root) {
   moment[PER_THREAD] = b;
   for (int p = 1; p < PER_THREAD; ++p) force[p] = edgeForce(p, root);
 
-  const vec3 fall = settings.gravity.xyz * (settings.substep * settings.substep) +
+  const vec3 fall = settings.gravity.xyz * settings.time2 +
                     settings.wind.xyz * (settings.substep * (1.0 - settings.keep)) - root.jump;
   float il[PER_THREAD + 1];
   for (int p = 0; p < PER_THREAD; ++p) il[p] = inverseLength(p);
@@ -278,12 +276,16 @@ void makeBending(RootMotion root) {
     vec3 outer = p < kLast ? force[min(p + 1, kLast)] : force_out;
 #if ACCELERATED
     uint end = root_vertex + uint(min(rank * PER_THREAD + p + 1, edges));
-    vec3 pulled = madd(accelerationOf(end), settings.substep * settings.substep, fall);
+    vec3 pulled = madd(accelerationOf(end), settings.time2, fall);
 #else
     vec3 pulled = fall;
 #endif
 #if GROOMED
-    vec3 way = madd(settings.wind.xyz, settings.substep * (settings.keep - keeps[p]), pulled);
+    vec3 driven = settings.gravity.xyz;
+#if ACCELERATED
+    driven += accelerationOf(end);
+#endif
+    vec3 way = madd(driven, time2s[p] - settings.time2, madd(settings.wind.xyz, settings.substep * (settings.keep - keeps[p]), pulled));
     vec3 goal = heldPoint(root_vertex + uint(min(rank * PER_THREAD + p + 1, edges)), root);
     vec3 total = force[p] - outer;
     if (weight(p) > 0.0) total += goalPull(way, mass(p), goal_stiffness[p], (goal - x[p]) - shift[p]);

@@ -32,7 +32,7 @@ uint vertexOf(int p) { return root_vertex + uint(min(rank * PER_THREAD + p, edge
 
 void loadContacts() {
   for (int p = 0; p < PER_THREAD; ++p) {
-    pressing[p] = contacts[vertexOf(p)].xyz * (settings.substep * settings.substep);
+    pressing[p] = contacts[vertexOf(p)].xyz * settings.time2;
     sees[p] = seesPlanes(contacts[sightAt(vertexOf(p), kLooked)]);
   }
 }
@@ -40,7 +40,7 @@ void loadContacts() {
 void storeContacts() {
   for (int p = 0; p < PER_THREAD; ++p)
     if (isEdge(p))
-      contacts[vertexOf(p)] = vec4(pressing[p] * (settings.per_substep * settings.per_substep), displaced[p] ? speed_kept : -speed_kept);
+      contacts[vertexOf(p)] = vec4(pressing[p] / settings.time2, displaced[p] ? speed_kept : -speed_kept);
 }
 
 // Who has come too far from where it looked at bodies looks again: ASTRAY; else its strand is left to that program.

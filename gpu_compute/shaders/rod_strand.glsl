@@ -75,6 +75,7 @@ bool isTip(int p) {
 
 #if GROOMED
 float keeps[PER_THREAD], keep_in;    // of the velocity, what the air leaves
+float time2s[PER_THREAD];            // s^2, see DragStep
 float goal_stiffness[PER_THREAD];    // of the goal pull; masses and weights have it added
 vec2 strand_grooming;                // factors of friction and damping time
 #define KEEP(p) keeps[p]
@@ -82,7 +83,7 @@ vec2 strand_grooming;                // factors of friction and damping time
 #define DAMPING_TIME (settings.damping_time * strand_grooming.y)
 
 float goalStiffnessOf(uint at, vec4 edge) {
-  return edge.w > 0.0 ? goalStiffness(edge.z, goalRateOf(at + 1u), settings.substep) : 0.0;
+  return edge.w > 0.0 ? goalStiffness(edge.z, goalRateOf(at + 1u), settings.time2) : 0.0;
 }
 #else
 #define KEEP(p) settings.keep
@@ -91,14 +92,16 @@ float goalStiffnessOf(uint at, vec4 edge) {
 #endif
 
 // The greatest of the strand's edges, see stiffnessOf().
-float kappa() { return rest.stiffest * settings.substep * settings.substep; }
+float kappa() { return rest.stiffest * settings.time2; }
 
 // Length, twist; mass, weight of the vertex at the end of the edge that starts at `at`.
 vec4 edgeRest(uint at) {
   vec4 edge = edge_rest[at];
 #if GROOMED
-  edge.z += goalStiffnessOf(at, edge);
-  if (edge.w > 0.0) edge.w = 1.0 / edge.z;
+  if (edge.w > 0.0) {
+    edge.z = madd(edge.z, settings.time2 / time2Of(at + 1u), goalStiffnessOf(at, edge));
+    edge.w = 1.0 / edge.z;
+  }
 #endif
   return edge;
 }
@@ -137,11 +140,15 @@ float inverseLengthOut() { return inverse_length_out; }
 
 // How much air, and what else accelerates vertices besides gravity, drives one of the strand, at most: m/s^2.
 float drivenByAir() {
-  const float wind = length(settings.wind.xyz) * settings.per_substep;
+  const float wind = length(settings.wind.xyz) * settings.air_drag;
 #if GROOMED || ACCELERATED
   float driven = 0.0;
   for (int p = 0; p < PER_THREAD; ++p) {
-    float own = wind * (1.0 - KEEP(p));
+#if GROOMED
+    float own = wind * grooming[root_vertex + uint(min(rank * PER_THREAD + p + 1, edges))].x;
+#else
+    float own = wind;
+#endif
 #if ACCELERATED
     own += length(accelerationOf(root_vertex + uint(min(rank * PER_THREAD + p + 1, edges))));
 #endif
@@ -149,7 +156,7 @@ float drivenByAir() {
   }
   return strandMax(driven);
 #else
-  return wind * (1.0 - settings.keep);
+  return wind;
 #endif
 }
 
@@ -176,7 +183,7 @@ void loadStrand(uint list, uint first, uint count) {
     vec4 position = positions[at + 1u];
     x[p] = position.xyz;
     v[p] = velocities[at + 1u].xyz;
-    tension[p] = isEdge(p) ? position.w * settings.substep * settings.substep : 0.0;
+    tension[p] = isEdge(p) ? position.w * settings.time2 : 0.0;
     frame[p] = frames[at];
     rest_strain[p] = joints[at].xyz;
     bends[p] = isEdge(p) ? joints[at].w : 0.0;
@@ -187,6 +194,7 @@ void loadStrand(uint list, uint first, uint count) {
 #endif
 #if GROOMED
     keeps[p] = keepOf(at + 1u);
+    time2s[p] = time2Of(at + 1u);
     goal_stiffness[p] = goalStiffnessOf(at, edge_rest[at]);
 #endif
   }
@@ -204,10 +212,10 @@ void loadStrand(uint list, uint first, uint count) {
   strand_grooming = grooming[root_vertex].xy;
 #endif
   const float driven = length(settings.gravity.xyz) + drivenByAir();
-  most_tension = tensionBound(rest.free_mass, rest.arc_length, driven, settings.substep * settings.substep);
+  most_tension = tensionBound(rest.free_mass, rest.arc_length, driven, settings.time2);
 }
 
-vec4 placed(int p) { return vec4(x[p], tension[p] * settings.per_substep * settings.per_substep); }
+vec4 placed(int p) { return vec4(x[p], tension[p] / settings.time2); }
 void storeVertex(int slot, vec4 position, vec3 velocity) {
   if (slot >= edges) return;
   positions[root_vertex + uint(slot) + 1u] = position;

@@ -25,6 +25,7 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   vec4 gravity;
   vec4 wind;
   float keep;           // exp(-drag substep)
+  float time2;          // s^2, of an acceleration how far it takes a vertex in a substep: see DragStep
   float substep;        // s
   float per_substep;    // 1 / substep
   float strength_root;  // of the angular constraint, per iteration

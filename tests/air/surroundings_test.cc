@@ -179,7 +179,7 @@ TEST(Surroundings, WindAlongAStrandPullsAtItByTheDragAlong) {
     Simulation simulation(modelOf({straightStrand(0.2, 16, -Vec3::UnitY())}), {}, parameters,
                           makeReferenceBackend(), cpuAir("reference").surroundings({}));
     for (int i = 0; i < 60; ++i) simulation.step();
-    const float hung = 15.5f, pull = parameters.gravity.norm() + 0.5f * dragRate(parameters, 1) * 3;
+    const float hung = 15.5f, pull = parameters.gravity.norm() + 0.5f * drag * 3;
     EXPECT_NEAR(simulation.state().tensions[0] / (hung * pull), 1, 5e-3) << drag;
   }
 }

@@ -63,7 +63,7 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     out3(o, 0, resolveContact(in3(i, 0), in3(i, 3), in3(i, 9), i.v[12], i.v[13], i.v[14], force));
     out3(o, 3, force);
   } else if (kernel == 9) {
-    out3(o, 0, predictPosition(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13]));
+    out3(o, 0, predictPosition(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13], i.v[14]));
   } else if (kernel == 10) {
     out3(o, 0, normalizeOrZero(in3(i, 0)));
   } else if (kernel == 11) {
