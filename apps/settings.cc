@@ -159,7 +159,7 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
       "--config", config_,
       "TOML file with settings of scene, simulation and network (README.md); options win over it");
   scene->add_option("--scene", given_.scene.name, sceneHelp());
-  scene->add_option("--groom", groom_, "groom files (.tfx, .hair, .obj), separated by commas")
+  scene->add_option("--groom", groom_, "groom files (.tfx, .hair, .obj, .usda), separated by commas")
       ->delimiter(',');
   scene->add_option("--body", given_.scene.body,
                     "body mesh (.obj, .gltf, .glb) that the hair grows on and collides with");

@@ -37,6 +37,7 @@ void cleanAgain(StrandSet& strands, const std::string& out) {
 int convert(const ConvertOptions& o) {
   StrandSet strands;
   UpAxis up = UpAxis::kY;
+  float unit_meters = 1;
   std::vector<std::string> unread;
   if (o.clean || o.unit_meters > 0 || o.up != "auto") {
     GroomReadOptions read;
@@ -51,13 +52,17 @@ int convert(const ConvertOptions& o) {
     RawGroom raw = readRawGroom(o.in);
     strands = std::move(raw.strands);
     up = raw.native_up;
+    unit_meters = raw.unit_meters;
     unread = std::move(raw.unread);
   }
   if (o.vertices > 0) {
     strands = resample(strands, o.vertices);
     cleanAgain(strands, o.out);
   }
-  writeGroom(o.out, strands, up);
+  writeGroom(o.out, strands, up, unit_meters);
+  if (unit_meters == 0 && lowerExtension(o.out) == ".usda")
+    spdlog::warn("{}: {} does not say its unit; readers take centimetres for it; give --unit-meters", o.out,
+                 o.in);
   const std::vector<std::string> left_out = leftOutOf(o.out, strands);
   if (!left_out.empty())
     spdlog::warn("{}: this format has no {}; {} has", o.out, fmt::join(left_out, " and no "), o.in);
@@ -73,11 +78,12 @@ Verb addConvert(CLI::App& app) {
   app.footer(
       "Positions pass through bit for bit unless --clean, --unit-meters, --up or --vertices asks for a "
       "change; between .hair, where Z is up, and the others, where Y is, they are turned. .tfx keeps pins "
-      "and UVs, .hair radii; "
+      "and UVs, .hair radii, .usda UVs and radii; "
       "what is left out is warned of.\n"
       "Example: strandcast convert bob.tfx bob.hair");
-  app.add_option("IN", o->in, "groom to read: .tfx (3 and 4), .hair, .obj polylines")->required();
-  app.add_option("OUT", o->out, "groom to write: .tfx (4) or .hair, by extension")->required();
+  app.add_option("IN", o->in, "groom to read: .tfx (3 and 4), .hair, .obj polylines, .usda curves")
+      ->required();
+  app.add_option("OUT", o->out, "groom to write: .tfx (4), .hair or .usda, by extension")->required();
   app.add_flag("--clean", o->clean, "convert to metres, drop degenerate strands, merge duplicate vertices");
   app.add_option("--unit-meters", o->unit_meters, "metres per unit of IN (implies --clean)")
       ->check(finiteRange(1e-6, 1000.0));

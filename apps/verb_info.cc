@@ -88,7 +88,11 @@ int printGroom(const InfoOptions& options) {
   out.addCount("strands", "strands", s.strands);
   out.add("vertices", "vertices",
           fmt::format("{} ({} to {} per strand)", s.vertices, s.min_vertices, s.max_vertices));
-  out.add("unit", "unit", fmt::format("{:g} m{}", unit, options.unit_meters > 0 ? "" : ", guessed"));
+  out.add("unit", "unit",
+          fmt::format("{:g} m{}", unit,
+                      options.unit_meters > 0 ? ""
+                      : raw.unit_meters > 0   ? ", as the file says"
+                                              : ", guessed"));
   const Eigen::Vector3f low = s.bounds.min(), high = s.bounds.max();
   out.add("bounds", "bounding box",
           fmt::format("{:.3f} {:.3f} {:.3f} to {:.3f} {:.3f} {:.3f} m, Y up", low.x(), low.y(), low.z(),
@@ -109,8 +113,9 @@ int printGroom(const InfoOptions& options) {
 
 Verb addInfo(CLI::App& app) {
   const auto o = std::make_shared<InfoOptions>();
-  app.add_option("FILE", o->file, "groom file: .tfx, .hair or .obj");
-  app.add_option("--unit-meters", o->unit_meters, "metres per unit of the file; guessed if not given")
+  app.add_option("FILE", o->file, "groom file: .tfx, .hair, .obj or .usda");
+  app.add_option("--unit-meters", o->unit_meters,
+                 "metres per unit of the file; as the file says or guessed if not given")
       ->check(finiteRange(1e-6, 1000.0));
   app.add_option("--up", o->up, "up axis of the file")->check(CLI::IsMember({"auto", "x", "y", "z"}));
   app.add_flag("--backends", o->backends, "list the backends, whether they run here, and why not");

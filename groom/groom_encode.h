@@ -17,4 +17,9 @@ std::vector<std::byte> encodeTfx(const StrandSet& strands, const std::string& na
 /// vertices.
 std::vector<std::byte> encodeHair(const StrandSet& strands, const std::string& name);
 
+/// The text of a .usda file: linear BasisCurves, Y up, positions as the shortest numbers that give them back,
+/// widths = twice the radius when there are radii, UVs per curve; pins and parts have no place in it.
+/// `unit_meters` of its positions, 0 where it is not known. Throws Error when there are no strands.
+std::vector<std::byte> encodeUsda(const StrandSet& strands, float unit_meters, const std::string& name);
+
 }  // namespace strandcast

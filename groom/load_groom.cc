@@ -84,8 +84,9 @@ class GroomMerger {
   bool any_pins_ = false;
 };
 
-void convertUnits(Groom& groom, const GroomReadOptions& options, const std::string& name) {
-  float unit = options.unit_meters;
+// `said`: metres per unit, by the files; 0 where they do not say it.
+void convertUnits(Groom& groom, const GroomReadOptions& options, float said, const std::string& name) {
+  float unit = options.unit_meters > 0 ? options.unit_meters : said;
   if (unit == 0) {
     Box bounds;
     for (const Vec3& point : groom.strands.positions) bounds.extend(Eigen::Vector3f(point));
@@ -117,28 +118,33 @@ RawGroom readRawGroom(const std::filesystem::path& file) {
   if (extension == ".tfx") return readTfx(bytes, name);
   if (extension == ".hair") return readHair(bytes, name);
   if (extension == ".obj") return readObjStrands(bytes, name);
-  throw Error("this is no known groom format", name + ", byte 0", "use .tfx, .hair or .obj");
+  const bool usd = startsWith(bytes, std::array<char, 5>{'#', 'u', 's', 'd', 'a'});
+  if (usd || extension == ".usda" || extension == ".usd" || extension == ".usdc" || extension == ".usdz")
+    return readUsda(bytes, name);
+  throw Error("this is no known groom format", name + ", byte 0", "use .tfx, .hair, .obj or .usda");
 }
 
-void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpAxis up) {
+void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpAxis up, float unit_meters) {
   const std::string extension = lowerExtension(file);
   StrandSet turned = strands;
   turnYUp(turned.positions, up);
   if (extension == ".tfx") return writeFileBytes(file, encodeTfx(turned, file.string()));
+  if (extension == ".usda") return writeFileBytes(file, encodeUsda(turned, unit_meters, file.string()));
   turnZUp(turned.positions);
   if (extension == ".hair") return writeFileBytes(file, encodeHair(turned, file.string()));
-  throw Error("grooms cannot be written in this format", file.string(), "use .tfx or .hair");
+  throw Error("grooms cannot be written in this format", file.string(), "use .tfx, .hair or .usda");
 }
 
 std::vector<std::string> leftOutOf(const std::filesystem::path& file, const StrandSet& strands) {
-  if (lowerExtension(file) == ".tfx")
+  const std::string extension = lowerExtension(file);
+  if (extension == ".tfx")
     return strands.radii.empty() ? std::vector<std::string>() : std::vector<std::string>{"radii"};
   std::vector<std::string> out;
   bool pins = false;
   for (size_t s = 0; s < strands.strands(); ++s)
     for (size_t i = 2; i < strands.verticesOf(s); ++i) pins = pins || strands.isPinned(s, i);
   if (pins) out.emplace_back("pins");
-  if (!strands.uvs.empty()) out.emplace_back("UVs");
+  if (!strands.uvs.empty() && extension != ".usda") out.emplace_back("UVs");
   return out;
 }
 
@@ -151,9 +157,13 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
                 "give at most 65535");
   Groom groom;
   GroomMerger merger(groom);
+  float said = 0;
   for (size_t f = 0; f < files.size(); ++f) {
     RawGroom raw = readRawGroom(files[f]);
     turnYUp(raw.strands.positions, options.up == UpAxis::kAuto ? raw.native_up : options.up);
+    if (f > 0 && raw.unit_meters != said && options.unit_meters == 0)
+      throw Error("the files do not say the same unit", files[f].string(), "give their unit (--unit-meters)");
+    said = raw.unit_meters;
     if (!options.keep_pins) freeSecondVertices(raw.strands);
     merger.add(raw, f);
     if (f > 0) groom.name += '+';
@@ -161,7 +171,7 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
   }
   merger.finish();
   groom.report.strands_read = groom.strands.strands();
-  convertUnits(groom, options, files[0].string());
+  convertUnits(groom, options, said, files[0].string());
   cleanStrands(groom);
   if (groom.strands.strands() == 0)
     throw Error("no strand is left after cleaning, all are points", files[0].string(),

@@ -159,6 +159,10 @@ bool checkObjStrandsReader(std::span<const std::byte> bytes) {
   return accepts([&] { checkRawGroom(readObjStrands(bytes, kName), bytes.size()); });
 }
 
+bool checkUsdaReader(std::span<const std::byte> bytes) {
+  return accepts([&] { checkRawGroom(readUsda(bytes, kName), bytes.size()); });
+}
+
 bool checkObjMeshReader(std::span<const std::byte> bytes) {
   return accepts([&] { checkMesh(readObjMesh(bytes, kName, {"helper-"})); });
 }

@@ -13,6 +13,7 @@ namespace strandcast {
 bool checkTfxReader(std::span<const std::byte> bytes);
 bool checkHairReader(std::span<const std::byte> bytes);
 bool checkObjStrandsReader(std::span<const std::byte> bytes);
+bool checkUsdaReader(std::span<const std::byte> bytes);
 bool checkObjMeshReader(std::span<const std::byte> bytes);
 bool checkGltfReader(std::span<const std::byte> bytes);
 bool checkGltfSkinReader(std::span<const std::byte> bytes);

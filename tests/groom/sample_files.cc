@@ -113,6 +113,53 @@ Bytes objStrands() {
       "l 1 5\nl 5 6  # an edge at a time\n");
 }
 
+Bytes usda() {
+  return fromText(R"(#usda 1.0
+(
+    "a head"
+    defaultPrim = "head"
+    metersPerUnit = 0.01
+    customLayerData = { string tool = "by } hand"; double[] none = [] }
+    upAxis = "Z"
+)
+
+def Xform "head" (
+    prepend apiSchemas = ["Tag"]
+    doc = """lines
+of ) text"""
+)
+{
+    matrix4d xformOp:transform = ( (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 10, 1) )
+    uniform token[] xformOpOrder = ["xformOp:transform"]
+    rel material:binding = </mat> ( bindMaterialAs = "weaker" )
+
+    def BasisCurves "straight"
+    {
+        int[] curveVertexCounts = [4, 3]
+        point3f[] points = [(0, 0, 0), (0, 0, 1), (0, 0, 2), (0, 0.5, 3),
+            (1, 0, 0), (1, 0, 1), (1, 1e-1, 2),]  # seven
+        texCoord2f[] primvars:st = [(0.25, 0.5), (0.75, 0.5)] ( interpolation = "uniform" )
+        uniform token type = "linear"
+        float[] widths = [0.02] ( interpolation = "constant" ); custom float x
+        float3 xformOp:rotateXYZ = (0, 0, 90)
+        double3 xformOp:translate = (5, 0, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateXYZ"]
+    }
+    def BasisCurves "curly" ( active = true; variants = { string style = "a" } )
+    {
+        int[] curveVertexCounts = [4]
+        point3f[] points.timeSamples = { 1: [(0, 0, 0), (0, 0, 3), (3, 0, 3), (3, 0, 0)], 2: [(0, 0, 0)], }
+        uniform token basis = "bezier"
+        texCoord2f[] primvars:st = [(0, 0)]
+        float[] widths = [0.02, 0.02, 0.02, 0.02]
+        variantSet "style" = { "a" { def Scope "in } it" {} } }
+    }
+    over "hat" { def BasisCurves "none" { point3f[] points = None } }
+    class BasisCurves "kind" { int[] curveVertexCounts = [9] }
+}
+)");
+}
+
 Bytes objMesh() {
   return fromText(
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"

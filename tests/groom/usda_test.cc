@@ -1,0 +1,140 @@
+// USD text: what of a scene's curves become strands, where they stand, and what is refused.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "groom/file_bytes.h"
+#include "groom/groom_encode.h"
+#include "groom/groom_file.h"
+#include "tests/groom/expect_error.h"
+#include "tests/groom/sample_files.h"
+#include "tests/groom/scratch_folder.h"
+
+namespace strandcast {
+namespace {
+
+RawGroom read(const std::string& prims) { return readUsda(samples::fromText("#usda 1.0\n" + prims), "wig"); }
+
+std::string curves(const std::string& more, const std::string& counts = "[4]",
+                   const std::string& points = "[(0, 0, 0), (1, 0, 0), (2, 1, 0), (3, 1, 0)]") {
+  return "def BasisCurves \"c\" {\n int[] curveVertexCounts = " + counts + "\n point3f[] points = " + points +
+         "\n" + more + "\n}\n";
+}
+
+void expectNear(const Vec3& is, const Vec3& should) {
+  EXPECT_LT((is - should).norm(), 1e-5f) << is.transpose();
+}
+
+TEST(Usda, CurvesOfASceneStandWhereItsTransformsPlaceThem) {
+  const RawGroom groom = readUsda(samples::usda(), "wig");
+  EXPECT_EQ(groom.format, "usda");
+  EXPECT_EQ(groom.native_up, UpAxis::kZ);
+  EXPECT_FLOAT_EQ(groom.unit_meters, 0.01f);
+  const StrandSet& strands = groom.strands;
+  ASSERT_EQ(strands.offsets, (std::vector<uint32_t>{0, 4, 7, 11}));
+  expectNear(strands.positions[3], Vec3(4.5f, 0, 13));  // turned about Z, then moved
+  expectNear(strands.positions[4], Vec3(5, 1, 10));
+  ASSERT_EQ(strands.radii.size(), 11u);
+  for (const float radius : strands.radii) EXPECT_FLOAT_EQ(radius, 0.01f);
+  EXPECT_EQ(strands.uvs, (std::vector<Vec2>{{0.25f, 0.5f}, {0.75f, 0.5f}, {0, 0}}));
+  EXPECT_EQ(groom.unread, (std::vector<std::string>{"time samples", "variants"}));
+}
+
+TEST(Usda, CubicCurvesGiveThePointsThatTheyGoThrough) {
+  const auto strand = [](const std::string& more) { return read(curves(more)).strands.positions; };
+  const std::vector<Vec3> bezier = strand("");  // the schema's default
+  ASSERT_EQ(bezier.size(), 4u);
+  expectNear(bezier[0], Vec3(0, 0, 0));
+  expectNear(bezier[1], Vec3(1, 7.0f / 27, 0));
+  expectNear(bezier[3], Vec3(3, 1, 0));
+  const std::vector<Vec3> spline = strand("uniform token basis = \"bspline\"");
+  ASSERT_EQ(spline.size(), 2u);
+  expectNear(spline[0], Vec3(1, 1.0f / 6, 0));
+  expectNear(spline[1], Vec3(2, 5.0f / 6, 0));
+  const std::vector<Vec3> through = strand("uniform token basis = \"catmullRom\"");
+  ASSERT_EQ(through.size(), 2u);
+  expectNear(through[0], Vec3(1, 0, 0));
+  for (const char* basis : {"bspline", "catmullRom"}) {
+    const std::vector<Vec3> pinned =
+        strand("uniform token basis = \"" + std::string(basis) + "\"\nuniform token wrap = \"pinned\"");
+    ASSERT_EQ(pinned.size(), 4u) << basis;
+    expectNear(pinned[0], Vec3(0, 0, 0));
+    expectNear(pinned[3], Vec3(3, 1, 0));
+  }
+}
+
+TEST(Usda, OrdersOfTransformsAndTheirInverses) {
+  const auto tip = [](const std::string& ops) {
+    return read(
+               "def Xform \"a\" {\n double3 xformOp:translate = (100, 0, 0)\n uniform token[] xformOpOrder = "
+               "[\"xformOp:translate\"]\n" +
+               curves("uniform token type = \"linear\"\n" + ops, "[2]", "[(0, 0, 0), (1, 0, 0)]") + "}")
+        .strands.positions[1];
+  };
+  const std::string scaled = "float3 xformOp:scale = (2, 1, 1)\nfloat xformOp:rotateY = 90\n";
+  expectNear(tip(scaled + "uniform token[] xformOpOrder = [\"xformOp:rotateY\", \"xformOp:scale\"]"),
+             Vec3(100, 0, -2));
+  expectNear(tip(scaled + "uniform token[] xformOpOrder = [\"xformOp:scale\", \"xformOp:rotateY\"]"),
+             Vec3(100, 0, -1));
+  expectNear(
+      tip(scaled + "uniform token[] xformOpOrder = [\"!resetXformStack!\", \"!invert!xformOp:rotateY\"]"),
+      Vec3(0, 0, 1));
+  expectNear(tip("quatf xformOp:orient = (0, 0, 0, 2)\nuniform token[] xformOpOrder = [\"xformOp:orient\"]"),
+             Vec3(99, 0, 0));
+}
+
+TEST(Usda, WhatIsWrongIsRefusedWithItsLine) {
+  const auto refused = [](const std::string& prims, const std::vector<std::string>& parts) {
+    expectError([&] { read(prims); }, parts);
+  };
+  refused("", {"wig", "no BasisCurves"});
+  refused("def Mesh \"m\" {}", {"no BasisCurves"});
+  refused(curves("", "[5]"), {"line 2", "\"c\"", "curveVertexCounts"});
+  refused(curves("", "[3]"), {"12 numbers", "3 points"});
+  refused(curves("", "[3]", "[(0, 0, 0), (1, 0, 0), (2, 0, 0)]"), {"3 points", "cubic"});
+  refused(curves("", "[4]", "[(0, 0, 0), (1, inf, 0)]"), {"line 4", "finite number"});
+  refused(curves("uniform token wrap = \"periodic\""), {"closed"});
+  refused(curves("uniform token[] xformOpOrder = [\"xformOp:scale\"]"), {"xformOp:scale"});
+  refused(curves("", "[4]", "[(0, 0, 0), (1, 0, 0)"), {"line 6", "should be a ']'"});
+  refused("def BasisCurves \"c\" { point3f[] points = [(0, 0", {"ends within a value"});
+  refused("def BasisCurves \"c\" {", {"ends within prim \"c\""});
+  refused("def BasisCurves \"c {", {"line 2", "string does not end"});
+  std::string deep;
+  for (int i = 0; i < 2000; ++i) deep += "def \"a\" {";
+  refused(deep, {"deep"});
+  expectError([] { readUsda(samples::fromText("PXR-USDC...."), "wig"); }, {"binary", "usdcat"});
+  expectError([] { readUsda(samples::fromText("#VRML"), "wig"); }, {"no USD text"});
+}
+
+TEST(Usda, AGroomIsWrittenBitForBitWithItsUnit) {
+  const ScratchFolder folder;
+  StrandSet strands = readTfx(samples::tfx4(), "wig").strands;
+  strands.positions[3] = Vec3(-0.0f, 1e-42f, 16777217.0f);
+  strands.radii.assign(strands.vertices(), 4e-5f);
+  writeGroom(folder / "a.usda", strands);
+  const RawGroom again = readRawGroom(folder / "a.usda");
+  EXPECT_EQ(again.unit_meters, 1);
+  ASSERT_EQ(again.strands.offsets, strands.offsets);
+  EXPECT_EQ(std::memcmp(again.strands.positions.data(), strands.positions.data(), 12 * strands.vertices()),
+            0);
+  EXPECT_EQ(again.strands.radii, strands.radii);
+  EXPECT_EQ(again.strands.uvs, strands.uvs);
+  EXPECT_EQ(leftOutOf(folder / "a.usda", strands),
+            leftOutOf(folder / "a.hair", readHair(samples::hair(), "wig").strands));
+}
+
+TEST(Usda, FilesSayTheirUnit) {
+  const ScratchFolder folder;
+  const StrandSet strands = readTfx(samples::tfx4(), "wig").strands;
+  writeGroom(folder / "m.usda", strands);
+  writeGroom(folder / "cm.usda", strands, UpAxis::kY, 0.01f);
+  writeGroom(folder / "unsaid.tfx", strands);
+  EXPECT_FLOAT_EQ(loadGroom({folder / "cm.usda"}, {}).report.unit_meters, 0.01f);
+  EXPECT_TRUE(loadGroom({folder / "cm.usda"}, {}).report.warnings.empty()) << "nothing is guessed";
+  EXPECT_FLOAT_EQ(loadGroom({folder / "cm.usda"}, {.unit_meters = 0.1f}).report.unit_meters, 0.1f);
+  for (const char* other : {"cm.usda", "unsaid.tfx"})
+    expectError([&] { loadGroom({folder / "m.usda", folder / other}, {}); }, {other, "--unit-meters"});
+}
+
+}  // namespace
+}  // namespace strandcast
