@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "kernels/scalar_double.h"
 #include "kernels/scalar_float.h"
 
 namespace strandcast {
@@ -85,6 +86,15 @@ void Ambient::advance(double seconds) {
   next.carried -= next.carried.array().floor().matrix();
   next.gust += seconds / static_cast<double>(gust_period_);
   next.gust -= std::floor(next.gust);
+  setProgress(next);
+}
+
+void Ambient::moveOrigin(const Vec3& way) {
+  const Eigen::Vector3d w = way.cast<double>();
+  const auto turned = kernels::f64::turnedToBox({w.x(), w.y(), w.z()});  // in floats it would shift them
+  Progress next = progress_;
+  next.carried -= Eigen::Vector3d(turned.x, turned.y, turned.z) / static_cast<double>(turbulence_length_);
+  next.carried -= next.carried.array().floor().matrix();
   setProgress(next);
 }
 

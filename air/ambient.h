@@ -28,6 +28,8 @@ class Ambient {
   void advance(double seconds);
   const Progress& progress() const { return progress_; }
   void setProgress(const Progress& progress);
+  /// Places are told from `way` (m) farther on from now on: the eddies stay where they are.
+  void moveOrigin(const Vec3& way);
 
   /// m/s without turbulence.
   const Vec3& mean() const { return mean_; }

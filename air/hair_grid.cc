@@ -136,6 +136,12 @@ void HairGrid<Scalar>::reset() {
 }
 
 template <class Scalar>
+void HairGrid<Scalar>::moveOrigin(const Vec3& way) {
+  head_.position -= way;
+  layout_.frame(head_, frame_);
+}
+
+template <class Scalar>
 void HairGrid<Scalar>::locate(std::span<const Vec3> positions, std::span<const Vec3> velocities,
                               const Pose& head, double seconds) {
   head_ = head;

@@ -40,6 +40,8 @@ class HairGrid {
   void splatDrag();
   /// Nothing is held any more: hair was put elsewhere.
   void reset();
+  /// densityAtPoint() is asked about places from `way` (m) farther on from now on.
+  void moveOrigin(const Vec3& way);
   /// From what was splatted: how samples change their velocities over a step of `seconds`.
   void findForces(const Parameters& parameters, double seconds);
   /// Change of velocity of samples begin .. end - 1, m/s, 4 numbers each.

@@ -1,6 +1,7 @@
 #include "air/hair_layout.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "kernels/scalar_double.h"
 
@@ -18,6 +19,10 @@ double HairLayout::largestStiffness(double seconds) const {
 }
 
 Pose HeadCourse::ahead(const Pose& begin, const Pose& end) {
+  if (std::exchange(retold_, false)) {  // not by how far: begin has been rounded anew
+    begin_.position += begin.position - end_.position;
+    end_.position = begin.position;
+  }
   const bool goes_on =
       known_ && begin.position == end_.position && begin.rotation.coeffs() == end_.rotation.coeffs();
   const Pose before = goes_on ? begin_ : begin;

@@ -33,9 +33,11 @@ class HeadCourse {
   Pose ahead(const Pose& begin, const Pose& end);
   /// It has been put elsewhere.
   void forget() { known_ = false; }
+  /// Places are told from elsewhere from now on; it is where the last step took it.
+  void moveOrigin() { retold_ = true; }
 
  private:
-  bool known_ = false;
+  bool known_ = false, retold_ = false;
   Pose begin_, end_;  ///< of the last step
 };
 

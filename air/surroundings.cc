@@ -59,8 +59,7 @@ class StrandSurroundings final : public Surroundings, public AirFields {
   }
 
   void reset(const Vec3& origin) override {
-    origin_ = origin;
-    sources_ = movedBy(world_sources_, -origin);
+    takeOrigin(origin);
     progress_ = {};
     if (wind_) {
       wind_->ambient().setProgress(progress_);
@@ -68,6 +67,19 @@ class StrandSurroundings final : public Surroundings, public AirFields {
     }
     if (hair_) hair_->reset();
     course_.forget();
+  }
+
+  void moveOrigin(const Vec3& origin) override {
+    const Vec3 way = origin - origin_;
+    takeOrigin(origin);
+    Ambient& ambient = wind_ ? wind_->ambient() : *free_wind_;
+    ambient.setProgress(progress_);
+    ambient.moveOrigin(way);
+    progress_ = ambient.progress();
+    if (wind_) wind_->moveOrigin(way);
+    hair_->moveOrigin(way);
+    course_.moveOrigin();
+    head_.position -= way;
   }
 
   void step(StepInput& input, Backend& backend) override {
@@ -125,6 +137,10 @@ class StrandSurroundings final : public Surroundings, public AirFields {
 
  private:
   // All places in here are from origin_, as the strands' are.
+  void takeOrigin(const Vec3& origin) {
+    origin_ = origin;
+    sources_ = movedBy(world_sources_, -origin);
+  }
   Box ownBox() const {
     const Eigen::Vector3f half =
         Eigen::Vector3f::Constant(0.5f * cell() * static_cast<float>(hair_->shape().cells));

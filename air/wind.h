@@ -24,7 +24,7 @@ class Wind {
 
   virtual int cells() const = 0;   ///< per axis
   virtual float cell() const = 0;  ///< m
-  /// Low corner, m: a whole number of cells from the world's origin.
+  /// Low corner, m.
   virtual Vec3 origin() const = 0;
   virtual Ambient& ambient() = 0;
   /// Where component `axis` of place i j k is known; of 3: the middle of the cell. m.

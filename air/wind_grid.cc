@@ -12,6 +12,7 @@ WindGrid<Scalar>::WindGrid(const GridPasses<Scalar>& passes, const Workers& work
       workers_(workers),
       shape_{cells},
       cell_(cell),
+      box_(cells, cell),
       border_(border),
       solver_(passes, workers, cells) {
   for (int axis = 0; axis < 3; ++axis)
@@ -29,11 +30,6 @@ WindGrid<Scalar>::WindGrid(const GridPasses<Scalar>& passes, const Workers& work
   closed_ = solid_;
   solid_cells_.reserve(row * row * row);
   solid_velocity_.assign(shape_.size(), Vec3::Zero());
-}
-
-template <class Scalar>
-Vec3 WindGrid<Scalar>::origin() const {
-  return corner_.cast<float>() * cell_;
 }
 
 template <class Scalar>
@@ -82,11 +78,8 @@ void WindGrid<Scalar>::reset() {
 
 template <class Scalar>
 void WindGrid<Scalar>::centreAt(const Vec3& middle) {
-  const Vec3 wanted = middle / cell_ - Vec3::Constant(0.5f * static_cast<float>(shape_.cells));
-  const Vec3 off = wanted - corner_.cast<float>();
-  if (off.cwiseAbs().maxCoeff() <= 1) return;
-  const Eigen::Vector3i shift = off.array().round().matrix().template cast<int>();
-  corner_ += shift;
+  const Eigen::Vector3i shift = box_.centreAt(middle);
+  if (shift.isZero()) return;
   auto carry = [&](GridArray<Scalar>& field, GridArray<Scalar>& to, int axis) {
     const int end[3] = {shape_.cells + (axis == 0), shape_.cells + (axis == 1), shape_.cells + (axis == 2)};
     workers_.forEach(end[2], [&](int k) {

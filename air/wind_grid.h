@@ -5,6 +5,7 @@
 #include "air/grid_passes.h"
 #include "air/pressure.h"
 #include "air/wind.h"
+#include "air/wind_box.h"
 #include "air/wind_source.h"
 #include "air/workers.h"
 
@@ -29,9 +30,11 @@ class WindGrid : public Wind {
 
   int cells() const override { return shape_.cells; }
   float cell() const override { return cell_; }
-  Vec3 origin() const override;
+  Vec3 origin() const override { return box_.corner(); }
   Ambient& ambient() override { return ambient_; }
   void centreAt(const Vec3& middle) override;
+  /// As WindBox::moveOrigin: the air stays where it is. Eddies are the ambient's business.
+  void moveOrigin(const Vec3& way) { box_.moveOrigin(way); }
   void reset() override;
   void setComponents(const Component& value) override;
   void clearSolids() override;
@@ -80,9 +83,9 @@ class WindGrid : public Wind {
   const Workers& workers_;
   GridShape shape_;
   float cell_;
+  WindBox box_;
   Border border_;
   Ambient ambient_;
-  Eigen::Vector3i corner_ = Eigen::Vector3i::Zero();  ///< origin in cells
   GridArray<Scalar> velocity_[3], next_[3], displacement_[3], onward_[3], centre_, exchange_[4], pressure_,
       right_, places_, sampled_;
   std::vector<Scalar> fastest_;        ///< per layer

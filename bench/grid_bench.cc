@@ -174,6 +174,7 @@ class TimedSurroundings final : public Surroundings {
     timed_->configure(model, parameters, backend);
   }
   void reset(const Vec3& origin) override { timed_->reset(origin); }
+  void moveOrigin(const Vec3& origin) override { timed_->moveOrigin(origin); }
   void step(StepInput& input, Backend& backend) override {
     times_.time("grids", [&] { timed_->step(input, backend); });
   }

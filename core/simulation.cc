@@ -377,16 +377,16 @@ void Simulation::reset() {
   }
   chooseOrigin(bones_begin_[0]);
   goOnFrom(restNow());
+  if (surroundings_) surroundings_->reset(origin_);
 }
 
 void Simulation::goOnFrom(const StrandState& state) {
   placePrimitives();
   backend_->upload(state);
-  if (surroundings_) surroundings_->reset(origin_);
 }
 
 void Simulation::followHead() {
-  if (surrounded_ || fromOrigin(bones_begin_[0]).position.cwiseAbs().maxCoeff() <= kFarFromOrigin) return;
+  if (fromOrigin(bones_begin_[0]).position.cwiseAbs().maxCoeff() <= kFarFromOrigin) return;
   StrandState state;
   backend_->download(state);
   const Vec3 before = origin_;
@@ -394,6 +394,7 @@ void Simulation::followHead() {
   const Vec3 way = before - origin_;
   for (Vec3& position : state.positions) position += way;
   goOnFrom(state);
+  if (surrounded_) surroundings_->moveOrigin(origin_);
 }
 
 size_t Simulation::resetBroken() {
@@ -446,6 +447,7 @@ void Simulation::teleport(const Pose& head) {
   bones_begin_[0] = head;
   bones_end_ = bones_begin_;
   goOnFrom(state);
+  if (surroundings_) surroundings_->reset(origin_);
 }
 
 std::span<const Vec3> Simulation::guides() {

@@ -107,8 +107,7 @@ class Simulation {
   size_t resetBroken();
   /// What the backend's places are told from, m, world, whole metres: floats are coarse far from the world's
   /// origin, and hair would stretch and tremble there. It is chosen by reset() and teleport(), and by
-  /// resetBroken() where the head has gone far; while there is air, whose grids would begin anew, by the
-  /// former alone.
+  /// resetBroken() where the head has gone far.
   const Vec3& origin() const { return origin_; }
   /// Carries the hair and every bone rigidly, the head to `head`, with no motion in between. Error: see
   /// checkPose.
@@ -153,7 +152,7 @@ class Simulation {
   Pose fromOrigin(Pose pose) const;
   /// Places are told from near the head from now on: goOnFrom() is to follow.
   void chooseOrigin(const Pose& head);
-  /// From `state` and from origin_, with the air as at the start.
+  /// Hair is as `state` says, bodies as they are, both from origin_. The air is to be told.
   void goOnFrom(const StrandState& state);
   void followHead();  ///< with the origin, if it has gone far
   void addPull(StepInput& input);

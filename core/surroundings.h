@@ -21,6 +21,9 @@ class Surroundings {
   /// the backend and StepInput have `origin` (m, world) as theirs, which was the world's before. May
   /// allocate; throws Error.
   virtual void reset(const Vec3& origin) = 0;
+  /// The same of `origin` alone, while it is needed: the air goes on as it is and where it is in the world.
+  /// May allocate; throws Error.
+  virtual void moveOrigin(const Vec3& origin) = 0;
 
   /// Advances by a step that `backend` is about to do: from its positions and velocities come
   /// input.accelerations, valid until the next call, or the same straight into the backend's own memory.

@@ -110,6 +110,23 @@ void GpuSurroundings::reset(const Vec3& origin) {
   progress_ = {};
   if (origin == origin_) return;
   image_.reset();
+  takeOrigin(origin);
+}
+
+void GpuSurroundings::moveOrigin(const Vec3& origin) {
+  const Vec3 way = origin - origin_;
+  takeOrigin(origin);
+  Ambient& ambient = passes_->wind ? passes_->wind->ambient() : *passes_->free_wind;
+  ambient.setProgress(progress_);
+  ambient.moveOrigin(way);
+  progress_ = ambient.progress();
+  if (passes_->wind) passes_->wind->moveOrigin(way);
+  course_.moveOrigin();
+  head_.position -= way;
+  grid_head_.position -= way;
+}
+
+void GpuSurroundings::takeOrigin(const Vec3& origin) {
   origin_ = origin;
   sources_ = movedBy(world_sources_, -origin);
   if (!passes_) return;

@@ -24,6 +24,7 @@ class GpuSurroundings final : public Surroundings, public AirFields, public Meas
   /// Throws Error where the backend is not that of this GPU.
   void configure(const StrandModel& model, const Parameters& parameters, Backend& backend) override;
   void reset(const Vec3& origin) override;
+  void moveOrigin(const Vec3& origin) override;
   void step(StepInput& input, Backend& backend) override;
   std::span<const Vec3> accelerations() override;
 
@@ -43,6 +44,7 @@ class GpuSurroundings final : public Surroundings, public AirFields, public Meas
   /// Those that these settings need and `our` has not, and air that did not blow as at the start. Throws
   /// Error and leaves `our` as it was where they do not fit the GPU.
   void makeGrids(Passes& our, const StrandModel& model, const Parameters& parameters);
+  void takeOrigin(const Vec3& origin);
   const Image& image() const;
   AirSample atOwn(const Vec3& point) const;
 

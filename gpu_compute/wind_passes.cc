@@ -38,6 +38,7 @@ WindPasses::WindPasses(int cells, float cell, Wind::Border border, ProgramCache&
     : programs_(programs),
       cells_(cells),
       cell_(cell),
+      box_(cells, cell),
       border_(border),
       sources_(zeros<PackedSource>(1)),
       bodies_(zeros<PlacedBody>(1)),
@@ -66,11 +67,8 @@ void WindPasses::describe(AirSettings& s, double seconds) const {
 }
 
 bool WindPasses::moveTo(const Vec3& middle, AirSettings& s) {
-  const Vec3 wanted = middle / cell_ - Vec3::Constant(0.5f * static_cast<float>(cells_));
-  const Vec3 off = wanted - corner_.cast<float>();
-  if (off.cwiseAbs().maxCoeff() <= 1) return false;
-  const Eigen::Vector3i shift = off.array().round().matrix().cast<int>();
-  corner_ += shift;
+  const Eigen::Vector3i shift = box_.centreAt(middle);
+  if (shift.isZero()) return false;
   for (int c = 0; c < 3; ++c) s.shift[c] = shift[c];
   return true;
 }

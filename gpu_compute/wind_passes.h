@@ -5,6 +5,7 @@
 
 #include "air/ambient.h"
 #include "air/wind.h"
+#include "air/wind_box.h"
 #include "air/wind_source.h"
 #include "gpu_compute/air_layout.h"
 #include "gpu_compute/mapped_rings.h"
@@ -22,13 +23,15 @@ class WindPasses {
 
   int cells() const { return cells_; }
   float cell() const { return cell_; }
-  Vec3 origin() const { return corner_.cast<float>() * cell_; }
+  Vec3 origin() const { return box_.corner(); }
   Ambient& ambient() { return ambient_; }
 
   /// Writes where the box is and what blows into the settings.
   void describe(AirSettings& settings, double seconds) const;
   /// As Wind::centreAt. True where the box moved: then carry() is to be called.
   bool moveTo(const Vec3& middle, AirSettings& settings);
+  /// As WindBox::moveOrigin: the air stays where it is. Eddies and sources are others' business.
+  void moveOrigin(const Vec3& way) { box_.moveOrigin(way); }
   /// Everything moves by the settings' shift.
   void carry();
   void reset(AirBlock& block);
@@ -97,10 +100,10 @@ class WindPasses {
   ProgramCache& programs_;
   int cells_;
   float cell_;
+  WindBox box_;
   Wind::Border border_;
   Ambient ambient_;
   int turbulence_seed_ = -1;
-  Eigen::Vector3i corner_ = Eigen::Vector3i::Zero();
   std::array<gl::Buffer, 3> faces_;
   size_t now_ = 0;
   std::array<gl::Buffer, 2> pressures_;

@@ -284,6 +284,8 @@ TEST(HeadCourse, GoesOnAsItWentAndForgetsWhatItWasNotToldOf) {
   EXPECT_FLOAT_EQ(ahead.position.x(), 1.5f);
   EXPECT_NEAR(ahead.rotation.angularDistance(at(0, 0.3f).rotation), 0, 1e-6);
   EXPECT_EQ(course.ahead(at(7, 0.2f), at(8, 0.2f)).position.x(), 7) << "steps were left out";
+  course.moveOrigin();
+  EXPECT_EQ(course.ahead(at(0, 0.2f), at(1, 0.2f)).position.x(), 0.5f);
   course.forget();
   EXPECT_EQ(course.ahead(at(8, 0.2f), at(8, 0.2f)).position.x(), 8);
 }

@@ -298,6 +298,55 @@ TEST(Surroundings, BlowFarFromTheOriginAsTheyDoAtIt) {
   }
 }
 
+// Two heads walk past a fan: hair and air of one are told from an origin that follows it, those of the other
+// from the world's. The former goes on to 100 m, where floats of the latter are too coarse.
+TEST(Surroundings, StayInTheirPlaceWhenTheOriginFollowsTheHead) {
+  const Vec3 pace(0.125f, 0, 0.0625f);  // m, in a step
+  for (const int grid : {0, 1}) {
+    SCOPED_TRACE(grid);
+    Parameters parameters = everything();
+    parameters.wind_grid = grid;
+    parameters.gust = 0.3f;
+    parameters.turbulence = 0.5f;
+    WindSource fan = wideFan(5);
+    fan.radius = fan.length = 1;
+    fan.position = 68 * pace;
+    const auto walker = [&] {
+      return Simulation(squareTuft(), {}, parameters, makeSimdBackend(1),
+                        cpuAir("simd", 1).surroundings({fan}));
+    };
+    Simulation follows = walker(), stays = walker();
+    int origins = 0;
+    double off = 0, wind_off = 0, density_off = 0;
+    for (int step = 1; step < 140; ++step) {
+      for (Simulation* simulation : {&follows, &stays}) {
+        simulation->setHeadPose({static_cast<float>(step) * pace, Quat::Identity()});
+        simulation->step();
+      }
+      const Vec3 before = follows.origin();
+      EXPECT_EQ(follows.resetBroken(), 0u);
+      if (follows.origin() != before) ++origins;
+      const std::span<const Vec3> at = follows.guides(), truth = stays.guides();
+      for (size_t v = 0; v < at.size(); ++v) off = std::max<double>(off, (at[v] - truth[v]).norm());
+      const Vec3 in_hair = truth[27 * 17 + 3] - 0.5f * pace;  // on grids it is where it was half a step ago
+      const AirSample seen = airFields(follows.surroundings())->at(in_hair),
+                      known = airFields(stays.surroundings())->at(in_hair);
+      wind_off = std::max<double>(wind_off, (seen.wind - known.wind).norm());
+      density_off = std::max<double>(density_off, std::fabs(seen.density - known.density));
+    }
+    EXPECT_EQ(origins, 2);
+    EXPECT_LT(off, 5e-5) << "m";
+    EXPECT_LT(wind_off, 5e-3) << "m/s";
+    EXPECT_LT(density_off, 0.01) << "kg/m^3, of 0.4";
+    for (int step = 140; step < 840; step += step < 800 ? 8 : 1) {
+      follows.setHeadPose({static_cast<float>(std::min(step, 800)) * pace, Quat::Identity()});
+      follows.step();
+      EXPECT_EQ(follows.resetBroken(), 0u);
+    }
+    EXPECT_LT(follows.measure().max_stretch, 1e-4);
+  }
+}
+
 TEST(Surroundings, AreRefusedWhereThereAreNone) {
   EXPECT_THROW(Simulation(squareTuft(), {}, everything(), makeReferenceBackend()), Error);
   Simulation simulation(squareTuft(), {}, Parameters(), makeReferenceBackend());

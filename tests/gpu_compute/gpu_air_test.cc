@@ -263,6 +263,48 @@ TEST_F(GpuAir, AStepHeedsWhatSurroundingsLeaveOnTheGpuAlsoFarFromTheOrigin) {
   EXPECT_LT(off, 2e-2 * way);
 }
 
+// Two heads walk past a fan; the origin of the first follows it, that of the second stays where it is.
+TEST_F(GpuAir, AirStaysInItsPlaceWhenTheOriginFollowsTheHead) {
+  const Tuft tuft;
+  const Vec3 start(3.75f, 0, 0), pace(0.1875f, 0, 0.0625f);  // m; in a step
+  for (const int grid : {0, 1}) {
+    SCOPED_TRACE(grid);
+    Parameters parameters = everything();
+    parameters.solver = SolverKind::kGaussSeidel;
+    parameters.wind_grid = grid;
+    WindSource fan;
+    fan.kind = WindSource::Kind::kTurbine;
+    fan.position = start + 23 * pace;
+    fan.radius = fan.length = 1;
+    const auto walker = [&] {
+      return Simulation(tuft.model, {}, parameters, makeGpuBackend(), gpuAir().surroundings({fan}));
+    };
+    Simulation follows = walker(), stays = walker();
+    for (Simulation* simulation : {&follows, &stays}) simulation->teleport({start, Quat::Identity()});
+    double off = 0, wind_off = 0, density_off = 0, most_density = 0;
+    for (int step = 1; step < 28; ++step) {
+      for (Simulation* simulation : {&follows, &stays}) {
+        simulation->setHeadPose({start + static_cast<float>(step) * pace, Quat::Identity()});
+        simulation->step();
+      }
+      EXPECT_EQ(follows.resetBroken(), 0u);
+      const std::span<const Vec3> at = follows.guides(), truth = stays.guides();
+      for (size_t v = 0; v < at.size(); ++v) off = std::max<double>(off, (at[v] - truth[v]).norm());
+      if (follows.origin().isZero()) continue;
+      const Vec3 in_hair = truth[tuft.model.offsets[61] + 3] - 0.5f * pace;  // on grids, half a step ago
+      const AirSample seen = airFields(follows.surroundings())->at(in_hair),
+                      known = airFields(stays.surroundings())->at(in_hair);
+      wind_off = std::max<double>(wind_off, (seen.wind - known.wind).norm());
+      density_off = std::max<double>(density_off, std::fabs(seen.density - known.density));
+      most_density = std::max<double>(most_density, known.density);
+    }
+    EXPECT_GT(most_density, 0.04) << "kg/m^3, after the origin moved";
+    EXPECT_LT(off, 2e-4) << "m";
+    EXPECT_LT(wind_off, 5e-3) << "m/s";
+    EXPECT_LT(density_off, 1e-3) << "kg/m^3";
+  }
+}
+
 TEST_F(GpuAir, AfterAResetAndWhereItWasSwitchedOffItIsAsAtTheStart) {
   const Tuft tuft;
   Parameters windy = everything();
