@@ -6,11 +6,13 @@
 
 namespace strandcast {
 
-/// How long the answer to a command is waited for. Steps are answered when the last is taken: until then the
-/// simulation goes on. One that goes on beyond them has not heard of the command.
+/// How long the answer to a command is waited for. Steps are answered when the last is taken, and all that
+/// were asked for before: until then the simulation goes on. One that goes on beyond kMostSteps has not heard
+/// of the command.
 class AnswerWait {
  public:
-  /// `timeout`: s, of the daemon's silence. `steps`: that were asked for; 0 of other commands.
+  /// `timeout`: s, of the daemon's silence. `steps`: that may be taken before the answer; 0 of other
+  /// commands.
   AnswerWait(double timeout, double steps) : timeout_(timeout), steps_(steps) {}
   /// `status`: the daemon's newest.
   bool isOver(const std::optional<Status>& status);

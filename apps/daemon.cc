@@ -27,7 +27,6 @@ using Clock = std::chrono::steady_clock;
 constexpr size_t kStepWindow = 1200;     // steps that the timing statistics look back on
 constexpr double kStatusInterval = 0.5;  // s
 constexpr double kPullSeconds = 1;       // of simulation, after which a hand lets go that nobody moves
-constexpr int kMostSteps = 1000;         // that commands have asked for
 constexpr double kFarthestPlace = 1000;  // m, on each axis, of a commanded pose
 constexpr double kRampSeconds = 0.2;     // a commanded pose is reached in this time, smoothly
 

@@ -13,6 +13,8 @@
 
 namespace strandcast {
 
+constexpr int kMostSteps = 1000;  ///< that a daemon may still have to take for commands
+
 /// What a daemon has to say when it ends.
 struct DaemonSummary {
   Status status;

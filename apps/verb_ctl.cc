@@ -12,6 +12,7 @@
 #include "apps/answer_wait.h"
 #include "apps/channel.h"
 #include "apps/console.h"
+#include "apps/daemon.h"
 #include "apps/finite_range.h"
 #include "apps/interrupt.h"
 #include "apps/verbs.h"
@@ -73,7 +74,7 @@ int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
   command.kind = kind;
   command.name = name;
   command.values = values;
-  AnswerWait wait(o.timeout, kind == CommandKind::kStep ? values[0] : 0);
+  AnswerWait wait(o.timeout, kind == CommandKind::kStep ? kMostSteps : 0);
   const std::optional<std::string> refusal = ask(*subscriber, command, [&] {
     if (g_interrupted) throw Interrupted();
     return wait.isOver(subscriber->status());

@@ -470,6 +470,22 @@ TEST_F(Programs, AStrongerDaemonJoinsOneThatCastsTheirGroomAndLeavesItAgain) {
   EXPECT_EQ(wait(weaker), 0);
 }
 
+TEST_F(Programs, StepsWaitForThoseThatOthersAskedFor) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::string network = " --domain " + domain_;
+  const pid_t daemon = start({daemon_, "--scene", "wavy", "--strands", "300", "--backend", "simd",
+                              "--threads", "1", "--set", "substeps=32", "--domain", domain_, "--quiet"},
+                             "daemon.txt");
+  ASSERT_EQ(run(program_ + " ctl pause --timeout 60" + network).exit_code, 0);
+  const pid_t others = start({program_, "ctl", "step", "150", "--domain", domain_}, "others.txt");
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const Outcome own = run(program_ + " ctl step 1 --timeout 1" + network);
+  EXPECT_EQ(own.exit_code, 0) << own.err;
+  EXPECT_EQ(wait(others), 0);
+  EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
+  EXPECT_EQ(wait(daemon), 0);
+}
+
 TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {
   if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
   const std::string run_file = (folder_ / "run.rec").string(), network = " --domain " + domain_;
