@@ -1,5 +1,23 @@
 // Lengths between pins. Included in core/rod_sweep.inl.
 
+// The most tautness() of what is between two pins, as they are held at the end of the step; 1 where there is none.
+inline real RodStep::mostTautness() const {
+  real most = lit(1), length = lit(0);  // since the last pin
+  if (!b.pinned) return most;
+  real3 pin = end_.position;
+  mask follows_pin = lit(0) < lit(1);
+  for (int e = 0; e < ne; ++e) {
+    length = length + lengthOf(e);
+    const mask pinned = !(weight(e + 1) > lit(0));
+    const real3 held = heldPoint(b, end_, e + 1, 1), span = held - pin;
+    most = select(pinned && !follows_pin, max(most, tautness(sqrt(dot(span, span)), length)), most);
+    pin = select(pinned, held, pin);
+    length = select(pinned, lit(0), length);
+    follows_pin = pinned;
+  }
+  return most;
+}
+
 // Exact lengths from one pin on miss the next one: what lacks there is shared by the edges between the two, by their lengths. Left to the last
 // edge, a taut strand that was shaken stayed crumpled, with that edge as long as all others.
 [[gnu::noinline]] inline void RodStep::shareMissing() {

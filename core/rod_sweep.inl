@@ -76,10 +76,10 @@ class RodStep {
       nearness_ = lit(0);
       moveByForces();
       const real most = substituteLengths();
-      const mask violent = isViolent(most), eliminated = isEliminated(stiffest_, most, touches_);
+      const mask violent = isViolent(most) || taut_, eliminated = isEliminated(stiffest_, most, touches_) || taut_;
       if (anyTrue(violent && !eliminated)) pullThroughBending(violent && !eliminated);
       if (anyTrue(eliminated)) pullByElimination(eliminated);
-      again_ = violent || meets_;
+      again_ = (violent && !taut_) || meets_;
       if (anyTrue(again_)) {
         moveByPulls();
         substituteLengths();
@@ -127,10 +127,17 @@ class RodStep {
   real ownMass(int i) const { return state(b.mass, 0, rowOfVertex(i)); }
   real mass(int i) const { return grooming_.on() ? grooming_.mass(i) : ownMass(i); }
   real weight(int i) const { return grooming_.on() ? grooming_.weight(i) : state(b.weight, 0, rowOfVertex(i)); }
+  // Of the outer vertex of edge e or, where that is pinned, of the inner one: else the last edge before a pin would have another time
+  // blend than those before it, and tremble.
+  real freeWeight(int e) const {
+    const real outer = weight(e + 1);
+    return b.pinned && e > 0 ? select(outer > lit(0), outer, weight(e)) : outer;
+  }
 
   void findTraits();
   mask isUneven() const;
   real drivenByAir(int i, const real& wind) const;
+  real mostTautness() const;
   void predict(const RootFrame& root, double time);
   real3 ownShift(int i) const;
   real3 inertialShift(int i, const real3& own, const RootFrame& root, double time) const;
@@ -162,10 +169,11 @@ class RodStep {
   real3 normalAt(int i) const { return faces(i) ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
   // What contact leaves of a push on vertex i.
   real3 heldAt(int i, const real3& push) const { return faces(i) ? alongSurface(push, get3(kNormal, i)) : push; }
-  // What the pull of edge e is to mend.
+  // What the pull of edge e is to mend: of taut strands nothing more than elimination has.
   real toMend(int e, const real& length) const {
     const real excess = length - lengthOf(e);
-    return b.pinned ? excessToMend(excess, e > 0 ? weight(e) : lit(0), weight(e + 1)) : excess;
+    if (!b.pinned) return excess;
+    return select(again_ || !taut_, excessToMend(excess, e > 0 ? weight(e) : lit(0), weight(e + 1)), lit(0));
   }
   void noteForces();
   void noteMeeting(int i, const real& gap, const mask& pressed) {
@@ -196,7 +204,7 @@ class RodStep {
   // Of a vertex among bodies: some lane may have a contact force, and in this substep a normal. Most have none.
   bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
   mask kinked_, cut_unevenly_;  // the strands that are, see isKinked(), isCutUnevenly()
-  mask between_pins_;           // those with a free vertex before one that is pinned
+  mask between_pins_, taut_;    // those with a free vertex before one that is pinned, and those that are taut there, see isTaut()
   real stiffest_;  // the greatest kappa of a strand, see stiffnessOf()
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
   mask meets_;  // those with a vertex that a body is near in this substep, or has pressed
@@ -251,7 +259,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     const real kept = min(keptTension(state(b.tension, 0, e) * lit(time2_), advance * il, bend(e), il, lit(time2_)),
                           most_tension_);
     store(kept, b.tension + at(0, e));
-    const real kappa = select(cut_unevenly_, stiffest_, stiffnessOf(bend(e), il, lit(time2_), weight(e + 1)));
+    const real kappa = select(cut_unevenly_, stiffest_, stiffnessOf(bend(e), il, lit(time2_), freeWeight(e)));
     const real blend = timeBlend(advance * il, unit - unit_before, kappa, kinked_);
     set(kBlend, e, blend);
     const quat frame = state4(b.frame, e);

@@ -46,5 +46,7 @@ inline void RodStep::findTraits() {
   }
   kinked_ = isKinked(isUneven(), stiffest_);
   cut_unevenly_ = isCutUnevenly(shortest, length * lit(1.0 / ne));
-  most_tension_ = tensionBound(hung, length, lit(p.gravity.norm()) + driven, lit(time2_));
+  const real taut = mostTautness();
+  taut_ = isTaut(taut);
+  most_tension_ = tensionBound(hung, length, taut * (lit(p.gravity.norm()) + driven), lit(time2_));
 }

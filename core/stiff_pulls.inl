@@ -1,4 +1,4 @@
-// The pulls of stiff strands in very violent motion: kernels/stiff_pulls.h along the strands of a block. Included in core/rod_sweep.inl.
+// The pulls of stiff strands in very violent motion and of taut ones: kernels/stiff_pulls.h along the strands of a block. Included in core/rod_sweep.inl.
 
 // The same as pullThroughBending().
 inline void RodStep::pullByElimination(const mask& strands) {

@@ -181,6 +181,7 @@ RodStrands::RodStrands(const StrandModel& model, size_t few)
   for (uint32_t s = 0; s < model.strands(); ++s) {
     strands[s] = strandRest(model, s);
     stiffest_ = std::max(stiffest_, strands[s].stiffest);
+    between_pins_ = between_pins_ || hangsBetweenPins(model, s);
     for (uint32_t v = model.offsets[s]; v + 1 < model.offsets[s + 1]; ++v) {
       const Vec3& strain = model.rest_strain[v];
       joints[v] = {strain.x(), strain.y(), strain.z(), model.bend[v]};
@@ -214,9 +215,7 @@ bool RodStrands::doesAstrayApart(const StrandGroup& group) const {
   return !areFew(true) && group.count >= kAstrayApart;
 }
 
-bool RodStrands::isStiff(const Needs& needs) const {
-  return kernels::f32::isStiff(stiffest_ * needs.time2);
-}
+bool RodStrands::isStiff(const Needs& needs) const { return kernels::f32::isStiff(stiffest_ * needs.time2); }
 
 bool RodStrands::holdsVertices() const { return anyGroup(kPinned | kGroomed); }
 
@@ -230,6 +229,7 @@ const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray,
   const uint32_t key = groups_.groups()[group].key;
   const bool groomed = needs.goal || (key & kGroomed) != 0, clear = motion == Motion::kClear;
   const bool violent = motion == Motion::kViolent, bodies = needs.bodies && !clear;
+  const bool pinned = (key & kPinned) != 0, stiff = isStiff(needs) || (pinned && between_pins_);
   const Spread spread = spreadOf(key, bodies);
   return programs.get(
       "rod.comp", shaders::kRodComp,
@@ -238,8 +238,8 @@ const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray,
                   "#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define STIFF {:d}\n"
                   "#define ASTRAY {:d}\n#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
                   spread.per_thread, spread.threads, edges_of_[group], (key & kGeneral) == 0 && !groomed,
-                  (key & kPinned) != 0, clear, bodies, astray ? needs.turning : 0, groomed, needs.damping,
-                  violent, violent && isStiff(needs), astray, shuffled_, needs.accelerated));
+                  pinned, clear, bodies, astray ? needs.turning : 0, groomed, needs.damping, violent,
+                  violent && stiff, astray, shuffled_, needs.accelerated));
 }
 
 RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& programs) const {

@@ -81,6 +81,7 @@ class RodStrands {
   StrandGroups groups_;             ///< key: see rod_strands.cc
   std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
   float stiffest_ = 0;              ///< the greatest StrandRest::stiffest
+  bool between_pins_ = false;       ///< some strand hangs between two pins, and may be taut there
   gl::Buffer work_, joints_, strands_;
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
   const size_t few_;

@@ -222,6 +222,9 @@ FN mask isStiff(IN(real) kappa) { return kappa > lit(100); }
 FN mask isEliminated(IN(real) kappa, IN(real) violence, IN(mask) pressed) {
   return isStiff(kappa) && (violence > lit(0.3) || (pressed && isViolent(violence)));
 }
+// Nor would they do for a strand that two pins hold taut: pulls that are the same all along hardly move what is nearly straight, and the
+// metric of the masses tells nothing of them. Its pulls are always eliminated, and lengths not solved again.
+FN mask isTaut(IN(real) tautness) { return tautness > lit(3); }
 FN real conjugateStep(IN(real) numerator, IN(real) denominator) {
   mask some = denominator > lit(1e-30);
   return min(select(some, numerator, lit(0)) * inverse(select(some, denominator, lit(1))), lit(16));
@@ -234,9 +237,15 @@ FN real keptTension(IN(real) tension, IN(real3) advance, IN(real) bend, IN(real)
   return max(tension * (lit(1) - forgotten), bend * inverse_length * time2 * lit(-0.1));
 }
 
+// How many times its weight, or what else drives it, a stretch of a strand carries as tension where two pins hold it nearly taut, a span
+// apart: it hangs in a parabola. At least 1; no slack at all is taken for some, so that there is a bound.
+FN real tautness(IN(real) span, IN(real) length) {
+  real slack = max(length - span, madd(lit(1e-5), length, lit(1e-9)));
+  return max(sqrt(span * inverse(lit(24) * slack)), lit(1));
+}
 // The most tension, in the same units, that is taken over into the next substep: stiff hair that was thrown about could
 // otherwise keep a false tension of its own. `mass` of all free vertices, `length` of the strand in metres; `driven`: by gravity, and the
-// most by air and what else accelerates a vertex, m/s^2.
+// most by air and what else accelerates a vertex, m/s^2; both times the most tautness() of what is between its pins.
 FN real tensionBound(IN(real) mass, IN(real) length, IN(real) driven, IN(real) time2) {
   return mass * time2 * madd(lit(50), length, lit(3) * driven);
 }

@@ -1,5 +1,5 @@
-// Kernel text: see kernels/README.md. The pulls of a stiff strand in very violent motion (isEliminated), and what they move, by
-// elimination: pulls p of edges and shifts d of vertices with A d = B' p and B d = excess, where A is the bending matrix and B
+// Kernel text: see kernels/README.md. The pulls of a stiff strand in very violent motion (isEliminated) or of a taut one (isTaut), and what
+// they move, by elimination: pulls p of edges and shifts d of vertices with A d = B' p and B d = excess, where A is the bending matrix and B
 // tells how far shifts shorten edges. From tip to root, a vertex together with the edge after it, in blocks of three: A is the same along x, y
 // and z, but tensions act along edges.
 

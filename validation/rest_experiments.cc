@@ -47,7 +47,7 @@ std::vector<Case> tipLoad(const Laboratory& laboratory) {
   return cases;
 }
 
-constexpr double kSpans[] = {0.2, 0.5, 0.8};
+constexpr double kSpans[] = {0.2, 0.5, 0.8, 0.9999};
 
 std::vector<std::string> namesOfCatenary() { return caseNames("catenary span={:g}", kSpans); }
 

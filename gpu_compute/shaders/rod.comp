@@ -16,7 +16,7 @@
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
-// STIFF: some strand is (isStiff in kernels/rod.h); the pulls of such a one may be found by elimination.
+// STIFF: some strand is (isStiff in kernels/rod.h), or may be taut between pins; the pulls of such a one may be found by elimination.
 // SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
 // What differs between invocations is chosen by select(), not by if.
 #define WORKGROUP 32
@@ -85,11 +85,13 @@ bool astray;                          // of these: isAstray()
 
 #if PINNED || GROOMED
 // Where the root frame, or the bone that it is pinned to, holds a vertex of the rest shape.
-vec3 heldPoint(uint vertex, RootMotion root) {
+// `time`: the part of the step that has passed then.
+vec3 heldPoint(uint vertex, Pose root, float time) {
   vec4 local = rest_local[vertex];
-  if (local.w < 0.0) return bonePoint(local, root.time);
-  return rotate(root.rotation, local.xyz) + root.position;
+  if (local.w < 0.0) return bonePoint(local, time);
+  return apply(root, local.xyz);
 }
+vec3 heldPoint(uint vertex, RootMotion root) { return heldPoint(vertex, Pose(root.position, root.rotation), root.time); }
 #endif
 
 // How far a vertex would go by itself, to its inertial point; pinned ones ride on the root frame.
@@ -108,13 +110,22 @@ vec3 newEdge(int p) { return oldEdge(p) + edgeShift(p); }
 // How the edge of slot p turns, while vertices are shifted to the inertial points.
 vec3 edgeTurning(int p) { return turningOf(frame[p], edgeShift(p) * inverseLength(p)); }
 
+// Of the outer vertex of the edge of slot p or, where that is pinned, of the inner one: else the last edge before a pin would have another
+// time blend than those before it, and tremble.
+float freeWeight(int p) {
+#if PINNED
+  if (weight(p) == 0.0) return p > 0 ? weight(max(p - 1, 0)) : weight_in;
+#endif
+  return weight(p);
+}
+
 // The kept tension of the edge of slot p, its tangent between the old edge and the inertial one, its frame carried along.
 // Returns the blend of the two; `unit_in`: of the old edge before it.
 float predictEdge(int p, vec3 unit_in) {
   float il = inverseLength(p);
   vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
   tension[p] = min(keptTension(tension[p], advance * il, bends[p], il, settings.time2), most_tension);
-  float kappa_here = stiffnessOf(bends[p], il, settings.time2, weight(p));
+  float kappa_here = stiffnessOf(bends[p], il, settings.time2, freeWeight(p));
 #if !UNIFORM
   kappa_here = select(cut_unevenly, kappa(), kappa_here);
 #endif
@@ -437,8 +448,8 @@ bool needsAgain(bool pressed) {
   bool needs = false;
 #if STIFF
   most = strandMax(mostViolence());
-  needs = isViolent(most);
-  const bool eliminated = isEliminated(kappa(), most, pressed);
+  needs = isViolent(most) && !taut;
+  const bool eliminated = isEliminated(kappa(), most, pressed) || taut;
   if (anyStrand(eliminated)) pullByElimination(eliminated);
   if (anyStrand(needs && !eliminated)) pullThroughBending(needs && !eliminated);
 #elif VIOLENT
@@ -569,7 +580,7 @@ void stepStrands(uint list, uint first, uint count) {
   }
 #endif
 #if !VIOLENT
-  bool leaves = isViolent(most);
+  bool leaves = isViolent(most) || taut;
 #if CLEAR
   vec4 looked[PER_THREAD];
   leaves = comesNear(looked) || leaves;

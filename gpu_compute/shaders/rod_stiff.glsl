@@ -1,5 +1,5 @@
-// The pulls of stiff strands in very violent motion: kernels/stiff_pulls.h, one invocation to a strand, while the others wait. Its part of
-// rod.comp.
+// The pulls of stiff strands in very violent motion and of taut ones: kernels/stiff_pulls.h, one invocation to a strand, while the others
+// wait. Its part of rod.comp.
 
 // An edge and the vertex at its end. Once the bending matrix is eliminated, the inverse pivot of the vertex stands in place of its mass
 // and the factors of the next two inwards on it in place of what couples them; in the end its shift and the edge's pull in place of the
@@ -124,5 +124,6 @@ void pullByElimination(bool mine) {
     tension[p] += stiff_edges[own + p].excess;
     pull[p] = softness[p] = 0.0;
   }
+  if (hasBefore(1)) shift_in += stiff_edges[own - 1u].tangent;  // a taut strand's lengths are not solved again
   pull_in = pull_out = softness_in = 0.0;
 }

@@ -31,6 +31,7 @@ StrandRest rest;
 bool kinked;        // isKinked()
 bool cut_unevenly;  // isCutUnevenly()
 bool between_pins;  // hangsBetweenPins()
+bool taut;          // isTaut()
 bool exists;  // invocations past the last strand go along with copies of it, because every one must reach each barrier
 
 vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
@@ -160,6 +161,12 @@ float drivenByAir() {
 #endif
 }
 
+#if PINNED
+float mostTautness();  // shaders/rod_pinned.glsl
+#else
+float mostTautness() { return 1.0; }
+#endif
+
 // The strand of this invocation; arguments: see stepStrands.
 void loadStrand(uint list, uint first, uint count) {
   placeInvocation();
@@ -211,7 +218,8 @@ void loadStrand(uint list, uint first, uint count) {
   keep_in = keepOf(at);
   strand_grooming = grooming[root_vertex].xy;
 #endif
-  const float driven = length(settings.gravity.xyz) + drivenByAir();
+  const float most_taut = mostTautness(), driven = most_taut * (length(settings.gravity.xyz) + drivenByAir());
+  taut = isTaut(most_taut);
   most_tension = tensionBound(rest.free_mass, rest.arc_length, driven, settings.time2);
 }
 
