@@ -1,7 +1,6 @@
 #include "air/wind.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace strandcast {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/drag_step.h"
 #include "core/strand_block.h"
 
 namespace strandcast {

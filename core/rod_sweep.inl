@@ -76,10 +76,10 @@ class RodStep {
       nearness_ = lit(0);
       moveByForces();
       const real most = substituteLengths();
-      const mask violent = isViolent(most) || taut_, eliminated = isEliminated(stiffest_, most, touches_) || taut_;
+      const mask violent = isViolent(most) && !taut_, eliminated = isEliminated(stiffest_, most, touches_) || taut_;
       if (anyTrue(violent && !eliminated)) pullThroughBending(violent && !eliminated);
       if (anyTrue(eliminated)) pullByElimination(eliminated);
-      again_ = (violent && !taut_) || meets_;
+      again_ = violent || meets_;
       if (anyTrue(again_)) {
         moveByPulls();
         substituteLengths();

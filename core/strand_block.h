@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/backend.h"
-#include "core/drag_step.h"
 
 namespace strandcast {
 

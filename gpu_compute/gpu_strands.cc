@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/drag_step.h"
 #include "core/error.h"
 #include "core/strand_order.h"
 #include "gl/errors.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 #include "groom/groom_encode.h"
 #include "groom/groom_file.h"
@@ -37,6 +38,7 @@ class Curves {
     const std::vector<double>& points = numbers("points");
     if (points.size() != 3 * points_)
       fail(fmt::format("it has {} numbers for the {} points of its curves", points.size(), points_));
+    widths_ = widths();
   }
 
   void addTo(RawGroom& groom) const {
@@ -67,11 +69,11 @@ class Curves {
     if (hasWidths() && out.radii.size() == first)
       out.radii.insert(out.radii.end(), radii.begin(), radii.end());
     const std::vector<double>& uvs = numbers("primvars:st");
-    if (uvs.size() == 2 * counts_.size() && out.uvs.size() + counts_.size() == out.strands())
+    if (hasUvs() && out.uvs.size() + counts_.size() == out.strands())
       for (size_t i = 0; i < uvs.size(); i += 2)
         out.uvs.emplace_back(static_cast<float>(uvs[i]), static_cast<float>(uvs[i + 1]));
   }
-  bool hasWidths() const { return widths() != Widths::kNone; }
+  bool hasWidths() const { return widths_ != Widths::kNone; }
   bool hasUvs() const { return numbers("primvars:st").size() == 2 * counts_.size(); }
   /// What of it is not read.
   bool leavesWidths() const { return !numbers("widths").empty() && !hasWidths(); }
@@ -120,11 +122,8 @@ class Curves {
     return Widths::kNone;
   }
   double widthOf(size_t curve, size_t point) const {
-    const Widths how = widths();
-    return how == Widths::kNone ? 0
-                                : numbers("widths")[how == Widths::kOne        ? 0
-                                                    : how == Widths::kPerCurve ? curve
-                                                                               : point];
+    if (!hasWidths()) return 0;
+    return numbers("widths")[widths_ == Widths::kOne ? 0 : widths_ == Widths::kPerCurve ? curve : point];
   }
 
   /// Calls give() with the vertices of a strand: points on the curve, at the ends of its segments; of bezier
@@ -170,21 +169,20 @@ class Curves {
   std::string type_, basis_, wrap_;
   std::vector<size_t> counts_;
   size_t points_ = 0;
+  Widths widths_;
 };
 
 }  // namespace
 
 RawGroom readUsda(std::span<const std::byte> bytes, const std::string& name) {
   UsdaText text(bytes, name);
-  const UsdaStage stage = readUsdaStage(text, "BasisCurves", kWanted);
+  UsdaStage stage = readUsdaStage(text, "BasisCurves", kWanted);
   RawGroom groom;
   groom.format = "usda";
   groom.native_up = stage.up == 'X' ? UpAxis::kX : stage.up == 'Z' ? UpAxis::kZ : UpAxis::kY;
   groom.unit_meters = static_cast<float>(stage.meters_per_unit);
-  groom.unread = stage.unread;
   const auto note = [&](bool is, const char* what) {
-    if (is && std::find(groom.unread.begin(), groom.unread.end(), what) == groom.unread.end())
-      groom.unread.emplace_back(what);
+    if (is) stage.leaveOut(what);
   };
   bool widths = false, uvs = false;
   for (const UsdaPrim& prim : stage.prims) {
@@ -208,6 +206,7 @@ RawGroom readUsda(std::span<const std::byte> bytes, const std::string& name) {
   if (strands.uvs.size() != strands.strands()) strands.uvs.clear();
   note(widths && strands.radii.empty(), "widths");
   note(uvs && strands.uvs.empty(), "UVs");
+  groom.unread = std::move(stage.unread);
   return groom;
 }
 

@@ -46,9 +46,6 @@ class StageReader {
 
  private:
   bool takeSeparator() { return text_.takeMark(';'); }
-  void note(const char* unread) {
-    if (!holds(stage_.unread, unread)) stage_.unread.emplace_back(unread);
-  }
 
   /// Behind its opening bracket. `read(key)` reads the value of a key, or gives false to have it skipped.
   template <class Read>
@@ -77,7 +74,7 @@ class StageReader {
       stage_.up = up[0][0];
       return true;
     }
-    if (key == "subLayers") note("sublayers");
+    if (key == "subLayers") stage_.leaveOut("sublayers");
     return false;
   }
 
@@ -98,7 +95,7 @@ class StageReader {
         if (key == "active") {
           active = !(text_.isWord("false") || text_.text() == "0");
         } else if (key == "references" || key == "payload" || key == "inherits" || key == "specializes") {
-          note("references");
+          stage_.leaveOut("references");
         }
         return false;
       });
@@ -114,7 +111,7 @@ class StageReader {
 
   bool readVariants() {
     if (!text_.takeWord("variantSet")) return false;
-    note("variants");
+    stage_.leaveOut("variants");
     text_.takeString();
     text_.expectMark('=');
     text_.skipValue();
@@ -129,8 +126,8 @@ class StageReader {
   }
 
   void readProperty(UsdaPrim& prim) {
-    constexpr std::array<std::string_view, 9> kBefore = {"custom", "uniform", "varying", "config", "prepend",
-                                                         "append", "delete",  "add",     "reorder"};
+    constexpr std::array<std::string_view, 8> kBefore = {"custom",  "uniform", "varying", "config",
+                                                         "prepend", "append",  "delete",  "add"};
     while (text_.kind() == UsdaText::Kind::kWord && holds(kBefore, text_.text())) text_.next();
     if (text_.kind() != UsdaText::Kind::kWord) text_.fail("there should be a property");
     text_.next();  // its type, or rel
@@ -146,7 +143,7 @@ class StageReader {
                        (prim.type == wanted_ && holds(wanted_properties_, name)));
     UsdaProperty* property = nullptr;
     if (text_.takeMark('=')) {
-      if (kept && sampled) note("time samples");
+      if (kept && sampled) stage_.leaveOut("time samples");
       if (!kept || (sampled && prim.properties.contains(name)))
         text_.skipValue();
       else
@@ -260,6 +257,10 @@ class StageReader {
 };
 
 }  // namespace
+
+void UsdaStage::leaveOut(const std::string& what) {
+  if (!holds(unread, what)) unread.push_back(what);
+}
 
 UsdaStage readUsdaStage(UsdaText& text, std::string_view wanted, const std::vector<std::string>& properties) {
   return StageReader(text, wanted, properties).read();

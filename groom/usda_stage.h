@@ -31,6 +31,8 @@ struct UsdaStage {
   char up = 'Y';
   std::vector<UsdaPrim> prims;      ///< those above before those below
   std::vector<std::string> unread;  ///< what else is in it that may bear on hair: "references", "variants"
+  /// Adds to what is unread, once.
+  void leaveOut(const std::string& what);
 };
 
 /// Parses the text. Of the properties only transforms are kept, and of prims of type `wanted` those that are

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/drag_step.h"
 #include "kernels/highway_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/simd_kernels.cc"
