@@ -76,7 +76,8 @@ class RodStep {
       nearness_ = lit(0);
       moveByForces();
       const real most = substituteLengths();
-      const mask violent = isViolent(most) && !taut_, eliminated = isEliminated(stiffest_, most, touches_) || taut_;
+      const mask violent = isViolent(most, borne_) && !taut_;
+      const mask eliminated = isEliminated(stiffest_, most, borne_, touches_) || taut_;
       if (anyTrue(violent && !eliminated)) pullThroughBending(violent && !eliminated);
       if (anyTrue(eliminated)) pullByElimination(eliminated);
       again_ = violent || meets_;
@@ -133,9 +134,15 @@ class RodStep {
     const real outer = weight(e + 1);
     return b.pinned && e > 0 ? select(outer > lit(0), outer, weight(e)) : outer;
   }
+  // Of edge e, where it is anchored; else 0.
+  real anchoring(int e) const {
+    if (e > 0 && !b.pinned) return lit(0);
+    const real anchored = edgeAnchoring(get(kStiffness, e), get(kMargin, e), get(kMargin, e + 1));
+    return e > 0 ? select(weight(e) > lit(0), lit(0), anchored) : anchored;
+  }
 
   void findTraits();
-  mask isUneven() const;
+  void findBends();
   real drivenByAir(int i, const real& wind) const;
   real mostTautness() const;
   void predict(const RootFrame& root, double time);
@@ -206,6 +213,7 @@ class RodStep {
   mask kinked_, cut_unevenly_;  // the strands that are, see isKinked(), isCutUnevenly()
   mask between_pins_, taut_;    // those with a free vertex before one that is pinned, and those that are taut there, see isTaut()
   real stiffest_;  // the greatest kappa of a strand, see stiffnessOf()
+  real borne_;     // see violenceBorne()
   mask again_;  // the strands that have their lengths solved now: all, then those that need it again
   mask meets_;  // those with a vertex that a body is near in this substep, or has pressed
   real nearness_;  // of the nearest body to any of its vertices in this substep
@@ -362,7 +370,7 @@ inline void RodStep::eliminateBending() {
     const real il_in = e > 0 ? inverseLength(e - 1) : lit(0), il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
     const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1);
     const real edge = edgeMatrixStiffness(get(kMargin, e) + get(kMargin, e + 1), il, kept, get(kBlend, e));
-    set(kSoftness, e + 1, curlSoftness(weight(e + 1), k1, il, t_in, t, t_out, t_out2));
+    set(kSoftness, e + 1, curlSoftness(weight(e + 1), k1, il, t_in, t, t_out, t_out2, anchoring(e)));
 
     const real l1 = across * id1, l2 = second * id2;
     const real sum = m - l1 * sum1 - l2 * sum2;

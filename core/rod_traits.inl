@@ -1,8 +1,8 @@
 // What a step finds of its strands before the first substep: how stiff they are, how they are bent and cut, how hard they are driven.
 // Included in core/rod_sweep.inl.
 
-// As bendsUnevenly() of core/strand_model.h.
-inline mask RodStep::isUneven() const {
+// What follows from how strands are bent at rest, and from how stiff they are: as restBends() of core/strand_model.h.
+inline void RodStep::findBends() {
   real bends = lit(0), changes = lit(0), second_changes = lit(0);
   real3 before = makeReal3(lit(0), lit(0), lit(0)), change_before = before;
   for (int j = 1; j < ne; ++j) {
@@ -13,7 +13,9 @@ inline mask RodStep::isUneven() const {
     before = strain;
     change_before = change;
   }
-  return bendsUnevenly(bends, changes, second_changes, lit(ne - 1));
+  const mask uneven = bendsUnevenly(bends, changes, second_changes, lit(ne - 1));
+  kinked_ = isKinked(uneven, stiffest_);
+  borne_ = violenceBorne(uneven || isSharp(bends, lit(ne - 1)), stiffest_);
 }
 
 // How much air, and what else accelerates a vertex besides gravity, drives vertex i, at most: m/s^2. `wind`: what it does to one whose
@@ -44,7 +46,7 @@ inline void RodStep::findTraits() {
     seen_free = seen_free || is_free;
     hung = hung + select(is_free, ownMass(e + 1), lit(0));
   }
-  kinked_ = isKinked(isUneven(), stiffest_);
+  findBends();
   cut_unevenly_ = isCutUnevenly(shortest, length * lit(1.0 / ne));
   const real taut = mostTautness();
   taut_ = isTaut(taut);

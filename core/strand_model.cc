@@ -136,7 +136,7 @@ bool hangsBetweenPins(const StrandModel& model, size_t strand) {
   return false;
 }
 
-bool bendsUnevenly(const StrandModel& model, size_t strand) {
+RestBends restBends(const StrandModel& model, size_t strand) {
   const uint32_t root = model.offsets[strand], joints_end = model.offsets[strand + 1] - 1;
   float bends = 0, changes = 0, second_changes = 0;
   Vec3 before = Vec3::Zero(), change_before = Vec3::Zero();
@@ -148,8 +148,9 @@ bool bendsUnevenly(const StrandModel& model, size_t strand) {
     before = strain;
     change_before = change;
   }
-  return kernels::f32::bendsUnevenly(bends, changes, second_changes,
-                                     static_cast<float>(joints_end - root) - 1);
+  const float joints = static_cast<float>(joints_end - root) - 1;
+  return {kernels::f32::bendsUnevenly(bends, changes, second_changes, joints),
+          kernels::f32::isSharp(bends, joints)};
 }
 
 bool StrandModel::hasFactors(size_t strand) const {

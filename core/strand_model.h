@@ -74,8 +74,11 @@ struct StrandModel {
   size_t verticesOf(size_t strand) const { return offsets[strand + 1] - offsets[strand]; }
 };
 
-/// Whether a strand's bends at rest change unevenly from joint to joint: bendsUnevenly() of kernels/rod.h.
-bool bendsUnevenly(const StrandModel& model, size_t strand);
+/// How a strand is bent at rest: bendsUnevenly() and isSharp() of kernels/rod.h.
+struct RestBends {
+  bool uneven, sharp;
+};
+RestBends restBends(const StrandModel& model, size_t strand);
 /// Whether a strand has a free vertex before one that is pinned.
 bool hangsBetweenPins(const StrandModel& model, size_t strand);
 

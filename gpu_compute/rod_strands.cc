@@ -67,7 +67,7 @@ constexpr std::array<const char*, 9> kLooking = {
 
 /// Of shaders/rod_work.glsl.
 struct StrandRest {
-  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, stiffest, uneven;
+  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, stiffest, traits;
 };
 
 float restLength(const StrandModel& model, uint32_t edge) {
@@ -96,7 +96,8 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
     stiffest = std::max(stiffest,
                         kernels::f32::stiffnessOf(model.bend[v - 1], 1 / bends_over, 1, 1 / model.mass[v]));
   }
-  const int uneven = (bendsUnevenly(model, strand) ? 1 : 0) +
+  const RestBends rest = restBends(model, strand);
+  const int traits = (rest.uneven ? 1 : 0) + (rest.sharp ? 8 : 0) +
                      (kernels::f32::isCutUnevenly(shortest, mean) ? 2 : 0) +
                      (hangsBetweenPins(model, strand) ? 4 : 0);
   return {mean,
@@ -106,7 +107,7 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
           free_mass,
           length,
           stiffest,
-          static_cast<float>(uneven)};
+          static_cast<float>(traits)};
 }
 
 /// Of shaders/rod_strand.glsl.

@@ -94,6 +94,8 @@ FN mask bendsUnevenly(IN(real) bends, IN(real) changes, IN(real) second_changes,
 }
 // Whether it is to be taken as that: it is stiff enough for it to matter. `kappa`: the greatest of its edges.
 FN mask isKinked(IN(mask) uneven, IN(real) kappa) { return uneven && kappa > lit(0.3); }
+// Whether its bends at rest are sharp: fewer than 5.6 such edges make a turn. Sums as above.
+FN mask isSharp(IN(real) bends, IN(real) joints) { return bends > lit(1.5) * joints; }
 
 // Forces on an edge are taken at a blend of its old position (1) and the inertial point (0). 0 is implicit Euler, which
 // damps a motion of angular frequency w by zeta = w dt / 2; 1 is the average acceleration method (Newmark 1959), which
@@ -147,14 +149,18 @@ FN real bendAcrossTwo(IN(real) k2, IN(real) il_out, IN(real) il_out2) { return k
 // curl inwards, along the difference b of its tangents, and A holds it back there. So they are solved in the metric
 // weight (1 - softness b b' / b.b), with the softness that b A b tells; its rows are tridiagonal. In the metric of the masses
 // alone tensions lag behind, which feeds energy to curls. `stiffness`: of the vertex's joint in A; t_in2, t_in, t_out, t_out2:
-// tangents of the two edges before and the two after the vertex.
+// tangents of the two edges before and the two after the vertex. `anchoring`: of the edge before it, where that is anchored, else 0.
 FN real curlSoftness(IN(real) weight, IN(real) stiffness, IN(real) inverse_length, IN(real3) t_in2, IN(real3) t_in,
-                     IN(real3) t_out, IN(real3) t_out2) {
+                     IN(real3) t_out, IN(real3) t_out2, IN(real) anchoring) {
   real3 b = t_out - t_in;
   real3 change = t_out2 - t_in2 - b * lit(3);
-  real held = weight * stiffness * inverse_length * inverse_length * dot(change, change);
-  return held * inverse(dot(b, b) + held * lit(1.01) + lit(1e-12));
+  real bends = dot(b, b);
+  real held = weight * inverse_length * inverse_length * madd(stiffness, dot(change, change), anchoring * bends);
+  return held * inverse(bends + held * lit(1.01) + lit(1e-12));
 }
+// An edge is anchored whose inner end is held, by the root or a pin: it cannot go along with its outer one. This is what A has against its
+// turning: the stiffness of its inner joint and the margins of both. Without it soft hair that folds down over its root bobbed for ever.
+FN real edgeAnchoring(IN(real) stiffness, IN(real) margin, IN(real) margin_out) { return stiffness + margin + margin_out; }
 // What of this metric acts along an edge next to the vertex, whose tangents make an angle of cosine c.
 FN real weightAlong(IN(real) weight, IN(real) softness, IN(real) c) {
   return weight * (lit(1) - lit(0.5) * softness * (lit(1) - c));
@@ -176,11 +182,13 @@ FN real lengthHeld(IN(real3) t, IN(real3) normal_in, IN(real) weight_in, IN(real
   return max(weight_in * (a_in * a_in - lit(0.9)) + weight * (a * a - lit(0.9)), lit(0));
 }
 // How far the pull of an edge would move its ends, over its length. Where that is violent for any edge of a strand, this metric
-// is too bad a guess for it and would feed energy to stiff hair.
+// is too bad a guess for it and would feed energy to hair: to stiff hair soonest, and to what is sharp or uneven.
 FN real violence(IN(real) pull, IN(real) weight_in, IN(real) weight, IN(real) inverse_length) {
   return abs(pull) * (weight_in + weight) * inverse_length;
 }
-FN mask isViolent(IN(real) violence) { return violence > lit(0.05); }
+// The most that does not matter. `sharp`: isSharp() or bendsUnevenly(); `kappa`: the greatest of a strand's edges.
+FN real violenceBorne(IN(mask) sharp, IN(real) kappa) { return select(sharp || kappa > lit(10), lit(0.05), lit(0.15)); }
+FN mask isViolent(IN(real) violence, IN(real) borne) { return violence > borne; }
 // Pulls that would move ends farther than their edges are long: how a strand beside a body folds then is beyond the substep, and what it
 // would take for speed is not its own. thrownBy() says how much that is so, 0 to 1; `nearness`: of the body, see kernels/contact.h.
 // Then slowed() is the part that its vertices keep of their speeds, of which the largest is `speed`; `fastest`: the most that any of them,
@@ -219,8 +227,8 @@ const int kPullIterations = 2;
 // where that may be, pulls are found by elimination (kernels/stiff_pulls.h). `kappa`: the greatest of a strand's edges, see stiffnessOf();
 // `pressed`: by a body, which leaves less room.
 FN mask isStiff(IN(real) kappa) { return kappa > lit(100); }
-FN mask isEliminated(IN(real) kappa, IN(real) violence, IN(mask) pressed) {
-  return isStiff(kappa) && (violence > lit(0.3) || (pressed && isViolent(violence)));
+FN mask isEliminated(IN(real) kappa, IN(real) violence, IN(real) borne, IN(mask) pressed) {
+  return isStiff(kappa) && (violence > lit(0.3) || (pressed && isViolent(violence, borne)));
 }
 // Nor would they do for a strand that two pins hold taut: pulls that are the same all along hardly move what is nearly straight, and the
 // metric of the masses tells nothing of them. Its pulls are always eliminated, and lengths not solved again.

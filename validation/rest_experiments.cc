@@ -176,6 +176,44 @@ std::vector<Case> damped(const Laboratory& laboratory) {
   return cases;
 }
 
+// Hair that grows upwards hangs down over its root. A tenth as stiff as human hair, as fur and wool are, it
+// turns by more than 100 degrees in its first joint there.
+constexpr double kSubstepsFolded[] = {4, 6};
+
+std::vector<std::string> namesOfFolded() {
+  return caseNames("folded over its root, {:g} substeps: at rest", kSubstepsFolded);
+}
+
+std::vector<Case> foldedOverRoot(const Laboratory& laboratory) {
+  constexpr double kShaking = 1, kResting = 6;   // s
+  constexpr float kLength = 0.4f, kWay = 0.05f;  // m
+  Material soft;
+  soft.youngs_modulus /= 10;
+  std::vector<StrandPoints> strands;
+  for (const float lean : {5.0f, 10.0f, 20.0f, 30.0f, 45.0f}) {  // degrees
+    const float angle = lean * std::numbers::pi_v<float> / 180;
+    strands.push_back(straightStrand(kLength, kEdges, Vec3(std::sin(angle), std::cos(angle), 0)));
+  }
+  std::vector<Case> cases;
+  for (size_t i = 0; i < std::size(kSubstepsFolded); ++i) {
+    Parameters parameters = laboratory.parameters(60, 5);
+    parameters.substeps = static_cast<int>(kSubstepsFolded[i]);
+    Simulation simulation = laboratory.simulation(modelOf(strands, soft), parameters);
+    laboratory.advance(
+        simulation, kShaking,
+        [&](double t) {
+          const double turns = 2 * std::numbers::pi * t;
+          const Vec3 way(static_cast<float>(std::sin(2 * turns)), 0, static_cast<float>(std::sin(3 * turns)));
+          return Pose{kWay * way, Quat::Identity()};
+        },
+        [] {});
+    laboratory.advance(simulation, kResting);
+    cases.push_back(absoluteCase({namesOfFolded()[i], "largest rms speed of a strand after 6 s", "mm/s"},
+                                 1e3 * fastestOf(simulation), 0, 1));
+  }
+  return cases;
+}
+
 }  // namespace
 
 void addRestExperiments(std::vector<Experiment>& experiments) {
@@ -189,6 +227,8 @@ void addRestExperiments(std::vector<Experiment>& experiments) {
        helices});
   experiments.push_back(
       {"waves made to rest as groomed, with internal damping, 10 s after a push", namesOfDamped(), damped});
+  experiments.push_back({"upright strands of 40 cm, a tenth as stiff as hair, shaken and left alone",
+                         namesOfFolded(), foldedOverRoot});
   experiments.push_back({"strands made to rest as groomed (core/sag_free.h): level, upright, helix, arc",
                          {"sag-free drift"},
                          sagFree});

@@ -119,6 +119,14 @@ float freeWeight(int p) {
   return weight(p);
 }
 
+// Whether the inner end of the edge of slot p is held.
+bool isAnchored(int p) {
+#if PINNED
+  if ((p > 0 ? weight(max(p - 1, 0)) : weight_in) == 0.0) return true;
+#endif
+  return p == 0 && rank == 0;
+}
+
 // The kept tension of the edge of slot p, its tangent between the old edge and the inertial one, its frame carried along.
 // Returns the blend of the two; `unit_in`: of the old edge before it.
 float predictEdge(int p, vec3 unit_in) {
@@ -233,7 +241,8 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     vec3 t_out = p < kLast ? tangent[min(p + 1, kLast)] : tangent_out;
     vec3 t_out2 = p < kLast - 1 ? tangent[min(p + 2, kLast)] : p < kLast ? tangent_out : tangent_out2;
     t_out2 = select(isLast(p, 2), t_out, t_out2);
-    float soft = curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2);
+    float anchoring = edgeAnchoring(stiffness[p], margin[p], margin[p + 1]);
+    float soft = curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2, select(isAnchored(p), anchoring, 0.0));
     softness[p] = select(isLast(p, 1), 0.0, soft);
     twist_diagonal[p] = select(isEdge(p), twist_diagonal[p], 1.0);
     lower[p] = select(isEdge(p), lower[p], 0.0);
@@ -448,13 +457,13 @@ bool needsAgain(bool pressed) {
   bool needs = false;
 #if STIFF
   most = strandMax(mostViolence());
-  needs = isViolent(most) && !taut;
-  const bool eliminated = isEliminated(kappa(), most, pressed) || taut;
+  needs = isViolent(most, borne) && !taut;
+  const bool eliminated = isEliminated(kappa(), most, borne, pressed) || taut;
   if (anyStrand(eliminated)) pullByElimination(eliminated);
   if (anyStrand(needs && !eliminated)) pullThroughBending(needs && !eliminated);
 #elif VIOLENT
   most = strandMax(mostViolence());
-  needs = isViolent(most);
+  needs = isViolent(most, borne);
   if (anyStrand(needs)) pullThroughBending(needs);
 #else
   most = max(most, mostViolence());
@@ -580,7 +589,7 @@ void stepStrands(uint list, uint first, uint count) {
   }
 #endif
 #if !VIOLENT
-  bool leaves = isViolent(most) || taut;
+  bool leaves = isViolent(most, borne) || taut;
 #if CLEAR
   vec4 looked[PER_THREAD];
   leaves = comesNear(looked) || leaves;

@@ -31,6 +31,7 @@ StrandRest rest;
 bool kinked;        // isKinked()
 bool cut_unevenly;  // isCutUnevenly()
 bool between_pins;  // hangsBetweenPins()
+float borne;        // violenceBorne()
 bool taut;          // isTaut()
 bool exists;  // invocations past the last strand go along with copies of it, because every one must reach each barrier
 
@@ -175,9 +176,11 @@ void loadStrand(uint list, uint first, uint count) {
   strand = work[list + min(number, count - 1u)];
   root_vertex = offsets[strand];
   rest = strand_rest[strand];
-  kinked = isKinked((int(rest.uneven) & 1) != 0, kappa());
-  cut_unevenly = (int(rest.uneven) & 2) != 0;
-  between_pins = (int(rest.uneven) & 4) != 0;
+  const int traits = int(rest.traits);
+  kinked = isKinked((traits & 1) != 0, kappa());
+  cut_unevenly = (traits & 2) != 0;
+  between_pins = (traits & 4) != 0;
+  borne = violenceBorne((traits & 9) != 0, kappa());
 #if EDGES == 0
   edges = int(offsets[strand + 1u] - root_vertex) - 1;
 #endif

@@ -7,7 +7,7 @@ struct StrandRest {      // gpu_compute/rod_strands.cc
   float free_mass;       // of all vertices that are not pinned
   float arc_length;      // m
   float stiffest;        // 1/s^2: the greatest kappa of an edge (isStiff) over the square of the substep
-  float uneven;          // bendsUnevenly(): 1, isCutUnevenly(): 2, hangsBetweenPins(): 4
+  float traits;          // bendsUnevenly(): 1, isCutUnevenly(): 2, hangsBetweenPins(): 4, isSharp(): 8
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };
 // Strands by group; 4 numbers for each group's clear strands, for its near ones, and for its violent ones and those astray in each substep:
