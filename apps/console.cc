@@ -11,9 +11,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "collision/field_bake.h"
-#include "core/error.h"
 
 namespace strandcast {
 namespace {
@@ -111,7 +111,8 @@ int runProgram(const std::function<int()>& body) {
   } catch (const BakeStopped&) {
     std::fputs("stopped\n", stderr);
     return kExitInterrupted;
-  } catch (const Error& error) {
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) != 0) return withOutputWritten(0);  // fmt throws where more than a buffer is lost
     std::fputs(fmt::format("error: {}\n", error.what()).c_str(), stderr);
   } catch (const std::exception& error) {
     std::fputs(fmt::format("error: {}\n", error.what()).c_str(), stderr);

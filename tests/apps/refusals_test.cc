@@ -182,8 +182,10 @@ TEST_F(Refusals, OutputThatCannotBeWrittenIsAnError) {
   EXPECT_NE(full.err.find("is the disk full?"), std::string::npos) << full.err;
   EXPECT_EQ(full.err.find("casting"), std::string::npos) << "nothing is cast: " << full.err;
   for (const char* ignoring : {"", "trap \"\" PIPE; "}) {
-    const Outcome left = outcome(ignoring + program_ + " info --backends | :");
-    EXPECT_EQ(left.err, "") << "nobody reads on: no failure";
+    for (const char* words : {" info --backends", " validate physics --list"}) {
+      const Outcome left = outcome(ignoring + program_ + words + " | :");
+      EXPECT_EQ(left.err, "") << words << ": nobody reads on, no failure";
+    }
   }
 }
 
