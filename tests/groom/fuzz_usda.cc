@@ -3,8 +3,7 @@
 
 // Run as: fuzz_usda FOLDER. The folder, which may be empty at first, receives the seeds and what is found.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  strandcast::writeFuzzSeeds(*argc, *argv,
-                             {strandcast::samples::hair(), strandcast::samples::hairDefaultSegments()});
+  strandcast::writeFuzzSeeds(*argc, *argv, {strandcast::samples::usda()});
   return 0;
 }
 
