@@ -22,7 +22,7 @@ namespace strandcast {
 namespace {
 
 struct StepOptions {
-  std::string backend = "auto", target, scene = "straight", solver = "rod", bodies = "none";
+  std::string backend = "auto", target, scene = "straight", solver = "rod", bodies = "none", rest = "groom";
   int strands = 2000, vertices = 32, substeps = 4, iterations = 6, threads = 0, warmup = 20, steps = 60;
   int air = 0;  // cells per axis; 0 = none
   double shake = 0;
@@ -43,6 +43,20 @@ std::vector<RigidBody> bodiesOf(const StepOptions& o, const Scene& scene) {
   head.a = scene.head_pivot + Vec3(0, 0.08f, 0);
   head.radius = 0.06f;
   return {{{head}, true}};
+}
+
+// Every strand goes on as its first edge begins.
+void straighten(StrandSet& strands) {
+  for (size_t s = 0; s < strands.strands(); ++s) {
+    const std::span<Vec3> points = strands.strand(s);
+    const Vec3 edge = points[1] - points[0];
+    Vec3 before = points[0];
+    for (size_t i = 1; i < points.size(); ++i) {
+      const float length = (points[i] - before).norm();
+      before = points[i];
+      points[i] = points[i - 1] + length * edge.normalized();
+    }
+  }
 }
 
 std::unique_ptr<Backend> backendOf(const StepOptions& o, const std::string& name, SolverKind solver) {
@@ -82,6 +96,7 @@ nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& 
   row.update({{"case", result.backend},
               {"solver", o.solver},
               {"scene", o.scene},
+              {"rest", o.rest},
               {"bodies", o.bodies},
               {"air_cells", o.air},
               {"strands", o.strands},
@@ -105,19 +120,21 @@ nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& 
 }
 
 int step(const StepOptions& o) {
-  const Scene scene = benchScene(o.scene, o.strands, o.vertices, o.seed);
+  Scene scene = benchScene(o.scene, o.strands, o.vertices, o.seed);
+  if (o.rest == "straight") straighten(scene.groom.strands);
   Bench bench;
   bench.name = "step";
-  bench.params = {{"scene", o.scene},       {"solver", o.solver},         {"bodies", o.bodies},
-                  {"air_cells", o.air},     {"shake_hz", o.shake},        {"strands", o.strands},
-                  {"vertices", o.vertices}, {"substeps", o.substeps},     {"iterations", o.iterations},
-                  {"seed", o.seed},         {"instruction_set", o.target}};
+  bench.params = {{"scene", o.scene},           {"rest", o.rest},         {"solver", o.solver},
+                  {"bodies", o.bodies},         {"air_cells", o.air},     {"shake_hz", o.shake},
+                  {"strands", o.strands},       {"vertices", o.vertices}, {"substeps", o.substeps},
+                  {"iterations", o.iterations}, {"seed", o.seed},         {"instruction_set", o.target}};
   bench.more = {{"backend", o.backend}, {"threads", o.threads}};
   bench.heading = fmt::format("scene {}, bodies {}, {} x {}, {} substeps, {} iterations, solver {}\n",
                               o.scene, o.bodies, o.strands, o.vertices, o.substeps, o.iterations, o.solver);
   bench.table = Table(columnsOf({{{"case", "backend"},
                                   {"solver"},
                                   {"scene"},
+                                  {"rest"},
                                   {"bodies"},
                                   {"air_cells"},
                                   {"strands"},
@@ -169,6 +186,10 @@ std::function<int()> addStepBench(CLI::App& app) {
       ->check(CLI::IsMember({"rod", "gauss_seidel"}))
       ->capture_default_str();
   app.add_option("--scene", o->scene, "procedural scene")->capture_default_str();
+  app.add_option("--rest", o->rest,
+                 "groom: hair at rest has the scene's shape; straight: it is straight, as its roots stand")
+      ->check(CLI::IsMember({"groom", "straight"}))
+      ->capture_default_str();
   app.add_option("--shake", o->shake, "Hz, a head that is shaken so; 0 = the scene's own motion")
       ->check(finiteRange(0.0, 10.0))
       ->capture_default_str();

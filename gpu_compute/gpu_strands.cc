@@ -151,10 +151,13 @@ void GpuStrands::upload(const StrandState& state) {
     contacts_.write(std::span<const Vec4>(packed));
   }
   uploaded_ = state.positions;
+  if (rod_) rod_->takeFrames();
   seen_ = SeenBodies();
 }
 
-void GpuStrands::download(StrandState& state) const {
+void GpuStrands::download(StrandState& state) {
+  bind();
+  if (rod_) rod_->findFrames(programs_);
   std::vector<Vec4> packed(vertices_);
   auto read = [&](const gl::Buffer& from) {
     glGetNamedBufferSubData(from.id(), 0, static_cast<GLsizeiptr>(vertices_ * sizeof(Vec4)), packed.data());

@@ -23,7 +23,7 @@ class GpuStrands {
   /// when it does not fit the device.
   void expect(const Parameters& parameters, bool bodies);
   void upload(const StrandState& state);
-  void download(StrandState& state) const;
+  void download(StrandState& state);
   /// The first step with a solver, and its first with bodies or a goal pull, compile and expect() what was
   /// not; that may throw Error. No other one does, nor allocates, unless there are more bodies than ever
   /// before or other shapes.

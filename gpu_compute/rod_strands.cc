@@ -23,9 +23,11 @@ constexpr uint32_t kPerThread = 4, kPerThreadInContact = 2;
 
 // A group's key: invocations per strand with kPerThread edges each, and what its strands let the shader do
 // without.
-constexpr uint32_t kGeneral = 64;   // lengths or masses differ along the strand
-constexpr uint32_t kPinned = 128;   // more than the root is pinned
-constexpr uint32_t kGroomed = 256;  // StrandModel::hasFactors
+constexpr uint32_t kGeneral = 64;    // lengths or masses differ along the strand
+constexpr uint32_t kPinned = 128;    // more than the root is pinned
+constexpr uint32_t kGroomed = 256;   // StrandModel::hasFactors
+constexpr uint32_t kStraight = 512;  // straight at rest, and nothing but the root is pinned
+constexpr uint32_t kKeys = 1024;
 uint32_t threadsOf(uint32_t key) { return key & 63; }
 constexpr uint32_t kAnything = kGeneral | kPinned;
 
@@ -67,7 +69,8 @@ constexpr std::array<const char*, 9> kLooking = {
 
 /// Of shaders/rod_work.glsl.
 struct StrandRest {
-  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, stiffest, traits;
+  float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, stiffest, bend,
+      root_bend, traits;
 };
 
 float restLength(const StrandModel& model, uint32_t edge) {
@@ -107,6 +110,8 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
           free_mass,
           length,
           stiffest,
+          model.bend[first + edges - 1],
+          model.bend[first],
           static_cast<float>(traits)};
 }
 
@@ -123,13 +128,24 @@ std::vector<Vec4> packEdges(const StrandModel& model) {
   return edges;
 }
 
+// Strains at rest below this are none: points in float do not tell them, see kUniform.
+constexpr float kStraightStrain = 1e-4f;
+bool isStraight(const StrandModel& model, uint32_t strand) {
+  const auto first = model.rest_strain.begin() + model.offsets[strand];
+  return !isPinned(model, strand) &&
+         std::all_of(first, first + edgesOf(model, strand),
+                     [](const Vec3& strain) { return strain.norm() < kStraightStrain; });
+}
+
 bool isUniform(const StrandModel& model, uint32_t strand) {
   const StrandRest rest = strandRest(model, strand);
-  const uint32_t tip = model.offsets[strand + 1] - 1;
-  for (uint32_t e = model.offsets[strand]; e < tip; ++e) {
+  const uint32_t first = model.offsets[strand], tip = model.offsets[strand + 1] - 1;
+  const bool bends = !isStraight(model, strand);
+  for (uint32_t e = first; e < tip; ++e) {
     if (!equal(restLength(model, e), rest.edge_length) ||
         !equal(model.mass[e + 1], e + 1 < tip ? 1.0f : 0.5f) ||
-        !equal(model.twist[e], rest.twist_per_bend * model.bend[e]))
+        !equal(model.twist[e], rest.twist_per_bend * model.bend[e]) ||
+        !(bends || e == first || equal(model.bend[e], rest.bend)))
       return false;
   }
   return true;
@@ -140,12 +156,12 @@ uint32_t keyOf(const StrandModel& model, uint32_t strand) {
   const bool pinned = isPinned(model, strand);
   const bool groomed = model.hasFactors(strand);
   return threads | (pinned || groomed || !isUniform(model, strand) ? kGeneral : 0) | (pinned ? kPinned : 0) |
-         (groomed ? kGroomed : 0);
+         (groomed ? kGroomed : 0) | (isStraight(model, strand) ? kStraight : 0);
 }
 
 std::vector<uint32_t> keysOf(const StrandModel& model) {
   std::vector<uint32_t> keys(model.strands());
-  std::array<size_t, 512> count{};
+  std::array<size_t, kKeys> count{};
   for (uint32_t s = 0; s < keys.size(); ++s) ++count[keys[s] = keyOf(model, s)];
   for (uint32_t& key : keys)
     if (count[key] < kOwnProgram) key = sharedThreads(threadsOf(key)) | kAnything | (key & kGroomed);
@@ -159,6 +175,7 @@ constexpr size_t kMostSubsteps = 64;
 constexpr uint32_t kStrandsLooking = 8;  // of a workgroup of shaders/look.comp
 constexpr uint32_t kRootsLooking = 64;   // of a workgroup of shaders/roots.comp
 constexpr uint32_t kSorted = 128;        // of a workgroup of shaders/clear_strands.comp
+constexpr uint32_t kFindingFrames = 32;  // of a workgroup of shaders/straight_frames.comp
 // Workgroups that go through a list as long as it is; so many keep every GPU busy.
 constexpr uint32_t kMostKeptOut = 2048;
 
@@ -220,6 +237,21 @@ bool RodStrands::isStiff(const Needs& needs) const { return kernels::f32::isStif
 
 bool RodStrands::holdsVertices() const { return anyGroup(kPinned | kGroomed); }
 
+void RodStrands::findFrames(ProgramCache& programs) {
+  if (!frames_lag_) return;
+  frames_lag_ = false;
+  const gl::Program& find =
+      straight_frames_.get(programs, "straight_frames.comp", shaders::kStraightFramesComp);
+  work_.bindStorage(5);
+  for (const StrandGroup& group : groups_.groups()) {
+    if ((group.key & kStraight) == 0) continue;
+    glProgramUniform1ui(find.id(), 0, group.first);
+    glProgramUniform1ui(find.id(), 1, group.count);
+    dispatch(find, group.count, kFindingFrames);
+  }
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
 void RodStrands::expect(bool goal, bool bodies) {
   if (edges_.bytes() > 0 || !(goal || bodies || anyGroup(kGeneral | kGroomed))) return;
   edges_ = gl::Buffer(std::span<const Vec4>(packEdges(model_)));
@@ -231,16 +263,18 @@ const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray,
   const bool groomed = needs.goal || (key & kGroomed) != 0, clear = motion == Motion::kClear;
   const bool violent = motion == Motion::kViolent, bodies = needs.bodies && !clear;
   const bool pinned = (key & kPinned) != 0, stiff = isStiff(needs) || (pinned && between_pins_);
+  const bool straight = (key & kStraight) != 0 && !needs.bodies;
   const Spread spread = spreadOf(key, bodies);
   return programs.get(
       "rod.comp", shaders::kRodComp,
       fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n"
-                  "#define PINNED {:d}\n#define CLEAR {:d}\n#define BODIES {:d}\n#define TURNING {}\n"
+                  "#define PINNED {:d}\n#define STRAIGHT {:d}\n#define CLEAR {:d}\n#define BODIES "
+                  "{:d}\n#define TURNING {}\n"
                   "#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define STIFF {:d}\n"
                   "#define ASTRAY {:d}\n#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
                   spread.per_thread, spread.threads, edges_of_[group], (key & kGeneral) == 0 && !groomed,
-                  pinned, clear, bodies, astray ? needs.turning : 0, groomed, needs.damping, violent,
-                  violent && stiff, astray, shuffled_, needs.accelerated));
+                  pinned, straight, clear, bodies, astray ? needs.turning : 0, groomed, needs.damping,
+                  violent, violent && stiff, astray, shuffled_, needs.accelerated));
 }
 
 RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& programs) const {
@@ -259,6 +293,10 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
 
 void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) {
   const int dispatches = needs.bodies ? substeps : 1;
+  if (needs.bodies)
+    findFrames(programs);
+  else
+    frames_lag_ = frames_lag_ || anyGroup(kStraight);
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
                              (needs.damping ? 8 : 0) + 16 * static_cast<size_t>(needs.turning) +
                              (isStiff(needs) ? 48 : 0)];

@@ -32,6 +32,11 @@ class RodStrands {
   /// compiles. Without bodies it is one dispatch of each group of few strands, two of many; with them some
   /// for each substep, of many strands without those that no body comes near in the step.
   void step(const Needs& needs, int substeps, ProgramCache& programs);
+  /// Steps without bodies leave strands that are straight at rest without frames but their first: finds the
+  /// others where that is so. The buffers of GpuStrands are bound.
+  void findFrames(ProgramCache& programs);
+  /// All frames are new.
+  void takeFrames() { frames_lag_ = false; }
 
  private:
   using GroupPrograms = std::vector<const gl::Program*>;
@@ -90,7 +95,8 @@ class RodStrands {
   std::array<GroupPrograms, 8> clear_;           ///< the same, of clear strands
   std::array<LazyProgram, 3> roots_, keep_out_;  ///< by Needs::turning
   std::array<LazyProgram, 9> look_;              ///< by this and SORTING of shaders/look.comp
-  LazyProgram clear_strands_;
+  LazyProgram clear_strands_, straight_frames_;
+  bool frames_lag_ = false;  ///< see findFrames()
 };
 
 }  // namespace strandcast::gpu

@@ -121,6 +121,7 @@ HWY_INLINE real highHalves(word words) { return {hn::ConvertTo(Tag(), hn::ShiftR
 #include "kernels/distance_field.h"
 #include "kernels/surface_bend.h"
 #include "kernels/rod.h"
+#include "kernels/straight_joint.h"
 #include "kernels/stiff_pulls.h"
 #include "kernels/grooming.h"
 #include "kernels/grid.h"

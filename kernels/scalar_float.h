@@ -15,6 +15,7 @@ namespace strandcast::kernels::f32 {
 #include "kernels/distance_field.h"
 #include "kernels/surface_bend.h"
 #include "kernels/rod.h"
+#include "kernels/straight_joint.h"
 #include "kernels/stiff_pulls.h"
 #include "kernels/grooming.h"
 #include "kernels/grid.h"

@@ -3,12 +3,13 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 CLEAR=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 CLEAR=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 CLEAR=0 BODIES=1 TURNING=2 GROOMED=0 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 CLEAR=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 CLEAR=1 BODIES=0 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=1
+// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 STRAIGHT=0 CLEAR=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 STRAIGHT=0 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 STRAIGHT=0 CLEAR=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 STRAIGHT=0 CLEAR=0 BODIES=1 TURNING=2 GROOMED=0 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 STRAIGHT=0 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 STRAIGHT=0 CLEAR=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 STRAIGHT=1 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=4 EDGES=0 UNIFORM=0 PINNED=0 STRAIGHT=1 CLEAR=0 BODIES=0 TURNING=0 GROOMED=1 DAMPED=0 VIOLENT=1 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=1 | PER_THREAD=4 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 STRAIGHT=0 CLEAR=1 BODIES=0 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=1
 // One step of strands as inextensible rods: core/rod_sweep.inl with the state in registers, PER_THREAD (2 or 4) edges per
 // invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand become: own slots by
 // elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
-// PINNED: more vertices than the roots are. BODIES: there are some; then a dispatch does one substep, for which look.comp has
+// PINNED: more vertices than the roots are. STRAIGHT: there are no bodies, and strands are straight at rest and free at their tips; then they
+// leave the frame of their first edge only (straight_frames.comp has the others). BODIES: there are some; then a dispatch does one substep, for which look.comp has
 // looked at them, and lists strands for keep_out.comp; without, all of them. CLEAR: there are bodies, but it seems that none will come
 // near these strands in the step; those that one may have come near after all are left to the others. TURNING: see bodies.glsl. GROOMED: there
 // is a goal pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
@@ -32,6 +33,9 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
 #include "kernels/rod.h"
+#if STRAIGHT
+#include "kernels/straight_joint.h"
+#endif
 #if STIFF
 #include "kernels/stiff_pulls.h"
 #endif
@@ -57,7 +61,6 @@ layout(local_size_x = WORKGROUP) in;
 vec3 shift[PER_THREAD];
 vec3 shift_in;                      // of the vertex before slot 0
 vec3 tangent[PER_THREAD], tangent_in, tangent_out;
-vec3 turned_in;                     // of the edge before slot 0, see turningOf()
 vec3 moment[PER_THREAD + 1];        // m^2/s^2
 float stiffness[PER_THREAD + 2];    // of joints in the bending matrix
 float edge_stiffness[PER_THREAD + 1];     // of edges in it
@@ -107,9 +110,6 @@ vec3 oldEdge(int p) { return x[p] - (p > 0 ? x[max(p - 1, 0)] : x_in); }
 vec3 edgeShift(int p) { return shift[p] - (p > 0 ? shift[max(p - 1, 0)] : shift_in); }
 vec3 newEdge(int p) { return oldEdge(p) + edgeShift(p); }
 
-// How the edge of slot p turns, while vertices are shifted to the inertial points.
-vec3 edgeTurning(int p) { return turningOf(frame[p], edgeShift(p) * inverseLength(p)); }
-
 // Of the outer vertex of the edge of slot p or, where that is pinned, of the inner one: else the last edge before a pin would have another
 // time blend than those before it, and tremble.
 float freeWeight(int p) {
@@ -127,9 +127,9 @@ bool isAnchored(int p) {
   return p == 0 && rank == 0;
 }
 
-// The kept tension of the edge of slot p, its tangent between the old edge and the inertial one, its frame carried along.
+// The kept tension of the edge of slot p, and its tangent between the old edge and the inertial one; `otherwise`: where that has no direction.
 // Returns the blend of the two; `unit_in`: of the old edge before it.
-float predictEdge(int p, vec3 unit_in) {
+float predictEdge(int p, vec3 unit_in, vec3 otherwise) {
   float il = inverseLength(p);
   vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
   tension[p] = min(keptTension(tension[p], advance * il, bends[p], il, settings.time2), most_tension);
@@ -138,102 +138,22 @@ float predictEdge(int p, vec3 unit_in) {
   kappa_here = select(cut_unevenly, kappa(), kappa_here);
 #endif
   float blend = timeBlend(advance * il, old * il - unit_in, kappa_here, kinked);
-  vec3 own = frameTangent(frame[p]);
-  tangent[p] = directionOr(madd(advance, -blend, edge), own);
-  frame[p] = transportTo(frame[p], own, tangent[p]);
+  tangent[p] = directionOr(madd(advance, -blend, edge), otherwise);
   return blend;
 }
 
-// Inertial points and what follows from them for each edge. Returns the frame before slot 0.
-vec4 predict(RootMotion root, out float blend[PER_THREAD]) {
+void placeInertial(RootMotion root) {
   uint vertex = root_vertex + uint(min(rank * PER_THREAD, edges));
   shift_in = select(rank > 0, inertialShift(x_in, v_in, KEEP_IN, weight_in, vertex, root), root.position - x_in);
   for (int p = 0; p < PER_THREAD; ++p) {
     vertex = root_vertex + uint(min(rank * PER_THREAD + p + 1, edges));
     shift[p] = inertialShift(x[p], v[p], KEEP(p), weight(p), vertex, root);
   }
-  for (int p = 1; p < PER_THREAD; ++p) blend[p] = predictEdge(p, oldEdge(p - 1) * inverseLength(p - 1));
-#if DAMPED
-  vec3 turned = edgeTurning(kLast);
-#else
-  const vec3 turned = vec3(0);
-#endif
-  send_a(frame[kLast]);
-  send_b(vec4(tangent[kLast], turned.x));
-  send_c(vec4(oldEdge(kLast) * inverseLength(kLast), turned.y));
-  rendezvous();
-  vec4 frame_in = received_a(before(1));
-  vec4 b = received_b(before(1)), c = received_c(before(1));
-  release();
-  tangent_in = b.xyz;
-  vec3 unit_in = c.xyz;
-  frame_in = select(hasBefore(1), frame_in, root.inner_frame);
-  tangent_in = select(hasBefore(1), tangent_in, root.tangent_old);
-  unit_in = select(hasBefore(1), unit_in, root.tangent_old);
-#if DAMPED
-  turned_in = select(hasBefore(1), vec3(b.w, c.w, 0), vec3(0, 0, root.spin));  // the swing of the root is in the forces
-#endif
-  blend[0] = predictEdge(0, unit_in);
-  return frame_in;
 }
 
-// What joints and edges put into the bending matrix; the frames twisted to where the torques balance; then the moments.
-void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
-  vec3 strain[PER_THREAD];
-  float margin[PER_THREAD + 1];
-  float twist_diagonal[PER_THREAD], lower[PER_THREAD], turn[PER_THREAD];
-  float own_first, torque_first;  // what joint 0 adds to the last row of the invocation before
-#if DAMPED
-  vec3 gained[PER_THREAD], turned_before = turned_in;
-  const float ahead = DAMPING_TIME * settings.per_substep;
-#endif
-  vec4 inner = frame_in;
-  vec3 t_in = tangent_in;
-  for (int p = 0; p < PER_THREAD; ++p) {
-    strain[p] = jointStrain(inner, frame[p]);
-    vec3 excess = strain[p] - rest_strain[p];
-    float c = dot(t_in, tangent[p]);
-    float time2 = settings.time2 * madd(DAMPING_TIME, settings.per_substep, implicitShare(blend[p]));
-    stiffness[p] = bendMatrixStiffness(bends[p], c, time2);
-    margin[p] = bendMatrixMargin(stiffness[p], c, excess, kinked);
-    float coupling = twistOfBending(strain[p], excess, bends[p]), shear = torqueDifference(strain[p], excess, bends[p]);
-#if DAMPED
-    vec3 turned = edgeTurning(p);
-    gained[p] = gainedStrain(strain[p], turned_before, turned);
-    coupling += twistOfDamping(strain[p], bends[p], ahead);
-    shear += torqueDifference(strain[p], gained[p] * ahead, bends[p]);
-    turned_before = turned;
-#endif
-    float own = twist(p) + coupling, torque = madd(twist(p), excess.z, shear);
-    twist_diagonal[p] = own;
-    lower[p] = coupling - twist(p);
-    turn[p] = shear - twist(p) * excess.z;
-    if (p > 0) {
-      twist_diagonal[p - 1] += own;
-      turn[p - 1] += torque;
-    } else {
-      own_first = own;
-      torque_first = torque;
-    }
-    inner = frame[p];
-    t_in = tangent[p];
-  }
-  lower[0] = select(hasBefore(1), lower[0], 0.0);
-
-  send_a(vec4(stiffness[0], stiffness[1], margin[0], 0));
-  send_b(vec4(tangent[0], own_first));
-  send_c(vec4(tangent[1], torque_first));
-  rendezvous();
-  vec3 a = select(hasAfter(1), received_a(after(1)).xyz, vec3(0));
-  vec4 b = received_b(after(1)), c = received_c(after(1));
-  release();
-  vec3 tangent_out2 = c.xyz;
-  tangent_out = b.xyz;
-  stiffness[PER_THREAD] = a.x;
-  stiffness[PER_THREAD + 1] = a.y;
-  margin[PER_THREAD] = a.z;
-  twist_diagonal[kLast] += select(hasAfter(1), b.w, 0.0);
-  turn[kLast] += select(hasAfter(1), c.w, 0.0);
+// What edges have in the bending matrix, and vertices in the metric of lengths; the arguments: of joints, of edges, of the second edge after
+// the last slot.
+void softenVertices(float margin[PER_THREAD + 1], float blend[PER_THREAD], vec3 tangent_out2) {
   for (int p = 0; p < PER_THREAD; ++p) {
     float il = inverseLength(p);
     edge_stiffness[p] = edgeMatrixStiffness(margin[p] + margin[p + 1], il, tension[p], blend[p]);
@@ -244,26 +164,14 @@ void solveTwist(vec4 frame_in, float blend[PER_THREAD]) {
     float anchoring = edgeAnchoring(stiffness[p], margin[p], margin[p + 1]);
     float soft = curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2, select(isAnchored(p), anchoring, 0.0));
     softness[p] = select(isLast(p, 1), 0.0, soft);
-    twist_diagonal[p] = select(isEdge(p), twist_diagonal[p], 1.0);
-    lower[p] = select(isEdge(p), lower[p], 0.0);
-    turn[p] = select(isEdge(p), turn[p], 0.0);
-  }
-
-  float turn_in = clamp(solveChain(twist_diagonal, lower, turn), -1.0, 1.0);
-  inner = twistFrame(frame_in, turn_in);
-  for (int p = 0; p < PER_THREAD; ++p) {
-    turn[p] = clamp(turn[p], -1.0, 1.0);
-    vec3 untwisted = strain[p];
-    strain[p] = twistedStrain(untwisted, turn_in, turn[p]);
-    vec3 excess = strain[p] - rest_strain[p];
-#if DAMPED
-    excess = dampedExcess(excess, gained[p], untwisted, strain[p], ahead);
-#endif
-    moment[p] = jointMoment(inner, strain[p], excess, bends[p], twist(p));
-    inner = frame[p] = twistFrame(frame[p], turn[p]);
-    turn_in = turn[p];
   }
 }
+
+#if STRAIGHT
+#include "gpu_compute/shaders/rod_straight.glsl"
+#else
+#include "gpu_compute/shaders/rod_twist.glsl"
+#endif
 
 // What the edge of slot p pushes its outer vertex with (x dt^2, m), while vertices are at the inertial points.
 vec3 edgeForce(int p, RootMotion root) {
@@ -540,8 +448,9 @@ void stepStrands(uint list, uint first, uint count) {
     const RootMotion root = placedRoot(ahead, timeAfter(substep));
 #endif
     float blend[PER_THREAD];
-    vec4 frame_in = predict(root, blend);
-    solveTwist(frame_in, blend);
+    placeInertial(root);
+    predictEdges(root, blend);
+    solveJoints(root, blend);
     makeBending(root);
     vec3 moved[PER_THREAD];  // by forces
     moveByForces(moved);
@@ -581,6 +490,10 @@ void stepStrands(uint list, uint first, uint count) {
     addWays(substep);
 #endif
   }
+#if STRAIGHT
+  const RootMotion last = placedRoot((end_substep - first_substep - 1) % THREADS, 1.0);
+  first_frame = transportTo(last.inner_frame, last.tangent_old, directionOr(oldEdge(0), last.tangent_old));
+#endif
   bool stays = exists;
 #if BODIES && !ASTRAY
   if (ofStrand(astray)) {

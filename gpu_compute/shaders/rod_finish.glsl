@@ -101,8 +101,8 @@ void finish() {
     sum += select(follows, other.xyz, vec3(0));
 #if PINNED
     run += select(follows, other_run, 0.0);
-#endif
     fixed_here = fixed_here || (follows && other.w > 0.5);
+#endif
   }
   // Exactly as the invocation before has it: both add it to the same position.
 #if PINNED

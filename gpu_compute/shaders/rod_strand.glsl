@@ -28,7 +28,11 @@ const uint kMostWorkgroups = 65535u;              // in x, that every driver tak
 
 uint strand, root_vertex;
 StrandRest rest;
+#if STRAIGHT
+const bool kinked = false;
+#else
 bool kinked;        // isKinked()
+#endif
 bool cut_unevenly;  // isCutUnevenly()
 bool between_pins;  // hangsBetweenPins()
 float borne;        // violenceBorne()
@@ -38,10 +42,14 @@ bool exists;  // invocations past the last strand go along with copies of it, be
 vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
 float tension[PER_THREAD];          // m: StrandState::tensions x substep^2
 float most_tension;                 // m, that is taken over from one substep to the next
+#if STRAIGHT
+vec4 first_frame;                   // of the strand's first edge
+#else
 vec4 frame[PER_THREAD];
-vec3 x_in, v_in;                    // of the vertex before slot 0
 vec3 rest_strain[PER_THREAD];       // of the joint of slot p
-float bends[PER_THREAD];            // of the same, m^2/s^2
+#endif
+vec3 x_in, v_in;                    // of the vertex before slot 0
+float bends[PER_THREAD];            // of the joint of slot p, m^2/s^2
 
 #if EDGES > 0
 const int edges = EDGES;
@@ -177,7 +185,9 @@ void loadStrand(uint list, uint first, uint count) {
   root_vertex = offsets[strand];
   rest = strand_rest[strand];
   const int traits = int(rest.traits);
+#if !STRAIGHT
   kinked = isKinked((traits & 1) != 0, kappa());
+#endif
   cut_unevenly = (traits & 2) != 0;
   between_pins = (traits & 4) != 0;
   borne = violenceBorne((traits & 9) != 0, kappa());
@@ -194,9 +204,15 @@ void loadStrand(uint list, uint first, uint count) {
     x[p] = position.xyz;
     v[p] = velocities[at + 1u].xyz;
     tension[p] = isEdge(p) ? position.w * settings.time2 : 0.0;
+#if !STRAIGHT
     frame[p] = frames[at];
     rest_strain[p] = joints[at].xyz;
+#endif
+#if STRAIGHT && UNIFORM
+    bends[p] = isEdge(p) ? rest.bend : 0.0;
+#else
     bends[p] = isEdge(p) ? joints[at].w : 0.0;
+#endif
 #if !UNIFORM
     edge[p] = edgeRest(at);
     inverse_lengths[p] = boundedInverse(edge[p].x);
@@ -208,6 +224,9 @@ void loadStrand(uint list, uint first, uint count) {
     goal_stiffness[p] = goalStiffnessOf(at, edge_rest[at]);
 #endif
   }
+#if STRAIGHT && UNIFORM
+  bends[0] = select(rank > 0, bends[0], rest.root_bend);
+#endif
   uint at = root_vertex + uint(min(rank * PER_THREAD, edges));
   x_in = positions[at].xyz;
   v_in = velocities[at].xyz;
@@ -240,6 +259,9 @@ void storeStrand() {
   if (rank == 0) {
     positions[root_vertex].xyz = x_in;
     velocities[root_vertex].xyz = v_in;
+#if STRAIGHT
+    frames[root_vertex] = first_frame;
+#endif
   }
 #if SHUFFLED && THREADS > 1
   // Two neighbours write what lies side by side, so that memory gets whole sectors: vertices start with the second of a sector,
@@ -250,9 +272,11 @@ void storeStrand() {
 #if PER_THREAD == 2
   storeVertex(pair + (outer ? 2 : 1), select(outer, placed(0), placed(1)), select(outer, v[0], v[1]));
   storeVertex(pair + (outer ? 3 : 0), select(outer, placed(1), placed(0)), select(outer, v[1], v[0]));
+#if !STRAIGHT
   const vec4 theirs = subgroupShuffle(select(outer, frame[0], frame[1]), other);
   storeFrame(pair + (outer ? 1 : 0), select(outer, theirs, frame[0]));
   storeFrame(pair + (outer ? 3 : 2), select(outer, frame[1], theirs));
+#endif
 #else
   const vec4 their_place = subgroupShuffle(select(outer, placed(1), placed(2)), other);
   const vec3 their_velocity = subgroupShuffle(select(outer, v[1], v[2]), other);
@@ -260,6 +284,7 @@ void storeStrand() {
   storeVertex(pair + (outer ? 4 : 3), select(outer, placed(0), placed(3)), select(outer, v[0], v[3]));
   storeVertex(pair + (outer ? 6 : 5), select(outer, placed(2), their_place), select(outer, v[2], their_velocity));
   storeVertex(pair + (outer ? 7 : 0), select(outer, placed(3), placed(0)), select(outer, v[3], v[0]));
+#if !STRAIGHT
   const vec4 first = subgroupShuffle(select(outer, frame[0], frame[1]), other);
   const vec4 second = subgroupShuffle(select(outer, frame[2], frame[3]), other);
   storeFrame(pair + (outer ? 1 : 0), select(outer, first, frame[0]));
@@ -267,10 +292,13 @@ void storeStrand() {
   storeFrame(pair + (outer ? 5 : 4), select(outer, frame[1], first));
   storeFrame(pair + (outer ? 7 : 6), select(outer, frame[3], second));
 #endif
+#endif
 #else
   for (int p = 0; p < PER_THREAD; ++p) {
     storeVertex(rank * PER_THREAD + p, placed(p), v[p]);
+#if !STRAIGHT
     storeFrame(rank * PER_THREAD + p, frame[p]);
+#endif
   }
 #endif
 }

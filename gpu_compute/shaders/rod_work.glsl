@@ -7,6 +7,7 @@ struct StrandRest {      // gpu_compute/rod_strands.cc
   float free_mass;       // of all vertices that are not pinned
   float arc_length;      // m
   float stiffest;        // 1/s^2: the greatest kappa of an edge (isStiff) over the square of the substep
+  float bend, root_bend; // m^2/s^2, of joints and of that at the root; of uniform strands that are straight at rest
   float traits;          // bendsUnevenly(): 1, isCutUnevenly(): 2, hangsBetweenPins(): 4, isSharp(): 8
 };
 layout(std430, binding = 12) readonly buffer Strands { StrandRest strand_rest[]; };

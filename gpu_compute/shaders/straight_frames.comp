@@ -1,0 +1,29 @@
+#version 450
+// The frames of strands that are straight at rest, from that of their first edge and where their vertices are: carried along without twist. For
+// who wants them; rod.comp does such strands without (STRAIGHT). An invocation does a strand.
+layout(local_size_x = 32) in;
+
+#include "kernels/lanes_glsl.h"
+#include "kernels/rotation.h"
+#include "kernels/rod.h"
+#include "gpu_compute/shaders/strand_offsets.glsl"
+
+layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };  // see rod_strand.glsl, as all here
+layout(std430, binding = 5) readonly buffer Work { uint work[]; };
+layout(std430, binding = 9) buffer Frames { vec4 frames[]; };
+layout(location = 0) uniform uint first;  // in work[]
+layout(location = 1) uniform uint count;
+
+void main() {
+  const uint number = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  const uint own = number * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+  if (own >= count) return;
+  const uint strand = work[first + own];
+  vec4 frame = frames[offsets[strand]];
+  vec3 t_in = frameTangent(frame);
+  for (uint v = offsets[strand]; v + 1u < offsets[strand + 1u]; ++v) {
+    const vec3 t = directionOr(positions[v + 1u].xyz - positions[v].xyz, t_in);
+    frames[v] = frame = transportTo(frame, t_in, t);
+    t_in = t;
+  }
+}
