@@ -91,6 +91,20 @@ const std::vector<Column> kStepColumns{{"case", "backend"},
                                        {"max_penetration_m", "depth m", "{:.1e}"},
                                        {"state_hash", "state"}};
 
+const std::vector<Column> kRodColumns{{"scene", "scene"},
+                                      {"rest", "rest"},
+                                      {"damping_s", "damping s"},
+                                      {"bodies", "bodies"},
+                                      {"strands", "strands"},
+                                      {"vertices", "vertices"},
+                                      {"gpu_ms", "gpu ms", "{:.4f}"},
+                                      {"ms_median", "ms median", "{:.3f}"},
+                                      {"submit_ms", "submit ms", "{:.3f}"},
+                                      {"bytes_per_vertex", "B/vtx", "{:.0f}"},
+                                      {"max_stretch", "max stretch", "{:.1e}"},
+                                      {"max_penetration_m", "depth m", "{:.1e}"},
+                                      {"state_hash", "state"}};
+
 /// What a file of results becomes.
 struct Section {
   const char* file;
@@ -313,7 +327,7 @@ const std::vector<Section>& sections() {
         {"hairs_drawn", "hairs drawn"},
         {"growth_bytes", "bytes of growth", "{:.3g}"},
         {"device_bytes", "bytes in all", "{:.3g}"}}},
-      {"step_rod", "The rod over sizes", "", {}},
+      {"step_rod", "The rod on the GPU, over kinds of hair and sizes", "", kRodColumns},
       {"accuracy", "Cost and error of the solvers' settings", "docs/solver.md tells what it means.", {}}};
   return list;
 }
