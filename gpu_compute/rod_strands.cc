@@ -268,8 +268,8 @@ const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray,
   return programs.get(
       "rod.comp", shaders::kRodComp,
       fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n"
-                  "#define PINNED {:d}\n#define STRAIGHT {:d}\n#define CLEAR {:d}\n#define BODIES "
-                  "{:d}\n#define TURNING {}\n"
+                  "#define PINNED {:d}\n#define STRAIGHT {:d}\n"
+                  "#define CLEAR {:d}\n#define BODIES {:d}\n#define TURNING {}\n"
                   "#define GROOMED {:d}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define STIFF {:d}\n"
                   "#define ASTRAY {:d}\n#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
                   spread.per_thread, spread.threads, edges_of_[group], (key & kGeneral) == 0 && !groomed,

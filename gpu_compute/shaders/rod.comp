@@ -9,10 +9,11 @@
 // elimination, then the strand's invocations together by cyclic reduction.
 // EDGES: of every strand of the group, 0 where they differ. UNIFORM: edges of one length and mass along each strand.
 // PINNED: more vertices than the roots are. STRAIGHT: there are no bodies, and strands are straight at rest and free at their tips; then they
-// leave the frame of their first edge only (straight_frames.comp has the others). BODIES: there are some; then a dispatch does one substep, for which look.comp has
-// looked at them, and lists strands for keep_out.comp; without, all of them. CLEAR: there are bodies, but it seems that none will come
-// near these strands in the step; those that one may have come near after all are left to the others. TURNING: see bodies.glsl. GROOMED: there
-// is a goal pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its own.
+// leave the frame of their first edge only (straight_frames.comp has the others). BODIES: there are some; then a dispatch does one substep, for
+// which look.comp has looked at them, and lists strands for keep_out.comp; without, all of them. CLEAR: there are bodies, but it seems that none
+// will come near these strands in the step; those that one may have come near after all are left to the others. TURNING: see bodies.glsl.
+// GROOMED: there is a goal pull, or strands have factors that are not 1; then UNIFORM is 0. ACCELERATED: every vertex has an acceleration of its
+// own.
 // DAMPED: there is internal damping.
 // VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
@@ -127,8 +128,8 @@ bool isAnchored(int p) {
   return p == 0 && rank == 0;
 }
 
-// The kept tension of the edge of slot p, and its tangent between the old edge and the inertial one; `otherwise`: where that has no direction.
-// Returns the blend of the two; `unit_in`: of the old edge before it.
+// The kept tension of the edge of slot p, and its tangent between the old edge and the inertial one, or `otherwise` where that has no
+// direction. Returns the blend of the two; `unit_in`: of the old edge before it.
 float predictEdge(int p, vec3 unit_in, vec3 otherwise) {
   float il = inverseLength(p);
   vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
@@ -142,6 +143,7 @@ float predictEdge(int p, vec3 unit_in, vec3 otherwise) {
   return blend;
 }
 
+// The vertices at their inertial points.
 void placeInertial(RootMotion root) {
   uint vertex = root_vertex + uint(min(rank * PER_THREAD, edges));
   shift_in = select(rank > 0, inertialShift(x_in, v_in, KEEP_IN, weight_in, vertex, root), root.position - x_in);
