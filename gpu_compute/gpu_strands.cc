@@ -156,8 +156,10 @@ void GpuStrands::upload(const StrandState& state) {
 }
 
 void GpuStrands::download(StrandState& state) {
-  bind();
-  if (rod_) rod_->findFrames(programs_);
+  if (rod_) {
+    bind();
+    rod_->findFrames(programs_);
+  }
   std::vector<Vec4> packed(vertices_);
   auto read = [&](const gl::Buffer& from) {
     glGetNamedBufferSubData(from.id(), 0, static_cast<GLsizeiptr>(vertices_ * sizeof(Vec4)), packed.data());

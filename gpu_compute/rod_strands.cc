@@ -132,20 +132,19 @@ std::vector<Vec4> packEdges(const StrandModel& model) {
 constexpr float kStraightStrain = 1e-4f;
 bool isStraight(const StrandModel& model, uint32_t strand) {
   const auto first = model.rest_strain.begin() + model.offsets[strand];
-  return !isPinned(model, strand) &&
-         std::all_of(first, first + edgesOf(model, strand),
+  return std::all_of(first, first + edgesOf(model, strand),
                      [](const Vec3& strain) { return strain.norm() < kStraightStrain; });
 }
 
-bool isUniform(const StrandModel& model, uint32_t strand) {
+// `straight`: its joints are to be alike, too.
+bool isUniform(const StrandModel& model, uint32_t strand, bool straight) {
   const StrandRest rest = strandRest(model, strand);
   const uint32_t first = model.offsets[strand], tip = model.offsets[strand + 1] - 1;
-  const bool bends = !isStraight(model, strand);
   for (uint32_t e = first; e < tip; ++e) {
     if (!equal(restLength(model, e), rest.edge_length) ||
         !equal(model.mass[e + 1], e + 1 < tip ? 1.0f : 0.5f) ||
         !equal(model.twist[e], rest.twist_per_bend * model.bend[e]) ||
-        !(bends || e == first || equal(model.bend[e], rest.bend)))
+        (straight && e > first && !equal(model.bend[e], rest.bend)))
       return false;
   }
   return true;
@@ -154,9 +153,10 @@ bool isUniform(const StrandModel& model, uint32_t strand) {
 uint32_t keyOf(const StrandModel& model, uint32_t strand) {
   const uint32_t threads = std::bit_ceil((edgesOf(model, strand) + kPerThread - 1) / kPerThread);
   const bool pinned = isPinned(model, strand);
+  const bool straight = !pinned && isStraight(model, strand);
   const bool groomed = model.hasFactors(strand);
-  return threads | (pinned || groomed || !isUniform(model, strand) ? kGeneral : 0) | (pinned ? kPinned : 0) |
-         (groomed ? kGroomed : 0) | (isStraight(model, strand) ? kStraight : 0);
+  return threads | (pinned || groomed || !isUniform(model, strand, straight) ? kGeneral : 0) |
+         (pinned ? kPinned : 0) | (groomed ? kGroomed : 0) | (straight ? kStraight : 0);
 }
 
 std::vector<uint32_t> keysOf(const StrandModel& model) {

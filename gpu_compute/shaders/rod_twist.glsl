@@ -7,7 +7,7 @@ vec3 turned_in;  // see edgeTurning()
 // How the edge of slot p turns, while vertices are shifted to the inertial points.
 vec3 edgeTurning(int p) { return turningOf(frame[p], edgeShift(p) * inverseLength(p)); }
 
-// The same, and the frame of the edge carried along.
+// predictEdge(), and the frame of the edge carried along.
 float carryEdge(int p, vec3 unit_in) {
   vec3 own = frameTangent(frame[p]);
   float blend = predictEdge(p, unit_in, own);

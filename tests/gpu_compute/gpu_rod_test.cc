@@ -93,13 +93,9 @@ std::vector<Deviation> deviations(const StrandModel& model, const StrandState& a
 
 // How many strands have a vertex that is farther off than this part of the strand's length.
 size_t strandsOff(const StrandModel& model, const StrandState& a, const StrandState& b, double part) {
+  const std::vector<Deviation> error = deviations(model, a, b);
   size_t off = 0;
-  for (size_t s = 0; s < model.strands(); ++s) {
-    double distance = 0;
-    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
-      distance = std::max<double>(distance, (a.positions[v] - b.positions[v]).norm());
-    off += distance > part * lengthOf(model, s);
-  }
+  for (size_t s = 0; s < error.size(); ++s) off += error[s].position > part * lengthOf(model, s);
   return off;
 }
 
