@@ -167,15 +167,18 @@ class GpuRod : public testing::Test {
 };
 
 // 600 strands are enough for programs of their own: uniform and general, of one length and of mixed ones.
+// Among bodies, where programs take longest to compile, two of the four.
 TEST_F(GpuRod, EveryVariantAgreesWithTheOracle) {
   for (const std::vector<int>& counts : {std::vector<int>{32}, {16, 13, 17}}) {
     for (const bool uneven : {false, true}) {
+      const bool one_length = counts.size() == 1;
       StrandModel model = arcs(600, counts, 0.2f, uneven);
       const StrandState from = disturbedState(model, 7);
       model.rest_distance = leftWhereTheyStart(from, movingBodies(parameters_.time_step));
       for (const bool contact : {false, true}) {
+        if (contact && one_length == uneven) continue;
         SCOPED_TRACE(fmt::format("{} vertices, uneven {}, contact {}", counts[0], uneven, contact));
-        parameters_.damping_time = contact ? 0.0f : 2e-3f;
+        parameters_.damping_time = contact && uneven ? 0.0f : 2e-3f;
         expectOneStepAgrees(model, from,
                             contact ? movingBodies(parameters_.time_step) : std::vector<MovingPrimitive>());
       }
@@ -206,8 +209,8 @@ TEST_F(GpuRod, StraightHairAgreesWithTheOracle) {
 TEST_F(GpuRod, StraightHairHasProgramsOfItsOwn) {
   parameters_.wind = Vec3(2, 0, 1);
   const StrandModel many = straightHair(600, 0.2f, false), few = straightHair(300, 0.2f, false);
-  const StrandState alike = run(*backend_, many, restState(many, many.rest_roots), 40);
-  EXPECT_GT(strandsOff(few, alike, run(*backend_, few, restState(few, few.rest_roots), 40), 0), 150)
+  const StrandState alike = run(*backend_, many, restState(many, many.rest_roots), 10);
+  EXPECT_GT(strandsOff(few, alike, run(*backend_, few, restState(few, few.rest_roots), 10), 0), 150)
       << "a few go along with all others' hair";
 }
 
@@ -352,10 +355,10 @@ TEST_F(GpuRod, StaysFiniteAndKeepsLengthsWhenShakenWithShortEdges) {
   }
 }
 
-// Strands of every number of invocations, in groups large enough for programs of their own: few strands share
-// theirs.
+// Strands of every number of invocations but that of 32 vertices, which other tests have, in groups large
+// enough for programs of their own: few strands share theirs.
 TEST_F(GpuRod, GroupsOfAnyCountAgreeWithTheReference) {
-  const StrandModel model = arcs(5 * 520, {4, 7, 14, 30, 60}, 0.2f, false);
+  const StrandModel model = arcs(4 * 520, {4, 7, 14, 60}, 0.2f, false);
   const StrandState from = restState(model, model.rest_roots);
   const StrandState mine = run(*backend_, model, from, 5);
   EXPECT_LT(difference(model, mine, run(*makeReferenceBackend(), model, from, 5)), 1e-4);
@@ -419,8 +422,8 @@ TEST_F(GpuRod, FewStrandsComeOutAlikeInOneTurnAndInTwo) {
     const std::vector<MovingPrimitive> bodies = movingBodies(parameters_.time_step);
     model.rest_distance = leftWhereTheyStart(from, bodies);
     const auto in_one_turn = makeGpuBackend(30 * model.vertices()), in_two = makeGpuBackend(0);
+    parameters_.damping_time = 2e-3f;
     for (const std::vector<MovingPrimitive>& among : {std::vector<MovingPrimitive>(), bodies}) {
-      parameters_.damping_time = among.empty() ? 2e-3f : 0;
       const StrandState one = run(*in_one_turn, model, from, 2, among),
                         two = run(*in_two, model, from, 2, among);
       EXPECT_EQ(one.positions, two.positions);
@@ -433,6 +436,7 @@ TEST_F(GpuRod, FewStrandsComeOutAlikeInOneTurnAndInTwo) {
 // A ball goes through the middle of the hair: many strands do not meet it in a step and are done without
 // bodies.
 TEST_F(GpuRod, StrandsThatNoBodyComesNearComeOutAsAmongBodies) {
+  parameters_.damping_time = 2e-3f;
   const StrandModel model = arcs(600, {32}, 0.2f, false);
   const auto unsorted = makeGpuBackend(30 * model.vertices()), sorted = makeGpuBackend(0);
   const StrandState from = restState(model, model.rest_roots);
