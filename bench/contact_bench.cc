@@ -113,11 +113,11 @@ int run(const ContactOptions& o) {
   bench.closing = fmt::format("  ratio {:.2f}, of it the broad phase {:.3f} ms\n", ratio, broad);
   nlohmann::json baked = nlohmann::json::array();
   for (const Bake& b : bakes) {
-    bench.closing += fmt::format(
-        "  field of {}: {} triangles, cells of {:.2f} mm: {:.2f} s, {:.1f} MB, {:.1f} MB besides while "
-        "baking\n",
+    bench.comments.push_back(fmt::format(
+        "field of {}: {} triangles, cells of {:.2f} mm: {:.2f} s, {:.1f} MB, {:.1f} MB besides while baking",
         b.mesh, b.triangles, 1e3 * b.cell, b.seconds, 1e-6 * static_cast<double>(b.field_bytes),
-        1e-6 * static_cast<double>(b.working_bytes));
+        1e-6 * static_cast<double>(b.working_bytes)));
+    bench.closing += fmt::format("  {}\n", bench.comments.back());
     baked.push_back({{"mesh", b.mesh},
                      {"triangles", b.triangles},
                      {"cell_m", b.cell},

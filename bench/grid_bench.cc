@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -215,6 +216,10 @@ StepTimes timeSteps(const GridOptions& o, const Scene& scene, const StrandModel&
 }
 
 int run(const GridOptions& o) {
+  for (const int cells : o.cells) {
+    Parameters checked;
+    setParameter(checked, "grid_cells", {static_cast<double>(cells)}, "--cells");
+  }
   const Scene scene = benchScene("straight", o.strands, o.vertices);
   const StrandModel model = sceneModel(scene);
   const bool on_gpu = o.backend == "gpu";
@@ -298,8 +303,10 @@ std::function<int()> addGridBench(CLI::App& app) {
   app.add_option("--steps", o->steps, "steps timed; medians are given")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  app.add_option("--cells", o->cells, "per axis, one or more sizes")
-      ->check(CLI::Range(16, 128))
+  const ParameterInfo& cells =
+      *std::find_if(parameterList().begin(), parameterList().end(),
+                    [](const ParameterInfo& info) { return info.name == "grid_cells"; });
+  app.add_option("--cells", o->cells, fmt::format("{}: {}; one or more sizes", cells.help, cells.range))
       ->delimiter(',')
       ->capture_default_str();
   app.add_flag("--mac-cormack", o->mac_cormack, "advect with MacCormack's correction");

@@ -37,6 +37,9 @@ How to read it:
   to be back.
 - **of peak**: floating-point operations of the step, counted by running its own text with numbers that count, over what the same
   threads reach with fused multiply-adds alone, measured in the same run; **cpu** beside it is the same of the least processor times.
+  A GPU's are of its own clock, over what a shader of multiply-adds alone reaches.
+- **of copy**: the bytes that the step moves at least, all positions and velocities read and written once, over what the same threads,
+  or the GPU, move when they copy memory beyond the caches. The file beside the table has both rates.
 - **B/vtx**: all memory that a simulation takes, on the heap (counted by the program's operator new) and in buffers of the GPU, over
   its vertices. On llvmpipe the driver's compiled programs are part of it.
 - **allocs**: calls of operator new during all the timed steps.
@@ -85,6 +88,7 @@ const std::vector<Column> kStepColumns{{"case", "backend"},
                                        {"ns_per_vertex_substep", "ns/vtx/substep", "{:.2f}"},
                                        {"fraction_of_peak", "of peak", "{:.2f}"},
                                        {"fraction_of_peak_cpu", "cpu", "{:.2f}"},
+                                       {"fraction_of_copy", "of copy", "{:.3f}"},
                                        {"bytes_per_vertex", "B/vtx", "{:.0f}"},
                                        {"allocations", "allocs"},
                                        {"max_stretch", "max stretch", "{:.1e}"},

@@ -11,6 +11,8 @@
 #include "apps/backends.h"
 #include "apps/finite_range.h"
 #include "bench/bench_scene.h"
+#include "bench/gpu_limits.h"
+#include "bench/measured_copy.h"
 #include "bench/operation_count.h"
 #include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
@@ -66,6 +68,35 @@ std::unique_ptr<Backend> backendOf(const StepOptions& o, const std::string& name
   return makeSimdBackend(o.threads, o.target);
 }
 
+/// What of the machine's limits the step reached, into its row.
+void addFractions(nlohmann::json& row, const StepOptions& o, const MeasuredRun& result, double operations) {
+  const bool on_gpu = result.backend == "gpu";
+  // A GPU's step by its own clock, for the guides' way back to the processor is no part of its limits.
+  const double seconds = 1e-3 * result.gpu_ms.value_or(result.ms.median);
+  // Whatever the solver, a step reads and writes all positions and velocities once.
+  const double bytes = 2 * 2 * sizeof(Vec3) * static_cast<double>(result.vertices);
+  double peak = 0, copy = 0;  // per second
+  if (on_gpu) {
+    const GpuLimits limits = measuredGpuLimits();
+    peak = limits.operations_per_s;
+    copy = limits.copied_bytes_per_s;
+  } else {
+    const int all = static_cast<int>(std::thread::hardware_concurrency());
+    const int threads = result.backend == "reference" ? 1 : o.threads > 0 ? o.threads : all;
+    copy = measuredCopy(threads);
+    // The peak is one of the widest vectors.
+    if (o.target.empty()) {
+      peak = measuredPeak(threads);
+      row["fraction_of_peak_cpu"] = operations / (1e-3 * result.cpu_ms.min) / measuredPeakOfProcessor();
+    }
+  }
+  if (peak > 0)
+    row.update({{"peak_operations_per_s", peak}, {"fraction_of_peak", operations / seconds / peak}});
+  row.update({{"state_bytes_moved", bytes},
+              {"copied_bytes_per_s", copy},
+              {"fraction_of_copy", bytes / seconds / copy}});
+}
+
 /// A row of the table.
 nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& name) {
   Parameters parameters = scene.parameters;
@@ -105,13 +136,7 @@ nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& 
               {"substeps", o.substeps},
               {"operations_per_vertex_substep", operations}});
   if (parameters.solver == SolverKind::kGaussSeidel) row["iterations"] = o.iterations;
-  if (result.backend != "gpu" && o.target.empty()) {
-    const int all = static_cast<int>(std::thread::hardware_concurrency());
-    const int threads = result.backend == "reference" ? 1 : o.threads > 0 ? o.threads : all;
-    const double done = operations * static_cast<double>(result.vertices) * o.substeps;
-    row["fraction_of_peak"] = done / (1e-3 * result.ms.median) / measuredPeak(threads);
-    row["fraction_of_peak_cpu"] = done / (1e-3 * result.cpu_ms.min) / measuredPeakOfProcessor();
-  }
+  addFractions(row, o, result, operations * static_cast<double>(result.vertices) * o.substeps);
   if (passes != nullptr) {
     std::vector<double> ms;
     for (const auto& [pass, time] : passes->takeTimes()) ms.push_back(time);
@@ -147,7 +172,11 @@ int step(const StepOptions& o) {
                                  {{"air_gpu_ms"},
                                   {"operations_per_vertex_substep"},
                                   {"fraction_of_peak", "of peak", "{:.3f}"},
-                                  {"fraction_of_peak_cpu", "cpu", "{:.3f}"}}}));
+                                  {"fraction_of_peak_cpu", "cpu", "{:.3f}"},
+                                  {"peak_operations_per_s", "peak op/s", "{:.3g}"},
+                                  {"state_bytes_moved", "B moved"},
+                                  {"fraction_of_copy", "of copy", "{:.3f}"},
+                                  {"copied_bytes_per_s", "copy B/s", "{:.3g}"}}}));
   for (const BackendInfo& info : knownBackends()) {
     if (o.backend != "all" && o.backend != info.name && o.backend != "auto") continue;
     const bool runs = info.available && std::find(info.solvers.begin(), info.solvers.end(),
@@ -176,7 +205,11 @@ std::function<int()> addStepBench(CLI::App& app) {
       "         the compiled programs of the driver are part of it.\n"
       "allocs:  calls of operator new during all timed steps.\n"
       "of peak: the operations of the step, counted, against what the same threads reach with\n"
-      "         multiply-adds alone, measured; then the same of least processor times.\n"
+      "         multiply-adds alone, measured (peak op/s); then the same of least processor times. A GPU's\n"
+      "         are of gpu ms where there is one, against what a shader with multiply-adds alone reaches.\n"
+      "of copy: the bytes that the step moves at least, all positions and velocities read and written once\n"
+      "         (B moved), against what the same threads, or the GPU, move when they copy memory (copy "
+      "B/s).\n"
       "Examples:\n"
       "  strandbench step --backend all\n"
       "  strandbench step --strands 100000 --substeps 6 --scene curly --shake 2 --bodies mesh --air 64");

@@ -144,7 +144,9 @@ void print(const Bench& bench, const PrintOptions& options) {
     out.update(bench.more);
     fmt::print("{}\n", out.dump());
   } else if (options.csv) {
-    fmt::print("{}{}", originComment(), bench.table.csv());
+    fmt::print("{}", originComment());
+    for (const std::string& comment : bench.comments) fmt::print("# {}\n", comment);
+    fmt::print("{}", bench.table.csv());
   } else {
     fmt::print("{}{}{}", bench.heading, bench.table.text(), bench.closing);
   }

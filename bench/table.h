@@ -48,10 +48,11 @@ struct Bench {
   nlohmann::json more = nlohmann::json::object();  ///< further keys of the JSON object
   std::string heading = {};                        ///< lines above the table, for people
   std::string closing = {};                        ///< and below it
+  std::vector<std::string> comments = {};          ///< further lines of comment of the CSV
 };
 
 /// Prints it on standard output: to people; as one JSON object with name, commit, machine, params, results
-/// and `more`; or as CSV behind two lines of comment, command() and commit and machine.
+/// and `more`; or as CSV behind lines of comment: command(), commit and machine, and `comments`.
 void print(const Bench& bench, const PrintOptions& options);
 
 /// What every output states of itself: commit, machine, hardware_threads, instruction_set,

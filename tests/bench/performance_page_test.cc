@@ -70,6 +70,8 @@ TEST(Headlines, SayWhetherAGoalIsMet) {
   results.write(
       "scaling.csv",
       "# d\naxis,value,device,threads,ms_min,cpu_ms_min,speedup,efficiency,same_hash\n"
+      "vertices,8,\"A, 1 thread\",1,9,1,,,\nvertices,64,\"A, 1 thread\",1,9,12,,,\n"
+      "substeps,1,\"A, 1 thread\",1,9,1,,,\nsubsteps,8,\"A, 1 thread\",1,9,8,,,\n"
       "strands,100,\"A, 1 thread\",1,9,1,,,\nstrands,1000,\"A, 1 thread\",1,9,10,,,\n"
       "threads,2,\"A, 2 threads\",2,1,1,1.9,0.95,yes\nthreads,16,\"A, 16 threads\",16,1,1,9,0.5625,no\n"
       "lanes,16,\"AVX3, 1 thread\",1,1,1,8.1,,\nlanes,4,\"SSE4, 1 thread\",1,1,1,2,,\n");
@@ -82,13 +84,30 @@ TEST(Headlines, SayWhetherAGoalIsMet) {
                 "# h\nstrands,vertices,cells,pass,of_strand_step,of_strand_step_cpu\n"
                 "10000,32,32,splat,,\n10000,32,32,all,0.4,0.2\n10000,32,64,all,2,1\n");
   results.write("render.csv", "# i\ndevice,hairs,vertices,growth_ms\nG,10000,64,0.1\nG,100000,64,0.4\n");
+  results.write("gpu_4k_alone.csv",
+                "# j\ncase,device,scene,bodies,air_cells,strands,vertices,bytes_per_vertex\n"
+                "gpu,G,curly,none,0,4000,32,149\ngpu,G,curly,sphere,0,4000,32,263\n"
+                "gpu,G,curly,mesh,64,4000,32,335\n");
+  results.write("step_rod.csv",
+                "# k\ncase,device,scene,bodies,air_cells,strands,vertices,bytes_per_vertex\n"
+                "gpu,G,curly,mesh,64,100,32,890\ngpu,G,curly,none,0,100000,32,148\n");
+  results.write("contact.csv",
+                "# l\ncase,device,strands,vertices,bytes_per_vertex,ratio\n"
+                "no body,S,2000,32,155,\nmesh and five primitives,S,2000,32,201,1.2\n");
   const std::vector<Headline> lines = headlinesOf(readResults(results.root / "machine"));
   EXPECT_EQ(lineOf(lines, "grids of 32^3").holds, true) << "by processor time where it is known";
   EXPECT_EQ(lineOf(lines, "growth of 100000").holds, false);
   EXPECT_EQ(lineOf(lines, "of it the air").holds, false);
   EXPECT_EQ(lineOf(lines, "measured peak").holds, false);
   EXPECT_EQ(lineOf(lines, "stretch").holds, true);
-  EXPECT_EQ(lineOf(lines, "memory").holds, true);
+  EXPECT_EQ(lineOf(lines, "memory per vertex, S, simd, 10000 x 32").holds, true);
+  EXPECT_EQ(lineOf(lines, "memory per vertex, G, curly, 4000 x 32").holds, true);
+  EXPECT_EQ(lineOf(lines, "memory per vertex, G, curly, bodies: sphere").holds, false);
+  EXPECT_EQ(lineOf(lines, "memory per vertex, G, curly, bodies: mesh, air of 64^3").measured, "890 B");
+  EXPECT_EQ(lineOf(lines, "memory per vertex, G, curly, bodies: mesh, air of 64^3").command, "k")
+      << "of the row that takes most";
+  EXPECT_EQ(lineOf(lines, "memory per vertex, S, no body").holds, true);
+  EXPECT_EQ(lineOf(lines, "memory per vertex, S, mesh and five primitives").holds, false);
   EXPECT_EQ(lineOf(lines, "allocations").holds, false);
   EXPECT_EQ(lineOf(lines, "2 threads over").holds, true);
   EXPECT_EQ(lineOf(lines, "efficiency of 16").holds, false);
@@ -101,6 +120,9 @@ TEST(Headlines, SayWhetherAGoalIsMet) {
   EXPECT_EQ(lineOf(lines, "4,000 x 32 with").measured, "0.140 ms");
   EXPECT_EQ(lineOf(lines, "strands by the power").measured, "1.00 ± 0.00") << "of processor time";
   EXPECT_EQ(lineOf(lines, "strands by the power").command, "d");
+  EXPECT_EQ(lineOf(lines, "strands by the power").holds, true);
+  EXPECT_EQ(lineOf(lines, "vertices by the power").holds, false) << "1.19";
+  EXPECT_FALSE(lineOf(lines, "substeps by the power").holds) << "what a step does once makes it less";
 }
 
 }  // namespace

@@ -1,7 +1,11 @@
 // strandbench step, grid and contact as a user runs them, on little hair.
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
 
 #include "bench/table.h"
+#include "bench/text_file.h"
 #include "gpu_compute/gpu_backend.h"
 #include "simd/simd_backend.h"
 #include "tests/bench/bench_program.h"
@@ -25,6 +29,20 @@ void expectRun(const nlohmann::json& run) {
   EXPECT_EQ(run["state_hash"].get<std::string>().size(), 16u);
 }
 
+/// What the machine's limits are, and that the fractions are of them; `ms` is the key of the time.
+void expectLimits(const nlohmann::json& run, const char* ms) {
+  const auto of = [&](const char* key) { return run[key].is_number() ? run[key].get<double>() : -1; };
+  const double vertices = of("strands") * of("vertices"), seconds = 1e-3 * of(ms);
+  EXPECT_GT(of("peak_operations_per_s"), 1e8);
+  EXPECT_LT(of("peak_operations_per_s"), 1e15);
+  EXPECT_GT(of("copied_bytes_per_s"), 1e7);
+  EXPECT_LT(of("copied_bytes_per_s"), 1e14);
+  EXPECT_EQ(of("state_bytes_moved"), vertices * 48) << "three floats of place and of velocity, twice";
+  EXPECT_NEAR(of("fraction_of_copy") * seconds * of("copied_bytes_per_s") / of("state_bytes_moved"), 1, 1e-6);
+  const double operations = of("operations_per_vertex_substep") * vertices * of("substeps");
+  EXPECT_NEAR(of("fraction_of_peak") * seconds * of("peak_operations_per_s") / operations, 1, 1e-6);
+}
+
 TEST(StepBench, EveryRunSaysWhereItRanWhatItTookAndWhatItComputed) {
   const nlohmann::json report =
       benchJson("step --backend simd --threads 1 --strands 60 --vertices 12 --steps 4 --shake 2");
@@ -35,8 +53,18 @@ TEST(StepBench, EveryRunSaysWhereItRanWhatItTookAndWhatItComputed) {
   expectRun(run);
   EXPECT_GT(run["fraction_of_peak"], 0);
   EXPECT_GT(run["fraction_of_peak_cpu"], 0);
+  expectLimits(run, "ms_median");
   EXPECT_NEAR(run["ns_per_vertex_substep"].get<double>() * 1e-6 * 60 * 12 * 4, run["ms_median"].get<double>(),
               1e-6);
+}
+
+TEST(StepBench, AGpuIsHeldAgainstItsOwnLimits) {
+  if (!gpuBackendInfo().available) GTEST_SKIP() << "there is no OpenGL 4.5";
+  const nlohmann::json report = benchJson("step --backend gpu --strands 60 --vertices 12 --steps 4");
+  ASSERT_TRUE(report.is_object());
+  const nlohmann::json& run = report["results"][0];
+  EXPECT_GT(run["fraction_of_peak"], 0);
+  expectLimits(run, run["gpu_ms"].is_null() ? "ms_median" : "gpu_ms");
 }
 
 TEST(StepBench, CsvHoldsTheSameAsJson) {
@@ -97,6 +125,29 @@ TEST(GridBench, SaysWhatItsStepsComputed) {
   expectRun(report["step_with_grids_32"]);
   EXPECT_NE(report["step"]["state_hash"], report["step_with_grids_32"]["state_hash"]);
   EXPECT_GT(report["results"][0]["ms_passes"]["splat"], 0);
+}
+
+TEST(GridBench, RefusesCellsThatNoSimulationTakes) {
+  EXPECT_EQ(runBench("grid --strands 60 --steps 1 --cells 33 2>/dev/null").status, 2);
+  EXPECT_EQ(runBench("grid --strands 60 --steps 1 --cells 16,144 2>/dev/null").status, 2);
+  EXPECT_NE(runBench("grid --help").text.find("a multiple of 16"), std::string::npos);
+}
+
+TEST(ContactBench, CsvSaysHowEveryBodyWasBaked) {
+  const std::filesystem::path body =
+      std::filesystem::temp_directory_path() / ("strandcast_body_" + std::to_string(getpid()) + ".obj");
+  writeText(body, "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const BenchOutput csv =
+      runBench("contact --strands 20 --vertices 8 --steps 1 --threads 1 --cell 0.01 --body " + body.string() +
+               " --csv");
+  std::filesystem::remove(body);
+  ASSERT_EQ(csv.status, 0);
+  const CsvFile file = parseCsv(csv.text, "csv");
+  ASSERT_EQ(file.comments.size(), 4u);
+  EXPECT_EQ(file.comments[2].rfind("field of procedural body: ", 0), 0u) << file.comments[2];
+  EXPECT_EQ(file.comments[3].rfind("field of " + body.filename().string() + ": 4 triangles", 0), 0u)
+      << file.comments[3];
+  EXPECT_EQ(file.rows.size(), 2u);
 }
 
 TEST(ContactBench, SaysWhatContactChanged) {

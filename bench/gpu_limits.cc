@@ -1,0 +1,80 @@
+#include "bench/gpu_limits.h"
+
+#include <algorithm>
+
+#include "bench/shaders.h"
+#include "gl/buffer.h"
+#include "gl/current.h"
+#include "gl/program.h"
+#include "gpu_compute/pass_timer.h"
+
+namespace strandcast {
+namespace {
+
+constexpr GLuint kWorkgroup = 256;    // of both shaders
+constexpr double kMultiplyAdds = 64;  // of an invocation in a round
+constexpr int kAttempts = 6;
+
+/// What `work`, dispatches, takes at least, s.
+template <class Work>
+double leastSeconds(int attempts, const Work& work) {
+  gpu::PassTimer timer;
+  timer.measure(false, static_cast<size_t>(attempts));
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    timer.begin();
+    work();
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    timer.passed("all");
+  }
+  double least = 1e30;
+  for (const auto& [name, ms] : timer.take()) least = std::min(least, 1e-3 * ms);
+  return least;
+}
+
+double multiplyAddsPerSecond() {
+  constexpr GLuint kGroups = 4096;      // more than any GPU has room for at once
+  constexpr double kLongEnough = 4e-3;  // s, beside which starting and ending are nothing
+  const gl::Program program("multiply_adds", {{GL_COMPUTE_SHADER, shaders::kMultiplyAddsComp}});
+  const gl::Buffer sums(sizeof(float) * kGroups * kWorkgroup, nullptr, 0);
+  sums.bindStorage(0);
+  program.use();
+  program.set("by_and_plus", Eigen::Vector2f(0.999f, 1e-3f));
+  const auto secondsOf = [&](int rounds, int attempts) {
+    program.set("rounds", rounds);
+    return leastSeconds(attempts, [&] { glDispatchCompute(kGroups, 1, 1); });
+  };
+  secondsOf(1, 1);  // some drivers compile now
+  int rounds = 1;
+  while (rounds < (1 << 20) && secondsOf(rounds, 1) < kLongEnough) rounds *= 2;
+  return 2 * kMultiplyAdds * kGroups * kWorkgroup * rounds / secondsOf(rounds, kAttempts);
+}
+
+double copiedBytesPerSecond(bool is_software) {
+  constexpr GLuint kGroups = 16384;
+  // Five times the cache of an H100. A processor's OpenGL is far slower than its memory, and would take
+  // seconds.
+  const GLint64 wanted = (is_software ? 32 : 256) << 20;
+  GLint64 most = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+  const auto bytes = static_cast<size_t>(std::min(wanted, most));
+  const gl::Program program("buffer_copy", {{GL_COMPUTE_SHADER, shaders::kBufferCopyComp}});
+  const gl::Buffer from(bytes, nullptr, 0), to(bytes, nullptr, 0);
+  constexpr float kSomething = 1;
+  glClearNamedBufferData(from.id(), GL_R32F, GL_RED, GL_FLOAT, &kSomething);  // or it may have no memory
+  from.bindStorage(0);
+  to.bindStorage(1);
+  program.use();
+  const auto copy = [&] { glDispatchCompute(kGroups, 1, 1); };
+  leastSeconds(1, copy);  // some drivers compile now, and give memory
+  return 2 * static_cast<double>(bytes) / leastSeconds(kAttempts, copy);
+}
+
+}  // namespace
+
+GpuLimits measuredGpuLimits() {
+  gl::HeadlessContext context;
+  const gl::MakeCurrent current(context);
+  return {multiplyAddsPerSecond(), copiedBytesPerSecond(context.software())};
+}
+
+}  // namespace strandcast

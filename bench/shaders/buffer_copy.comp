@@ -1,0 +1,10 @@
+#version 450
+// Copies a buffer: what the memory of the GPU can do at most. Neighbours copy what lies side by side.
+layout(local_size_x = 256) in;
+layout(std430, binding = 0) readonly buffer From { vec4 from[]; };
+layout(std430, binding = 1) writeonly buffer To { vec4 to[]; };
+
+void main() {
+  const uint invocations = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  for (uint i = gl_GlobalInvocationID.x; i < uint(from.length()); i += invocations) to[i] = from[i];
+}
