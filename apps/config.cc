@@ -175,8 +175,11 @@ class Section {
   std::set<std::string> known_;
 };
 
-ContactPrimitive readPrimitive(Section& section) {
-  ContactPrimitive out;
+using PathOf = std::function<std::filesystem::path(const std::string&)>;
+
+ScenePrimitive readPrimitive(Section& section, const PathOf& path) {
+  ScenePrimitive primitive;
+  ContactPrimitive& out = primitive.shape;
   auto vector = [](const std::vector<double>& v) {
     return Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>());
   };
@@ -193,9 +196,13 @@ ContactPrimitive readPrimitive(Section& section) {
       out.kind = PrimitiveKind::kEllipsoid;
     else if (kind == "box")
       out.kind = PrimitiveKind::kBox;
+    else if (kind == "convex")
+      out.kind = PrimitiveKind::kConvex;
+    else if (kind == "mesh")
+      out.kind = PrimitiveKind::kField;
     else
       throw Error("unknown primitive '" + kind + "'", section.place("kind"),
-                  "choose one of sphere, capsule, tapered_capsule, ellipsoid, box, plane");
+                  "choose one of sphere, capsule, tapered_capsule, ellipsoid, box, plane, convex, mesh");
   });
   section.numbers("a", 3, [&](const std::vector<double>& v) { out.a = vector(v); });
   section.numbers("b", 3, [&](const std::vector<double>& v) { out.b = vector(v); });
@@ -214,8 +221,23 @@ ContactPrimitive readPrimitive(Section& section) {
       throw Error("a plane's normal b is zero", section.place("b"), "give a direction");
     out.b.normalize();
   }
-  checkPrimitive(out, section.place());
-  return out;
+  section.flag("follows_head", [&](bool v) { primitive.follows_head = v; });
+  section.text("file", [&](const std::string& v) {
+    if (!v.empty()) primitive.file = path(v);
+  });
+  section.number("cell", 1e-6, 1e3, [&](double v) { primitive.cell = static_cast<float>(v); });
+  primitive.where = section.place();
+  const bool is_mesh = out.kind == PrimitiveKind::kField;
+  const bool has_file = is_mesh || out.kind == PrimitiveKind::kConvex;
+  if (primitive.cell > 0 && !is_mesh)
+    throw Error("only a mesh has cells", section.place("cell"), "leave cell out, or kind = \"mesh\"");
+  if (!primitive.file.empty() && !has_file)
+    throw Error("a primitive of this kind is not read from a file", section.place("file"),
+                "leave file out, or kind = \"convex\" or \"mesh\"");
+  if (primitive.file.empty() && has_file)
+    throw Error("a convex body or a mesh has no file", primitive.where, "name one: file = \"chair.obj\"");
+  if (!has_file) checkPrimitive(out, primitive.where);
+  return primitive;
 }
 
 MaterialRule readMaterial(Section& section) {
@@ -303,8 +325,10 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     body.number("cell", 1e-6, 1e3, [&](double v) { s.scene.body_cell = static_cast<float>(v); });
     body.wholeNumber("fitted_spheres", 0, 64,
                      [&](double v) { s.scene.body_primitives = static_cast<int>(v); });
-    body.sections("primitives",
-                  [&](Section& primitive) { s.scene.primitives.push_back(readPrimitive(primitive)); });
+    body.number("friction", 0, 10, [&](double v) { s.scene.body_friction = static_cast<float>(v); });
+    body.sections("primitives", [&](Section& primitive) {
+      s.scene.primitives.push_back(readPrimitive(primitive, path));
+    });
   });
   root.sections("material", [&](Section& material) { s.scene.materials.push_back(readMaterial(material)); });
   root.sections("pin", [&](Section& pin) { s.scene.pins.push_back(readPin(pin)); });

@@ -32,6 +32,7 @@ struct CtlOptions {
   std::string name, shape;
   std::vector<double> values;
   bool follows_head = false;
+  double friction = static_cast<double>(ContactPrimitive().friction);
   double seconds = 0.2;
 };
 
@@ -207,7 +208,8 @@ constexpr ShapeForm kShapes[] = {
 
 /// The values of kAddCollider: the shape is at the origin of the collider, and the collider where it is asked
 /// to be; with the head, the shape itself is there.
-std::vector<double> colliderValues(std::string kind, const std::vector<double>& v, bool follows_head) {
+std::vector<double> colliderValues(std::string kind, const std::vector<double>& v, bool follows_head,
+                                   double friction) {
   std::replace(kind.begin(), kind.end(), '-', '_');
   const ShapeForm* form = nullptr;
   for (const ShapeForm& known : kShapes)
@@ -220,6 +222,7 @@ std::vector<double> colliderValues(std::string kind, const std::vector<double>& 
   };
   ContactPrimitive shape;
   shape.kind = form->kind;
+  shape.friction = static_cast<float>(friction);
   const Vec3 at = vec(0), own = follows_head ? at : Vec3(Vec3::Zero());
   shape.a = own;
   const auto number = [&](size_t i) { return static_cast<float>(v[i]); };
@@ -239,6 +242,7 @@ std::vector<double> colliderValues(std::string kind, const std::vector<double>& 
     default:
       shape.extent = vec(3);
   }
+  checkPrimitive(shape, "ctl collider add");
   std::vector<double> values = {static_cast<double>(form->kind), follows_head ? 1.0 : 0.0};
   for (int c = 0; c < 3; ++c) values.push_back(static_cast<double>(follows_head ? 0.0f : at[c]));
   for (const double component : {0.0, 0.0, 0.0, 1.0}) values.push_back(component);
@@ -259,10 +263,13 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
       ->required()
       ->check(finiteNumber());
   add->add_flag("--head", o->follows_head, "it moves with the head, which is at rest where it is placed");
+  add->add_option("--friction", o->friction, "Coulomb coefficient")
+      ->check(finiteRange(0.0, 10.0))
+      ->capture_default_str();
   add->callback([o, run] {
     *run = [o] {
       return sendCommand(*o, CommandKind::kAddCollider, o->name,
-                         colliderValues(o->shape, o->values, o->follows_head));
+                         colliderValues(o->shape, o->values, o->follows_head, o->friction));
     };
   });
   CLI::App* move = app.add_subcommand("move", "to a pose, smoothly");

@@ -73,6 +73,10 @@ void checkPrimitive(const ContactPrimitive& p, const std::string& where) {
     throw Error("a body's shape is not finite", where, "check its points, sizes, rotation and friction");
   if (p.radius < 0 || p.radius_b < 0 || p.friction < 0)
     throw Error("a body's radius or friction is negative", where, "give 0 or more");
+  const bool has_radius = p.kind == PrimitiveKind::kSphere || p.kind == PrimitiveKind::kCapsule ||
+                          p.kind == PrimitiveKind::kTaperedCapsule;
+  const float thickest = p.kind == PrimitiveKind::kTaperedCapsule ? std::max(p.radius, p.radius_b) : p.radius;
+  if (has_radius && !(thickest > 0)) throw Error("a body has no size", where, "give a radius above 0");
   if (p.kind == PrimitiveKind::kPlane && std::fabs(p.b.norm() - 1) > 1e-3f)
     throw Error("a plane's normal is not of unit length", where, "normalise it");
   const bool turns = p.kind >= PrimitiveKind::kEllipsoid;

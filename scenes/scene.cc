@@ -369,6 +369,25 @@ void checkSkinned(const SceneOptions& options) {
                 "leave body contact to its fields");
 }
 
+void addPrimitives(const SceneOptions& options, const Progress& progress, Scene& scene) {
+  constexpr double kFrom = 0.97, kTo = 1;  // of the scene's progress
+  MeshUnits units{options.units, scene.groom.report.unit_meters};
+  if (options.groom.empty()) {  // procedural scenes are in metres, with Y up
+    units.obj_meters = 1;
+    if (units.read.up == UpAxis::kAuto) units.read.up = UpAxis::kY;
+  }
+  FieldOptions field;
+  field.hair_radius = scene.parameters.hair_radius;
+  field.cell = options.body_cell;
+  PrimitiveBodies made = primitiveBodies(options.primitives, units, field, FieldCache(options.field_cache),
+                                         scene.body, [&](const std::string& what, double part) {
+                                           return !progress || progress(what, kFrom + part * (kTo - kFrom));
+                                         });
+  for (RigidBody& body : made.bodies) scene.bodies.push_back(std::move(body));
+  for (std::string& line : made.notes) scene.notes.push_back(std::move(line));
+  for (std::string& line : made.warnings) scene.warnings.push_back(std::move(line));
+}
+
 }  // namespace
 
 Scene makeScene(const SceneOptions& options, const Progress& progress) {
@@ -380,7 +399,9 @@ Scene makeScene(const SceneOptions& options, const Progress& progress) {
   scene.pins = options.pins;
   if (scene.groom.strands.strands() == 0)
     throw Error("the groom has no strand to simulate", scene.name, "see `strandcast info FILE`");
-  if (!options.primitives.empty()) scene.bodies.push_back({options.primitives, true});
+  for (RigidBody& body : scene.bodies)
+    for (ContactPrimitive& shape : body.primitives) shape.friction = options.body_friction;
+  addPrimitives(options, progress, scene);
   report(progress, "ready", 1);
   return scene;
 }

@@ -12,6 +12,7 @@
 #include "scenes/head_motion.h"
 #include "scenes/part_materials.h"
 #include "scenes/part_pins.h"
+#include "scenes/scene_primitives.h"
 #include "scenes/skinned_body.h"
 
 namespace strandcast {
@@ -33,13 +34,14 @@ struct SceneOptions {
   int strands = 0;   ///< procedural: strands grown; files: guides chosen; 0 = the scene's own, all
   int vertices = 0;  ///< per strand; 0 = as they are
   float length = 0;  ///< m, procedural only; 0 = the scene's own
-  std::vector<ContactPrimitive> primitives;  ///< further shapes, which move with the head
+  std::vector<ScenePrimitive> primitives;  ///< further bodies
   BodyContact body_contact = BodyContact::kField;
   /// Of a glTF body with a skin; empty = it is rigid and moves with the head.
   std::optional<SkinnedMotion> skinned;
-  float body_cell = 0;                  ///< m, of the field; 0 = defaultFieldCell
+  float body_cell = 0;                  ///< m, of the fields of meshes; 0 = defaultFieldCell
   std::filesystem::path field_cache;    ///< folder of baked fields; empty = every time anew
   int body_primitives = 24;             ///< spheres at most, fitted into a body mesh
+  float body_friction = 0.3f;           ///< Coulomb coefficient, of the body and its parts
   std::vector<MaterialRule> materials;  ///< what the hair of its parts is made of
   std::vector<PinRule> pins;            ///< what of its parts moves with bones
 };

@@ -89,11 +89,14 @@ TEST_F(DaemonColliders, BadCommandsAreRefused) {
             std::string::npos);
   EXPECT_NE(order(CommandKind::kMoveCollider, "cube", {0, 0, 0, 0, 0, 0, 1}), "");
   EXPECT_NE(order(CommandKind::kAddCollider, "short", {0, 0, 1}), "");
-  std::vector<double> field = ball(0.5), nowhere = ball(0.5), flat = ball(0.5), nameless = ball(0.5);
+  std::vector<double> field = ball(0.5), nowhere = ball(0.5), flat = ball(0.5), nameless = ball(0.5),
+                      point = ball(0.5);
   field[0] = 7;
-  nowhere[8] = 0;  // no rotation
-  flat[0] = 5;     // a box without extent
-  for (const auto& bad : {field, nowhere, flat}) EXPECT_NE(order(CommandKind::kAddCollider, "bad", bad), "");
+  nowhere[8] = 0;    // no rotation
+  flat[0] = 5;       // a box without extent
+  point[9 + 6] = 0;  // a ball without a radius
+  for (const auto& bad : {field, nowhere, flat, point})
+    EXPECT_NE(order(CommandKind::kAddCollider, "bad", bad), "");
   EXPECT_NE(order(CommandKind::kAddCollider, "", nameless), "");
   EXPECT_EQ(subscriber_->colliders()->colliders.size(), scene_bodies_ + 1);
   size_t taken = 0;

@@ -28,6 +28,7 @@ vertices = 16
 file = "head.obj"
 contact = "spheres"
 cell = 0.003
+friction = 0.1
 clip = "Walk.BVH"
 joint = "Head"
 fitted_spheres = 12
@@ -41,6 +42,15 @@ friction = 0.5
 kind = "ellipsoid"
 extent = [0.1, 0.2, 0.1]
 rotation = [0, 0, 2, 0]
+[[body.primitives]]
+kind = "mesh"
+file = "chair.obj"
+a = [0, 0, -1]
+cell = 0.005
+follows_head = false
+[[body.primitives]]
+kind = "convex"
+file = "hat.obj"
 [[material]]
 youngs_modulus = 3e9
 [[material]]
@@ -104,12 +114,26 @@ TEST(Config, ReadsEveryKey) {
   ASSERT_TRUE(s.scene.skinned);
   EXPECT_EQ(s.scene.skinned->clip, "some/Walk.BVH");
   EXPECT_EQ(s.scene.skinned->joint, "Head");
-  ASSERT_EQ(s.scene.primitives.size(), 2u);
-  EXPECT_EQ(s.scene.primitives[1].kind, PrimitiveKind::kEllipsoid);
-  EXPECT_FLOAT_EQ(s.scene.primitives[1].extent.y(), 0.2f);
-  EXPECT_FLOAT_EQ(s.scene.primitives[1].rotation.z(), 1) << "made of unit length";
-  EXPECT_EQ(s.scene.primitives[0].kind, PrimitiveKind::kCapsule);
-  EXPECT_FLOAT_EQ(s.scene.primitives[0].b.y(), 2);
+  EXPECT_FLOAT_EQ(s.scene.body_friction, 0.1f);
+  ASSERT_EQ(s.scene.primitives.size(), 4u);
+  const ScenePrimitive &capsule = s.scene.primitives[0], &ellipsoid = s.scene.primitives[1];
+  EXPECT_EQ(ellipsoid.shape.kind, PrimitiveKind::kEllipsoid);
+  EXPECT_FLOAT_EQ(ellipsoid.shape.extent.y(), 0.2f);
+  EXPECT_FLOAT_EQ(ellipsoid.shape.rotation.z(), 1) << "made of unit length";
+  EXPECT_FLOAT_EQ(ellipsoid.shape.friction, 0.3f);
+  EXPECT_EQ(capsule.shape.kind, PrimitiveKind::kCapsule);
+  EXPECT_FLOAT_EQ(capsule.shape.b.y(), 2);
+  EXPECT_FLOAT_EQ(capsule.shape.friction, 0.5f);
+  EXPECT_TRUE(capsule.follows_head);
+  const ScenePrimitive& mesh = s.scene.primitives[2];
+  EXPECT_EQ(mesh.shape.kind, PrimitiveKind::kField);
+  EXPECT_EQ(mesh.file, "some/chair.obj") << "relative to the file that names it";
+  EXPECT_FLOAT_EQ(mesh.shape.a.z(), -1);
+  EXPECT_FLOAT_EQ(mesh.cell, 0.005f);
+  EXPECT_FALSE(mesh.follows_head);
+  EXPECT_EQ(mesh.where, "some/hair.toml line 29");
+  EXPECT_EQ(s.scene.primitives[3].shape.kind, PrimitiveKind::kConvex);
+  EXPECT_EQ(s.scene.primitives[3].file, "some/hat.obj");
   ASSERT_EQ(s.scene.materials.size(), 2u);
   EXPECT_EQ(s.scene.materials[1].parts, (std::vector<std::string>{"a", "1"}));
   const std::vector<Material> materials = partMaterials(s.scene.materials, {"a", "b", "c"});
@@ -176,6 +200,18 @@ TEST(Config, WrongTypesAndRangesAreRefused) {
                            "[parameters]\nsubsteps = 0",
                            "[[body.primitives]]\nkind = \"torus\"",
                            "[[body.primitives]]\nkind = \"box\"",
+                           "[[body.primitives]]\nkind = \"sphere\"\na = [0, 1, 0]",
+                           "[[body.primitives]]\nkind = \"capsule\"\nradius = 0",
+                           "[[body.primitives]]\nkind = \"tapered_capsule\"",
+                           "[[body.primitives]]\nkind = \"ellipsoid\"\nradius = 1",
+                           "[[body.primitives]]\nradius = 1\nfriction = -0.1",
+                           "[[body.primitives]]\nradius = 1\nfollows_head = 1",
+                           "[[body.primitives]]\nradius = 1\nfile = \"a.obj\"",
+                           "[[body.primitives]]\nradius = 1\ncell = 0.01",
+                           "[[body.primitives]]\nkind = \"convex\"",
+                           "[[body.primitives]]\nkind = \"convex\"\nfile = \"a.obj\"\ncell = 0.01",
+                           "[[body.primitives]]\nkind = \"mesh\"\nfile = \"\"",
+                           "[body]\nfriction = -1",
                            "[[body.primitives]]\nkind = \"box\"\nextent = [1, 1, 1]\nrotation = [0, 0, 0, 0]",
                            "seed = 1.5",
                            "motion = \"\"",

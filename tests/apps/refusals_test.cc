@@ -70,6 +70,19 @@ TEST_F(Refusals, ANumberBelowZeroNeedsNoWholePart) {
   EXPECT_EQ(unknown.err.find("error: LCM"), std::string::npos) << unknown.err;
 }
 
+TEST_F(Refusals, ACollidersSizeAndFrictionAreToMakeSense) {
+  const std::string add = program_ + " ctl collider add ball ";
+  for (const char* shape : {"sphere 0 0 0 0", "capsule 0 0 0 0 1 0 0", "tapered_capsule 0 0 0 0 1 0 0 0",
+                            "ellipsoid 0 0 0 0.1 0 0.1", "box 0 0 0 0 0 0"}) {
+    const Outcome r = tryFor(10, add + shape);
+    EXPECT_EQ(r.exit_code, 2) << shape << "\n" << r.err;
+    EXPECT_NE(r.err.find("ctl collider add; give "), std::string::npos) << shape << "\n" << r.err;
+  }
+  const Outcome slippery = tryFor(10, add + "sphere 0 0 0 1 --friction=-1");
+  EXPECT_EQ(slippery.exit_code, 2);
+  EXPECT_NE(slippery.err.find("not in range"), std::string::npos) << slippery.err;
+}
+
 TEST_F(Refusals, AStreamIsNotToldWhatADaemonSimulates) {
   const std::filesystem::path take = write("take.rec", "an old take");
   for (const char* options : {" --strands 3", " --set wind=1,0,0", " --motion shake", " --rate 30",

@@ -295,6 +295,20 @@ TEST(BodyShapes, BadShapesAreRefused) {
   shape.a.x() = 0;
   shape.friction = -1;
   refused(shape);
+  for (const PrimitiveKind kind :
+       {PrimitiveKind::kSphere, PrimitiveKind::kCapsule, PrimitiveKind::kTaperedCapsule}) {
+    shape = {};
+    shape.kind = kind;
+    refused(shape);
+    shape.radius_b = 0.1f;
+    if (kind == PrimitiveKind::kTaperedCapsule) {
+      EXPECT_NO_THROW(checkPrimitive(shape, "a test")) << "a cone";
+    } else {
+      refused(shape);
+    }
+    shape.radius = 0.1f;
+    EXPECT_NO_THROW(checkPrimitive(shape, "a test"));
+  }
   shape = {};
   shape.kind = PrimitiveKind::kPlane;
   shape.b = Vec3(0, 2, 0);

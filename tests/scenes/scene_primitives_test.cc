@@ -1,0 +1,205 @@
+#include "scenes/scene_primitives.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <numbers>
+
+#include "scenes/scene.h"
+#include "simd/simd_backend.h"
+#include "tests/collision/shapes.h"
+#include "tests/error_of.h"
+#include "tests/groom/scratch_folder.h"
+
+namespace strandcast {
+namespace {
+
+// Five hairs of 12 cm that grow to the side of the origin and fall, and further bodies.
+class ScenePrimitives : public testing::Test {
+ protected:
+  ScenePrimitives() {
+    std::ofstream hair(folder_ / "hair.obj");
+    for (int s = 0; s < kStrands; ++s) {
+      for (int i = 0; i < kVertices; ++i)
+        hair << "v " << 0.01 * i << " 0 " << 0.002 * (s - kStrands / 2) << '\n';
+      hair << 'l';
+      for (int i = 0; i < kVertices; ++i) hair << ' ' << s * kVertices + i + 1;
+      hair << '\n';
+    }
+    options_.groom = {folder_ / "hair.obj"};
+    options_.units.unit_meters = 1;
+    options_.units.up = UpAxis::kY;
+    options_.field_cache = folder_ / "fields";
+    options_.motion = "still";
+  }
+  std::filesystem::path write(const char* name, const TriangleMesh& mesh, float unit = 1) const {
+    std::ofstream out(folder_ / name);
+    for (const Vec3& p : mesh.positions)
+      out << "v " << p.x() / unit << ' ' << p.y() / unit << ' ' << p.z() / unit << '\n';
+    for (const auto& t : mesh.triangles)
+      out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+    return folder_ / name;
+  }
+  static ScenePrimitive of(PrimitiveKind kind, const std::filesystem::path& file, const Vec3& at) {
+    ScenePrimitive primitive;
+    primitive.shape.kind = kind;
+    primitive.shape.a = at;
+    primitive.file = file;
+    primitive.where = "hair.toml line 9";
+    return primitive;
+  }
+  std::string error() const {
+    return errorOf([&] { makeScene(options_); });
+  }
+  /// m, from the surface of what the scene has, at rest.
+  static float distance(const ContactPrimitive& shape, const Vec3& p) {
+    ShapeData data;
+    const uint32_t at = data.add(shape);
+    return signedDistance(moved(shape, Pose{}, Pose{}, 1, at), p, data.words);
+  }
+  /// Where the tip of the middle hair is after a second in which the head goes up by `rise`.
+  static Vec3 tipAfter(const Scene& scene, float rise) {
+    Parameters parameters = scene.parameters;
+    parameters.solver = SolverKind::kRod;
+    Simulation simulation(sceneModel(scene), scene.bodies, parameters, makeSimdBackend());
+    for (int i = 1; i <= 60; ++i) {
+      simulation.setHeadPose({Vec3(0, rise * static_cast<float>(i) / 60, 0), Quat::Identity()});
+      simulation.step();
+    }
+    EXPECT_EQ(simulation.measure().non_finite, 0u);
+    return simulation.guides()[(kStrands / 2 + 1) * kVertices - 1];
+  }
+
+  static constexpr int kStrands = 5, kVertices = 13;
+  ScratchFolder folder_;
+  SceneOptions options_;
+};
+
+TEST_F(ScenePrimitives, ThoseThatFollowTheHeadAreOneBodyAndThoseThatStandAnother) {
+  ScenePrimitive ball = of(PrimitiveKind::kSphere, {}, Vec3(0, 1, 0));
+  ball.shape.radius = 0.1f;
+  ball.shape.friction = 0.7f;
+  options_.primitives = {ball, ball, ball};
+  options_.primitives[1].follows_head = false;
+  options_.primitives[1].shape.friction = 0;
+  const Scene scene = makeScene(options_);
+  ASSERT_EQ(scene.bodies.size(), 2u);
+  EXPECT_TRUE(scene.bodies[0].follows_head);
+  ASSERT_EQ(scene.bodies[0].primitives.size(), 2u);
+  EXPECT_FLOAT_EQ(scene.bodies[0].primitives[1].friction, 0.7f);
+  EXPECT_FALSE(scene.bodies[1].follows_head);
+  ASSERT_EQ(scene.bodies[1].primitives.size(), 1u);
+  EXPECT_EQ(scene.bodies[1].primitives[0].friction, 0);
+}
+
+TEST_F(ScenePrimitives, TheBodysFrictionIsItsOwn) {
+  ScenePrimitive ball = of(PrimitiveKind::kSphere, {}, Vec3(0, 1, 0));
+  ball.shape.radius = 0.1f;
+  options_.primitives = {ball};
+  options_.body = write("ball.obj", shapes::sphere(0.05f, 2, Vec3(-0.05f, 0, 0)));
+  options_.body_friction = 0.8f;
+  options_.body_cell = 0.005f;
+  for (const BodyContact contact : {BodyContact::kField, BodyContact::kSpheres}) {
+    options_.body_contact = contact;
+    const Scene scene = makeScene(options_);
+    ASSERT_EQ(scene.bodies.size(), 2u);
+    for (const ContactPrimitive& shape : scene.bodies[0].primitives) EXPECT_FLOAT_EQ(shape.friction, 0.8f);
+    EXPECT_FLOAT_EQ(scene.bodies[1].primitives[0].friction, 0.3f);
+  }
+  options_.groom.clear();
+  options_.body.clear();
+  options_.strands = 20;
+  EXPECT_FLOAT_EQ(makeScene(options_).bodies[0].primitives[0].friction, 0.8f) << "a procedural one's too";
+}
+
+TEST_F(ScenePrimitives, MeshesStandWhereTheyArePlaced) {
+  const std::filesystem::path box = write("box.obj", shapes::box(Vec3(0.1f, 0.02f, 0.05f)));
+  for (const PrimitiveKind kind : {PrimitiveKind::kConvex, PrimitiveKind::kField}) {
+    ScenePrimitive primitive = of(kind, box, Vec3(0, 0.5f, 0));
+    primitive.shape.rotation =
+        Quat(Eigen::AngleAxisf(std::numbers::pi_v<float> / 2, Eigen::Vector3f::UnitZ()));  // x becomes y
+    primitive.shape.friction = 0.6f;
+    primitive.cell = kind == PrimitiveKind::kField ? 0.004f : 0;
+    options_.primitives = {primitive};
+    const Scene scene = makeScene(options_);
+    ASSERT_EQ(scene.bodies.size(), 1u);
+    const ContactPrimitive& shape = scene.bodies[0].primitives.at(0);
+    EXPECT_EQ(shape.kind, kind);
+    EXPECT_FLOAT_EQ(shape.friction, 0.6f);
+    EXPECT_NEAR(distance(shape, Vec3(0, 0.605f, 0)), 0.005f, 2e-4f);
+    EXPECT_NEAR(distance(shape, Vec3(0.025f, 0.5f, 0)), 0.005f, 2e-4f);
+    EXPECT_NEAR(distance(shape, Vec3(0, 0.5f, 0.045f)), -0.005f, 2e-4f);
+    if (shape.field) {
+      EXPECT_FLOAT_EQ(shape.field->grid.cell, 0.004f);
+    }
+  }
+}
+
+TEST_F(ScenePrimitives, AMeshHasTheUnitOfTheHairAndTheCellOfTheBody) {
+  options_.units.unit_meters = 0.5f;
+  options_.body_cell = 0.003f;
+  options_.primitives = {of(PrimitiveKind::kField, write("ball.obj", shapes::sphere(0.05f, 3), 0.5f), {})};
+  options_.primitives[0].shape.a = Vec3(0, -0.2f, 0);
+  const Scene scene = makeScene(options_);
+  const ContactPrimitive& shape = scene.bodies.at(0).primitives.at(0);
+  EXPECT_FLOAT_EQ(shape.field->grid.cell, 0.003f);
+  EXPECT_NEAR(distance(shape, Vec3(0, -0.145f, 0)), 0.005f, 5e-4f);
+  const auto noted = [&](const Scene& made, const std::string& text) {
+    return std::any_of(made.notes.begin(), made.notes.end(), [&](const std::string& line) {
+      return line.starts_with("ball.obj: ") && line.find(text) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(noted(scene, "MiB, baked"));
+  EXPECT_TRUE(noted(makeScene(options_), "MiB, found in the cache"));
+}
+
+TEST_F(ScenePrimitives, AMeshThatIsNotConvexIsRefusedAsAConvexBodyAndTakenAsAMesh) {
+  const std::filesystem::path potato = write("potato.obj", shapes::potato(0.05f, 3));
+  options_.primitives = {of(PrimitiveKind::kConvex, potato, Vec3(0, 0.5f, 0))};
+  const std::string told = error();
+  EXPECT_NE(told.find("the mesh is not convex"), std::string::npos) << told;
+  EXPECT_NE(told.find("potato.obj"), std::string::npos) << told;
+  EXPECT_NE(told.find("hair.toml line 9; kind = \"mesh\""), std::string::npos) << told;
+  options_.primitives[0].shape.kind = PrimitiveKind::kField;
+  EXPECT_EQ(error(), "");
+  options_.primitives[0].file = folder_ / "none.obj";
+  EXPECT_NE(error().find("none.obj"), std::string::npos);
+}
+
+TEST_F(ScenePrimitives, HairLiesOnThem) {
+  const std::filesystem::path slab = write("slab.obj", shapes::box(Vec3(0.2f, 0.01f, 0.2f)));
+  const float tip = tipAfter(makeScene(options_), 0).y();
+  EXPECT_LT(tip, -0.04f) << "without a body";
+  for (const PrimitiveKind kind : {PrimitiveKind::kConvex, PrimitiveKind::kField}) {
+    options_.primitives = {of(kind, slab, Vec3(0, -0.03f, 0))};  // its top is at -2 cm
+    options_.primitives[0].cell = kind == PrimitiveKind::kField ? 0.004f : 0;
+    for (const bool follows : {true, false}) {
+      options_.primitives[0].follows_head = follows;
+      EXPECT_NEAR(tipAfter(makeScene(options_), 0).y(), -0.02f, 5e-4f) << "at rest";
+      // The head takes the slab along, or draws the hair off it.
+      EXPECT_NEAR(tipAfter(makeScene(options_), 0.03f).y(), follows ? 0.01f : -0.02f, 5e-3f);
+    }
+  }
+}
+
+TEST_F(ScenePrimitives, AStandingMeshThatTouchesTheBodyIsWarnedOf) {
+  options_.body = write("ball.obj", shapes::sphere(0.05f, 2, Vec3(-0.05f, 0, 0)));
+  options_.body_cell = 0.005f;
+  options_.primitives = {of(PrimitiveKind::kField, write("box.obj", shapes::box(Vec3(0.05f, 0.02f, 0.05f))),
+                            Vec3(-0.05f, -0.07f, 0))};
+  const auto warned = [&] {
+    const Scene scene = makeScene(options_);
+    return std::any_of(scene.warnings.begin(), scene.warnings.end(), [](const std::string& line) {
+      return line.find("of box.obj, which does not follow the head") != std::string::npos;
+    });
+  };
+  EXPECT_FALSE(warned()) << "it follows the head";
+  options_.primitives[0].follows_head = false;
+  EXPECT_TRUE(warned());
+  options_.primitives[0].shape.a.y() = -0.2f;
+  EXPECT_FALSE(warned()) << "it is away from it";
+}
+
+}  // namespace
+}  // namespace strandcast
