@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "apps/picture_folder.h"
-#include "core/error.h"
 
 namespace strandcast {
 
@@ -16,15 +15,13 @@ AirFilm::AirFilm(const std::string& quantity, const std::string& axis, int size,
       folder_(folder),
       made_(folder) {}
 
-void AirFilm::draw(Simulation& simulation) {
-  const AirFields* fields = airFields(simulation.surroundings());
-  if (fields == nullptr)
-    throw Error("this backend's grids cannot be looked at", simulation.backend().name(), "choose simd");
-  draw(*fields, simulation.guides());
-}
+bool AirFilm::canDraw(Simulation& simulation) const { return isOnGrid(simulation, quantity_); }
+bool AirFilm::canDraw(const AirFields& fields) const { return isOnGrid(fields, quantity_); }
+const char* AirFilm::settings() const { return settingsOf(quantity_); }
+
+void AirFilm::draw(Simulation& simulation) { draw(fieldsWith(simulation, quantity_), simulation.guides()); }
 
 void AirFilm::draw(const AirFields& fields, std::span<const Vec3> hair) {
-  checkHas(fields, quantity_);
   const AirSlice slice = airSlice(fields, quantity_, axis_, hair, size_);
   full_ = std::max(full_, slice.full);
   unit_ = slice.unit;

@@ -17,9 +17,13 @@ class AirFilm {
   /// edge. Makes the folder. Throws Error.
   AirFilm(const std::string& quantity, const std::string& axis, int size,
           const std::filesystem::path& folder);
+  /// Whether the quantity is on a grid there. Throws Error where grids cannot be looked at.
+  bool canDraw(Simulation& simulation) const;
+  bool canDraw(const AirFields& fields) const;
+  const char* settings() const;  ///< that put the quantity on a grid
   /// The next picture. Throws Error where the simulation has no such grid, or one that cannot be looked at.
   void draw(Simulation& simulation);
-  /// The same of grids from elsewhere, and the hair at that time: vertices, m, world.
+  /// The same of grids from elsewhere that have the quantity, and the hair at that time: vertices, m, world.
   void draw(const AirFields& fields, std::span<const Vec3> hair);
   int drawn() const { return drawn_; }
   void addTo(Report& out) const;

@@ -35,6 +35,11 @@ const char* unitOf(AirQuantity quantity) {
   return kUnits[static_cast<int>(quantity)];
 }
 
+const AirFields& fieldsOf(Simulation& simulation) {
+  if (const AirFields* fields = airFields(simulation.surroundings())) return *fields;
+  throw Error("this backend's grids cannot be looked at", simulation.backend().name(), "choose simd");
+}
+
 /// A picture of a square of the world.
 class Canvas {
  public:
@@ -100,12 +105,27 @@ AirQuantity airQuantity(const std::string& name) {
   throw Error("there is no such quantity of the air", name, "choose density, wind, pressure or divergence");
 }
 
-void checkHas(const AirFields& fields, AirQuantity quantity) {
-  if (quantity == AirQuantity::kDensity && !fields.hasDensity())
-    throw Error("the hair is not on a grid", "density", "give --set volume_stiffness=1 or --set wind_grid=1");
-  if (quantity != AirQuantity::kDensity && !fields.hasWind())
-    throw Error("the wind is not on a grid", kQuantities[static_cast<int>(quantity)],
-                "give --set wind_grid=1");
+const char* settingsOf(AirQuantity quantity) {
+  return quantity == AirQuantity::kDensity ? "--set volume_stiffness=1 or --set wind_grid=1"
+                                           : "--set wind_grid=1";
+}
+
+bool isOnGrid(const AirFields& fields, AirQuantity quantity) {
+  return quantity == AirQuantity::kDensity ? fields.hasDensity() : fields.hasWind();
+}
+
+bool isOnGrid(Simulation& simulation, AirQuantity quantity) {
+  const AirFields& fields = fieldsOf(simulation);
+  // Grids that nothing needs any more are as they were when something did.
+  return simulation.surroundings()->isNeeded(simulation.parameters()) && isOnGrid(fields, quantity);
+}
+
+const AirFields& fieldsWith(Simulation& simulation, AirQuantity quantity) {
+  const AirFields& fields = fieldsOf(simulation);
+  if (!isOnGrid(simulation, quantity))
+    throw Error(quantity == AirQuantity::kDensity ? "the hair is not on a grid" : "the wind is not on a grid",
+                kQuantities[static_cast<int>(quantity)], std::string("give ") + settingsOf(quantity));
+  return fields;
 }
 
 AirSlice airSlice(const AirFields& fields, AirQuantity quantity, int axis, std::span<const Vec3> hair,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "air/air_fields.h"
+#include "core/simulation.h"
 #include "render/image.h"
 
 namespace strandcast {
@@ -12,8 +13,15 @@ namespace strandcast {
 enum class AirQuantity { kDensity, kWind, kPressure, kDivergence };
 /// "density", "wind", "pressure" or "divergence"; Error otherwise.
 AirQuantity airQuantity(const std::string& name);
-/// Error where the fields do not have it, saying which setting gives it.
-void checkHas(const AirFields& fields, AirQuantity quantity);
+/// The settings that put it on a grid, as options: "--set wind_grid=1".
+const char* settingsOf(AirQuantity quantity);
+/// Whether it is on a grid.
+bool isOnGrid(const AirFields& fields, AirQuantity quantity);
+/// Whether it was in the newest step. Error where this backend's grids cannot be looked at.
+bool isOnGrid(Simulation& simulation, AirQuantity quantity);
+/// Its fields in the newest step. Error where it is on no grid, saying which setting puts it there, or this
+/// backend's grids cannot be looked at.
+const AirFields& fieldsWith(Simulation& simulation, AirQuantity quantity);
 
 struct AirSlice {
   Image image;

@@ -51,6 +51,7 @@ void announce(const FieldBaker& baker, const std::string& file) {
 struct Baked {
   DistanceField field;
   bool from_cache = false;
+  bool is_kept = false;  ///< it is in the cache
   double seconds = 0;
 };
 
@@ -65,13 +66,14 @@ Baked bakeOrFind(FieldBaker& baker, uint64_t key, const BakeOptions& o, Progress
                                            : std::filesystem::path(o.cache));
   std::string trouble;
   if (std::optional<DistanceField> found = cache.find(key, &trouble))
-    return {std::move(*found), true, since()};
+    return {std::move(*found), true, true, since()};
   bar.clear();
   if (!trouble.empty()) fmt::print(stderr, "warning: {}; it is baked anew\n", trouble);
   announce(baker, o.file);
-  Baked baked{baker.bake(progress), false, since()};
+  Baked baked{baker.bake(progress), false, false, since()};
   try {
     cache.keep(key, baked.field);
+    baked.is_kept = !o.no_cache;
   } catch (const Error& error) {
     fmt::print(stderr, "warning: {}\n", error.what());
   }
@@ -130,14 +132,22 @@ int bake(BakeOptions o) {
     FieldBaker baker(mesh, o.field, o.limits, progress);
     const uint64_t key = fieldKey(mesh, baker.options());
     const Baked baked = bakeOrFind(baker, key, o, bar, progress);
-    const FieldAccuracy accuracy = baker.measure(baked.field, kMeasuredPoints, progress);
+    std::optional<FieldAccuracy> accuracy;
+    try {
+      accuracy = baker.measure(baked.field, kMeasuredPoints, progress);
+    } catch (const BakeStopped&) {
+      bar.clear();
+      fmt::print(stderr, "stopped before the field was measured: {} was not written{}\n", o.out,
+                 baked.is_kept ? "; the field is in the cache, where the next bake finds it" : "");
+      return kExitInterrupted;
+    }
     bar.clear();
     writeDistanceField(o.out, baked.field, key);
 #ifdef STRANDCAST_HAS_RENDER
     if (!o.slices.empty()) writeFieldSlices(baked.field, o.slices);
 #endif
     if (!baked.field.hasInside()) fmt::print(stderr, "warning: {}: {}\n", o.file, kNoInside);
-    report(o, mesh.bounds(), baker, baked, accuracy).print(o.json);
+    report(o, mesh.bounds(), baker, baked, *accuracy).print(o.json);
   } catch (const BakeStopped&) {
     fmt::print(stderr, "stopped; nothing was written\n");
     return kExitInterrupted;

@@ -93,29 +93,51 @@ int check(Recording& recording, const ReplayVerbOptions& o) {
 }
 
 #ifdef STRANDCAST_HAS_RENDER
-/// Draws grids at even times.
+/// Draws grids at even times, and passes over frames where what is shown is on none.
 class GridPictures {
  public:
-  explicit GridPictures(const ReplayVerbOptions& o) : fps_(o.fps), film_(o.show, o.slice, o.size, o.out) {}
+  explicit GridPictures(const ReplayVerbOptions& o)
+      : show_(o.show), fps_(o.fps), film_(o.show, o.slice, o.size, o.out) {}
   void look(Simulation& simulation) {
-    if (isDue(simulation.time())) film_.draw(simulation);
+    if (!isDue(simulation.time())) return;
+    if (film_.canDraw(simulation))
+      film_.draw(simulation);
+    else
+      ++without_;
   }
   void look(double time, const AirGrids& grids, std::span<const Vec3> hair) {
-    if (isDue(time)) film_.draw(RecordedAir(grids), hair);
+    if (!isDue(time)) return;
+    const RecordedAir air(grids);
+    if (film_.canDraw(air))
+      film_.draw(air, hair);
+    else
+      ++without_;
+  }
+  /// Error where there were frames and none of them had it.
+  void checkDrawn() const {
+    if (film_.drawn() == 0 && without_ > 0)
+      throw Error(fmt::format("it is on no grid in any of {} frames", without_), "--show " + show_,
+                  fmt::format("record a run with {}, or show something else", film_.settings()));
   }
   int drawn() const { return film_.drawn(); }
-  void addTo(Report& out) const { film_.addTo(out); }
+  void addTo(Report& out) const {
+    film_.addTo(out);
+    out.addCount("frames_without", fmt::format("frames without {} on a grid", show_),
+                 static_cast<uint64_t>(without_));
+  }
 
  private:
   bool isDue(double time) {
     if (!start_) start_ = time;
     constexpr double kRounding = 1e-9;  // s
-    return time >= *start_ + film_.drawn() / fps_ - kRounding;
+    return time >= *start_ + static_cast<double>(film_.drawn() + without_) / fps_ - kRounding;
   }
 
+  const std::string show_;
   const double fps_;
   AirFilm film_;
   std::optional<double> start_;  // s
+  int without_ = 0;              // frames that had it on no grid
 };
 #else
 class GridPictures {
@@ -125,6 +147,7 @@ class GridPictures {
   }
   void look(Simulation&) {}
   void look(double, const AirGrids&, std::span<const Vec3>) {}
+  void checkDrawn() const {}
   int drawn() const { return 0; }
   void addTo(Report&) const {}
 };
@@ -150,6 +173,7 @@ int showGrids(Recording& recording, const ReplayVerbOptions& o) {
                static_cast<double>(number + 1) / static_cast<double>(recording.frames()));
     }
   }
+  if (!g_interrupted) pictures.checkDrawn();
   if (pictures.drawn() == 0 && !g_interrupted)
     throw Error("the recording holds no grids there", o.file.string(),
                 "record them with `strandcastd --record FILE --record-grids 1`, or add --resimulate");
@@ -173,6 +197,7 @@ int simulateAgain(Recording& recording, const ReplayVerbOptions& o) {
                    static_cast<double>(frames) / static_cast<double>(recording.frames()));
         });
   }
+  if (pictures && !g_interrupted) pictures->checkDrawn();
   Report out;
   if (pictures) pictures->addTo(out);
   out.add("backend", "backend", report.backend);

@@ -36,6 +36,13 @@ shot colliders-cast --domain 79 --zoom 1.4 --azimuth 30 --keep-out on --skip 2
 build/release/apps/strandcast ctl --domain 79 stop >/dev/null
 wait $daemon || true
 trap - EXIT
+build/release/apps/strandcastd --config docs/hair_drier.toml --domain 79 --quiet >/dev/null &
+daemon=$!
+trap 'kill $daemon 2>/dev/null || true' EXIT
+shot hair-drier --domain 79 --zoom 1 --azimuth 0 --skip 2.5
+build/release/apps/strandcast ctl --domain 79 stop >/dev/null
+wait $daemon || true
+trap - EXIT
 lit=(--scene curly --zoom 2.5 --azimuth 100)
 shot shadows-off "${lit[@]}" --shadows off
 for name in 3 7 15; do shot "shadows-$name-layers" "${lit[@]}" --shadow-layers "$name"; done

@@ -59,11 +59,11 @@ constexpr double kPressed[] = {0.02801, 0.06013, 0.10302, 0.21471, 0.33001};
 
 std::vector<std::string> namesOfStickSlip() { return caseNames("stick-slip shortening={:g}", kPressed); }
 
-// An upright rod on a plane, a little bent already and its tip below its clamp, is pressed down slowly.
-double slipThreshold(const Laboratory& laboratory, double shortening, double truth) {
+// An upright rod on a plane, a little bent already and its tip below its clamp, is pressed down slowly: how
+// far tips have ever come from where they stood, in parts of the length, by friction.
+std::vector<double> waysOfTips(const Laboratory& laboratory, double shortening, const Frictions& range) {
   constexpr double kLength = 0.1, kFirst = 0.01, kSpeed = 0.005;  // m, part of it, m/s
   constexpr double kResting = 1;                                  // s
-  const Frictions range{0.88 * truth, 0.008 * truth, 31};
   const float floor = static_cast<float>((kFirst - 1) * kLength - kRadius);
   Simulation simulation =
       laboratory.simulation(modelOfFrictions(straightStrand(kLength, kEdges, -Vec3::UnitY()), {}, range),
@@ -96,7 +96,16 @@ double slipThreshold(const Laboratory& laboratory, double shortening, double tru
         for (size_t s = 0; s < farthest.size(); ++s)
           farthest[s] = std::max(farthest[s], std::fabs(static_cast<double>(tipOf(simulation, s).x())));
       });
-  return threshold(range, [&](int s) { return farthest[static_cast<size_t>(s)] > 0.02 * kLength; });
+  for (double& way : farthest) way /= kLength;
+  return farthest;
+}
+
+constexpr double kSlipped = 0.02;  // of the length, that a tip has come which slips
+
+double slipThreshold(const Laboratory& laboratory, double shortening, double truth) {
+  const Frictions range{0.88 * truth, 0.008 * truth, 31};
+  const std::vector<double> ways = waysOfTips(laboratory, shortening, range);
+  return threshold(range, [&](int s) { return ways[static_cast<size_t>(s)] > kSlipped; });
 }
 
 std::vector<Case> stickSlip(const Laboratory& laboratory) {
@@ -107,6 +116,17 @@ std::vector<Case> stickSlip(const Laboratory& laboratory) {
                                  slipThreshold(laboratory, kPressed[i], truth), truth, 3));
   }
   return cases;
+}
+
+// With more friction than any press needs the tip stands until the rod's end lies on the plane, which is at
+// the last of kPressed.
+constexpr double kStickingFriction = 0.4;
+const std::string kSticking = "stick-slip friction=0.4";
+
+std::vector<Case> sticking(const Laboratory& laboratory) {
+  const double most = waysOfTips(laboratory, kPressed[std::size(kPressed) - 1], {kStickingFriction, 0, 1})[0];
+  return {absoluteCase({kSticking, "farthest way of the tip before line contact, % of the length", "%"},
+                       100 * most, 0, 100 * kSlipped)};
 }
 
 // Slopes.
@@ -267,6 +287,7 @@ std::vector<Case> capstan(const Laboratory& laboratory) {
 void addFrictionExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back(
       {"upright rods pressed on a plane, tip first, until they slip", namesOfStickSlip(), stickSlip});
+  experiments.push_back({"an upright rod pressed on a plane that its tip sticks to", {kSticking}, sticking});
   experiments.push_back(
       {"limp strands of many frictions across a slope", namesOfSlope("threshold"), slopeThreshold});
   experiments.push_back({"a limp strand across a slope with half the friction that would hold it",

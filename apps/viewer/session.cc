@@ -100,11 +100,8 @@ void ViewerSession::observe(Simulation& simulation) {
   std::optional<AirSlice> slice;
   std::string problem;
   try {
-    const AirFields* fields = airFields(simulation.surroundings());
-    if (fields == nullptr)
-      throw Error("this backend's grids cannot be looked at", simulation.backend().name(), "choose simd");
-    checkHas(*fields, wanted->quantity);
-    slice = airSlice(*fields, wanted->quantity, wanted->axis, simulation.guides(), kSliceSize);
+    slice = airSlice(fieldsWith(simulation, wanted->quantity), wanted->quantity, wanted->axis,
+                     simulation.guides(), kSliceSize);
   } catch (const Error& error) {
     problem = error.what();
   }

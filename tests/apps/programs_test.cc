@@ -348,6 +348,35 @@ TEST_F(Programs, InterruptStopsABakeAndLeavesNoFile) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST_F(Programs, ABakeThatIsStoppedWhileItMeasuresSaysWhatIsKept) {
+  const std::filesystem::path cube = write("cube.obj", kCube), out = folder_ / "cube.sdf",
+                              cache = folder_ / "cache";
+  int exit_code = 0;
+  for (int tries = 0; tries < 8 && exit_code == 0; ++tries) {  // it measures for a tenth of a second only
+    std::filesystem::remove_all(cache);
+    std::filesystem::remove(out);
+    const pid_t child = start({"/bin/sh", "-c",
+                               "exec " + program_ + " bake " + cube.string() +
+                                   " --unit-meters 1 --cell 0.005 --threads 1 --cache " + cache.string() +
+                                   " --out " + out.string() + " 2>err.txt"},
+                              "bake.txt");
+    const auto isKept = [&] {
+      std::error_code none;
+      for (const auto& entry : std::filesystem::directory_iterator(cache, none))
+        if (entry.path().extension() == ".sdf") return true;
+      return false;
+    };
+    while (!isKept() && isRunning(child)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    kill(child, SIGINT);
+    exit_code = wait(child);
+  }
+  ASSERT_EQ(exit_code, 130);
+  EXPECT_FALSE(std::filesystem::exists(out));
+  const std::string err = contents(folder_ / "err.txt");
+  EXPECT_NE(err.find("the field is in the cache"), std::string::npos) << err;
+  EXPECT_EQ(err.find("nothing was written"), std::string::npos) << err;
+}
+
 TEST_F(Programs, InfoTellsCountsAsJson) {
   StrandSet strands;
   strands.append(std::array<Vec3, 3>{Vec3(0, 0, 0), Vec3(0, -0.1f, 0), Vec3(0, -0.2f, 0)});
@@ -704,13 +733,52 @@ TEST_F(Programs, GridsOfARecordingAreDrawn) {
   EXPECT_NE(contents(*pictures.begin()), contents(*pictures.rbegin())) << "the head is shaken";
   const Outcome still = run(replay + " --resimulate --show wind");
   EXPECT_EQ(still.exit_code, 2);
-  EXPECT_NE(still.err.find("wind_grid=1"), std::string::npos) << still.err;
+  EXPECT_NE(still.err.find("record a run with --set wind_grid=1"), std::string::npos) << still.err;
 
   const nlohmann::json stored = nlohmann::json::parse(run(replay + " --show density").out);
   EXPECT_EQ(stored["frames_drawn"], (report["frames"].get<int>() + 1) / 2) << "of every second frame";
   EXPECT_GT(stored["full"], 0.5 * report["full"].get<double>()) << "where cells' middles are";
   EXPECT_LE(stored["full"], 1.001 * report["full"].get<double>());
-  EXPECT_EQ(run(replay + " --show wind").exit_code, 2) << "no wind was on a grid";
+  const Outcome none = run(replay + " --show wind");
+  EXPECT_EQ(none.exit_code, 2) << "no wind was on a grid";
+  EXPECT_NE(none.err.find("record a run with --set wind_grid=1"), std::string::npos) << none.err;
+}
+
+TEST_F(Programs, FramesWhoseWindIsOnNoGridAreNotDrawn) {
+  if (!STRANDCAST_GL || !STRANDCAST_DDS) GTEST_SKIP() << "built without OpenGL or without DDS";
+  const std::string file = (folder_ / "run.rec").string(), network = " --domain " + domain_;
+  const pid_t daemon =
+      start({daemon_, "--scene",       "straight",       "--strands",   "60",       "--vertices",
+             "8",     "--backend",     "simd",           "--domain",    domain_,    "--quiet",
+             "--set", "wind=3,0,0",    "--set",          "wind_grid=1", "--set",    "volume_stiffness=1",
+             "--set", "grid_cells=16", "--record-grids", "1",           "--record", file},
+            "daemon.txt");
+  // With forces between hairs, whose grid is recorded without the wind's, and without, when none is.
+  for (const char* change : {"set wind_grid 0", "set volume_stiffness 0", "set wind_grid 1", "stop"}) {
+    ASSERT_EQ(run(program_ + " ctl " + change + " --timeout 60" + network).exit_code, 0) << change;
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  }
+  EXPECT_EQ(wait(daemon), 0);
+
+  const std::string replay = program_ + " replay " + file + " --json --fps 1000 --size 64 --out " +
+                             (folder_ / "slices").string() + " --show ";
+  const Outcome check = run(program_ + " replay " + file + " --check --json");
+  ASSERT_EQ(check.exit_code, 0) << check.err;
+  const nlohmann::json held = nlohmann::json::parse(check.out);
+  for (const char* show : {"wind", "pressure"}) {
+    const Outcome stored = run(replay + show);
+    ASSERT_EQ(stored.exit_code, 0) << stored.err;
+    const nlohmann::json report = nlohmann::json::parse(stored.out);
+    const int without = report["frames_without"], drawn = report["frames_drawn"];
+    EXPECT_GE(without, 1);
+    EXPECT_EQ(drawn + without, held["grids"]) << "those after are drawn, too";
+    const Outcome again = run(replay + show + " --resimulate");
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    const nlohmann::json simulated = nlohmann::json::parse(again.out);
+    EXPECT_GE(simulated["frames_without"], without + 1) << "no old wind where nothing is on a grid";
+    EXPECT_EQ(simulated["frames_drawn"], drawn);
+    EXPECT_EQ(simulated["frames_different"], 0);
+  }
 }
 
 TEST_F(Programs, ASceneIsRecordedWithItsGrids) {
