@@ -60,7 +60,13 @@ SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const 
     return {std::move(*found), text, true, {}};
   }
   FieldBaker baker(mesh, resolved, {}, progress);
-  DistanceField field = baker.bake(progress);
+  const BakeEstimate& needs = baker.estimate();
+  const std::string outlook =
+      fmt::format("about {:.0f} s, {:.0f} MiB", needs.seconds,
+                  static_cast<double>(needs.field_bytes + needs.working_bytes) / (1 << 20));
+  DistanceField field = baker.bake([&](const std::string& what, double part) {
+    return !progress || progress(fmt::format("{} ({})", what, outlook), part);
+  });
   std::string text = note(field, trouble.empty() ? "baked" : "baked anew");
   try {
     cache.keep(key, field);

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <vector>
 
 #include "core/error.h"
 #include "tests/collision/shapes.h"
@@ -64,6 +65,22 @@ TEST(FieldCache, AFileOfWhichOneBitIsAnotherIsBakedAnewAndReplaced) {
   EXPECT_NE(again.trouble.find("damaged"), std::string::npos) << again.trouble;
   EXPECT_EQ(again.field.samples, baked.samples);
   EXPECT_TRUE(fieldOf(ball, options, cache, progress).from_cache) << "it has taken the damaged one's place";
+}
+
+TEST(FieldCache, TimeAndMemoryOfABakeAreToldFromItsBeginningOn) {
+  const ScratchFolder folder;
+  FieldOptions options;
+  options.cell = 0.01f;
+  std::vector<std::string> told;
+  const auto progress = [&](const std::string& what, double) {
+    if (what.find(" s, ") != std::string::npos) told.push_back(what);
+    return told.empty();  // stopped at once
+  };
+  EXPECT_THROW(fieldOf(shapes::sphere(0.05f, 2), options, FieldCache(folder.path()), progress), BakeStopped);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("about"), std::string::npos) << told[0];
+  EXPECT_NE(told[0].find("MiB"), std::string::npos) << told[0];
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "told before the field is made";
 }
 
 TEST(FieldCache, WhatCannotBeWrittenIsAnError) {
