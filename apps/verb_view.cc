@@ -19,7 +19,8 @@ Verb addView(CLI::App& app) {
       "the simulation, . takes a single step, R resets the hair, P takes a screenshot, 1 to 5 choose what "
       "dragging does (orbit, move head, turn head, pull, comb), Tab hides the panel, Escape ends it.\n"
       "With --scene, --groom or --config the simulation runs inside this process; without, a daemon's stream "
-      "is drawn. Of a simulation in this process the panel \"Air\" draws slices through the grids of wind and hair.");
+      "is drawn. Of a simulation in this process the panel \"Air\" draws slices through the grids of wind "
+      "and hair.");
   app.add_option("--timeout", o->timeout, "seconds to wait for a daemon")
       ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
