@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numbers>
 #include <random>
 
+#include "core/error.h"
 #include "validation/experiments.h"
 #include "validation/specimen.h"
 
@@ -393,6 +396,85 @@ std::vector<Case> farAway(const Laboratory& laboratory) {
                        1e3 * fastestOf(simulation), 0, 1)};
 }
 
+// What is no number must not get in: two simulations do the same, one is told such things, and what differs
+// afterwards is counted, with what was taken and not refused.
+constexpr const char* kRefused = "input that is not finite: refused";
+
+std::vector<Case> refused(const Laboratory& laboratory) {
+  const Parameters parameters = laboratory.parameters(kRate, kDrag);
+  const auto made = [&] {
+    return laboratory.simulation(modelOf({straightStrand(0.25, kEdges, Vec3::UnitX())}), parameters);
+  };
+  Simulation told = made(), untold = made();
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const Quat unturned = Quat::Identity();
+  Parameters windy = parameters, heavy = parameters, timeless = parameters;
+  windy.wind.y() = nan;
+  heavy.gravity.y() = -inf;
+  timeless.time_step = nan;
+  const std::function<void()> bad[] = {
+      [&] {
+        told.setHeadPose({Vec3(nan, 0, 0), unturned});
+      },
+      [&] {
+        told.setHeadPose({Vec3::Zero(), Quat(nan, 0, 0, 0)});
+      },
+      [&] {
+        told.teleport({Vec3(0, inf, 0), unturned});
+      },
+      [&] { told.setParameters(windy); },
+      [&] { told.setParameters(heavy); },
+      [&] { told.setParameters(timeless); },
+      [&] {
+        told.addBody({{{PrimitiveKind::kSphere, Vec3(nan, 0, 0), Vec3::Zero(), 0.1f}}, false});
+      },
+  };
+  double wrong = 0;
+  for (const std::function<void()>& input : bad) {
+    bool taken = true;
+    try {
+      input();
+    } catch (const Error&) {
+      taken = false;
+    }
+    if (taken) ++wrong;
+    for (Simulation* simulation : {&told, &untold}) laboratory.advance(*simulation, 0.1);
+  }
+  const StrandState after = told.state(), truth = untold.state();
+  for (size_t v = 0; v < truth.positions.size(); ++v)
+    if (after.positions[v] != truth.positions[v] || after.velocities[v] != truth.velocities[v]) ++wrong;
+  return {absoluteCase({kRefused, "inputs of 7 taken, vertices that move otherwise", ""}, wrong, 0, 0)};
+}
+
+// One strand is given places that are no numbers, another is put far away; the third is to be left alone.
+constexpr const char *kResetCount = "strands that went wrong: counted",
+                     *kResetPlace = "strands that went wrong: at the rest shape",
+                     *kResetOthers = "strands that went wrong: others";
+
+std::vector<Case> resets(const Laboratory& laboratory) {
+  Simulation simulation = laboratory.simulation(
+      modelOf({straightStrand(0.25, kEdges, Vec3::UnitX()), helixStrand(0.01, 0.01, 0.2, kEdges),
+               straightStrand(0.2, kEdges, Vec3::UnitZ())}),
+      laboratory.parameters(kRate, kDrag));
+  const StrandState rest = simulation.state();
+  laboratory.advance(simulation, 1);
+  const std::vector<uint32_t>& offsets = simulation.model().offsets;
+  StrandState state = simulation.state();
+  state.positions[offsets[0] + 5].x() = std::numeric_limits<float>::quiet_NaN();
+  state.positions[offsets[2] - 1] += Vec3(5, 0, 0);
+  simulation.backend().upload(state);
+  const double count = static_cast<double>(simulation.resetBroken());
+  const StrandState after = simulation.state();
+  double off = 0, changed = 0;
+  for (size_t v = 0; v < offsets[2]; ++v)
+    off = worse(off, 1e3 * (after.positions[v] - rest.positions[v]).cast<double>().norm());
+  for (size_t v = offsets[2]; v < offsets[3]; ++v)
+    changed = worse(changed, 1e3 * (after.positions[v] - state.positions[v]).cast<double>().norm());
+  return {absoluteCase({kResetCount, "strands reset", ""}, count, 2, 0),
+          absoluteCase({kResetPlace, "largest distance of a vertex", "mm"}, off, 0, 1e-3),
+          absoluteCase({kResetOthers, "largest distance of a vertex", "mm"}, changed, 0, 0)};
+}
+
 }  // namespace
 
 void addGuardExperiments(std::vector<Experiment>& experiments) {
@@ -443,6 +525,11 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back({"16 strands 1 km from the origin on two axes, shaken for 1 s and left alone for 4",
                          {kFarStretch, kFarSpeed},
                          farAway});
+  experiments.push_back(
+      {"poses, parameters and a body that are not finite, between steps", {kRefused}, refused});
+  experiments.push_back({"one strand of three is given a place that is no number, another one 5 m away",
+                         {kResetCount, kResetPlace, kResetOthers},
+                         resets});
 }
 
 }  // namespace strandcast

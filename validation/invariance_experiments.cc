@@ -89,6 +89,33 @@ std::vector<Case> restShape(const Laboratory& laboratory) {
   return cases;
 }
 
+std::vector<std::string> namesOfInternalDamping() {
+  std::vector<std::string> names;
+  for (const std::string strand : kStrands) names.push_back("internal damping " + strand);
+  return names;
+}
+
+std::vector<Case> internalDamping(const Laboratory& laboratory) {
+  const auto settled = [&](float damping_time) {
+    Parameters parameters = laboratory.parameters(kRate, 5);
+    parameters.damping_time = damping_time;
+    Simulation simulation = laboratory.simulation(modelOf(strands(1)), parameters);
+    laboratory.advance(simulation, 10);
+    return shapesOf(simulation);
+  };
+  const Shapes undamped = settled(0);
+  double apart[] = {0, 0};
+  for (const float damping_time : {0.002f, 0.02f, 0.1f}) {
+    const Shapes damped = settled(damping_time);
+    for (size_t s = 0; s < damped.size(); ++s) apart[s] = worse(apart[s], difference(undamped[s], damped[s]));
+  }
+  std::vector<Case> cases;
+  for (size_t s = 0; s < undamped.size(); ++s)
+    cases.push_back(
+        absoluteCase({namesOfInternalDamping()[s], "change of the rest shape", "% of L"}, apart[s], 0, 0.1));
+  return cases;
+}
+
 Pose nod(double t) {
   const auto phase = static_cast<float>(2 * std::numbers::pi * t);
   return {Vec3(0.05f * std::sin(phase), 0, 0),
@@ -140,6 +167,8 @@ std::vector<Case> units(const Laboratory& laboratory) {
 void addInvarianceExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back({"a straight strand and a helix settle at several time steps and air drags",
                          namesOfRestShape(), restShape});
+  experiments.push_back({"the same strands settle with internal damping of 0, 0.002, 0.02 and 0.1 s",
+                         namesOfInternalDamping(), internalDamping});
   experiments.push_back({"the same strands in another order", {"order of strands"}, order});
   experiments.push_back({"the same strands in another unit of length, 1/128 m", {"units of length"}, units});
 }
