@@ -101,9 +101,9 @@ class Simulation {
   void step();
   /// Back to the rest shape at the present head pose, at rest.
   void reset();
-  /// Puts strands with a vertex that is not finite, or farther from the root than the strand is long, back to
-  /// their rest shape; gives how many. Waits for the backend. Allocates only when there are some, and when
-  /// the origin changes.
+  /// Puts strands with a vertex that is not finite, or farther from the root than twice the strand's length,
+  /// back to their rest shape; gives how many. Waits for the backend. Allocates only when there are some, and
+  /// when the origin changes.
   size_t resetBroken();
   /// What the backend's places are told from, m, world, whole metres: floats are coarse far from the world's
   /// origin, and hair would stretch and tremble there. It is chosen by reset() and teleport(), and by
