@@ -148,7 +148,9 @@ SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity) {
   for (size_t s = 0; s < factors.size(); ++s) {
     if (factors[s] < 0) report.unstable.push_back(static_cast<uint32_t>(s));
     if (factors[s] > 1) report.stiffened.push_back(static_cast<uint32_t>(s));
-    report.largest_factor = std::max(report.largest_factor, factors[s]);
+    if (factors[s] <= report.largest_factor) continue;
+    report.largest_factor = factors[s];
+    report.stiffest = static_cast<uint32_t>(s);
   }
   return report;
 }

@@ -10,6 +10,7 @@ namespace strandcast {
 struct SagFreeReport {
   std::vector<uint32_t> stiffened;  ///< strands, ascending
   float largest_factor = 1;         ///< on the stiffness of any joint
+  uint32_t stiffest = 0;            ///< the strand that has it; the first where none is stiffened
   std::vector<uint32_t> unstable;   ///< strands that no factor up to kMostStiffening makes stable, ascending
 };
 

@@ -86,6 +86,17 @@ TEST(SagFree, StiffensUprightHairAboveGreenhillsLength) {
   EXPECT_GT(report.largest_factor, 1.2f);
 }
 
+TEST(SagFree, TellsTheStrandThatIsStiffenedMost) {
+  StrandSet set;
+  for (const float length : {0.05f, 0.15f, 0.3f, 0.1f}) set.append(straightStrand(length, 31, Vec3::UnitY()));
+  StrandModel model = makeStrandModel(set), longest = makeStrandModel(set);
+  const SagFreeReport report = makeSagFree(model, kGravity);
+  EXPECT_EQ(report.stiffest, 2u);
+  EXPECT_GT(report.largest_factor, 2);
+  EXPECT_NEAR(model.bend[model.offsets[2]] / longest.bend[model.offsets[2]], report.largest_factor,
+              1e-3 * report.largest_factor);
+}
+
 TEST(SagFree, StiffensWhatWouldHaveToBeWoundUp) {
   StrandSet set;
   set.append(straightStrand(0.5f, 31, Vec3::UnitX()));
