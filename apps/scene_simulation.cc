@@ -1,10 +1,14 @@
 #include "apps/scene_simulation.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "apps/backends.h"
 #include "collision/tree_broad_phase.h"
@@ -41,6 +45,32 @@ void warnOfSharpTurns(const StrandModel& model, const std::string& name) {
         name, sharp, model.strands(), sharpest);
 }
 
+size_t partOfStrand(const Scene& scene, size_t strand) {
+  const std::vector<uint16_t>& parts = scene.groom.strands.parts;
+  return parts.empty() ? 0 : parts[strand];
+}
+
+// Pins hold hair where their bone is, and no program has a pose for another than the head.
+void warnOfBonesThatStay(const std::vector<PinRule>& pins) {
+  for (const PinRule& pin : pins)
+    if (pin.bone != "head")
+      spdlog::warn(
+          "{}: bone '{}' does not move, and what is pinned to it stays where it is: programs move the bone "
+          "'head' only",
+          pin.where, pin.bone);
+}
+
+// "bangs 12, back 133", of what each part has of these strands.
+std::string countByPart(const Scene& scene, std::span<const uint32_t> strands) {
+  std::vector<size_t> counts(scene.part_names.size());
+  for (const uint32_t s : strands) ++counts[partOfStrand(scene, s)];
+  std::string text;
+  for (size_t part = 0; part < counts.size(); ++part)
+    if (counts[part] > 0)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", scene.part_names[part], counts[part]);
+  return text;
+}
+
 StrandModel modelOf(const Scene& scene, const Settings& settings, const Vec3& gravity) {
   StrandModel model = sceneModel(scene);
   if (settings.solver != SolverKind::kRod) return model;
@@ -48,8 +78,11 @@ StrandModel modelOf(const Scene& scene, const Settings& settings, const Vec3& gr
   if (!settings.sag_free) return model;
   const SagFreeReport report = makeSagFree(model, gravity);
   if (!report.stiffened.empty())
-    spdlog::info("{}: {} of {} strands stiffened, up to x{:.0f}, to hold their shape under gravity",
-                 scene.name, report.stiffened.size(), model.strands(), report.largest_factor);
+    spdlog::info(
+        "{}: {} of {} strands stiffened to hold their shape under gravity ({}), up to x{:.0f}: strand {} of "
+        "{}",
+        scene.name, report.stiffened.size(), model.strands(), countByPart(scene, report.stiffened),
+        report.largest_factor, report.stiffest, scene.part_names[partOfStrand(scene, report.stiffest)]);
   if (!report.unstable.empty())
     spdlog::warn("{}: {} strands cannot hold their shape under gravity, e.g. strand {}", scene.name,
                  report.unstable.size(), report.unstable.front());
@@ -60,6 +93,7 @@ StrandModel modelOf(const Scene& scene, const Settings& settings, const Vec3& gr
 
 Simulation makeSimulation(const Scene& scene, const Settings& settings) {
   const Parameters parameters = sceneParameters(scene, settings);
+  warnOfBonesThatStay(scene.pins);
   std::unique_ptr<Backend> backend =
       createBackend(knownBackends(), settings.backend, settings.threads, settings.solver);
   std::unique_ptr<Surroundings> surroundings;

@@ -35,7 +35,8 @@ Entry vector(const char* name, const char* unit, const char* help, double limit,
 const std::vector<Entry>& entries() {
   using P = Parameters;
   static const std::vector<Entry> list = {
-      scalar("time_step", "s", 1e-5, 1.0 / 30, "1e-5 to 1/30", "length of a simulation step; of the rod's 1/4000 or more", &P::time_step),
+      scalar("time_step", "s", 1e-5, 1.0 / 30, "1e-5 to 1/30",
+             "length of a simulation step; of the rod's 1/4000 or more", &P::time_step),
       scalar("substeps", "", 1, 64, "1 to 64",
              "solver passes per step; the rod takes none longer than 1/60 s or shorter than 1/4000 s",
              &P::substeps),

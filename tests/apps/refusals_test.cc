@@ -94,6 +94,22 @@ TEST_F(Refusals, AStreamIsNotToldWhatADaemonSimulates) {
   EXPECT_EQ(contents(take), "an old take");
 }
 
+TEST_F(Refusals, BonesThatStayAndStiffenedStrandsAreTold) {
+  const std::string record = program_ + " record " + (folder_ / "a.rec").string() +
+                             " --backend reference --scene wavy --strands 20 --seconds 0.02 --config ";
+  const std::filesystem::path neck = write("neck.toml", "[[pin]]\nbone = \"Neck\"\nto = 0.1\n");
+  const std::filesystem::path head = write("head.toml", "[[pin]]\nbone = \"head\"\nto = 0.1\n");
+  const Outcome warned = tryFor(20, record + neck.string());
+  EXPECT_EQ(warned.exit_code, 0) << warned.err;
+  EXPECT_NE(warned.err.find("bone 'Neck' does not move"), std::string::npos) << warned.err;
+  const Outcome calm = tryFor(20, record + head.string());
+  EXPECT_EQ(calm.exit_code, 0) << calm.err;
+  EXPECT_EQ(calm.err.find("does not move"), std::string::npos) << calm.err;
+  EXPECT_NE(calm.err.find(" strands stiffened to hold their shape under gravity (wavy "), std::string::npos)
+      << calm.err;
+  EXPECT_NE(calm.err.find(" of wavy\n"), std::string::npos) << calm.err;
+}
+
 TEST_F(Refusals, WhatWouldBeIgnoredIsRefused) {
   StrandSet strands;
   strands.append(std::vector<Vec3>{Vec3(0, 0, 0), Vec3(0, 0.1f, 0), Vec3(0, 0.2f, 0)});
