@@ -23,7 +23,7 @@ constexpr float kStrongestGravity = 1e4f;  ///< m/s^2, each component of Paramet
 /// Everything that may change while a simulation runs, but for the solver. SI units; parameterList() has the
 /// range of each, beyond which checkParameters() throws.
 struct Parameters {
-  float time_step = 1.0f / 60.0f;  ///< s, fixed; 1e-5 to 1/30, of the rod from 1/4000 on
+  float time_step = 1.0f / 60.0f;  ///< s, fixed; 1e-5 to 1/30
   int substeps = 4;                ///< per step, 1 to 64; see kLongestSubstep and kShortestSubstep
   /// Of a simulation's whole life. The rod is what a Material is for; gauss_seidel knows no stiffness but the
   /// shape rates, and stretches.

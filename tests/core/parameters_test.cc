@@ -49,26 +49,6 @@ TEST(Parameters, TheLimitsOfTheRangeAreInIt) {
   EXPECT_EQ(errorOf("air_drag", {0}), "");
 }
 
-TEST(Parameters, TheRodTakesNoStepShorterThanItsShortestSubstep) {
-  const auto refusal = [](SolverKind solver, float time_step) -> std::string {
-    Parameters parameters;
-    parameters.solver = solver;
-    parameters.time_step = time_step;
-    try {
-      checkParameters(parameters, "here");
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
-  };
-  const std::string short_step = refusal(SolverKind::kRod, 1.0f / 4100);
-  EXPECT_NE(short_step.find("too short for the solver rod: here"), std::string::npos) << short_step;
-  EXPECT_NE(short_step.find("1/4000 s"), std::string::npos) << short_step;
-  EXPECT_NE(refusal(SolverKind::kRod, 1e-5f), "");
-  EXPECT_EQ(refusal(SolverKind::kRod, 1.0f / 4000), "");
-  EXPECT_EQ(refusal(SolverKind::kGaussSeidel, 1e-5f), "");
-}
-
 TEST(Parameters, AnUnknownNameIsAnErrorThatNamesTheNearest) {
   const std::string error = errorOf("air_darg", {1});
   EXPECT_NE(error.find("air_darg"), std::string::npos) << error;
