@@ -79,8 +79,8 @@ void placeInvocation() {
 
 // How often a loop with a rendezvous runs. Where that is a barrier compilers are not to know the number, or they would unroll
 // the loop: a processor (Mesa's llvmpipe) splits a program at every barrier, and takes as long for it as their square. Nor
-// where a GPU is full of strands (MANY), or among bodies: there the length of a program counts more than how long one strand takes.
-#if SHUFFLED && !MANY && !BODIES
+// where a GPU is full of strands (MANY): there the length of a program counts more than how long one strand takes.
+#if SHUFFLED && !MANY
 #define REPEATS(number) (number)
 #else
 #define REPEATS(number) (settings.substeps > 0u ? (number) : 0)
