@@ -38,12 +38,12 @@ struct SceneOptions {
   BodyContact body_contact = BodyContact::kField;
   /// Of a glTF body with a skin; empty = it is rigid and moves with the head.
   std::optional<SkinnedMotion> skinned;
-  float body_cell = 0;                  ///< m, of the fields of meshes; 0 = defaultFieldCell
-  std::filesystem::path field_cache;    ///< folder of baked fields; empty = every time anew
-  int body_primitives = 24;             ///< spheres at most, fitted into a body mesh
-  float body_friction = 0.3f;           ///< Coulomb coefficient, of the body and its parts
-  std::vector<MaterialRule> materials;  ///< what the hair of its parts is made of
-  std::vector<PinRule> pins;            ///< what of its parts moves with bones
+  float body_cell = 0;                                ///< m, of the fields of meshes; 0 = defaultFieldCell
+  std::filesystem::path field_cache;                  ///< folder of baked fields; empty = every time anew
+  int body_primitives = 24;                           ///< spheres at most, fitted into a body mesh
+  float body_friction = ContactPrimitive().friction;  ///< Coulomb coefficient, of the body and its parts
+  std::vector<MaterialRule> materials;                ///< what the hair of its parts is made of
+  std::vector<PinRule> pins;                          ///< what of its parts moves with bones
 };
 
 /// All that a simulation and a renderer need, made once and shared by daemon, tests and benchmarks.
