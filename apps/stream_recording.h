@@ -11,9 +11,18 @@ namespace strandcast {
 /// until there is a groom to write.
 class StreamRecording {
  public:
+  /// Frames that the subscriber keeps meanwhile: a second in which the disk or the processor is busy, at 60
+  /// a second.
+  static constexpr size_t kFramesKept = 64;
+
   /// Throws Error when the file cannot be made. `subscriber` outlives it.
   StreamRecording(Subscriber& subscriber, const std::filesystem::path& file, const RecordingOptions& options)
-      : subscriber_(subscriber), recorder_(file, options, MakeFile::kWithGroom) {}
+      : subscriber_(subscriber), recorder_(file, options, MakeFile::kWithGroom) {
+    subscriber_.keepFrames(kFramesKept);
+  }
+  ~StreamRecording() { subscriber_.keepFrames(kFrameQueueLength); }
+  StreamRecording(const StreamRecording&) = delete;
+  StreamRecording& operator=(const StreamRecording&) = delete;
 
   /// Waits for the next frame and writes it, where it is of another moment than the last; false when none
   /// came in time. Throws Error as Recorder.

@@ -52,12 +52,18 @@ void FrameQueue::setColliders(std::shared_ptr<const ColliderSet> colliders) {
   changed_.notify_all();
 }
 
+void FrameQueue::keep(size_t count) {
+  const std::lock_guard lock(mutex_);
+  kept_ = std::max<size_t>(count, 1);
+  while (frames_.size() > kept_) frames_.pop_front();
+}
+
 void FrameQueue::push(std::shared_ptr<const GuideFrame> frame, double latency_ms) {
   const std::lock_guard lock(mutex_);
   if (!groom_ || frame->session != groom_->session || frame->revision != groom_->revision) return;
   if (!frames_.empty() && frame->frame <= frames_.back()->frame) frames_.clear();  // the count began anew
   frames_.push_back(std::move(frame));
-  if (frames_.size() > kFrameQueueLength) frames_.pop_front();
+  if (frames_.size() > kept_) frames_.pop_front();
   latencies_ms_[latencies_++ % latencies_ms_.size()] = static_cast<float>(latency_ms);
   changed_.notify_all();
 }

@@ -40,6 +40,8 @@ class FrameQueue {
   bool setGroom(std::shared_ptr<const GroomDescription> groom);
   void setBody(std::shared_ptr<const BodyDescription> body);
   void setColliders(std::shared_ptr<const ColliderSet> colliders);
+  /// As Subscriber::keepFrames().
+  void keep(size_t count);
   /// Ignores a frame that does not fit groom(); one that is no newer than the newest begins the count anew.
   /// `latency_ms` from publication to now.
   void push(std::shared_ptr<const GuideFrame> frame, double latency_ms);
@@ -65,7 +67,8 @@ class FrameQueue {
   std::shared_ptr<const GroomDescription> groom_;
   std::shared_ptr<const BodyDescription> body_;   // newest; handed out when it fits groom_
   std::shared_ptr<const ColliderSet> colliders_;  // newest; handed out when it is of groom_'s session
-  std::deque<std::shared_ptr<const GuideFrame>> frames_;
+  size_t kept_ = kFrameQueueLength;
+  std::deque<std::shared_ptr<const GuideFrame>> frames_;  // at most kept_
   std::array<float, 1000> latencies_ms_{};
   size_t latencies_ = 0;  // counted since the start
 };

@@ -113,6 +113,7 @@ class InProcessSubscriber final : public Subscriber {
   std::shared_ptr<const BodyDescription> body() const override { return channel_->queue.body(); }
   std::shared_ptr<const ColliderSet> colliders() const override { return channel_->queue.colliders(); }
   std::shared_ptr<const GuideFrame> frame() const override { return channel_->queue.frame(); }
+  void keepFrames(size_t count) override { channel_->queue.keep(count); }
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout) override {
     return channel_->queue.waitForFrame(after, timeout);
   }

@@ -23,6 +23,7 @@ class ReceivingSubscriber : public Subscriber {
   std::shared_ptr<const BodyDescription> body() const final { return queue_.body(); }
   std::shared_ptr<const ColliderSet> colliders() const final { return queue_.colliders(); }
   std::shared_ptr<const GuideFrame> frame() const final { return queue_.frame(); }
+  void keepFrames(size_t count) final { queue_.keep(count); }
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout) final {
     return queue_.waitForFrame(after, timeout);
   }

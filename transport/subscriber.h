@@ -50,10 +50,12 @@ class Subscriber {
   virtual std::shared_ptr<const ColliderSet> colliders() const = 0;
   /// The newest complete frame that fits groom(), or null.
   virtual std::shared_ptr<const GuideFrame> frame() const = 0;
-  /// The OLDEST of the last kFrameQueueLength complete frames that is newer than `after`, waiting for one
-  /// when there is none yet; null on timeout. 0 takes any. A reader that passes the number of the frame it
-  /// got last sees every frame in order while it stays less than kFrameQueueLength frames behind, and skips
-  /// the oldest when it does not. Frame numbers start again with a session, that is when a daemon is
+  /// How many of the newest frames are kept, at least 1; kFrameQueueLength unless a reader may be held up for
+  /// longer and wants every frame (a recording). Each costs 12 B a vertex.
+  virtual void keepFrames(size_t count) = 0;
+  /// The OLDEST of the frames kept that is newer than `after`, waiting for one when there is none yet; null
+  /// on timeout. 0 takes any. A reader that passes the number of the frame it got last sees every frame in
+  /// order while it is fewer frames behind than are kept, and skips the oldest when it is not. Frame numbers start again with a session, that is when a daemon is
   /// started anew: an `after` beyond the newest frame is of an earlier session and counts as 0, but one that
   /// is not cannot be told from this session's. Who reads on through that uses waitForNext().
   virtual std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after,

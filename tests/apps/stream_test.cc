@@ -3,10 +3,12 @@
 #include "apps/channel.h"
 #include "apps/frame_capture.h"
 #include "apps/interrupt.h"
+#include "apps/stream_recording.h"
 #include "apps/stream_scene.h"
 #include "core/error.h"
 #include "tests/apps/daemon_fixture.h"
 #include "tests/error_of.h"
+#include "tests/groom/scratch_folder.h"
 #include "tests/transport/true_within.h"
 #include "transport/parameter_table.h"
 
@@ -105,6 +107,17 @@ TEST_F(StreamTest, OfADaemonThatIsPausedTheMomentIsPickedThatItHas) {
     EXPECT_FALSE(capture.next());
     EXPECT_TRUE(capture.isPaused());
   }
+}
+
+TEST_F(StreamTest, ARecordingThatIsHeldUpMissesNoFrame) {
+  Stream stream(fewStrands(), true, 10);
+  const ScratchFolder folder;
+  StreamRecording recording(stream.subscriber(), folder / "held_up.rec", {});
+  ASSERT_TRUE(recording.take(std::chrono::seconds(30)));
+  const uint64_t first = stream.subscriber().frame()->frame;
+  ASSERT_TRUE(stream.subscriber().waitForFrame(first + 2 * kFrameQueueLength, std::chrono::seconds(30)));
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(recording.take(std::chrono::seconds(30)));
+  EXPECT_EQ(recording.skipped(), 0u);
 }
 
 TEST_F(StreamTest, ASimulationThatRunsIsNoError) {

@@ -47,8 +47,13 @@ TEST(InProcess, WaitForFrameGivesTheOldestNewerOne) {
   EXPECT_EQ(subscriber->frame()->frame, 5u);
   for (uint64_t number = 6; number <= 30; ++number) publisher->publish(sampleFrame(groom, number));
   EXPECT_EQ(subscriber->waitForFrame(5, milliseconds(0))->frame, 31 - kFrameQueueLength);
+  subscriber->keepFrames(20);
+  for (uint64_t number = 31; number <= 60; ++number) publisher->publish(sampleFrame(groom, number));
+  EXPECT_EQ(subscriber->waitForFrame(30, milliseconds(0))->frame, 41u);
+  subscriber->keepFrames(2);
+  EXPECT_EQ(subscriber->waitForFrame(30, milliseconds(0))->frame, 59u);
   EXPECT_EQ(subscriber->statistics().frames_lost, 0u) << "frames not looked at are not lost";
-  EXPECT_EQ(subscriber->statistics().frames_received, 30u);
+  EXPECT_EQ(subscriber->statistics().frames_received, 60u);
 }
 
 TEST(InProcess, FrameNumbersOfAnEarlierSessionDoNotHideNewFrames) {
