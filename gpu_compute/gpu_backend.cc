@@ -31,7 +31,7 @@ class GpuBackend final : public Backend, public gpu::GpuDevice {
   void load(const StrandModel& model, const StrandState& state) override {
     const gl::MakeCurrent current(context_);
     strands_.reset();
-    strands_ = std::make_unique<gpu::GpuStrands>(model, *programs_, few_vertices_);
+    strands_ = std::make_unique<gpu::GpuStrands>(model, *programs_, few_vertices_, context_.software());
     strands_->upload(state);
   }
   void expect(const Parameters& parameters, bool bodies) override {

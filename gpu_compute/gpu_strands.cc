@@ -86,10 +86,12 @@ bool turns(const MovingPrimitive& body) {
 
 }  // namespace
 
-GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs, size_t few_vertices)
+GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs, size_t few_vertices,
+                       bool compiles_slowly)
     : programs_(programs),
       model_(model),
       few_vertices_(few_vertices),
+      compiles_slowly_(compiles_slowly),
       vertices_((checkFits(model.vertices()), gl::discardErrors(), model.vertices())),
       positions_(storage<Vec4>(vertices_)),
       velocities_(storage<Vec4>(vertices_)),
@@ -114,7 +116,7 @@ void GpuStrands::expect(const Parameters& parameters, bool bodies) {
   bool& expected = expected_[(rod ? 1 : 0) + (goal ? 2 : 0) + (bodies ? 4 : 0)];
   if (expected) return;
   gl::discardErrors();
-  if (rod && !rod_) rod_.emplace(model_, few_vertices_);
+  if (rod && !rod_) rod_.emplace(model_, few_vertices_, compiles_slowly_);
   if (rod) rod_->expect(goal, bodies);
   if (!rod && !gauss_seidel_) gauss_seidel_.emplace(model_);
   if (rest_local_.bytes() == 0 && (!rod || goal || rod_->holdsVertices()))

@@ -16,8 +16,8 @@ namespace strandcast::gpu {
 class GpuStrands {
  public:
   /// Throws Error when the model does not fit the device. `model` and `programs` outlive this.
-  /// `few_vertices`: see RodStrands.
-  GpuStrands(const StrandModel& model, ProgramCache& programs, size_t few_vertices);
+  /// `few_vertices` and `compiles_slowly`: see RodStrands.
+  GpuStrands(const StrandModel& model, ProgramCache& programs, size_t few_vertices, bool compiles_slowly);
 
   /// Makes what steps with such settings, and with bodies or without, need beyond the state. Throws Error
   /// when it does not fit the device.
@@ -59,6 +59,7 @@ class GpuStrands {
   ProgramCache& programs_;
   const StrandModel& model_;
   const size_t few_vertices_;
+  const bool compiles_slowly_;
   size_t vertices_;
   gl::Buffer positions_;   ///< xyz; w: tension of the edge that ends at the vertex
   gl::Buffer velocities_;  ///< xyz; w: StrandModel::rest_distance

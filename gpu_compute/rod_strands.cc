@@ -42,7 +42,7 @@ Spread spreadOf(uint32_t key, bool bodies) {
 }
 
 // Fewer strands than this are not worth a program of their own: they are done as if they might be anything,
-// with one of two numbers of invocations.
+// with one of two numbers of invocations. Where programs take long to compile all of them share one.
 constexpr size_t kOwnProgram = 512;
 constexpr uint32_t sharedThreads(uint32_t threads) { return threads <= 8 ? 8 : kWorkgroup; }
 
@@ -159,12 +159,21 @@ uint32_t keyOf(const StrandModel& model, uint32_t strand) {
          (pinned ? kPinned : 0) | (groomed ? kGroomed : 0) | (straight ? kStraight : 0);
 }
 
-std::vector<uint32_t> keysOf(const StrandModel& model) {
+std::vector<uint32_t> keysOf(const StrandModel& model, bool compiles_slowly) {
   std::vector<uint32_t> keys(model.strands());
   std::array<size_t, kKeys> count{};
   for (uint32_t s = 0; s < keys.size(); ++s) ++count[keys[s] = keyOf(model, s)];
-  for (uint32_t& key : keys)
-    if (count[key] < kOwnProgram) key = sharedThreads(threadsOf(key)) | kAnything | (key & kGroomed);
+  uint32_t threads = 0, groomed = 0;  // of all that are rare
+  for (const uint32_t key : keys) {
+    if (count[key] >= kOwnProgram) continue;
+    threads = std::max(threads, sharedThreads(threadsOf(key)));
+    groomed |= key & kGroomed;
+  }
+  for (uint32_t& key : keys) {
+    if (count[key] >= kOwnProgram) continue;
+    key =
+        kAnything | (compiles_slowly ? threads | groomed : sharedThreads(threadsOf(key)) | (key & kGroomed));
+  }
   return keys;
 }
 
@@ -192,8 +201,8 @@ bool canShuffle() {
 
 }  // namespace
 
-RodStrands::RodStrands(const StrandModel& model, size_t few)
-    : model_(model), groups_(keysOf(model)), few_(few), shuffled_(canShuffle()) {
+RodStrands::RodStrands(const StrandModel& model, size_t few, bool compiles_slowly)
+    : model_(model), groups_(keysOf(model, compiles_slowly)), few_(few), shuffled_(canShuffle()) {
   std::vector<Vec4> joints(model.vertices());
   std::vector<StrandRest> strands(model.strands());
   for (uint32_t s = 0; s < model.strands(); ++s) {

@@ -11,8 +11,9 @@ namespace strandcast::gpu {
 class RodStrands {
  public:
   /// `model` outlives this. `few`: strands of up to so many vertices in all, and of two thirds of it among
-  /// bodies, go in one turn, as if all were violent.
-  RodStrands(const StrandModel& model, size_t few);
+  /// bodies, go in one turn, as if all were violent. `compiles_slowly`: strands of kinds that are rare in the
+  /// model share one program, if it is too wide for some of them.
+  RodStrands(const StrandModel& model, size_t few, bool compiles_slowly);
   /// Before the first step with a goal pull or bodies.
   void expect(bool goal, bool bodies);
   /// Whether a program may ask where vertices are in the rest shape, goal pull aside.
