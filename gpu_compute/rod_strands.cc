@@ -42,7 +42,7 @@ Spread spreadOf(uint32_t key, bool bodies) {
 }
 
 // Fewer strands than this are not worth a program of their own: they are done as if they might be anything,
-// with one of two numbers of invocations. Where programs take long to compile all of them share one.
+// with one of two numbers of invocations. Where programs take long to compile all of them share the widest.
 constexpr size_t kOwnProgram = 512;
 constexpr uint32_t sharedThreads(uint32_t threads) { return threads <= 8 ? 8 : kWorkgroup; }
 
@@ -163,16 +163,13 @@ std::vector<uint32_t> keysOf(const StrandModel& model, bool compiles_slowly) {
   std::vector<uint32_t> keys(model.strands());
   std::array<size_t, kKeys> count{};
   for (uint32_t s = 0; s < keys.size(); ++s) ++count[keys[s] = keyOf(model, s)];
-  uint32_t threads = 0, groomed = 0;  // of all that are rare
-  for (const uint32_t key : keys) {
-    if (count[key] >= kOwnProgram) continue;
-    threads = std::max(threads, sharedThreads(threadsOf(key)));
-    groomed |= key & kGroomed;
-  }
+  const auto isRare = [&](uint32_t key) { return count[key] < kOwnProgram; };
+  const bool any_groomed = std::any_of(keys.begin(), keys.end(),
+                                       [&](uint32_t key) { return isRare(key) && (key & kGroomed) != 0; });
   for (uint32_t& key : keys) {
-    if (count[key] >= kOwnProgram) continue;
-    key =
-        kAnything | (compiles_slowly ? threads | groomed : sharedThreads(threadsOf(key)) | (key & kGroomed));
+    if (!isRare(key)) continue;
+    key = kAnything | (compiles_slowly ? kWorkgroup | (any_groomed ? kGroomed : 0)
+                                       : sharedThreads(threadsOf(key)) | (key & kGroomed));
   }
   return keys;
 }
@@ -202,7 +199,11 @@ bool canShuffle() {
 }  // namespace
 
 RodStrands::RodStrands(const StrandModel& model, size_t few, bool compiles_slowly)
-    : model_(model), groups_(keysOf(model, compiles_slowly)), few_(few), shuffled_(canShuffle()) {
+    : model_(model),
+      groups_(keysOf(model, compiles_slowly)),
+      few_(few),
+      compiles_slowly_(compiles_slowly),
+      shuffled_(canShuffle()) {
   std::vector<Vec4> joints(model.vertices());
   std::vector<StrandRest> strands(model.strands());
   for (uint32_t s = 0; s < model.strands(); ++s) {
@@ -271,7 +272,8 @@ const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray,
   const uint32_t key = groups_.groups()[group].key;
   const bool groomed = needs.goal || (key & kGroomed) != 0, clear = motion == Motion::kClear;
   const bool violent = motion == Motion::kViolent, bodies = needs.bodies && !clear;
-  const bool pinned = (key & kPinned) != 0, stiff = isStiff(needs) || (pinned && between_pins_);
+  const bool pinned = (key & kPinned) != 0, shared = compiles_slowly_ && (key & kAnything) == kAnything;
+  const bool stiff = shared || isStiff(needs) || (pinned && between_pins_);
   const bool straight = (key & kStraight) != 0 && !needs.bodies;
   const Spread spread = spreadOf(key, bodies);
   return programs.get(

@@ -12,7 +12,7 @@ class RodStrands {
  public:
   /// `model` outlives this. `few`: strands of up to so many vertices in all, and of two thirds of it among
   /// bodies, go in one turn, as if all were violent. `compiles_slowly`: strands of kinds that are rare in the
-  /// model share one program, if it is too wide for some of them.
+  /// model share one program, though it does more than some of them need.
   RodStrands(const StrandModel& model, size_t few, bool compiles_slowly);
   /// Before the first step with a goal pull or bodies.
   void expect(bool goal, bool bodies);
@@ -91,6 +91,7 @@ class RodStrands {
   gl::Buffer work_, joints_, strands_;
   gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
   const size_t few_;
+  const bool compiles_slowly_;
   const bool shuffled_;
   std::array<Programs, 96> programs_;            ///< by needs; empty until first needed
   std::array<GroupPrograms, 8> clear_;           ///< the same, of clear strands
