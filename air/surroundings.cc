@@ -6,6 +6,7 @@
 
 #include "air/air_fields.h"
 #include "air/hair_grid.h"
+#include "air/steered_air.h"
 #include "air/wind_grid.h"
 #include "core/error.h"
 #include "kernels/scalar_double.h"
@@ -18,7 +19,7 @@ constexpr size_t kStrandsAtOnce = 64;
 constexpr uint32_t kSamplesAtOnce = 64;
 
 template <class Scalar>
-class StrandSurroundings final : public Surroundings, public AirFields {
+class StrandSurroundings final : public Surroundings, public AirFields, public SteeredAir {
  public:
   StrandSurroundings(const GridPasses<Scalar>& passes, int threads, std::vector<WindSource> sources)
       : passes_(passes), workers_(threads), world_sources_(std::move(sources)), sources_(world_sources_) {}
@@ -80,6 +81,11 @@ class StrandSurroundings final : public Surroundings, public AirFields {
     hair_->moveOrigin(way);
     course_.moveOrigin();
     head_.position -= way;
+  }
+
+  void setSources(std::vector<WindSource> sources) override {
+    world_sources_ = std::move(sources);
+    sources_ = movedBy(world_sources_, -origin_);
   }
 
   void step(StepInput& input, Backend& backend) override {
@@ -250,16 +256,16 @@ class StrandSurroundings final : public Surroundings, public AirFields {
 
   const GridPasses<Scalar>& passes_;
   Workers workers_;
-  const std::vector<WindSource> world_sources_;
+  std::vector<WindSource> world_sources_;
   std::vector<WindSource> sources_;  ///< the same, from origin_
   Vec3 origin_ = Vec3::Zero();
   std::vector<uint32_t> offsets_;  ///< of the model; empty until first needed
   Box box_;                        ///< of the groom at rest
   std::unique_ptr<HairGrid<Scalar>> hair_;
   std::unique_ptr<WindGrid<Scalar>> wind_;
-  std::optional<Ambient> free_wind_;                        ///< of wind without a grid
-  float rate_ = 0;                                          ///< 1/s, at which hair takes on the velocity of the air
-  std::vector<float> rates_;                                ///< the same by vertex, where they differ
+  std::optional<Ambient> free_wind_;  ///< of wind without a grid
+  float rate_ = 0;                    ///< 1/s, at which hair takes on the velocity of the air
+  std::vector<float> rates_;          ///< the same by vertex, where they differ
   bool forces_ = false, splatted_ = false, blows_ = false;  ///< in the newest step
   Pose head_;                                               ///< at its start
   HeadCourse course_;
@@ -302,6 +308,8 @@ AirMaker cpuAir(const std::string& backend, int threads) {
             return std::make_unique<FreeWind<float>>(passes, used, cells, cell, border);
           }};
 }
+
+SteeredAir* steeredAir(Surroundings* surroundings) { return dynamic_cast<SteeredAir*>(surroundings); }
 
 const AirFields* airFields(const Surroundings* surroundings) {
   return dynamic_cast<const AirFields*>(surroundings);

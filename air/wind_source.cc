@@ -1,6 +1,8 @@
 #include "air/wind_source.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "core/error.h"
@@ -35,6 +37,12 @@ Box WindSource::reach() const {
   return {middle - half, middle + half};
 }
 
+std::vector<WindSource> withoutNames(const std::vector<NamedWindSource>& named) {
+  std::vector<WindSource> sources;
+  for (const NamedWindSource& one : named) sources.push_back(one.source);
+  return sources;
+}
+
 WindSource onGrid(WindSource source, float cell) {
   if (source.kind != WindSource::Kind::kTurbine || source.length >= cell) return source;
   source.rate *= source.length / cell;
@@ -47,11 +55,57 @@ std::vector<WindSource> movedBy(std::vector<WindSource> sources, const Vec3& way
   return sources;
 }
 
+std::span<const WindSourceNumber> windSourceNumbers() {
+  constexpr double kDegree = std::numbers::pi / 180;
+  static const WindSourceNumber kNumbers[] = {
+      {"radius", "m", "of a sphere or turbine", 1e-3, 100, 1, &WindSource::radius},
+      {"length", "m", "reach of a cone, thickness of a turbine", 1e-3, 100, 1, &WindSource::length},
+      {"angle", "degrees", "half a cone's opening", 0.1, 90, kDegree, &WindSource::angle},
+      {"speed", "m/s", "of its air", -100, 100, 1, &WindSource::speed},
+      {"swirl", "m/s", "of a turbine's rim", -100, 100, 1, &WindSource::swirl},
+      {"rate", "1/s", "at which air on a grid takes that on", 0, 1000, 1, &WindSource::rate}};
+  static_assert(kFirstSourceNumber << std::size(kNumbers) == kAllSourceParts + 1);
+  return kNumbers;
+}
+
+void take(WindSource& source, const WindSource& of, WindSourceParts parts) {
+  if ((parts & kSourcePosition) != 0) source.position = of.position;
+  if ((parts & kSourceDirection) != 0) source.direction = of.direction;
+  WindSourceParts own = kFirstSourceNumber;
+  for (const WindSourceNumber& number : windSourceNumbers()) {
+    if ((parts & own) != 0) source.*number.into = of.*number.into;
+    own <<= 1;
+  }
+}
+
+WindSource between(const WindSource& from, const WindSource& to, float part) {
+  if (part >= 1) return to;
+  WindSource out = to;
+  out.position = from.position + part * (to.position - from.position);
+  const Eigen::Quaternionf turn = Eigen::Quaternionf::FromTwoVectors(from.direction, to.direction);
+  out.direction = Eigen::Quaternionf::Identity().slerp(part, turn) * from.direction.normalized();
+  for (const WindSourceNumber& number : windSourceNumbers())
+    out.*number.into = from.*number.into + part * (to.*number.into - from.*number.into);
+  return out;
+}
+
 WindSource::Kind windSourceKind(const std::string& name, const std::string& where) {
   if (name == "cone") return WindSource::Kind::kCone;
   if (name == "sphere") return WindSource::Kind::kSphere;
   if (name == "turbine") return WindSource::Kind::kTurbine;
   throw Error("unknown source of wind '" + name + "'", where, "choose one of cone, sphere, turbine");
+}
+
+void checkWindSourceName(const std::string& name, const std::string& where) {
+  constexpr size_t kLongest = 64;
+  const bool is_name =
+      !name.empty() && name.size() <= kLongest && std::all_of(name.begin(), name.end(), [](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte > 0x20 && byte != 0x7f;
+      });
+  if (!is_name)
+    throw Error("'" + name + "' is no name for a source of wind", where,
+                "give 1 to 64 bytes without spaces and control characters");
 }
 
 void checkWindSource(const WindSource& s, const std::string& where) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,35 @@ struct WindSource {
   Box reach() const;
 };
 
+/// A source that is steered by its name.
+struct NamedWindSource {
+  std::string name;
+  WindSource source;
+};
+
+std::vector<WindSource> withoutNames(const std::vector<NamedWindSource>& named);
+
+/// A number of a source as files and commands have it.
+struct WindSourceNumber {
+  const char *name, *unit, *help;
+  double low, high;         ///< in `unit`
+  double scale;             ///< `unit` in SI
+  float WindSource::*into;  ///< where it is kept, SI
+};
+/// radius, length, angle, speed, swirl, rate.
+std::span<const WindSourceNumber> windSourceNumbers();
+
+/// What a source has, but its kind, bit by bit: 1 position, 2 direction, 4 the first of windSourceNumbers(),
+/// 8 the second, and so on.
+using WindSourceParts = uint32_t;
+inline constexpr WindSourceParts kSourcePosition = 1, kSourceDirection = 2, kFirstSourceNumber = 4,
+                                 kAllSourceParts = 255;
+/// Has `source` have these parts as `of` has them.
+void take(WindSource& source, const WindSource& of, WindSourceParts parts);
+/// A source `part` (0 to 1) of the way from one to another, which has its kind and is sound as both are: it
+/// goes straight and turns evenly.
+WindSource between(const WindSource& from, const WindSource& to, float part);
+
 /// As a grid with cells of `cell` m has it, which asks it at their middles only: a turbine is a cell thick at
 /// least, and drives the more air the less.
 WindSource onGrid(WindSource source, float cell);
@@ -40,6 +70,8 @@ std::vector<WindSource> movedBy(std::vector<WindSource> sources, const Vec3& way
 
 /// "cone", "sphere" or "turbine"; Error, naming `where`, otherwise.
 WindSource::Kind windSourceKind(const std::string& name, const std::string& where);
+/// Throws Error, naming `where`, unless it is of 1 to 64 bytes without spaces and control characters.
+void checkWindSourceName(const std::string& name, const std::string& where);
 /// Throws Error, naming `where`, where a number is not finite or out of range: lengths above 0 to 100 m,
 /// angle above 0 to pi/2, speeds within +-100 m/s, rate 0 to 1000, direction's length 0.001 to 1000.
 void checkWindSource(const WindSource& source, const std::string& where);

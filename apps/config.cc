@@ -269,29 +269,31 @@ PinRule readPin(Section& section) {
   return rule;
 }
 
-WindSource readWindSource(Section& section) {
+/// Into the sources before it: without a name of its own it is called by its number.
+void readWindSource(Section& section, std::vector<NamedWindSource>& sources) {
   WindSource out;
+  std::string name = fmt::format("wind{}", sources.size() + 1);
   auto vector = [&](const char* key, Vec3& to) {
     section.numbers(key, 3, [&](const std::vector<double>& v) {
       to = Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>());
     });
   };
-  auto number = [&](const char* key, double low, double high, float& to) {
-    section.number(key, low, high, [&](double v) { to = static_cast<float>(v); });
-  };
+  section.text("name", [&](const std::string& v) {
+    checkWindSourceName(v, section.place("name"));
+    name = v;
+  });
   section.text("kind",
                [&](const std::string& kind) { out.kind = windSourceKind(kind, section.place("kind")); });
   vector("position", out.position);
   vector("direction", out.direction);
-  number("radius", 1e-3, 100, out.radius);
-  number("length", 1e-3, 100, out.length);
-  section.number("angle", 0.1, 90,
-                 [&](double v) { out.angle = static_cast<float>(v * std::numbers::pi / 180); });
-  number("speed", -100, 100, out.speed);
-  number("swirl", -100, 100, out.swirl);
-  number("rate", 0, 1000, out.rate);
+  for (const WindSourceNumber& number : windSourceNumbers())
+    section.number(number.name, number.low, number.high,
+                   [&](double v) { out.*number.into = static_cast<float>(v * number.scale); });
   checkWindSource(out, section.place());
-  return out;
+  for (const NamedWindSource& other : sources)
+    if (other.name == name)
+      throw Error("two sources of wind are called '" + name + "'", section.place(), "give each a name of its own");
+  sources.push_back({std::move(name), out});
 }
 
 void readSections(Section& root, const std::filesystem::path& folder, Settings& s) {
@@ -332,7 +334,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   });
   root.sections("material", [&](Section& material) { s.scene.materials.push_back(readMaterial(material)); });
   root.sections("pin", [&](Section& pin) { s.scene.pins.push_back(readPin(pin)); });
-  root.sections("wind", [&](Section& wind) { s.wind_sources.push_back(readWindSource(wind)); });
+  root.sections("wind", [&](Section& wind) { readWindSource(wind, s.wind_sources); });
   root.section("daemon", [&](Section& daemon) {
     daemon.text("backend", [&](const std::string& v) { s.backend = v; });
     daemon.text("solver", [&](const std::string& v) { s.solver = solverKind(v); });

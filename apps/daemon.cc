@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "apps/colliders.h"
+#include "apps/command_limits.h"
 #include "apps/scene_simulation.h"
 #include "core/error.h"
 #include "core/quantile.h"
@@ -27,8 +28,6 @@ using Clock = std::chrono::steady_clock;
 constexpr size_t kStepWindow = 1200;     // steps that the timing statistics look back on
 constexpr double kStatusInterval = 0.5;  // s
 constexpr double kPullSeconds = 1;       // of simulation, after which a hand lets go that nobody moves
-constexpr double kFarthestPlace = 1000;  // m, on each axis, of a commanded pose
-constexpr double kRampSeconds = 0.2;     // a commanded pose is reached in this time, smoothly
 
 double milliseconds(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
 
@@ -111,7 +110,8 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
       skinned_(scene.skinned),
       motion_(scene.motion),
       head_pivot_(scene.head_pivot),
-      simulation_(makeSimulation(scene, settings)) {
+      simulation_(makeSimulation(scene, settings)),
+      wind_(settings.wind_sources, simulation_) {
   frame_.groom_id = settings.groom_id;
   frame_.session = session;
   frame_.revision = 1;
@@ -180,6 +180,12 @@ void Daemon::apply(const Command& command) {
       return moveCollider(command, where);
     case CommandKind::kRemoveCollider:
       return removeCollider(command, where);
+    case CommandKind::kAddWindSource:
+      return wind_.add(command, where);
+    case CommandKind::kMoveWindSource:
+      return wind_.move(command, where);
+    case CommandKind::kRemoveWindSource:
+      return wind_.remove(command, where);
   }
   throw Error("unknown kind of command", where, "is the sender newer than this daemon?");
 }
@@ -236,7 +242,8 @@ void Daemon::moveCollider(const Command& command, const std::string& where) {
   if (simulation_.body(id).follows_head)
     throw Error("collider '" + command.name + "' follows the head", where, "move the head");
   const double seconds = command.values.size() == 8 ? command.values[7] : kRampSeconds;
-  if (!(seconds >= 0 && seconds <= 3600)) throw Error("a collider takes 0 to 3600 s to move", where, "");
+  if (!(seconds >= 0 && seconds <= kLongestWay))
+    throw Error(fmt::format("a collider takes 0 to {:g} s to move", kLongestWay), where, "");
   ways_[id] = {simulation_.bodyPose(id), poseOf(command.values, 0, where), simulation_.time(), seconds};
 }
 
@@ -314,6 +321,7 @@ void Daemon::advance() {
     simulation_.setBodyPose(id, onTheWay(w.from, w.to, end - w.start, w.seconds));
     way = end - w.start >= w.seconds ? ways_.erase(way) : std::next(way);
   }
+  wind_.goOn(end);
   simulation_.step();
   status_.strands_reset +=
       simulation_.resetBroken();  // waits for the backend: the time is that of the whole step

@@ -8,6 +8,7 @@
 
 #include "apps/rival_warning.h"
 #include "apps/settings.h"
+#include "apps/wind_control.h"
 #include "core/simulation.h"
 #include "transport/publisher.h"
 
@@ -29,9 +30,12 @@ class Daemon {
  public:
   /// Throws Error.
   Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint64_t session);
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
   /// Announces the groom and body: once, before the first frame. Throws Error.
   void announce();
   const Status& status() const { return status_; }
+  const std::vector<NamedWindSource>& windSources() const { return wind_.sources(); }
 
   /// Until `stop`, a shutdown command, or settings.duration.
   DaemonSummary run(const std::atomic<bool>& stop);
@@ -87,6 +91,7 @@ class Daemon {
   Vec3 head_pivot_;          ///< m, the joint that procedural motions turn about
   double motion_start_ = 0;  ///< s of simulation time
   Simulation simulation_;
+  WindControl wind_;
   GuideFrame frame_;
   Status status_;
   Measurement looked_;  ///< of the first looked_at_ strands, since the last status

@@ -86,6 +86,9 @@ void Replay::apply(const Command& command) {
     case CommandKind::kAddCollider:
     case CommandKind::kMoveCollider:
     case CommandKind::kRemoveCollider:
+    case CommandKind::kAddWindSource:
+    case CommandKind::kMoveWindSource:
+    case CommandKind::kRemoveWindSource:
       break;
   }
   throw Error("a recording does not obey this", fmt::format("command {}", command.id),

@@ -98,7 +98,7 @@ Simulation makeSimulation(const Scene& scene, const Settings& settings) {
       createBackend(knownBackends(), settings.backend, settings.threads, settings.solver);
   std::unique_ptr<Surroundings> surroundings;
   if (backend->takesAccelerations())
-    surroundings = airOf(backend->name(), settings.threads).surroundings(settings.wind_sources);
+    surroundings = airOf(backend->name(), settings.threads).surroundings(withoutNames(settings.wind_sources));
   return Simulation(modelOf(scene, settings, parameters.gravity), scene.bodies, parameters,
                     std::move(backend), std::move(surroundings), makeTreeBroadPhase());
 }

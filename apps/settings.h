@@ -25,8 +25,8 @@ constexpr double kLargestSeed = 1e15;
 struct Settings {
   SceneOptions scene;
   std::vector<std::pair<std::string, std::vector<double>>>
-      parameters;                        ///< by name, on top of the scene's own
-  std::vector<WindSource> wind_sources;  ///< of the wind grid
+      parameters;                             ///< by name, on top of the scene's own
+  std::vector<NamedWindSource> wind_sources;  ///< none of a name twice
 
   SolverKind solver = SolverKind::kRod;
   bool sag_free = true;  ///< the groomed shape is the shape at rest under gravity (rod only)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -11,11 +12,13 @@
 
 #include "apps/answer_wait.h"
 #include "apps/channel.h"
+#include "apps/command_limits.h"
 #include "apps/console.h"
 #include "apps/daemon.h"
 #include "apps/finite_range.h"
 #include "apps/interrupt.h"
 #include "apps/verbs.h"
+#include "apps/wind_control.h"
 #include "core/error.h"
 #include "transport/collider_chunks.h"
 #include "transport/parameter_table.h"
@@ -33,7 +36,9 @@ struct CtlOptions {
   std::vector<double> values;
   bool follows_head = false;
   double friction = static_cast<double>(ContactPrimitive().friction);
-  double seconds = 0.2;
+  double seconds = kRampSeconds;
+  std::vector<double> direction;
+  std::map<std::string, double> numbers;  ///< of windSourceNumbers(), those given
 };
 
 /// CLI11 by itself takes an empty text for 0.
@@ -280,7 +285,7 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
       ->required()
       ->check(finiteNumber());
   move->add_option("--seconds", o->seconds, "that it takes")
-      ->check(finiteRange(0.0, 3600.0))
+      ->check(finiteRange(0.0, kLongestWay))
       ->capture_default_str();
   move->callback([o, run] {
     *run = [o] {
@@ -293,6 +298,95 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
   remove->add_option("NAME", o->name, "one that was added")->required();
   remove->callback(
       [o, run] { *run = [o] { return sendCommand(*o, CommandKind::kRemoveCollider, o->name, {}); }; });
+}
+
+/// The parts of a source that the options tell, into `source`.
+WindSourceParts takeFanOptions(const CtlOptions& o, WindSource& source) {
+  WindSourceParts parts = 0;
+  const auto vector = [&](const std::vector<double>& from, WindSourceParts part, Vec3& to) {
+    if (from.empty()) return;
+    to = Vec3(Eigen::Vector3d(from[0], from[1], from[2]).cast<float>());
+    parts |= part;
+  };
+  vector(o.values, kSourcePosition, source.position);
+  vector(o.direction, kSourceDirection, source.direction);
+  WindSourceParts own = kFirstSourceNumber;
+  for (const WindSourceNumber& number : windSourceNumbers()) {
+    if (const auto given = o.numbers.find(number.name); given != o.numbers.end()) {
+      source.*number.into = static_cast<float>(given->second * number.scale);
+      parts |= own;
+    }
+    own <<= 1;
+  }
+  checkWindSource(source, "ctl fan");
+  return parts;
+}
+
+/// `defaults`: told in the help, where what is not given is that.
+void addFanOptions(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const WindSource* defaults) {
+  const auto ends = [](const std::string& value) { return value.empty() ? value : ", else " + value; };
+  app.add_option("--direction", o->direction, "that it blows in" + ends(defaults != nullptr ? "0 0 1" : ""))
+      ->expected(3)
+      ->option_text("X Y Z")
+      ->check(finiteNumber());
+  for (const WindSourceNumber& number : windSourceNumbers()) {
+    const std::string standard =
+        defaults == nullptr
+            ? ""
+            : fmt::format("{:.3g}", static_cast<double>(defaults->*number.into) / number.scale);
+    app.add_option_function<double>(
+           fmt::format("--{}", number.name), [o, name = number.name](double v) { o->numbers[name] = v; },
+           fmt::format("{} in {}{}", number.help, number.unit, ends(standard)))
+        ->check(finiteRange(number.low, number.high));
+  }
+}
+
+void addFanVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std::shared_ptr<Verb>& run) {
+  app.require_subcommand(1);
+  static const WindSource kDefault;
+  const auto place = [&](CLI::App& sub) {
+    return sub.add_option("X Y Z", o->values, "where it is, m, in the world")
+        ->expected(3)
+        ->check(finiteNumber());
+  };
+  CLI::App* add = app.add_subcommand("add", "a source of wind, for as long as the daemon runs");
+  add->add_option("NAME", o->name, "of its own, without spaces")->required();
+  add->add_option("KIND", o->shape,
+                  "cone (a fan), turbine, or sphere, which with wind_grid does next to nothing")
+      ->required();
+  place(*add)->required();
+  addFanOptions(*add, o, &kDefault);
+  add->callback([o, run] {
+    *run = [o] {
+      WindSource source;
+      source.kind = windSourceKind(o->shape, "ctl fan add");
+      takeFanOptions(*o, source);
+      return sendCommand(*o, CommandKind::kAddWindSource, o->name, windSourceValues(source));
+    };
+  });
+  CLI::App* move = app.add_subcommand("move", "change what is given of one, smoothly; the rest stays");
+  move->add_option("NAME", o->name,
+                   "one that was added, or of a [[wind]] table: its name, else wind1, wind2 ...")
+      ->required();
+  place(*move);
+  addFanOptions(*move, o, nullptr);
+  move->add_option("--seconds", o->seconds, "that it takes")
+      ->check(finiteRange(0.0, kLongestWay))
+      ->capture_default_str();
+  move->callback([o, run] {
+    *run = [o] {
+      WindSource to;
+      const WindSourceParts parts = takeFanOptions(*o, to);
+      if (parts == 0)
+        throw Error("nothing of the source is to change", "ctl fan move " + o->name,
+                    "give X Y Z, --direction, --speed or another of its numbers");
+      return sendCommand(*o, CommandKind::kMoveWindSource, o->name, windMoveValues(to, parts, o->seconds));
+    };
+  });
+  CLI::App* remove = app.add_subcommand("remove", "any of them");
+  remove->add_option("NAME", o->name, "as of move")->required();
+  remove->callback(
+      [o, run] { *run = [o] { return sendCommand(*o, CommandKind::kRemoveWindSource, o->name, {}); }; });
 }
 
 }  // namespace
@@ -319,6 +413,8 @@ Verb addCtl(CLI::App& app) {
       "  strandcast ctl motion nod+turn\n"
       "  strandcast ctl collider add ball sphere 0 0.1 0.3 0.05\n"
       "  strandcast ctl collider move ball 0 0.1 0 --seconds 2\n"
+      "  strandcast ctl fan add spot cone 0 0.2 0.6 --direction 0 0 -1 --speed 4\n"
+      "  strandcast ctl fan move spot 0.3 0.2 0.6 --speed 8 --seconds 2\n"
       "  strandcast ctl pull 0 0.1 0.1 0.03 0 0.2 0.2 20\n"
       "  strandcast ctl step 3");
   const auto verb = [&](const char* name, const char* help, Verb body) {
@@ -356,6 +452,7 @@ Verb addCtl(CLI::App& app) {
       ->required();
   addColliderVerbs(*app.add_subcommand("collider", "add, move and remove bodies that hair collides with"), o,
                    run);
+  addFanVerbs(*app.add_subcommand("fan", "add, move and remove sources of wind"), o, run);
   verb("reset", "put the hair back to its rest shape",
        [o] { return sendCommand(*o, CommandKind::kReset, "", {}); });
   verb("pause", "hold the simulation; frames go on being sent",

@@ -128,11 +128,21 @@ void GpuSurroundings::moveOrigin(const Vec3& origin) {
 
 void GpuSurroundings::takeOrigin(const Vec3& origin) {
   origin_ = origin;
-  sources_ = movedBy(world_sources_, -origin);
+  placeSources();
+}
+
+void GpuSurroundings::setSources(std::vector<WindSource> sources) {
+  world_sources_ = std::move(sources);
+  placeSources();
+}
+
+void GpuSurroundings::placeSources() {
+  sources_ = movedBy(world_sources_, -origin_);
   if (!passes_) return;
   const gl::MakeCurrent current(device_->context());
   if (passes_->wind) passes_->wind->takeSources(sources_);
   if (passes_->free_wind) passes_->sources = WindPasses::packed(sources_);
+  passes_->block.settings.sources = static_cast<int>(sources_.size());
 }
 
 void GpuSurroundings::step(StepInput& input, Backend&) {

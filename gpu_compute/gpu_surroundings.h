@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "air/air_fields.h"
+#include "air/steered_air.h"
 #include "air/wind_source.h"
 #include "core/surroundings.h"
 #include "gpu_compute/gpu_air.h"
@@ -15,7 +16,10 @@ namespace strandcast::gpu {
 
 /// Wind on a grid and forces between hairs (docs/air.md) in the memory of the gpu backend: no state of
 /// strands and no acceleration comes to the CPU or goes from there.
-class GpuSurroundings final : public Surroundings, public AirFields, public MeasuredPasses {
+class GpuSurroundings final : public Surroundings,
+                              public AirFields,
+                              public SteeredAir,
+                              public MeasuredPasses {
  public:
   explicit GpuSurroundings(std::vector<WindSource> sources);
   ~GpuSurroundings() override;
@@ -25,6 +29,7 @@ class GpuSurroundings final : public Surroundings, public AirFields, public Meas
   void configure(const StrandModel& model, const Parameters& parameters, Backend& backend) override;
   void reset(const Vec3& origin) override;
   void moveOrigin(const Vec3& origin) override;
+  void setSources(std::vector<WindSource> sources) override;
   void step(StepInput& input, Backend& backend) override;
   std::span<const Vec3> accelerations() override;
 
@@ -45,10 +50,12 @@ class GpuSurroundings final : public Surroundings, public AirFields, public Meas
   /// Error and leaves `our` as it was where they do not fit the GPU.
   void makeGrids(Passes& our, const StrandModel& model, const Parameters& parameters);
   void takeOrigin(const Vec3& origin);
+  /// Those of the world, from origin_, to the GPU.
+  void placeSources();
   const Image& image() const;
   AirSample atOwn(const Vec3& point) const;
 
-  const std::vector<WindSource> world_sources_;
+  std::vector<WindSource> world_sources_;
   std::vector<WindSource> sources_;  ///< the same, from origin_, as are all places in here
   Vec3 origin_ = Vec3::Zero();
   Box box_;                      ///< of the groom at rest

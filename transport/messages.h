@@ -84,14 +84,17 @@ enum class CommandKind : uint32_t {
   kPull = 7,
   kAddCollider = 8,
   kMoveCollider = 9,
-  kRemoveCollider = 10
+  kRemoveCollider = 10,
+  kAddWindSource = 11,
+  kMoveWindSource = 12,
+  kRemoveWindSource = 13
 };
 
 struct Command {
   uint32_t groom_id = 0;
   uint64_t id = 0;  ///< chosen by the sender, not 0; echoed in Status::last_command
   CommandKind kind = CommandKind::kReset;
-  std::string name;            ///< parameter, name of a head motion, or of a collider
+  std::string name;            ///< of a parameter, head motion, collider or source of wind
   std::vector<double> values;  ///< docs/wire.md, "Command"
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "air/air_fields.h"
+#include "air/steered_air.h"
 #include "air/wind.h"
 #include "core/error.h"
 #include "core/simulation.h"
@@ -296,6 +297,65 @@ TEST(Surroundings, BlowFarFromTheOriginAsTheyDoAtIt) {
     for (size_t v = 0; v < ways[0].size(); ++v) worst = std::max(worst, (ways[1][v] - ways[0][v]).norm());
     EXPECT_LT(worst, 2e-4f) << "a float there tells 0.06 mm; grid " << grid;
   }
+}
+
+TEST(Surroundings, TakeOtherSourcesBetweenSteps) {
+  WindSource fan = wideFan(5);
+  for (const std::string backend : {"reference", "simd"}) {
+    for (const int grid : {0, 1}) {
+      SCOPED_TRACE(backend + " " + std::to_string(grid));
+      Parameters parameters;
+      parameters.wind_grid = grid;
+      const auto simulation = [&](std::vector<WindSource> sources) {
+        return Simulation(squareTuft(), {}, parameters,
+                          backend == "simd" ? makeSimdBackend(1) : makeReferenceBackend(),
+                          cpuAir(backend, 1).surroundings(std::move(sources)));
+      };
+      Simulation from_start = simulation({fan}), told = simulation({}), still = simulation({});
+      const auto tell = [&](std::vector<WindSource> sources) {
+        steeredAir(told.surroundings())->setSources(std::move(sources));
+        told.setParameters(parameters);
+      };
+      const auto run = [](Simulation& of) {
+        for (int i = 0; i < 10; ++i) of.step();
+        return stateHash(of.state());
+      };
+      tell({fan});
+      const uint64_t blown = run(from_start), calm = run(still);
+      EXPECT_EQ(run(told), blown);
+      EXPECT_NE(blown, calm);
+      tell({});
+      told.reset();
+      EXPECT_EQ(run(told), calm) << "none is left";
+      fan.position = Vec3(512, 0, 0);
+      fan.radius = fan.length = 1;
+      from_start = simulation({fan});
+      for (Simulation* far : {&from_start, &told}) far->teleport({fan.position, Quat::Identity()});
+      tell({fan});
+      from_start.reset();
+      told.reset();
+      EXPECT_EQ(run(told), run(from_start)) << "from an origin of its own";
+      fan = wideFan(5);
+    }
+  }
+}
+
+TEST(WindSource, GoesBetweenTwoAndEndsAtTheSecond) {
+  WindSource from = wideFan(2), to = from;
+  to.position = Vec3(2, 0, 0);
+  to.direction = Vec3(-3, 0, 0);  // about
+  to.speed = 6;
+  const WindSource half = between(from, to, 0.5f);
+  EXPECT_EQ(half.position, Vec3(1, 0, 0));
+  EXPECT_EQ(half.speed, 4);
+  EXPECT_NEAR(half.direction.norm(), 1, 1e-5);
+  EXPECT_NEAR(half.direction.x(), 0, 1e-3) << "turned, not shrunk to nothing";
+  checkWindSource(half, "test");
+  EXPECT_EQ(between(from, to, 1).direction, to.direction);
+  WindSource taken = from;
+  take(taken, to, kSourcePosition);
+  EXPECT_EQ(taken.position, to.position);
+  EXPECT_EQ(taken.speed, from.speed);
 }
 
 // Two heads walk past a fan: hair and air of one are told from an origin that follows it, those of the other

@@ -162,7 +162,8 @@ TEST(Config, SourcesOfWindAreReadAndChecked) {
   Settings settings;
   readConfigText(kFull, "hair.toml", settings);
   ASSERT_EQ(settings.wind_sources.size(), 1u);
-  const WindSource& source = settings.wind_sources[0];
+  EXPECT_EQ(settings.wind_sources[0].name, "wind1");
+  const WindSource& source = settings.wind_sources[0].source;
   EXPECT_EQ(source.kind, WindSource::Kind::kTurbine);
   EXPECT_EQ(source.position, Vec3(0, 1.5f, 0.5f));
   EXPECT_NEAR(source.angle, 0.5236, 1e-4);
@@ -170,6 +171,8 @@ TEST(Config, SourcesOfWindAreReadAndChecked) {
   EXPECT_NE(errorOf("[[wind]]\nkind = \"storm\"").find("cone, sphere, turbine"), std::string::npos);
   EXPECT_NE(errorOf("[[wind]]\ndirection = [0, 0, 0]").find("hair.toml line 1"), std::string::npos);
   EXPECT_NE(errorOf("[[wind]]\nspeed = 1e9").find("wind.speed"), std::string::npos);
+  EXPECT_NE(errorOf("[[wind]]\nname = \"a fan\"").find("without spaces"), std::string::npos);
+  EXPECT_NE(errorOf("[[wind]]\nname = \"wind2\"\n[[wind]]").find("two sources"), std::string::npos);
 }
 
 TEST(Config, UnknownKeysAreRefusedWithTheirLine) {

@@ -409,6 +409,17 @@ TEST_F(Programs, DaemonCastsToARendererAndObeys) {
   const Outcome refused = run(program_ + " ctl set air_drag -5" + network);
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("air_drag"), std::string::npos) << refused.err;
+  const std::string fan = program_ + " ctl fan ";
+  EXPECT_EQ(run(fan + "add spot cone 0 0.2 -0.6 --direction 0 0 1 --speed -2" + network).exit_code, 0);
+  EXPECT_EQ(run(fan + "move spot --direction 0 -1 0 --angle 30" + network).exit_code, 0);
+  const Outcome unknown = run(fan + "move spat 0 0 0" + network);
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("did you mean 'spot'?"), std::string::npos) << unknown.err;
+  for (const char* bad :
+       {"move spot", "move spot 0 0", "move spot --speed 101", "move spot --direction 0 0 0",
+        "add s storm 0 0 0", "add s cone 0 0", "move spot --seconds 1"})
+    EXPECT_EQ(run(fan + bad + network).exit_code, 2) << bad;
+  EXPECT_EQ(run(fan + "remove spot" + network).exit_code, 0);
   const Outcome far = run(program_ + " ctl head 2000 0 0" + network);
   EXPECT_EQ(far.exit_code, 2);
   EXPECT_NE(far.err.find("within 1000"), std::string::npos) << far.err;
@@ -523,6 +534,9 @@ TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {
                              "daemon.txt");
   ASSERT_EQ(run(program_ + " ctl wind 3 0 0 --timeout 60" + network).exit_code, 0);
   EXPECT_EQ(run(program_ + " ctl set time_step 0.01" + network).exit_code, 0);
+  EXPECT_EQ(
+      run(program_ + " ctl fan add spot cone 0 0 0.6 --direction 0 0 -1 --length 1" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl fan move spot 0.5 0 0.6 --speed 9 --seconds 1" + network).exit_code, 0);
   EXPECT_EQ(run(program_ + " ctl motion nod" + network).exit_code, 0);
   EXPECT_EQ(run(program_ + " ctl pause" + network).exit_code, 0);
   EXPECT_EQ(run(program_ + " ctl step 500" + network).exit_code, 0);
@@ -540,7 +554,7 @@ TEST_F(Programs, ARunIsRecordedReplayedAndRepeatedBitForBit) {
   const nlohmann::json report = nlohmann::json::parse(again.out);
   EXPECT_GT(report["frames"], 30);
   EXPECT_EQ(report["frames_different"], 0);
-  EXPECT_EQ(report["inputs"], 6);
+  EXPECT_EQ(report["inputs"], 8);
   EXPECT_NE(again.err.find("not closed"), std::string::npos) << "the daemon was killed: " << again.err;
   const Outcome no_source = run(program_ + " replay " + live + " --resimulate");
   EXPECT_EQ(no_source.exit_code, 2) << no_source.out;

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <ctime>
+#include <fstream>
 #include <set>
 #include <thread>
 
@@ -207,6 +208,60 @@ TEST_F(ReplayTest, ARunIsRepeatedWhoseFilesHaveNamesInNoUtf8) {
   const ResimulationReport report = resimulate(recording, "run.rec", stop_, [](uint64_t, Simulation&) {});
   EXPECT_EQ(report.frames, 3u);
   EXPECT_EQ(report.different, 0u);
+}
+
+// Sources of wind of a file and of commands, on a grid and without one.
+TEST_F(ReplayTest, ARunWhoseFansWereSteeredIsRepeated) {
+  const std::filesystem::path config = folder_ / "wind.toml";
+  std::ofstream(config)
+      << "scene = \"straight\"\nmotion = \"nod\"\n[groom]\nstrands = 20\nvertices = 8\n"
+         "[body]\ncontact = \"spheres\"\n[daemon]\nbackend = \"reference\"\n"
+         "[parameters]\ngrid_cells = 16\n"
+         "[[wind]]\nname = \"left\"\nkind = \"turbine\"\nradius = 1\nlength = 1\nspeed = 3\n";
+  for (const std::string grid : {"0", "1"}) {
+    SCOPED_TRACE(grid);
+    const std::filesystem::path run = folder_ / ("wind" + grid + ".rec");
+    const std::vector<std::string> words{"--config", config.string(), "--set", "wind_grid=" + grid};
+    CLI::App app;
+    const SettingsOptions options(app);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+    std::vector<Vec3> moved, left_alone;
+    for (const bool steered : {false, true}) {
+      auto channel = makeInProcessChannel(1);
+      RecordingPublisher publisher(std::move(channel.first), false);
+      const Settings settings = options.resolve();
+      Daemon daemon(settings, makeSceneAloud(settings.scene), publisher, 77);
+      publisher.open(run, {1, {Codec::kFloat32}, simulationSource(words, options, "reference", "")});
+      daemon.announce();
+      uint64_t id = 0;
+      const auto order = [&](CommandKind kind, const std::string& name, std::vector<double> values) {
+        if (!steered) return;
+        channel.second->send({.id = ++id, .kind = kind, .name = name, .values = std::move(values)});
+      };
+      WindSource fan;
+      fan.position = Vec3(0, 0.2f, 0.4f);
+      fan.direction = Vec3(0.1f, 0, -1);
+      fan.length = 1;
+      for (int frame = 0; frame < 30; ++frame) {
+        if (frame == 3) order(CommandKind::kAddWindSource, "spot", windSourceValues(fan));
+        fan.position.x() = 0.3f;
+        fan.direction = Vec3(-0.5f, 0, -1);
+        fan.speed = 7;
+        if (frame == 5) order(CommandKind::kMoveWindSource, "spot", windMoveValues(fan, 1 + 2 + 32, 0.3));
+        if (frame == 9) order(CommandKind::kMoveWindSource, "left", windMoveValues(fan, 32, 0.1));
+        if (frame == 25) order(CommandKind::kRemoveWindSource, "left", {});
+        daemon.castFrame(stop_);
+      }
+      EXPECT_EQ(publisher.close(), "");
+      (steered ? moved : left_alone) = channel.second->frame()->positions;
+    }
+    EXPECT_NE(moved, left_alone);
+    Recording recording(run);
+    const ResimulationReport report = resimulate(recording, "wind.rec", stop_, [](uint64_t, Simulation&) {});
+    EXPECT_EQ(report.frames, 30u);
+    EXPECT_EQ(report.inputs, 4u);
+    EXPECT_EQ(report.different, 0u);
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "air/air_fields.h"
+#include "air/steered_air.h"
 #include "core/error.h"
 #include "core/simulation.h"
 #include "gpu_compute/gpu_backend.h"
@@ -203,6 +204,42 @@ TEST_F(GpuAir, StrandsFeelWhatTheyFeelOnTheReference) {
     parameters.grid_cells = 128;
     expectSame(felt(gpuAir(), *gpu_, tuft, parameters),
                felt(cpuAir("reference"), *reference, tuft, parameters));
+  }
+}
+
+// What it had of others, from configure() on and between steps, is gone.
+TEST_F(GpuAir, TakesOtherSourcesBetweenSteps) {
+  const Tuft tuft;
+  for (const int grid : {0, 1}) {
+    SCOPED_TRACE(grid);
+    Parameters parameters = everything();
+    parameters.wind_grid = grid;
+    WindSource fan;
+    fan.position = Vec3(0, -0.1f, -0.1f);
+    fan.speed = 4;
+    WindSource other = fan;
+    other.speed = -9;
+    const std::vector<WindSource> one{fan}, others{other, other, other};
+    const auto twoSteps = [&](const std::vector<WindSource>& made, const std::vector<WindSource>& told) {
+      const std::unique_ptr<Surroundings> surroundings = gpuAir().surroundings(made);
+      gpu_->load(tuft.model, tuft.state);
+      surroundings->configure(tuft.model, parameters, *gpu_);
+      StepInput input;
+      input.parameters = &parameters;
+      for (int step = 0; step < 2; ++step) {
+        steeredAir(surroundings.get())->setSources(made);
+        steeredAir(surroundings.get())->setSources(told);
+        surroundings->step(input, *gpu_);
+      }
+      const std::span<const Vec3> out = surroundings->accelerations();
+      return std::vector<Vec3>(out.begin(), out.end());
+    };
+    const std::vector<Vec3> none = twoSteps({}, {}), blown = twoSteps(one, one);
+    EXPECT_NE(blown, none);
+    EXPECT_NE(twoSteps(others, others), blown);
+    EXPECT_EQ(twoSteps(others, one), blown);
+    EXPECT_EQ(twoSteps({}, one), blown);
+    EXPECT_EQ(twoSteps(others, {}), none);
   }
 }
 

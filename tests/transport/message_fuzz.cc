@@ -68,6 +68,7 @@ std::vector<FuzzSeeds> messageSeeds() {
   for (const CodecInfo& info : codecList())
     add("guides", splitFrame(groom, hairFrame(groom, 1), {info.codec})[0]);
   add("command", Command{1, 7, CommandKind::kSetParameter, "wind", {1, 2, 3}});
+  add("command", Command{1, 8, CommandKind::kMoveWindSource, "spot", {33, 2, 0, 0.2, 0.6, 8}});
   add("status", Status());
   Status telling;
   telling.session = 5;

@@ -1,0 +1,145 @@
+#include "apps/wind_control.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "air/steered_air.h"
+#include "apps/command_limits.h"
+#include "core/error.h"
+#include "core/nearest_name.h"
+#include "core/smooth_step.h"
+
+namespace strandcast {
+namespace {
+
+/// Each number of these parts of a source goes to or from `number`, in order.
+template <class Source, class Number>
+void sourceNumbers(Source& source, WindSourceParts parts, const Number& number) {
+  for (int c = 0; c < 3 && (parts & kSourcePosition) != 0; ++c) number(source.position[c]);
+  for (int c = 0; c < 3 && (parts & kSourceDirection) != 0; ++c) number(source.direction[c]);
+  WindSourceParts own = kFirstSourceNumber;
+  for (const WindSourceNumber& known : windSourceNumbers()) {
+    if ((parts & own) != 0) number(source.*known.into);
+    own <<= 1;
+  }
+}
+
+/// From the numbers of a command behind its first `before`; throws Error where they are not so many.
+void readSource(const std::vector<double>& values, size_t before, WindSourceParts parts, WindSource& source,
+                const std::string& where) {
+  size_t next = before;
+  sourceNumbers(source, parts, [&](float& into) {
+    if (next < values.size()) into = static_cast<float>(values[next]);
+    ++next;
+  });
+  if (values.size() != next)
+    throw Error(fmt::format("this source of wind takes {} numbers, not {}", next, values.size()), where,
+                "see Command in docs/wire.md");
+  if ((parts & kSourcePosition) != 0 && !(source.position.cwiseAbs().maxCoeff() <= float{kFarthestPlace}))
+    throw Error("a source of wind is too far away", where,
+                fmt::format("give x y z in metres, each within {}", kFarthestPlace));
+  checkWindSource(source, where);
+}
+
+}  // namespace
+
+std::vector<double> windSourceValues(const WindSource& source) {
+  std::vector<double> values = {static_cast<double>(source.kind)};
+  sourceNumbers(source, kAllSourceParts, [&](float number) { values.push_back(double{number}); });
+  return values;
+}
+
+std::vector<double> windMoveValues(const WindSource& to, WindSourceParts parts, double seconds) {
+  std::vector<double> values = {static_cast<double>(parts), seconds};
+  sourceNumbers(to, parts, [&](float number) { values.push_back(double{number}); });
+  return values;
+}
+
+NamedWindSource& WindControl::find(const std::string& name, const std::string& where) {
+  std::vector<std::string> names;
+  for (NamedWindSource& known : sources_) {
+    if (known.name == name) return known;
+    names.push_back(known.name);
+  }
+  const std::string near = didYouMean(name, names);
+  const std::string there =
+      names.empty() ? "there are none" : fmt::format("there are {}", fmt::join(names, ", "));
+  throw Error("there is no source of wind '" + name + "'", where, near.empty() ? there : near);
+}
+
+void WindControl::replace(std::vector<NamedWindSource> sources, const std::string& where) {
+  SteeredAir* const air = steeredAir(simulation_.surroundings());
+  if (air == nullptr)
+    throw Error("sources of wind do not run on this backend", where,
+                "choose --backend simd, gpu or reference");
+  air->setSources(withoutNames(sources));
+  try {
+    simulation_.setParameters(simulation_.parameters());  // looks anew whether air is needed
+  } catch (const Error&) {
+    air->setSources(withoutNames(sources_));
+    throw;
+  }
+  sources_ = std::move(sources);
+}
+
+void WindControl::add(const Command& command, const std::string& where) {
+  checkWindSourceName(command.name, where);
+  for (const NamedWindSource& known : sources_)
+    if (known.name == command.name)
+      throw Error("there is a source of wind '" + command.name + "'", where,
+                  "give it a name of its own, or move that one");
+  if (sources_.size() >= kMostWindSources)
+    throw Error(fmt::format("there are {} sources of wind", sources_.size()), where, "remove one first");
+  NamedWindSource added{command.name, {}};
+  const double kind = command.values.empty() ? -1 : command.values[0];
+  constexpr double kLastKind = static_cast<double>(WindSource::Kind::kTurbine);
+  if (kind != std::floor(kind) || kind < 0 || kind > kLastKind)
+    throw Error("a source of wind is of no known kind", where, "0 is a cone, 1 a sphere, 2 a turbine");
+  added.source.kind = static_cast<WindSource::Kind>(static_cast<int>(kind));
+  readSource(command.values, 1, kAllSourceParts, added.source, where);
+  std::vector<NamedWindSource> sources = sources_;
+  sources.push_back(std::move(added));
+  replace(std::move(sources), where);
+}
+
+void WindControl::move(const Command& command, const std::string& where) {
+  const NamedWindSource& known = find(command.name, where);
+  const std::vector<double>& v = command.values;
+  if (v.size() < 2 || v[0] != std::floor(v[0]) || v[0] < 1 || v[0] > kAllSourceParts)
+    throw Error("a move of a source of wind says of no part where it goes", where,
+                "give the sum of the bits of its parts, seconds, and the parts");
+  if (!(v[1] >= 0 && v[1] <= kLongestWay))
+    throw Error(fmt::format("a source of wind takes 0 to {:g} s to move", kLongestWay), where, "");
+  const auto parts = static_cast<WindSourceParts>(v[0]);
+  WindSource to = known.source;
+  readSource(v, 2, parts, to, where);
+  for (Way& way : ways_)
+    if (way.name == command.name) way.parts &= ~parts;  // other parts go on
+  std::erase_if(ways_, [](const Way& way) { return way.parts == 0; });
+  ways_.push_back({command.name, parts, known.source, to, simulation_.time(), v[1]});
+}
+
+void WindControl::remove(const Command& command, const std::string& where) {
+  find(command.name, where);
+  std::vector<NamedWindSource> left = sources_;
+  std::erase_if(left, [&](const NamedWindSource& known) { return known.name == command.name; });
+  replace(std::move(left), where);
+  std::erase_if(ways_, [&](const Way& way) { return way.name == command.name; });
+}
+
+void WindControl::goOn(double time) {
+  if (ways_.empty()) return;
+  for (const Way& way : ways_) {
+    const double part = way.seconds > 0 ? (time - way.start) / way.seconds : 1;
+    for (NamedWindSource& moved : sources_)
+      if (moved.name == way.name)
+        take(moved.source, between(way.from, way.to, static_cast<float>(smoothStep(part))), way.parts);
+  }
+  std::erase_if(ways_, [&](const Way& way) { return time - way.start >= way.seconds; });
+  steeredAir(simulation_.surroundings())->setSources(withoutNames(sources_));
+}
+
+}  // namespace strandcast
