@@ -78,6 +78,11 @@ std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session
   }
 }
 
+void announceBake(const std::string& outlook, double seconds) {
+  constexpr double kWorthSaying = 1;  // s
+  if (seconds >= kWorthSaying) spdlog::info("{}", outlook);
+}
+
 std::filesystem::path fieldCacheAloud() {
   try {
     return defaultFieldCache();
@@ -92,6 +97,10 @@ Scene makeSceneAloud(SceneOptions options) {
   Scene scene;
   {
     ProgressBar bar;
+    options.bake_begins = [&](const std::string& outlook, double seconds) {
+      bar.clear();
+      announceBake(outlook, seconds);
+    };
     scene = makeScene(options, [&](const std::string& what, double part) {
       bar.show(what, part);
       return !g_interrupted.load();

@@ -68,6 +68,8 @@ class Stream {
   std::unique_ptr<Subscriber> remote_;
 };
 
+/// Logs what a bake is to take where that is a second or more, for those who see no progress bar.
+void announceBake(const std::string& outlook, double seconds);
 /// The user's cache of fields; empty, with a warning, where there is no folder for it.
 std::filesystem::path fieldCacheAloud();
 /// makeScene with a progress bar and the user's cache of fields, its notes logged. Ctrl-C stops it:

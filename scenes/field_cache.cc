@@ -45,8 +45,14 @@ void FieldCache::keep(uint64_t key, const DistanceField& field) const {
   writeDistanceField(file(key), field, key);
 }
 
+BakeAnnouncement bakesOf(const BakeAnnouncement& begins, const std::string& name) {
+  if (!begins) return {};
+  return
+      [begins, name](const std::string& outlook, double seconds) { begins(name + ": " + outlook, seconds); };
+}
+
 SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache& cache,
-                   const BakeProgress& progress) {
+                   const BakeProgress& progress, const BakeAnnouncement& begins) {
   const FieldOptions resolved = resolveFieldOptions(mesh, options);
   const uint64_t key = fieldKey(mesh, resolved);
   const auto note = [](const DistanceField& field, const char* how) {
@@ -64,6 +70,7 @@ SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const 
   const std::string outlook =
       fmt::format("about {:.0f} s, {:.0f} MiB", needs.seconds,
                   static_cast<double>(needs.field_bytes + needs.working_bytes) / (1 << 20));
+  if (begins) begins("baking a distance field takes " + outlook, needs.seconds);
   DistanceField field = baker.bake([&](const std::string& what, double part) {
     return !progress || progress(fmt::format("{} ({})", what, outlook), part);
   });

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -36,9 +37,14 @@ struct SceneField {
   bool from_cache = false;
   std::string trouble;  ///< what was wrong with the cache: with the file in it, or with keeping one; or empty
 };
+/// Told before a bake begins: a line for people, without the body's name, of how long it takes and with what
+/// memory, and the seconds again.
+using BakeAnnouncement = std::function<void(const std::string& outlook, double seconds)>;
+/// The same of one body, whose lines begin with its name; empty where `begins` is.
+BakeAnnouncement bakesOf(const BakeAnnouncement& begins, const std::string& name);
 /// From the cache, or baked and kept there. The note tells of trouble, too.
 /// Throws Error as FieldBaker does; BakeStopped.
 SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache& cache,
-                   const BakeProgress& progress);
+                   const BakeProgress& progress, const BakeAnnouncement& begins = {});
 
 }  // namespace strandcast

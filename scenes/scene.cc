@@ -141,9 +141,12 @@ void bakeBody(const SceneOptions& options, const Progress& progress, Scene& scen
   field.hair_radius = scene.parameters.hair_radius;
   field.cell = options.body_cell;
   const FieldCache cache(options.field_cache);
-  SceneField baked = fieldOf(scene.body, field, cache, [&](const std::string& what, double part) {
-    return !progress || progress("the body's distance field: " + what, kFrom + part * (kTo - kFrom));
-  });
+  SceneField baked = fieldOf(
+      scene.body, field, cache,
+      [&](const std::string& what, double part) {
+        return !progress || progress("the body's distance field: " + what, kFrom + part * (kTo - kFrom));
+      },
+      bakesOf(options.bake_begins, "the body"));
   (baked.trouble.empty() ? scene.notes : scene.warnings).push_back(std::move(baked.note));
   ContactPrimitive shape;
   shape.kind = PrimitiveKind::kField;
@@ -168,10 +171,13 @@ void bakeParts(const SceneOptions& options, const Progress& progress, Scene& sce
   skinned->first_body = scene.bodies.size();
   for (const SkinPart& part : skinned->parts()) {
     const double done = static_cast<double>(scene.bodies.size() - skinned->first_body);
-    SceneField baked = fieldOf(part.mesh, field, cache, [&](const std::string& what, double share) {
-      return !progress || progress(fmt::format("the distance field of {}: {}", part.name, what),
-                                   kFrom + (done + share) / count * (kTo - kFrom));
-    });
+    SceneField baked = fieldOf(
+        part.mesh, field, cache,
+        [&](const std::string& what, double share) {
+          return !progress || progress(fmt::format("the distance field of {}: {}", part.name, what),
+                                       kFrom + (done + share) / count * (kTo - kFrom));
+        },
+        bakesOf(options.bake_begins, part.name));
     bytes += baked.field.bytes();
     found += baked.from_cache ? 1 : 0;
     if (!baked.trouble.empty()) scene.warnings.push_back(baked.note);
@@ -379,10 +385,12 @@ void addPrimitives(const SceneOptions& options, const Progress& progress, Scene&
   FieldOptions field;
   field.hair_radius = scene.parameters.hair_radius;
   field.cell = options.body_cell;
-  PrimitiveBodies made = primitiveBodies(options.primitives, units, field, FieldCache(options.field_cache),
-                                         scene.body, [&](const std::string& what, double part) {
-                                           return !progress || progress(what, kFrom + part * (kTo - kFrom));
-                                         });
+  PrimitiveBodies made = primitiveBodies(
+      options.primitives, units, field, FieldCache(options.field_cache), scene.body,
+      [&](const std::string& what, double part) {
+        return !progress || progress(what, kFrom + part * (kTo - kFrom));
+      },
+      options.bake_begins);
   for (RigidBody& body : made.bodies) scene.bodies.push_back(std::move(body));
   for (std::string& line : made.notes) scene.notes.push_back(std::move(line));
   for (std::string& line : made.warnings) scene.warnings.push_back(std::move(line));

@@ -9,6 +9,7 @@
 #include "core/simulation.h"
 #include "groom/groom_file.h"
 #include "groom/procedural_groom.h"
+#include "scenes/field_cache.h"
 #include "scenes/head_motion.h"
 #include "scenes/part_materials.h"
 #include "scenes/part_pins.h"
@@ -44,6 +45,7 @@ struct SceneOptions {
   float body_friction = ContactPrimitive().friction;  ///< Coulomb coefficient, of the body and its parts
   std::vector<MaterialRule> materials;                ///< what the hair of its parts is made of
   std::vector<PinRule> pins;                          ///< what of its parts moves with bones
+  BakeAnnouncement bake_begins;                       ///< may be empty; its line names the body
 };
 
 /// All that a simulation and a renderer need, made once and shared by daemon, tests and benchmarks.

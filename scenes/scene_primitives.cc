@@ -57,7 +57,7 @@ void warnOfTouching(const TriangleMesh& body, const DistanceField& field, const 
 
 PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, const MeshUnits& units,
                                 const FieldOptions& field, const FieldCache& cache, const TriangleMesh& body,
-                                const BakeProgress& progress) {
+                                const BakeProgress& progress, const BakeAnnouncement& bake_begins) {
   PrimitiveBodies made;
   RigidBody head{{}, true}, standing;
   for (size_t i = 0; i < primitives.size(); ++i) {
@@ -69,12 +69,14 @@ PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, c
     } else if (shape.kind == PrimitiveKind::kField) {
       FieldOptions own = field;
       if (primitive.cell > 0) own.cell = primitive.cell;
-      SceneField baked =
-          fieldOf(placedMesh(primitive, units), own, cache, [&](const std::string& what, double part) {
+      SceneField baked = fieldOf(
+          placedMesh(primitive, units), own, cache,
+          [&](const std::string& what, double part) {
             const double done = static_cast<double>(i) + part;
             return !progress ||
                    progress(fmt::format("{}: {}", name, what), done / static_cast<double>(primitives.size()));
-          });
+          },
+          bakesOf(bake_begins, name));
       (baked.trouble.empty() ? made.notes : made.warnings).push_back(name + ": " + baked.note);
       shape = madeOf(primitive, PrimitiveKind::kField);
       shape.field = std::make_shared<const DistanceField>(std::move(baked.field));

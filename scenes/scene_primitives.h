@@ -39,6 +39,6 @@ struct PrimitiveBodies {
 /// Throws Error as loadMesh, convexBody, FieldBaker and checkPrimitive do; BakeStopped.
 PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, const MeshUnits& units,
                                 const FieldOptions& field, const FieldCache& cache, const TriangleMesh& body,
-                                const BakeProgress& progress);
+                                const BakeProgress& progress, const BakeAnnouncement& bake_begins = {});
 
 }  // namespace strandcast

@@ -348,6 +348,28 @@ TEST_F(Programs, InterruptStopsABakeAndLeavesNoFile) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST_F(Programs, ASceneSaysOnNoTerminalWhatABakeTakesBeforeItBegins) {
+  write("cube.obj", kCube);
+  const std::string config = write("bodies.toml",
+                                   "[[body.primitives]]\nkind = \"mesh\"\nfile = \"cube.obj\"\n"
+                                   "a = [0, 0, 5]\ncell = 0.0002\nfollows_head = false\n")
+                                 .string();
+  const std::filesystem::path err = folder_ / "err.txt";
+  const pid_t child = start({"/bin/sh", "-c",
+                             "exec " + program_ + " record " + (folder_ / "never.rec").string() +
+                                 " --strands 50 --seconds 0.1 --config " + config + " 2>" + err.string()},
+                            "record.txt");
+  const auto isSaid = [&] { return contents(err).find("cube.obj: baking") != std::string::npos; };
+  for (int i = 0; i < 600 && !isSaid() && isRunning(child); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  interrupt(child);
+  EXPECT_EQ(wait(child), 130) << "it was baking still";
+  const std::string said = contents(err);
+  EXPECT_NE(said.find(" s, "), std::string::npos) << said;
+  EXPECT_NE(said.find(" MiB"), std::string::npos) << said;
+  EXPECT_EQ(said.find("bricks"), std::string::npos) << said;
+}
+
 TEST_F(Programs, ABakeThatIsStoppedWhileItMeasuresSaysWhatIsKept) {
   const std::filesystem::path cube = write("cube.obj", kCube), out = folder_ / "cube.sdf",
                               cache = folder_ / "cache";

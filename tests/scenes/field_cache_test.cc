@@ -83,6 +83,30 @@ TEST(FieldCache, TimeAndMemoryOfABakeAreToldFromItsBeginningOn) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "told before the field is made";
 }
 
+TEST(FieldCache, ABakeIsAnnouncedBeforeItBeginsAndNotWhereTheCacheHasTheField) {
+  const ScratchFolder folder;
+  const FieldCache cache(folder.path());
+  FieldOptions options;
+  options.cell = 0.01f;
+  std::vector<std::string> said;
+  bool bakes = false;
+  const auto progress = [&](const std::string& what, double) {
+    return bakes = bakes || what.find(" s, ") != std::string::npos, true;
+  };
+  const BakeAnnouncement begins = [&](const std::string& outlook, double seconds) {
+    EXPECT_GT(seconds, 0);
+    EXPECT_FALSE(bakes);
+    said.push_back(outlook);
+  };
+  for (int i = 0; i < 2; ++i)
+    fieldOf(shapes::sphere(0.05f, 2), options, cache, progress, bakesOf(begins, "ball.obj"));
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_TRUE(bakes);
+  EXPECT_TRUE(said[0].starts_with("ball.obj: ")) << said[0];
+  EXPECT_NE(said[0].find(" s, "), std::string::npos) << said[0];
+  EXPECT_NE(said[0].find("MiB"), std::string::npos) << said[0];
+}
+
 TEST(FieldCache, WhatCannotBeWrittenIsAnError) {
   const ScratchFolder folder;
   std::ofstream(folder / "file") << "no folder";
