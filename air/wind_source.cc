@@ -90,10 +90,22 @@ WindSource between(const WindSource& from, const WindSource& to, float part) {
 }
 
 WindSource::Kind windSourceKind(const std::string& name, const std::string& where) {
-  if (name == "cone") return WindSource::Kind::kCone;
-  if (name == "sphere") return WindSource::Kind::kSphere;
-  if (name == "turbine") return WindSource::Kind::kTurbine;
+  for (const WindSource::Kind kind :
+       {WindSource::Kind::kCone, WindSource::Kind::kSphere, WindSource::Kind::kTurbine})
+    if (windSourceKindName(kind) == name) return kind;
   throw Error("unknown source of wind '" + name + "'", where, "choose one of cone, sphere, turbine");
+}
+
+std::string windSourceKindName(WindSource::Kind kind) {
+  switch (kind) {
+    case WindSource::Kind::kCone:
+      return "cone";
+    case WindSource::Kind::kSphere:
+      return "sphere";
+    case WindSource::Kind::kTurbine:
+      break;
+  }
+  return "turbine";
 }
 
 void checkWindSourceName(const std::string& name, const std::string& where) {

@@ -70,6 +70,7 @@ std::vector<WindSource> movedBy(std::vector<WindSource> sources, const Vec3& way
 
 /// "cone", "sphere" or "turbine"; Error, naming `where`, otherwise.
 WindSource::Kind windSourceKind(const std::string& name, const std::string& where);
+std::string windSourceKindName(WindSource::Kind kind);
 /// Throws Error, naming `where`, unless it is of 1 to 64 bytes without spaces and control characters.
 void checkWindSourceName(const std::string& name, const std::string& where);
 /// Throws Error, naming `where`, where a number is not finite or out of range: lengths above 0 to 100 m,

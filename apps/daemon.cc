@@ -125,7 +125,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
   status_.device = simulation_.backend().device();
   status_.strands = simulation_.model().strands();
   status_.vertices = simulation_.model().vertices();
-  status_.parameters = parameterTable(simulation_.parameters());
+  tellParameters();
 
   groom_.groom_id = settings.groom_id;
   groom_.session = session;
@@ -153,7 +153,6 @@ void Daemon::apply(const Command& command) {
       Parameters parameters = simulation_.parameters();
       setParameter(parameters, command.name, command.values, where);
       simulation_.setParameters(parameters);
-      status_.parameters = parameterTable(simulation_.parameters());
       return;
     }
     case CommandKind::kHeadPose:
@@ -285,6 +284,7 @@ void Daemon::obey(const Command& command) {
 void Daemon::answer(uint64_t command, const std::string& refusal) {
   status_.last_command = command;
   status_.last_command_error = refusal;
+  tellParameters();
   if (!refusal.empty()) spdlog::warn("refused: {}", refusal);
   publisher_.publishStatus(status_);  // its measured numbers are those of the last look
 }
@@ -364,7 +364,16 @@ void Daemon::lookAt(size_t strands) {
   looked_at_ = end;
 }
 
+void Daemon::tellParameters() {
+  status_.parameters = parameterTable(simulation_.parameters());
+  for (const auto& [name, source] : wind_.sources())
+    tell(status_.parameters, kToldSource, name, windSourceValues(source));
+  for (const auto& [name, id] : named_)
+    tell(status_.parameters, kToldCollider, name, {static_cast<double>(id)});
+}
+
 void Daemon::publishStatus() {
+  tellParameters();
   lookAt(simulation_.model().strands());
   const Measurement measured = std::exchange(looked_, {});
   looked_at_ = 0;

@@ -63,6 +63,7 @@ class Daemon {
   void moveCollider(const Command& command, const std::string& where);
   void removeCollider(const Command& command, const std::string& where);
   void announceColliders();
+  void tellParameters();
   void placeColliders();
   void askForSteps(const Command& command, const std::string& where);
   bool takeSteps(const std::atomic<bool>& stop);

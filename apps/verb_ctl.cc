@@ -103,7 +103,7 @@ std::string numberText(double value) { return fmt::format("{}", static_cast<floa
 
 nlohmann::json parametersJson(const Status& s) {
   nlohmann::json all = nlohmann::json::object();
-  for (const auto& [name, values] : namedValues(s.parameters)) {
+  for (const auto& [name, values] : toldOf(s.parameters, "")) {
     nlohmann::json numbers = nlohmann::json::array();
     for (const double value : values) numbers.push_back(nlohmann::json::parse(numberText(value)));
     all[name] = values.size() == 1 ? numbers[0] : numbers;
@@ -161,16 +161,21 @@ int list(const CtlOptions& o) {
   return 0;
 }
 
-int printStatus(const CtlOptions& o) {
-  const std::unique_ptr<Subscriber> subscriber = steer(o.network);
+/// Of the daemon that casts.
+Status statusOf(const CtlOptions& o, const Subscriber& subscriber) {
   std::optional<Status> status;
   // A daemon that starts has named itself before it knows its hair.
-  const auto casts = [&] { return (status = subscriber->status()).has_value() && status->strands > 0; };
+  const auto casts = [&] { return (status = subscriber.status()).has_value() && status->strands > 0; };
   if (!waitUntil(o.timeout, casts))
     throw Error(status ? "the daemon is still starting" : "no daemon",
                 fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
                 "see `strandcast ctl list`");
-  nlohmann::json object = toJson(*status);
+  return *status;
+}
+
+int printStatus(const CtlOptions& o) {
+  const Status status = statusOf(o, *steer(o.network));
+  nlohmann::json object = toJson(status);
   if (o.json) {
     fmt::print("{}\n", jsonText(object));
     return 0;
@@ -179,7 +184,7 @@ int printStatus(const CtlOptions& o) {
   for (const auto& [key, value] : object.items())
     fmt::print("  {:<20} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
   fmt::print("  parameters\n");
-  for (const auto& [name, values] : namedValues(status->parameters)) {
+  for (const auto& [name, values] : toldOf(status.parameters, "")) {
     std::string text;
     for (const double value : values) text += ' ' + numberText(value);
     for (const ParameterInfo& info : parameterList())
@@ -255,6 +260,70 @@ std::vector<double> colliderValues(std::string kind, const std::vector<double>& 
   return values;
 }
 
+std::string kindName(PrimitiveKind kind) {
+  for (const ShapeForm& form : kShapes)
+    if (form.kind == kind) return form.name;
+  return kind == PrimitiveKind::kConvex ? "convex" : "mesh";
+}
+
+nlohmann::json toJson(const Vec3& v) {
+  nlohmann::json out = nlohmann::json::array();
+  for (int c = 0; c < 3; ++c) out.push_back(nlohmann::json::parse(numberText(static_cast<double>(v[c]))));
+  return out;
+}
+
+std::string vectorText(const Vec3& v) { return fmt::format("{:.4g} {:.4g} {:.4g}", v.x(), v.y(), v.z()); }
+
+/// "sphere", "3 sphere, 1 box": what a collider consists of.
+std::string shapesText(const Collider& collider) {
+  std::map<std::string, size_t> counts;
+  for (const ContactPrimitive& shape : collider.shapes) ++counts[kindName(shape.kind)];
+  std::string text;
+  for (const auto& [kind, count] : counts)
+    text +=
+        (text.empty() ? "" : ", ") + (collider.shapes.size() > 1 ? fmt::format("{} {}", count, kind) : kind);
+  return text;
+}
+
+int listColliders(const CtlOptions& o) {
+  const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
+  const Status status = statusOf(o, *subscriber);
+  std::shared_ptr<const ColliderSet> set;
+  std::shared_ptr<const GuideFrame> frame;
+  const auto complete = [&] {
+    set = subscriber->colliders();
+    frame = subscriber->frame();
+    return set && frame && set->session == frame->session;
+  };
+  if (!waitUntil(o.timeout, complete))
+    throw Error("the daemon's colliders have not come",
+                fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
+                "does it cast frames?");
+  std::map<uint32_t, std::string> names;
+  for (const auto& [name, id] : toldOf(status.parameters, kToldCollider))
+    names[static_cast<uint32_t>(id[0])] = name;
+  nlohmann::json all = nlohmann::json::array();
+  for (const Collider& collider : set->colliders) {
+    const bool is_named = names.contains(collider.id);
+    nlohmann::json object = {{"id", collider.id}, {"follows_head", collider.follows_head}};
+    object["name"] = is_named ? nlohmann::json(names[collider.id]) : nlohmann::json();
+    for (const ContactPrimitive& shape : collider.shapes) object["shapes"].push_back(kindName(shape.kind));
+    std::string where = "with the head, " + vectorText(collider.shapes[0].a) + " at its rest";
+    for (const PlacedCollider& placed : frame->colliders) {
+      if (placed.id != collider.id) continue;
+      object["position"] = toJson(placed.pose.position);
+      where = "at " + vectorText(placed.pose.position);
+    }
+    if (!o.json)
+      fmt::print("  {:<5} {:<16} {:<24} {}\n", collider.id, is_named ? names[collider.id] : "-",
+                 shapesText(collider), where);
+    all.push_back(std::move(object));
+  }
+  if (o.json) fmt::print("{}\n", jsonText({{"colliders", all}}));
+  if (!o.json && all.empty()) fmt::print("no colliders\n");
+  return 0;
+}
+
 void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std::shared_ptr<Verb>& run) {
   app.require_subcommand(1);
   std::string shapes;
@@ -293,6 +362,9 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
       values.push_back(o->seconds);
       return sendCommand(*o, CommandKind::kMoveCollider, o->name, values);
     };
+  });
+  app.add_subcommand("list", "all there are, those of the scene without a name")->callback([o, run] {
+    *run = [o] { return listColliders(*o); };
   });
   CLI::App* remove = app.add_subcommand("remove", "one that was added");
   remove->add_option("NAME", o->name, "one that was added")->required();
@@ -341,6 +413,30 @@ void addFanOptions(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const Wi
   }
 }
 
+int listFans(const CtlOptions& o) {
+  const Status status = statusOf(o, *steer(o.network));
+  nlohmann::json all = nlohmann::json::array();
+  for (const auto& [name, values] : toldOf(status.parameters, kToldSource)) {
+    const WindSource source = windSourceOf(values, "fan " + name + " as the daemon tells it");
+    const std::string kind = windSourceKindName(source.kind);
+    nlohmann::json object = {{"name", name}, {"kind", kind}};
+    object["position"] = toJson(source.position);
+    object["direction"] = toJson(source.direction);
+    std::string line = fmt::format("  {:<16} {:<8} at {}  along {} ", name, kind, vectorText(source.position),
+                                   vectorText(source.direction));
+    for (const WindSourceNumber& number : windSourceNumbers()) {
+      const double value = static_cast<double>(source.*number.into) / number.scale;
+      object[number.name] = nlohmann::json::parse(numberText(value));
+      line += fmt::format(" {} {:.4g} {}", number.name, value, number.unit);
+    }
+    if (!o.json) fmt::print("{}\n", line);
+    all.push_back(std::move(object));
+  }
+  if (o.json) fmt::print("{}\n", jsonText({{"fans", all}}));
+  if (!o.json && all.empty()) fmt::print("no sources of wind\n");
+  return 0;
+}
+
 void addFanVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std::shared_ptr<Verb>& run) {
   app.require_subcommand(1);
   static const WindSource kDefault;
@@ -382,6 +478,9 @@ void addFanVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std:
                     "give X Y Z, --direction, --speed or another of its numbers");
       return sendCommand(*o, CommandKind::kMoveWindSource, o->name, windMoveValues(to, parts, o->seconds));
     };
+  });
+  app.add_subcommand("list", "all there are, as they are now")->callback([o, run] {
+    *run = [o] { return listFans(*o); };
   });
   CLI::App* remove = app.add_subcommand("remove", "any of them");
   remove->add_option("NAME", o->name, "as of move")->required();
@@ -450,9 +549,9 @@ Verb addCtl(CLI::App& app) {
        [o] { return sendCommand(*o, CommandKind::kHeadMotion, o->name, {}); })
       ->add_option("NAME", o->name, "still, nod, shake, turn, joined by +")
       ->required();
-  addColliderVerbs(*app.add_subcommand("collider", "add, move and remove bodies that hair collides with"), o,
-                   run);
-  addFanVerbs(*app.add_subcommand("fan", "add, move and remove sources of wind"), o, run);
+  addColliderVerbs(
+      *app.add_subcommand("collider", "add, move, remove and list bodies that hair collides with"), o, run);
+  addFanVerbs(*app.add_subcommand("fan", "add, move, remove and list sources of wind"), o, run);
   verb("reset", "put the hair back to its rest shape",
        [o] { return sendCommand(*o, CommandKind::kReset, "", {}); });
   verb("pause", "hold the simulation; frames go on being sent",

@@ -38,10 +38,13 @@ void readSource(const std::vector<double>& values, size_t before, WindSourcePart
   if (values.size() != next)
     throw Error(fmt::format("this source of wind takes {} numbers, not {}", next, values.size()), where,
                 "see Command in docs/wire.md");
-  if ((parts & kSourcePosition) != 0 && !(source.position.cwiseAbs().maxCoeff() <= float{kFarthestPlace}))
+  checkWindSource(source, where);
+}
+
+void checkPlace(const WindSource& source, const std::string& where) {
+  if (!(source.position.cwiseAbs().maxCoeff() <= float{kFarthestPlace}))
     throw Error("a source of wind is too far away", where,
                 fmt::format("give x y z in metres, each within {}", kFarthestPlace));
-  checkWindSource(source, where);
 }
 
 }  // namespace
@@ -50,6 +53,17 @@ std::vector<double> windSourceValues(const WindSource& source) {
   std::vector<double> values = {static_cast<double>(source.kind)};
   sourceNumbers(source, kAllSourceParts, [&](float number) { values.push_back(double{number}); });
   return values;
+}
+
+WindSource windSourceOf(const std::vector<double>& values, const std::string& where) {
+  const double kind = values.empty() ? -1 : values[0];
+  constexpr double kLastKind = static_cast<double>(WindSource::Kind::kTurbine);
+  if (kind != std::floor(kind) || !(kind >= 0 && kind <= kLastKind))
+    throw Error("a source of wind is of no known kind", where, "0 is a cone, 1 a sphere, 2 a turbine");
+  WindSource source;
+  source.kind = static_cast<WindSource::Kind>(static_cast<int>(kind));
+  readSource(values, 1, kAllSourceParts, source, where);
+  return source;
 }
 
 std::vector<double> windMoveValues(const WindSource& to, WindSourceParts parts, double seconds) {
@@ -93,15 +107,9 @@ void WindControl::add(const Command& command, const std::string& where) {
                   "give it a name of its own, or move that one");
   if (sources_.size() >= kMostWindSources)
     throw Error(fmt::format("there are {} sources of wind", sources_.size()), where, "remove one first");
-  NamedWindSource added{command.name, {}};
-  const double kind = command.values.empty() ? -1 : command.values[0];
-  constexpr double kLastKind = static_cast<double>(WindSource::Kind::kTurbine);
-  if (kind != std::floor(kind) || kind < 0 || kind > kLastKind)
-    throw Error("a source of wind is of no known kind", where, "0 is a cone, 1 a sphere, 2 a turbine");
-  added.source.kind = static_cast<WindSource::Kind>(static_cast<int>(kind));
-  readSource(command.values, 1, kAllSourceParts, added.source, where);
   std::vector<NamedWindSource> sources = sources_;
-  sources.push_back(std::move(added));
+  sources.push_back({command.name, windSourceOf(command.values, where)});
+  checkPlace(sources.back().source, where);
   replace(std::move(sources), where);
 }
 
@@ -116,6 +124,7 @@ void WindControl::move(const Command& command, const std::string& where) {
   const auto parts = static_cast<WindSourceParts>(v[0]);
   WindSource to = known.source;
   readSource(v, 2, parts, to, where);
+  if ((parts & kSourcePosition) != 0) checkPlace(to, where);
   for (Way& way : ways_)
     if (way.name == command.name) way.parts &= ~parts;  // other parts go on
   std::erase_if(ways_, [](const Way& way) { return way.parts == 0; });

@@ -43,6 +43,8 @@ class WindControl {
 
 /// The numbers of a command that adds a source: kind, position, direction, and windSourceNumbers() in SI.
 std::vector<double> windSourceValues(const WindSource& source);
+/// The source of these values; throws Error, naming `where`, where they are not sound.
+WindSource windSourceOf(const std::vector<double>& values, const std::string& where);
 /// Those of one that moves it: which parts, the seconds that it takes, and these parts of `to`, in the order
 /// of windSourceValues().
 std::vector<double> windMoveValues(const WindSource& to, WindSourceParts parts, double seconds);

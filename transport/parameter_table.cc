@@ -27,7 +27,55 @@ bool isName(std::string_view text) {
   });
 }
 
+constexpr std::string_view kSpace = "%20", kPercent = "%25";
+
+std::string withoutSpaces(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    if (c == ' ')
+      out += kSpace;
+    else if (c == '%')
+      out += kPercent;
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string withSpaces(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const bool is_space = text.starts_with(kSpace), is_coded = is_space || text.starts_with(kPercent);
+    out += is_space ? ' ' : text[0];
+    text.remove_prefix(is_coded ? kSpace.size() : 1);
+  }
+  return out;
+}
+
 }  // namespace
+
+bool tell(ParameterTable& table, const std::string& kind, const std::string& name,
+          const std::vector<double>& values) {
+  const std::string told = " " + kind + ":" + withoutSpaces(name);
+  if (table.names.size() + told.size() > kMaxToldNames || table.components.size() >= kMaxToldParameters ||
+      table.values.size() + values.size() > kMaxToldValues)
+    return false;
+  table.names += told;
+  table.components.push_back(static_cast<uint8_t>(values.size()));
+  for (const double value : values) table.values.push_back(static_cast<float>(value));
+  return true;
+}
+
+NamedValues toldOf(const ParameterTable& table, const std::string& kind) {
+  NamedValues out;
+  for (auto& [name, values] : namedValues(table)) {
+    const size_t colon = name.find(':');
+    if (colon == std::string::npos ? !kind.empty() : name.substr(0, colon) != kind) continue;
+    out.emplace_back(colon == std::string::npos ? name : withSpaces(std::string_view(name).substr(colon + 1)),
+                     values);
+  }
+  return out;
+}
 
 ParameterTable parameterTable(const NamedValues& values) {
   ParameterTable table;

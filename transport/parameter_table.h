@@ -20,9 +20,19 @@ ParameterTable parameterTable(const NamedValues& values);
 /// All of parameterList().
 ParameterTable parameterTable(const Parameters& parameters);
 
+/// Behind the parameters a table tells of what else commands steer, each by "KIND:NAME": docs/wire.md,
+/// "Status".
+inline constexpr const char *kToldSource = "fan", *kToldCollider = "collider";
+/// False, and nothing is added, where it would not fit the wire any more. A name of any bytes but control
+/// characters: spaces and % are written as %20 and %25.
+bool tell(ParameterTable& table, const std::string& kind, const std::string& name,
+          const std::vector<double>& values);
+/// Those of a kind, by their names alone; of "" the parameters.
+NamedValues toldOf(const ParameterTable& table, const std::string& kind);
+
 /// A table that fits the wire: names and values as many as it says, each name once, finite values.
 bool isSound(const ParameterTable& table);
-/// Of a sound table, in its order.
+/// All of a sound table, in its order.
 NamedValues namedValues(const ParameterTable& table);
 
 }  // namespace strandcast

@@ -55,7 +55,7 @@ std::vector<CommandOutcome> ViewerSession::takeOutcomes() {
 void ViewerSession::takeParameters() {
   const std::optional<Status> status = stream_.subscriber().status();
   if (!status || status->parameters.components.empty()) return;
-  const NamedValues values = namedValues(status->parameters);
+  const NamedValues values = toldOf(status->parameters, "");
   told_ = {values.begin(), values.end()};
   if (told_by_ != status->session) {
     told_by_ = status->session;

@@ -1,6 +1,7 @@
 // A daemon's colliders, over the channel within one process.
 #include "tests/apps/daemon_fixture.h"
 #include "transport/collider_chunks.h"
+#include "transport/parameter_table.h"
 
 namespace strandcast {
 namespace {
@@ -59,6 +60,16 @@ TEST_F(DaemonColliders, AreAddedMovedAndRemovedByCommand) {
   EXPECT_EQ(subscriber_->colliders()->colliders.size(), scene_bodies_);
   EXPECT_EQ(place(), -1);
   EXPECT_NE(order(CommandKind::kRemoveCollider, "ball"), "") << "it is gone";
+}
+
+TEST_F(DaemonColliders, AreToldByTheirNames) {
+  EXPECT_EQ(order(CommandKind::kAddCollider, "a ball 100 % round", ball(0.5)), "");
+  const NamedValues told = toldOf(subscriber_->status()->parameters, kToldCollider);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].first, "a ball 100 % round");
+  EXPECT_EQ(told[0].second[0], subscriber_->colliders()->colliders.back().id);
+  EXPECT_EQ(order(CommandKind::kRemoveCollider, "a ball 100 % round"), "");
+  EXPECT_TRUE(toldOf(subscriber_->status()->parameters, kToldCollider).empty());
 }
 
 TEST_F(DaemonColliders, KeepHairOut) {

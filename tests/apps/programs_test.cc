@@ -441,7 +441,31 @@ TEST_F(Programs, DaemonCastsToARendererAndObeys) {
        {"move spot", "move spot 0 0", "move spot --speed 101", "move spot --direction 0 0 0",
         "add s storm 0 0 0", "add s cone 0 0", "move spot --seconds 1"})
     EXPECT_EQ(run(fan + bad + network).exit_code, 2) << bad;
+  const Outcome fans = run(fan + "list --json" + network);
+  EXPECT_EQ(fans.exit_code, 0) << fans.err;
+  const nlohmann::json spot = nlohmann::json::parse(fans.out)["fans"].at(0);
+  EXPECT_EQ(spot["name"], "spot");
+  EXPECT_EQ(spot["kind"], "cone");
+  EXPECT_EQ(spot["position"], nlohmann::json::parse("[0.0, 0.2, -0.6]"));
+  EXPECT_EQ(spot["speed"], -2.0);
+  const Outcome table = run(fan + "list" + network);
+  EXPECT_NE(table.out.find("spot"), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("speed -2 m/s"), std::string::npos) << table.out;
   EXPECT_EQ(run(fan + "remove spot" + network).exit_code, 0);
+  EXPECT_EQ(run(fan + "list" + network).out, "no sources of wind\n");
+  const std::string collider = program_ + " ctl collider ";
+  EXPECT_EQ(run(collider + "add 'a ball' sphere 0 0.1 0.75 0.05" + network).exit_code, 0);
+  const nlohmann::json listed =
+      nlohmann::json::parse(run(collider + "list --json" + network).out)["colliders"];
+  ASSERT_EQ(listed.size(), 3u) << listed;
+  EXPECT_TRUE(listed[0]["name"].is_null()) << "the scene's";
+  EXPECT_EQ(listed[0]["follows_head"], true);
+  EXPECT_EQ(listed[2]["name"], "a ball");
+  EXPECT_EQ(listed[2]["shapes"], nlohmann::json::parse("[\"sphere\"]"));
+  EXPECT_EQ(listed[2]["position"], nlohmann::json::parse("[0.0, 0.1, 0.75]"));
+  const Outcome balls = run(collider + "list" + network);
+  EXPECT_NE(balls.out.find("at 0 0.1 0.75"), std::string::npos) << balls.out;
+  EXPECT_EQ(run(collider + "remove 'a ball'" + network).exit_code, 0);
   const Outcome far = run(program_ + " ctl head 2000 0 0" + network);
   EXPECT_EQ(far.exit_code, 2);
   EXPECT_NE(far.err.find("within 1000"), std::string::npos) << far.err;

@@ -4,6 +4,7 @@
 #include "apps/command_limits.h"
 #include "core/error.h"
 #include "tests/apps/daemon_fixture.h"
+#include "transport/parameter_table.h"
 
 namespace strandcast {
 namespace {
@@ -158,6 +159,26 @@ TEST_F(DaemonWind, ThatDoesNotFitIsRefusedAndChangesNothing) {
   size_t taken = 1;
   while (taken <= kMostWindSources && add("n" + std::to_string(taken), fan).empty()) ++taken;
   EXPECT_EQ(taken, kMostWindSources);
+}
+
+TEST_F(DaemonWind, IsToldInTheStatusAsItIs) {
+  const auto told = [&] { return toldOf(subscriber_->status()->parameters, kToldSource); };
+  EXPECT_EQ(add("spot%20", wideFan(3)), "");
+  WindSource to;
+  to.position = Vec3(1, 2, 3);
+  EXPECT_EQ(move("spot%20", to, kSourcePosition, 0), "");
+  EXPECT_EQ(order(CommandKind::kReset, {}), "");  // its answer comes after the step of the move
+  ASSERT_EQ(told().size(), 1u);
+  EXPECT_EQ(told()[0].first, "spot%20");
+  const WindSource read = windSourceOf(told()[0].second, "test");
+  EXPECT_EQ(read.position, to.position);
+  EXPECT_EQ(read.kind, WindSource::Kind::kTurbine);
+  EXPECT_EQ(read.speed, 3);
+  for (size_t n = 1; n < kMostWindSources; ++n)
+    EXPECT_EQ(add(std::string(60, 'x') + std::to_string(n), wideFan(3)), "");
+  EXPECT_EQ(told().size(), kMostWindSources) << "there is room for all that there may be";
+  EXPECT_EQ(toldOf(subscriber_->status()->parameters, "").size(), parameterList().size());
+  EXPECT_TRUE(isSound(subscriber_->status()->parameters));
 }
 
 TEST_F(DaemonWind, SentTwiceIsObeyedOnce) {

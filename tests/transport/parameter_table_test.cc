@@ -25,6 +25,24 @@ TEST(ParameterTable, TellsEveryParameterOfASimulation) {
     EXPECT_EQ(parameter(told, info.name), parameter(parameters, info.name)) << info.name;
 }
 
+TEST(ParameterTable, TellsBehindThemWhatElseIsSteered) {
+  ParameterTable table = sample();
+  EXPECT_TRUE(tell(table, "fan", "left", {1, 2}));
+  EXPECT_TRUE(tell(table, "collider", "a %20: b", {7}));
+  EXPECT_TRUE(isSound(table));
+  EXPECT_EQ(toldOf(table, ""), namedValues(sample()));
+  EXPECT_EQ(toldOf(table, "fan"), (NamedValues{{"left", {1, 2}}}));
+  EXPECT_EQ(toldOf(table, "collider"), (NamedValues{{"a %20: b", {7}}}));
+  EXPECT_TRUE(toldOf(table, "hat").empty());
+  for (int i = 0; tell(table, "fan", std::string(50, 'x') + std::to_string(i), std::vector<double>(13)); ++i)
+    ASSERT_TRUE(isSound(table)) << i;
+  EXPECT_TRUE(isSound(table)) << "what does not fit any more is left out";
+  ParameterTable names = sample();
+  while (tell(names, "fan", std::to_string(names.components.size()) + std::string(200, 'x'), {1}))
+    ASSERT_TRUE(isSound(names));
+  EXPECT_GT(names.names.size(), kMaxToldNames - 300);
+}
+
 TEST(ParameterTable, SoundOnesHaveNamesAndValuesThatFit) {
   EXPECT_TRUE(isSound(ParameterTable()));
   EXPECT_TRUE(isSound(sample()));
