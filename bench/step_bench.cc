@@ -128,14 +128,16 @@ nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& 
               {"solver", o.solver},
               {"scene", o.scene},
               {"rest", o.rest},
-              {"damping_s", parameters.damping_time},
               {"bodies", o.bodies},
               {"air_cells", o.air},
               {"strands", o.strands},
               {"vertices", o.vertices},
               {"substeps", o.substeps},
               {"operations_per_vertex_substep", operations}});
-  if (parameters.solver == SolverKind::kGaussSeidel) row["iterations"] = o.iterations;
+  if (parameters.solver == SolverKind::kGaussSeidel)
+    row["iterations"] = o.iterations;
+  else
+    row["damping_s"] = parameters.damping_time;
   addFractions(row, o, result, operations * static_cast<double>(result.vertices) * o.substeps);
   if (passes != nullptr) {
     std::vector<double> ms;

@@ -54,8 +54,19 @@ TEST(StepBench, EveryRunSaysWhereItRanWhatItTookAndWhatItComputed) {
   EXPECT_GT(run["fraction_of_peak"], 0);
   EXPECT_GT(run["fraction_of_peak_cpu"], 0);
   expectLimits(run, "ms_median");
+  EXPECT_GE(run["damping_s"], 0) << "the rod damps";
+  EXPECT_TRUE(run["iterations"].is_null()) << "of gauss_seidel";
   EXPECT_NEAR(run["ns_per_vertex_substep"].get<double>() * 1e-6 * 60 * 12 * 4, run["ms_median"].get<double>(),
               1e-6);
+}
+
+TEST(StepBench, GaussSeidelHasIterationsAndNoInternalDamping) {
+  const nlohmann::json report =
+      benchJson("step --backend reference --solver gauss_seidel --strands 20 --vertices 8 --steps 1");
+  ASSERT_TRUE(report.is_object());
+  const nlohmann::json& run = report["results"][0];
+  EXPECT_GT(run["iterations"], 0);
+  EXPECT_TRUE(run["damping_s"].is_null());
 }
 
 TEST(StepBench, AGpuIsHeldAgainstItsOwnLimits) {
