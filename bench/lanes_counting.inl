@@ -6,10 +6,24 @@ using mask = bool;
 struct real {
   float v;
 };
-inline uint64_t operations = 0;
+inline uint64_t operations = 0, operations_of[kStepParts] = {};
+inline StepPart part_now = StepPart::kOther;
+
+// Hides the one that is nothing.
+class StepScope {
+ public:
+  explicit StepScope(StepPart part) : around_(part_now) { part_now = part; }
+  ~StepScope() { part_now = around_; }
+  StepScope(const StepScope&) = delete;
+  StepScope& operator=(const StepScope&) = delete;
+
+ private:
+  StepPart around_;
+};
 
 inline real counted(float value, int count = 1) {
   operations += count;
+  operations_of[static_cast<int>(part_now)] += count;
   return {value};
 }
 inline real lit(double value) { return {static_cast<float>(value)}; }

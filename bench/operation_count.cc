@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/drag_step.h"
+#include "core/step_part.h"
 #include "core/strand_block.h"
 
 namespace strandcast {
@@ -26,8 +27,7 @@ namespace kernels::counting {
 // clang-format on
 }  // namespace kernels::counting
 
-double operationsPerVertexSubstep(const StrandModel& model, const StrandState& state,
-                                  const StepInput& input) {
+OperationCount countOperations(const StrandModel& model, const StrandState& state, const StepInput& input) {
   BlockStore<float> store;
   store.load(model, 1);
   store.expect(*input.parameters, !input.primitives.empty());
@@ -35,14 +35,43 @@ double operationsPerVertexSubstep(const StrandModel& model, const StrandState& s
   std::vector<float> scratch(blockScratch(store.maxVertices(), 1));
   const size_t apart = 1 + store.blocks() / 1024;
   kernels::counting::operations = 0;
+  std::ranges::fill(kernels::counting::operations_of, 0);
   size_t vertices = 0;
   for (size_t b = 0; b < store.blocks(); b += apart) {
     const BlockView<float> block = store.block(b, input, scratch.data());
     kernels::counting::stepBlock(block, input, scratch.data());
     vertices += static_cast<size_t>(block.vertices);
   }
-  return static_cast<double>(kernels::counting::operations) /
-         (static_cast<double>(vertices) * input.parameters->substeps);
+  const double times = static_cast<double>(vertices) * input.parameters->substeps;
+  OperationCount out;
+  out.all = static_cast<double>(kernels::counting::operations) / times;
+  for (size_t part = 0; part < kStepParts; ++part)
+    out.parts[part] = static_cast<double>(kernels::counting::operations_of[part]) / times;
+  return out;
+}
+
+const char* nameOf(StepPart part) {
+  switch (part) {
+    case StepPart::kOther:
+      return "other";
+    case StepPart::kPredict:
+      return "predict";
+    case StepPart::kTwist:
+      return "twist";
+    case StepPart::kBend:
+      return "bend";
+    case StepPart::kMove:
+      return "move";
+    case StepPart::kPulls:
+      return "pulls";
+    case StepPart::kAgain:
+      return "again";
+    case StepPart::kVelocities:
+      return "velocities";
+    case StepPart::kContact:
+      return "contact";
+  }
+  return "";
 }
 
 }  // namespace strandcast

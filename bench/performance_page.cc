@@ -37,7 +37,8 @@ How to read it:
   to be back.
 - **of peak**: floating-point operations of the step, counted by running its own text with numbers that count, over what the same
   threads reach with fused multiply-adds alone, measured in the same run; **cpu** beside it is the same of the least processor times.
-  A GPU's are of its own clock, over what a shader of multiply-adds alone reaches.
+  A GPU's are of its own clock, over what a shader of multiply-adds alone reaches. `strandbench step --operations` tells them by part of
+  the step ([solver.md](solver.md), "What the parts of a substep take").
 - **of copy**: the bytes that the step moves at least, all positions and velocities read and written once, over what the same threads,
   or the GPU, move when they copy memory beyond the caches. The file beside the table has both rates.
 - **B/vtx**: all memory that a simulation takes, on the heap (counted by the program's operator new) and in buffers of the GPU, over

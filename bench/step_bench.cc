@@ -30,6 +30,7 @@ struct StepOptions {
   double shake = 0;
   uint64_t seed = 1;
   std::optional<float> damping_time;  // s
+  bool operations = false;
   PrintOptions print;
 };
 
@@ -97,8 +98,20 @@ void addFractions(nlohmann::json& row, const StepOptions& o, const MeasuredRun& 
               {"fraction_of_copy", bytes / seconds / copy}});
 }
 
-/// A row of the table.
-nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& name) {
+/// Adds the parts of a step to the table of operations.
+void addParts(Table& parts, const std::string& backend, const OperationCount& operations) {
+  for (int p = 0; p < kStepParts; ++p) {
+    const double own = operations.parts[static_cast<size_t>(p)];
+    if (own > 0)
+      parts.add({{"case", backend},
+                 {"part", nameOf(static_cast<StepPart>(p))},
+                 {"per_vertex_substep", own},
+                 {"share", own / operations.all}});
+  }
+}
+
+/// A row of the table; the parts of its step go into the other one.
+nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& name, Table& parts) {
   Parameters parameters = scene.parameters;
   parameters.substeps = o.substeps;
   parameters.iterations = o.iterations;
@@ -121,8 +134,9 @@ nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& 
   const MeasuredRun result = timed.result();
 
   Simulation& simulation = timed.simulation();
-  const double operations =
-      operationsPerVertexSubstep(simulation.model(), simulation.state(), simulation.nextInput());
+  const OperationCount operations =
+      countOperations(simulation.model(), simulation.state(), simulation.nextInput());
+  addParts(parts, result.backend, operations);
   nlohmann::json row = cellsOf(result);
   row.update({{"case", result.backend},
               {"solver", o.solver},
@@ -133,12 +147,12 @@ nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& 
               {"strands", o.strands},
               {"vertices", o.vertices},
               {"substeps", o.substeps},
-              {"operations_per_vertex_substep", operations}});
+              {"operations_per_vertex_substep", operations.all}});
   if (parameters.solver == SolverKind::kGaussSeidel)
     row["iterations"] = o.iterations;
   else
     row["damping_s"] = parameters.damping_time;
-  addFractions(row, o, result, operations * static_cast<double>(result.vertices) * o.substeps);
+  addFractions(row, o, result, operations.all * static_cast<double>(result.vertices) * o.substeps);
   if (passes != nullptr) {
     std::vector<double> ms;
     for (const auto& [pass, time] : passes->takeTimes()) ms.push_back(time);
@@ -179,13 +193,25 @@ int step(const StepOptions& o) {
                                   {"state_bytes_moved", "B moved"},
                                   {"fraction_of_copy", "of copy", "{:.3f}"},
                                   {"copied_bytes_per_s", "copy B/s", "{:.3g}"}}}));
+  Table parts({{"case", "backend"},
+               {"part", "part"},
+               {"per_vertex_substep", "operations", "{:.1f}"},
+               {"share", "of all", "{:.3f}"}});
   for (const BackendInfo& info : knownBackends()) {
     if (o.backend != "all" && o.backend != info.name && o.backend != "auto") continue;
     const bool runs = info.available && std::find(info.solvers.begin(), info.solvers.end(),
                                                   solverKind(o.solver)) != info.solvers.end();
     if (!runs && o.backend == "all") continue;
-    bench.table.add(run(o, scene, o.backend == "auto" ? "auto" : info.name));
+    bench.table.add(run(o, scene, o.backend == "auto" ? "auto" : info.name, parts));
     if (o.backend == "auto") break;
+  }
+  if (o.operations) {
+    bench.more["operations"] = parts.json();
+    bench.closing = "operations per vertex and substep, by part of the step\n" + parts.text();
+    for (const nlohmann::json& row : parts.rows())
+      bench.comments.push_back(fmt::format("operations of {}, {}: {:.6g} per vertex and substep",
+                                           row["case"].get<std::string>(), row["part"].get<std::string>(),
+                                           row["per_vertex_substep"].get<double>()));
   }
   print(bench, o.print);
   return 0;
@@ -212,8 +238,16 @@ std::function<int()> addStepBench(CLI::App& app) {
       "of copy: the bytes that the step moves at least, all positions and velocities read and written once\n"
       "         (B moved), against what the same threads, or the GPU, move when they copy memory (copy "
       "B/s).\n"
+      "parts:   of --operations. rod: predict (inertial points, tangents, frames), twist (strains, the "
+      "twist\n"
+      "         system), bend (forces, the bending system eliminated), move (that substituted, lengths\n"
+      "         eliminated), pulls (lengths substituted; the pulls of violent strands), again (lengths once\n"
+      "         more, of those and of strands near bodies), velocities (exact lengths), contact, other "
+      "(once\n"
+      "         a step, and roots). gauss_seidel: bend is its angular sweeps, move distances and tethers.\n"
       "Examples:\n"
       "  strandbench step --backend all\n"
+      "  strandbench step --bodies mesh --operations\n"
       "  strandbench step --strands 100000 --substeps 6 --scene curly --shake 2 --bodies mesh --air 64");
   app.add_option("--backend", o->backend, "auto, gpu, simd, reference or all")
       ->check(CLI::IsMember({"auto", "gpu", "simd", "reference", "all"}))
@@ -251,6 +285,10 @@ std::function<int()> addStepBench(CLI::App& app) {
   app.add_option("--steps", o->steps, "steps timed, after a warm-up")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
+  app.add_flag(
+      "--operations", o->operations,
+      "also the floating-point operations of each part of the step, per vertex and substep, counted by "
+      "running the step's own text; of a GPU they are those that a CPU would take");
   app.add_option("--seed", o->seed)->capture_default_str();
   addPrintOptions(app, o->print);
   return [o] { return step(*o); };

@@ -34,6 +34,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
     near.placeRoots(root.position);
 
     for (int i = 0; i < n; ++i) {  // predict; pinned vertices ride on the root frame
+      const StepScope scope{StepPart::kPredict};
       const real3 x = load3(b.position, i);
       store3(x, start, i);
       const real3 pulled = b.acceleration != nullptr ? gravity + accelerationOf(b, i) : gravity;
@@ -50,6 +51,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
       real3 tangent = root_tangent;
       real3 x = load3(b.position, 0);
       for (int i = 0; i + 1 < n; ++i) {
+        const StepScope scope{StepPart::kBend};
         store3(rotate(frame, restEdge(b, i)), target, i);
         const real3 next_x = load3(b.position, i + 1);
         const real3 next_tangent = normalizeOrZero(next_x - x);
@@ -58,6 +60,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
         x = next_x;
       }
       for (int color = 0; color < 3; ++color) {  // what is solved in one colour shares no vertex
+        const StepScope scope{StepPart::kBend};
         for (int i = color; i + 1 < n; i += 3) {
           const double along = n > 2 ? static_cast<double>(i) / (n - 2) : 0.0;
           real3 a = load3(b.position, i), c = load3(b.position, i + 1);
@@ -72,6 +75,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
         }
       }
       for (int color = 0; color < 2; ++color) {
+        const StepScope scope{StepPart::kMove};
         for (int i = color; i + 1 < n; i += 2) {
           real3 a = load3(b.position, i), c = load3(b.position, i + 1);
           solveDistance(a, c, inverseMass(b, i), inverseMass(b, i + 1), load(b.rest_length + at(0, i)));
@@ -80,6 +84,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
         }
       }
       if (b.grooming != nullptr) {
+        const StepScope scope{StepPart::kMove};
         const real3 anchor = load3(b.position, 0);
         for (int i = 1; i < n; ++i) {
           const real3 free = load3(b.position, i);
@@ -88,6 +93,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
         }
       }
       if (near.size() > 0) {
+        const StepScope scope{StepPart::kContact};
         const real3 zero = makeReal3(lit(0), lit(0), lit(0));
         for (int i = 0; i < n; ++i) {
           const real3 reached = load3(b.position, i);
@@ -102,6 +108,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
       }
     }
 
+    const StepScope scope{StepPart::kVelocities};
     for (int i = 0; i < n; ++i)
       store3((load3(b.position, i) - load3(start, i)) * lit(1 / h), b.velocity, i);
   }

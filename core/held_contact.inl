@@ -21,6 +21,7 @@ inline RodStep::HeldRow& RodStep::heldRow(int i) const {
 
 // Notes what a body is to vertex i, shifted so, of which forces have just moved it by `moved`.
 inline void RodStep::touch(int i, const real3& shift, const real3& moved) {
+  const StepScope scope{StepPart::kContact};
   const real3 x = state3(b.position, i) + shift;
   near_.lookOn(i, x, state3(b.position, i), again_);
   if (near_.sees(i) || forced_[i]) touched(i, x, moved);
@@ -52,6 +53,7 @@ inline void RodStep::touch(int i, const real3& shift, const real3& moved) {
 
 // The strands that touch bodies, bent by what holds them, who pulls at a body let go; their contact forces.
 [[gnu::noinline]] inline void RodStep::pressThroughBending() {
+  const StepScope scope{StepPart::kContact};
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   auto isHeld = [&](int i) { return faces_[i] ? heldRow(i).held > lit(0) : lit(0) > lit(0); };
   mask changed = lit(0) < lit(1);

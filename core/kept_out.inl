@@ -3,6 +3,7 @@
 // Vertex i once more, shifted by making lengths exact, its edge from `inner` on: held to the side of the bodies it was on.
 // Gives its shift.
 inline real3 RodStep::keptOut(int i, const real3& shift, const real3& inner) {
+  const StepScope scope{StepPart::kContact};
   const real3 before = state3(b.position, i), placed = before + shift, off = shift - get3(kShift, i);
   const mask moved = dot(off, off) > contactSlack() * contactSlack() && weight(i) > lit(0);
   real3 x = placed, out = shift;

@@ -6,6 +6,7 @@ class NearBodies {
     if (input.near != nullptr) listed_ = input.near->of(b.neighbourhood);
     is_listed_ = input.near != nullptr;
     if (candidates() == 0) return;
+    const StepScope scope{StepPart::kContact};
     friction_scale_ = groomingFactor(b, kFrictionScale, 0);
     all_ = !calm(b, input) || b.bone_pins != nullptr;  // a bone may pull strands anywhere
     const Box box = reach(b, input);
@@ -25,6 +26,7 @@ class NearBodies {
 
   /// To be called at the start of a substep. `time` as of bodyAt().
   void place(const StepInput& input, double time) {
+    const StepScope scope{StepPart::kContact};
     for (size_t i = 0; i < kept(); ++i) placed_[i] = place(i, input, time);
     input_ = &input;
     time_ = time;
@@ -33,6 +35,7 @@ class NearBodies {
   /// After that: where the roots are at the end of the substep.
   void placeRoots(const real3& roots) {
     if (size() == 0) return;
+    const StepScope scope{StepPart::kContact};
     const real way = wayAlong(roots, load3(block_.position, 0));
     roots_ = roots;
     covered_ = 0;
@@ -73,6 +76,7 @@ class NearBodies {
 
   /// To be called at the start of a step, for what follows. `rows`: contactScratch() numbers.
   void measureRooms(const StepInput& input, Scalar* rows) {
+    const StepScope scope{StepPart::kContact};
     rows_ = rows;
     limits_ = rows + static_cast<size_t>(kContactPlanes) * block_.vertices * kLanes;
     for (size_t k = 0; k < kept(); ++k) placed_[k] = place(k, input, 0);
@@ -107,6 +111,7 @@ class NearBodies {
   }
   /// After the last of these: all have looked.
   void lookAround() {
+    const StepScope scope{StepPart::kContact};
     while (waiting_.count() > 0) look();
   }
   /// In it, for vertex i of `lanes`, which has come to x.

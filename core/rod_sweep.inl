@@ -240,6 +240,7 @@ inline real3 RodStep::inertialShift(int i, const real3& own, const RootFrame& ro
 
 // Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
 inline void RodStep::predict(const RootFrame& root, double time) {
+  const StepScope scope{StepPart::kPredict};
   root_ = root;
   const real3 x0 = state3(b.position, 0);
   const real3 tangent_new = frameTangent(root.rotation);
@@ -247,7 +248,6 @@ inline void RodStep::predict(const RootFrame& root, double time) {
   swing_ = tangent_new - tangent_old_;
   inner_frame_ = multiply(rotationBetween(tangent_new, tangent_old_), root.rotation);
   jump_ = root.position - madd(state3(b.velocity, 0), lit(h), x0);
-
   if (damped_) root_spin_ = spinBetween(frame_, inner_frame_);
   real3 before = x0, shift_in = root.position - x0;
   set3(kShift, 0, shift_in);
@@ -256,6 +256,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     const real3 x = state3(b.position, e + 1), own = ownShift(e + 1), shift = inertialShift(e + 1, own, root, time);
     set3(kShift, e + 1, shift);
     if (among_bodies_) {
+      const StepScope contact{StepPart::kContact};
       near_.lookAhead(e + 1, x + own, x);
       faces_[e + 1] = false;
       if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(time2_), b.contact, e + 1);
@@ -283,6 +284,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
 
 // Joint strains, and the elimination of the twist system from root to tip.
 inline void RodStep::eliminateTwist() {
+  const StepScope scope{StepPart::kTwist};
   quat inner = inner_frame_;
   real3 t_in = tangent_old_, shift_in = get3(kShift, 0);
   real3 turned_in = makeReal3(lit(0), lit(0), root_spin_);  // the swing of the root is in the forces
@@ -334,6 +336,7 @@ inline void RodStep::eliminateTwist() {
 
 // Twist substituted, forces, and the elimination of the bending system from tip to root.
 inline void RodStep::eliminateBending() {
+  const StepScope scope{StepPart::kBend};
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   const real3 pull = fill3(p.gravity) * lit(time2_) + fill3(p.wind) * lit(h * (1 - keep_)) - jump_;
   real turn = get(kRight, ne - 1);
@@ -403,6 +406,7 @@ inline void RodStep::eliminateBending() {
 
 // Contact of vertex i, shifted so, by itself. Gives its shift.
 inline real3 RodStep::collide(int i, const real3& shift) {
+  const StepScope scope{StepPart::kContact};
   const real3 x = state3(b.position, i) + shift;
   near_.lookOn(i, x, state3(b.position, i), again_);
   return near_.sees(i) || forced_[i] ? pressed(i, shift, x) : shift;
@@ -523,6 +527,7 @@ class RodStep::BentMoves {
 };
 
 inline void RodStep::moveByForces() {
+  const StepScope scope{StepPart::kMove};
   BentMoves moves(*this);
   real3 moved;
   auto byForces = [&](int e) {
@@ -543,6 +548,7 @@ inline void RodStep::moveByForces() {
 
 // The length system substituted from tip to root; gives the strand's violence.
 inline real RodStep::substituteLengths() {
+  const StepScope scope{StepPart::kPulls};
   real pull = get(kRight, ne - 1), most = lit(0);
   for (int e = ne - 1; e >= 0; --e) {
     set(kRight, e, pull);
@@ -555,6 +561,7 @@ inline real RodStep::substituteLengths() {
 // The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the
 // second length system in the metric of the masses.
 inline void RodStep::pullThroughBending(const mask& violent) {
+  const StepScope scope{StepPart::kPulls};
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real product = lit(0);  // residual x correction
   real3 old_in = state3(b.position, 0), shift_in = get3(kShift, 0);
@@ -629,6 +636,7 @@ inline void RodStep::pullThroughBending(const mask& violent) {
 
 // Every vertex moved by its pulls, of those who have their lengths solved again. The others' system comes out as it was.
 inline void RodStep::moveByPulls() {
+  const StepScope scope{StepPart::kAgain};
   Pulls pulls(*this);
   moveAndEliminateLengths([&](int e) {
     store(select(again_, pulls.tension(e), state(b.tension, 0, e)), b.tension + at(0, e));
@@ -640,6 +648,7 @@ inline void RodStep::moveByPulls() {
 // What the last pulls move, exact lengths, velocities. Where some strand is thrown, gives the speed of the fastest vertices as
 // lengths alone have left them, which nothing has turned out of bodies yet.
 inline real RodStep::finish(bool any_thrown) {
+  const StepScope scope{StepPart::kVelocities};
   if (b.pinned) shareMissing();
   const real inverse_h = lit(1 / h);
   real3 old_in = state3(b.position, 0), pulled_in = get3(kShift, 0), shift = pulled_in, inner = root_.position;

@@ -2,6 +2,7 @@
 
 // The same as pullThroughBending().
 inline void RodStep::pullByElimination(const mask& strands) {
+  const StepScope scope{StepPart::kPulls};
   static_assert(sizeof(PullRow) == kPullPlanes * kLanes * sizeof(Scalar));
   PullRow* const rows = reinterpret_cast<PullRow*>(scratch_ + rodScratch(n, kLanes));
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));

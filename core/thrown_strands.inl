@@ -2,6 +2,7 @@
 
 // Of vertices, their root and pins and what is beside them, before the substep gives new speeds, m/s.
 [[gnu::noinline]] inline real RodStep::fastest() const {
+  const StepScope scope{StepPart::kVelocities};
   const real3 root = get3(kShift, 0);
   real way2 = dot(root, root), speed2 = lit(0);
   for (int i = 1; i < n; ++i) {
@@ -14,5 +15,6 @@
 }
 // After it has.
 [[gnu::noinline]] inline void RodStep::slowDown(const real& part) {
+  const StepScope scope{StepPart::kVelocities};
   for (int i = 1; i < n; ++i) store3(state3(b.velocity, i) * select(weight(i) > lit(0), part, lit(1)), b.velocity, i);
 }

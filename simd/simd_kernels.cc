@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/drag_step.h"
+#include "core/step_part.h"
 #include "kernels/highway_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/simd_kernels.cc"

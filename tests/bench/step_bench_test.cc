@@ -67,6 +67,39 @@ TEST(StepBench, GaussSeidelHasIterationsAndNoInternalDamping) {
   const nlohmann::json& run = report["results"][0];
   EXPECT_GT(run["iterations"], 0);
   EXPECT_TRUE(run["damping_s"].is_null());
+  EXPECT_FALSE(report.contains("operations")) << "they are to be asked for";
+}
+
+/// Operations of a part of a step, per vertex and substep; 0 where it has none.
+double operationsOf(const nlohmann::json& report, const char* part) {
+  for (const nlohmann::json& row : report["operations"])
+    if (row["part"] == part) return row["per_vertex_substep"];
+  return 0;
+}
+
+TEST(StepBench, OperationsArePartedAndAddUp) {
+  const std::string some = "step --backend reference --strands 40 --vertices 12 --steps 2 --operations";
+  const nlohmann::json free = benchJson(some), touching = benchJson(some + " --bodies sphere"),
+                       other = benchJson(some + " --solver gauss_seidel");
+  for (const nlohmann::json& report : {free, touching, other}) {
+    ASSERT_TRUE(report.is_object());
+    double sum = 0;
+    for (const nlohmann::json& row : report["operations"]) sum += row["per_vertex_substep"].get<double>();
+    const double all = report["results"][0]["operations_per_vertex_substep"];
+    EXPECT_NEAR(sum, all, 1e-9 * all);
+    for (const char* part : {"predict", "bend", "move", "velocities"})
+      EXPECT_GT(operationsOf(report, part), 0) << part;
+  }
+  // What a part does is not counted as another's.
+  EXPECT_EQ(operationsOf(free, "contact"), 0) << "there is no body";
+  EXPECT_GT(operationsOf(touching, "contact"), 0);
+  for (const char* part : {"predict", "twist"})
+    EXPECT_EQ(operationsOf(free, part), operationsOf(touching, part))
+        << part << ": bodies change nothing of it";
+  EXPECT_GT(operationsOf(free, "twist"), 0);
+  EXPECT_EQ(operationsOf(other, "twist"), 0) << "the rod's";
+  EXPECT_NEAR(operationsOf(other, "velocities"), 6, 1e-9)
+      << "three subtractions and multiplications a vertex";
 }
 
 TEST(StepBench, AGpuIsHeldAgainstItsOwnLimits) {
