@@ -13,6 +13,32 @@ void addPrintOptions(CLI::App& app, PrintOptions& print) {
   app.add_flag("--csv", print.csv, "print comma-separated values");
 }
 
+void addScene(CLI::App& app, std::string& scene) {
+  app.add_option("--scene", scene, "procedural scene")->capture_default_str();
+}
+void addSeed(CLI::App& app, uint64_t& seed) {
+  app.add_option("--seed", seed, "of the scene's hair")->capture_default_str();
+}
+void addStrands(CLI::App& app, int& strands, const std::string& about) {
+  app.add_option("--strands", strands, about)->check(CLI::Range(1, 1000000))->capture_default_str();
+}
+void addVertices(CLI::App& app, int& vertices, const std::string& about) {
+  app.add_option("--vertices", vertices, about)->check(CLI::Range(2, 128))->capture_default_str();
+}
+void addSubsteps(CLI::App& app, int& substeps, const std::string& about) {
+  app.add_option("--substeps", substeps, about)->check(CLI::Range(1, 64))->capture_default_str();
+}
+void addThreads(CLI::App& app, int& threads, const std::string& about) {
+  app.add_option("--threads", threads, about)->check(CLI::Range(0, 1024))->capture_default_str();
+}
+void addSteps(CLI::App& app, int& steps, const std::string& about) {
+  app.add_option("--steps", steps, about)->check(CLI::Range(1, 100000))->capture_default_str();
+}
+void addBackend(CLI::App& app, std::string& backend, const std::vector<std::string>& names,
+                const std::string& about) {
+  app.add_option("--backend", backend, about)->check(CLI::IsMember(names))->capture_default_str();
+}
+
 Scene benchScene(const std::string& name, int strands, int vertices, uint64_t seed) {
   SceneOptions make;
   make.name = name;

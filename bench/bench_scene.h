@@ -14,7 +14,19 @@ namespace strandcast {
 /// Declares --json and --csv.
 void addPrintOptions(CLI::App& app, PrintOptions& print);
 
-/// One of the procedural scenes with so many strands of so many vertices.
+// Options that several verbs have, each with one name, range and help. What is in them is the default.
+void addScene(CLI::App& app, std::string& scene);
+void addSeed(CLI::App& app, uint64_t& seed);
+void addStrands(CLI::App& app, int& strands, const std::string& about = "of hair");
+void addVertices(CLI::App& app, int& vertices, const std::string& about = "per strand");
+void addSubsteps(CLI::App& app, int& substeps, const std::string& about = "per step");
+void addThreads(CLI::App& app, int& threads, const std::string& about = "of the simd backend; 0 = all");
+void addSteps(CLI::App& app, int& steps, const std::string& about = "timed, after a warm-up");
+/// A backend, of which those of `names` are allowed.
+void addBackend(CLI::App& app, std::string& backend, const std::vector<std::string>& names,
+                const std::string& about = "what simulates");
+
+/// One of the procedural scenes with so many strands of so many vertices. Throws Error.
 Scene benchScene(const std::string& name, int strands, int vertices, uint64_t seed = 1);
 
 /// A head that is shaken `hertz` times a second by 35 degrees to either side; 0: the scene's own motion.

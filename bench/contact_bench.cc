@@ -19,9 +19,10 @@ namespace strandcast {
 namespace {
 
 struct ContactOptions {
-  std::string backend = "simd", body;
+  std::string backend = "simd", scene = "straight", body;
   int strands = 2000, vertices = 32, substeps = 4, threads = 0, warmup = 20, steps = 60;
   float unit_meters = 1, cell = 0.002f;
+  uint64_t seed = 1;
   PrintOptions print;
 };
 
@@ -52,7 +53,7 @@ size_t pressedVertices(Simulation& simulation) {
 }
 
 int run(const ContactOptions& o) {
-  const Scene scene = benchScene("straight", o.strands, o.vertices);
+  const Scene scene = benchScene(o.scene, o.strands, o.vertices, o.seed);
   ContactPrimitive field;
   Bake bake = bakeField(scene.body, o.cell, o.threads, field);
   bake.mesh = "procedural body";
@@ -93,14 +94,19 @@ int run(const ContactOptions& o) {
 
   Bench bench;
   bench.name = "contact";
-  bench.params = {{"strands", o.strands}, {"vertices", o.vertices}, {"substeps", o.substeps}};
-  bench.heading = fmt::format("{} x {}, {} substeps\n", o.strands, o.vertices, o.substeps);
-  bench.table = Table(columnsOf({{{"case", "case"}, {"strands"}, {"vertices"}, {"substeps"}},
+  bench.params = {{"scene", o.scene},
+                  {"strands", o.strands},
+                  {"vertices", o.vertices},
+                  {"substeps", o.substeps},
+                  {"seed", o.seed}};
+  bench.heading = fmt::format("scene {}, {} x {}, {} substeps\n", o.scene, o.strands, o.vertices, o.substeps);
+  bench.table = Table(columnsOf({{{"case", "case"}, {"scene"}, {"strands"}, {"vertices"}, {"substeps"}},
                                  runColumns(),
                                  {{"vertices_pressed", "pressed"}, {"ratio"}, {"ms_broad_phase"}}}));
   const auto add = [&](const char* name, const MeasuredRun& run, Simulation& simulation) {
     nlohmann::json row = cellsOf(run);
     row.update({{"case", name},
+                {"scene", o.scene},
                 {"strands", o.strands},
                 {"vertices", o.vertices},
                 {"substeps", o.substeps},
@@ -136,9 +142,8 @@ int run(const ContactOptions& o) {
 
 std::function<int()> addContactBench(CLI::App& app) {
   const auto o = std::make_shared<ContactOptions>();
-  app.add_option("--backend", o->backend, "auto, gpu, simd or reference")
-      ->check(CLI::IsMember({"auto", "gpu", "simd", "reference"}))
-      ->capture_default_str();
+  addBackend(app, o->backend, {"auto", "gpu", "simd", "reference"});
+  addScene(app, o->scene);
   app.add_option("--body", o->body, "mesh file (.obj, .gltf, .glb) whose bake is timed too");
   app.add_option("--unit-meters", o->unit_meters, "metres per unit of that file")
       ->check(finiteRange(1e-6, 1000.0))
@@ -146,14 +151,12 @@ std::function<int()> addContactBench(CLI::App& app) {
   app.add_option("--cell", o->cell, "m, edge of a cell of the fields")
       ->check(finiteRange(1e-6, 1000.0))
       ->capture_default_str();
-  app.add_option("--strands", o->strands)->check(CLI::Range(1, 1000000))->capture_default_str();
-  app.add_option("--vertices", o->vertices, "per strand")->check(CLI::Range(2, 128))->capture_default_str();
-  app.add_option("--substeps", o->substeps)->check(CLI::Range(1, 64))->capture_default_str();
-  app.add_option("--threads", o->threads, "of the simd backend and of bakes; 0 = all")
-      ->check(CLI::Range(0, 1024));
-  app.add_option("--steps", o->steps, "steps timed, after a warm-up; medians are given")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  addStrands(app, o->strands);
+  addVertices(app, o->vertices);
+  addSubsteps(app, o->substeps);
+  addThreads(app, o->threads, "of the simd backend and of bakes; 0 = all");
+  addSteps(app, o->steps);
+  addSeed(app, o->seed);
   addPrintOptions(app, o->print);
   return [o] { return run(*o); };
 }

@@ -33,6 +33,7 @@ struct EndToEndOptions {
   std::vector<double> rates{60, 120, 240};
   int strands = 5000, vertices = 32, substeps = 0, threads = 0, hairs = 10000, segments = 31;
   double seconds = 10;
+  uint64_t seed = 1;
   std::string backend = "auto", scene = "wavy", codec = "delta16";
   PrintOptions print;
 };
@@ -215,10 +216,10 @@ nlohmann::json castAt(const EndToEndOptions& o, const Scene& scene, double rate)
 int endToEnd(const EndToEndOptions& o) {
   std::string reason;
   if (!ddsAvailable(&reason)) throw Error(reason, "strandbench end-to-end", "");
-  const Scene scene = benchScene(o.scene, o.strands, o.vertices);
+  const Scene scene = benchScene(o.scene, o.strands, o.vertices, o.seed);
   Bench bench;
   bench.name = "end-to-end";
-  bench.params = {{"scene", o.scene}, {"seconds", o.seconds}, {"threads", o.threads}};
+  bench.params = {{"scene", o.scene}, {"seed", o.seed}, {"seconds", o.seconds}, {"threads", o.threads}};
   bench.heading = fmt::format(
       "{} guides x {}, codec {}, DDS on this machine, two processes; {}\n  ms, medians of phases\n",
       o.strands, o.vertices, o.codec,
@@ -305,15 +306,14 @@ std::function<int()> addEndToEndBench(CLI::App& app) {
       ->delimiter(',')
       ->check(finiteRange(35.0, 1000.0))
       ->capture_default_str();
-  app.add_option("--strands", o->strands, "guides")->check(CLI::Range(1, 1000000))->capture_default_str();
-  app.add_option("--vertices", o->vertices, "per guide")->check(CLI::Range(2, 128))->capture_default_str();
+  addStrands(app, o->strands, "guides");
+  addVertices(app, o->vertices, "per guide");
   app.add_option("--substeps", o->substeps, "per frame; 0 = of 1/360 s, or as near as frames allow")
       ->check(CLI::Range(0, 64));
-  app.add_option("--backend", o->backend, "auto, gpu, simd or reference")
-      ->check(CLI::IsMember({"auto", "gpu", "simd", "reference"}))
-      ->capture_default_str();
-  app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
-  app.add_option("--scene", o->scene, "procedural scene")->capture_default_str();
+  addBackend(app, o->backend, {"auto", "gpu", "simd", "reference"});
+  addThreads(app, o->threads);
+  addScene(app, o->scene);
+  addSeed(app, o->seed);
   app.add_option("--codec", o->codec, "of the frames")->capture_default_str();
   app.add_option("--hairs", o->hairs, "grown of each frame; 0 = growth is left out")
       ->check(CLI::Range(0, 4000000))

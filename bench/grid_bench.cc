@@ -20,8 +20,9 @@ namespace strandcast {
 namespace {
 
 struct GridOptions {
-  std::string backend = "simd";
-  int strands = 10000, vertices = 32, threads = 0, steps = 30;
+  std::string backend = "simd", scene = "straight";
+  int strands = 10000, vertices = 32, substeps = 4, threads = 0, steps = 30;
+  uint64_t seed = 1;
   std::vector<int> cells{32, 64, 128};
   bool mac_cormack = false;
   PrintOptions print;
@@ -49,6 +50,9 @@ class PassTimes {
   bool has(const std::string& name) const { return ms_.contains(name); }
   Spread spread(const std::string& name) const { return spreadOf(ms_.at(name)); }
   double median(const std::string& name) const { return spread(name).median; }
+  /// Of the sums of all passes, which have been timed equally often.
+  Spread spreadOfSums() const { return spreadOf(sums(ms_)); }
+  Spread cpuSpreadOfSums() const { return spreadOf(sums(cpu_ms_)); }
   /// Median in processor time of all threads, ms; nothing where a pass ran elsewhere.
   std::optional<double> cpuMedian(const std::string& name) const {
     const auto found = cpu_ms_.find(name);
@@ -56,6 +60,13 @@ class PassTimes {
   }
 
  private:
+  static std::vector<double> sums(const std::map<std::string, std::vector<double>>& times) {
+    std::vector<double> out(times.begin()->second.size());
+    for (const auto& [name, ms] : times)
+      for (size_t i = 0; i < out.size(); ++i) out[i] += ms[i];
+    return out;
+  }
+
   std::vector<std::string> names_;
   std::map<std::string, std::vector<double>> ms_, cpu_ms_;
 };
@@ -63,7 +74,7 @@ class PassTimes {
 struct GridResult {
   int cells;
   PassTimes times;
-  double all = 0;                      ///< ms, of all passes
+  Spread all = {};                     ///< ms, of all passes
   std::optional<double> cpu_all = {};  ///< the same in processor time
   double iterations = 0;               ///< of the pressure, mean
   double divergence = 0;               ///< largest x cell over the fastest, at last
@@ -121,11 +132,8 @@ GridResult timeGrids(const GridOptions& o, const Scene& scene, const StrandModel
     t.time("project", [&] { out.iterations += wind.project().iterations / static_cast<double>(o.steps); });
   }
   out.divergence = wind.largestOutflow() / wind.fastest();
-  out.cpu_all = 0;
-  for (const std::string& name : out.times.names()) {
-    out.all += out.times.median(name);
-    *out.cpu_all += *out.times.cpuMedian(name);
-  }
+  out.all = out.times.spreadOfSums();
+  out.cpu_all = out.times.cpuSpreadOfSums().median;
   return out;
 }
 
@@ -155,7 +163,7 @@ GridResult timeGpuGrids(const GridOptions& o, const Scene& scene, const StrandMo
   measured.measure(false, o.steps);
   run(o.steps);
   for (const auto& [name, ms] : measured.takeTimes()) whole.add(name, ms);
-  out.all = whole.median("all");
+  out.all = whole.spread("all");
   measured.measure(true, o.steps);
   run(o.steps);
   for (const auto& [name, ms] : measured.takeTimes()) out.times.add(name, ms);
@@ -220,7 +228,8 @@ int run(const GridOptions& o) {
     Parameters checked;
     setParameter(checked, "grid_cells", {static_cast<double>(cells)}, "--cells");
   }
-  const Scene scene = benchScene("straight", o.strands, o.vertices);
+  Scene scene = benchScene(o.scene, o.strands, o.vertices, o.seed);
+  scene.parameters.substeps = o.substeps;
   const StrandModel model = sceneModel(scene);
   const bool on_gpu = o.backend == "gpu";
   const std::string device = on_gpu ? createBackend(knownBackends(), o.backend, 0, SolverKind::kRod)->device()
@@ -228,13 +237,16 @@ int run(const GridOptions& o) {
   const StepTimes steps = timeSteps(o, scene, model);
   Bench bench;
   bench.name = "grid";
-  bench.params = {{"strands", o.strands}, {"vertices", o.vertices}, {"mac_cormack", o.mac_cormack}};
+  bench.params = {{"scene", o.scene},       {"strands", o.strands}, {"vertices", o.vertices},
+                  {"substeps", o.substeps}, {"seed", o.seed},       {"mac_cormack", o.mac_cormack}};
   bench.heading = fmt::format(
-      "{} strands of {} vertices on {} ({}): a step {:.2f} ms, with grids of 32^3 {:.2f} ms, {:.2f} ms of it "
+      "scene {}, {} strands of {} vertices on {} ({}): a step {:.2f} ms, with grids of 32^3 {:.2f} ms, "
+      "{:.2f} ms of it "
       "for the grids\n",
-      o.strands, o.vertices, o.backend, device, steps.alone.ms.median, steps.surrounded.ms.median,
+      o.scene, o.strands, o.vertices, o.backend, device, steps.alone.ms.median, steps.surrounded.ms.median,
       steps.grids);
   bench.table = Table({{"device"},
+                       {"scene"},
                        {"strands"},
                        {"vertices"},
                        {"cells", "cells"},
@@ -250,23 +262,31 @@ int run(const GridOptions& o) {
   nlohmann::json results = nlohmann::json::array();
   for (const int cells : o.cells) {
     const GridResult r = on_gpu ? timeGpuGrids(o, scene, model, cells) : timeGrids(o, scene, model, cells);
-    const nlohmann::json shared{
-        {"device", device}, {"strands", o.strands}, {"vertices", o.vertices}, {"cells", cells}};
-    nlohmann::json passes, cpu_passes;
+    const nlohmann::json shared{{"device", device},
+                                {"scene", o.scene},
+                                {"strands", o.strands},
+                                {"vertices", o.vertices},
+                                {"cells", cells}};
+    nlohmann::json passes, cpu_passes, spreads = nlohmann::json::array();
+    const auto note = [&](const std::string& name, const Spread& ms) {
+      spreads.push_back({{"pass", name}, {"ms_min", ms.min}, {"ms_median", ms.median}, {"ms_p95", ms.p95}});
+    };
     for (const std::string& name : r.times.names()) {
       const Spread ms = r.times.spread(name);
       passes[name] = ms.median;
+      note(name, ms);
       nlohmann::json row = shared;
       row.update({{"pass", name}, {"ms", ms.median}, {"ms_min", ms.min}, {"ms_p95", ms.p95}});
       if (const auto cpu_ms = r.times.cpuMedian(name)) row["cpu_ms"] = cpu_passes[name] = *cpu_ms;
       bench.table.add(std::move(row));
     }
-    nlohmann::json summary{{"of_strand_step", r.all / steps.strands()},
+    note("all", r.all);
+    nlohmann::json summary{{"of_strand_step", r.all.median / steps.strands()},
                            {"pressure_iterations", r.iterations},
                            {"divergence", r.divergence}};
     nlohmann::json all = shared, result{{"case", fmt::format("{}^3", cells)}};
-    all.update({{"pass", "all"}, {"ms", r.all}});
-    result.update({{"ms_passes", passes}, {"ms_all", r.all}});
+    all.update({{"pass", "all"}, {"ms", r.all.median}, {"ms_min", r.all.min}, {"ms_p95", r.all.p95}});
+    result.update({{"ms_passes", passes}, {"ms_all", r.all.median}, {"passes", spreads}});
     if (r.cpu_all) {
       summary["of_strand_step_cpu"] = *r.cpu_all / steps.alone.cpu_ms.median;
       all["cpu_ms"] = *r.cpu_all;
@@ -294,15 +314,14 @@ int run(const GridOptions& o) {
 
 std::function<int()> addGridBench(CLI::App& app) {
   const auto o = std::make_shared<GridOptions>();
-  app.add_option("--backend", o->backend, "simd, reference or gpu")
-      ->check(CLI::IsMember({"simd", "reference", "gpu"}))
-      ->capture_default_str();
-  app.add_option("--strands", o->strands)->check(CLI::Range(1, 1000000))->capture_default_str();
-  app.add_option("--vertices", o->vertices, "per strand")->check(CLI::Range(2, 128))->capture_default_str();
-  app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
-  app.add_option("--steps", o->steps, "steps timed; medians are given")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  addBackend(app, o->backend, {"simd", "reference", "gpu"});
+  addScene(app, o->scene);
+  addStrands(app, o->strands);
+  addVertices(app, o->vertices);
+  addSubsteps(app, o->substeps, "of the strands, per step");
+  addThreads(app, o->threads);
+  addSteps(app, o->steps, "timed");
+  addSeed(app, o->seed);
   const ParameterInfo& cells =
       *std::find_if(parameterList().begin(), parameterList().end(),
                     [](const ParameterInfo& info) { return info.name == "grid_cells"; });

@@ -20,6 +20,7 @@ struct RenderOptions {
   std::vector<int> hairs{10000, 50000, 100000};
   int vertices = 64, guides = 2000, width = 1920, height = 1080, samples = 4, pictures = 20;
   std::string scene = "curly";
+  uint64_t seed = 1;
   bool growth_only = false;
   PrintOptions print;
 };
@@ -115,11 +116,11 @@ RenderStatistics timePasses(const RenderOptions& o, const Scene& scene, const Ha
 
 int run(const RenderOptions& o) {
   gl::HeadlessContext context;
-  const Scene scene = benchScene(o.scene, o.guides, 0);
+  const Scene scene = benchScene(o.scene, o.guides, 0, o.seed);
   Bench bench;
   bench.name = "render";
-  bench.params = {{"scene", o.scene}, {"guides", o.guides}, {"vertices", o.vertices},
-                  {"width", o.width}, {"height", o.height}, {"samples", o.samples}};
+  bench.params = {{"scene", o.scene},   {"guides", o.guides},   {"vertices", o.vertices}, {"width", o.width},
+                  {"height", o.height}, {"samples", o.samples}, {"seed", o.seed}};
   bench.more = {{"device", context.renderer()}};
   bench.heading =
       fmt::format("{} guides of scene {}, {} vertices a hair, {} x {}, {} samples, on {}\n", o.guides,
@@ -190,7 +191,8 @@ std::function<int()> addRenderBench(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--vertices", o->vertices, "per hair")->check(CLI::Range(2, 257))->capture_default_str();
   app.add_option("--guides", o->guides)->check(CLI::Range(1, 1000000))->capture_default_str();
-  app.add_option("--scene", o->scene, "procedural scene")->capture_default_str();
+  addScene(app, o->scene);
+  addSeed(app, o->seed);
   app.add_option("--width", o->width, "pixels")->check(CLI::Range(16, 16384))->capture_default_str();
   app.add_option("--height", o->height, "pixels")->check(CLI::Range(16, 16384))->capture_default_str();
   app.add_option("--samples", o->samples, "per pixel")->check(CLI::Range(1, 8))->capture_default_str();

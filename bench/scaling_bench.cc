@@ -37,6 +37,7 @@ struct ScalingOptions {
   int strands = 0, max_strands = 1000000, vertices = 32, substeps = 4;
   int threads = 1;  // where they are not the axis
   double budget = 0;
+  uint64_t seed = 1;
   bool quick = false;
   PrintOptions print;
 };
@@ -144,7 +145,7 @@ class Scaling {
       }
       show(s);
       const Clock::time_point start = Clock::now();
-      const Scene scene = benchScene(o_.scene, s.strands, s.vertices);
+      const Scene scene = benchScene(o_.scene, s.strands, s.vertices, o_.seed);
       const std::unique_ptr<TimedSimulation> timed = make(scene, s, 200);
       for (int step = 0; step < 4; ++step) timed->step(false);
       const Clock::time_point first = Clock::now();
@@ -161,7 +162,7 @@ class Scaling {
   /// Settings in turn, step by step, so that what else the machine does meets all alike; the first is what
   /// the others are compared with, by their least times.
   std::vector<nlohmann::json> inTurn(const std::vector<ScalingSetting>& settings, int steps) {
-    const Scene scene = benchScene(o_.scene, settings[0].strands, settings[0].vertices);
+    const Scene scene = benchScene(o_.scene, settings[0].strands, settings[0].vertices, o_.seed);
     std::vector<std::unique_ptr<TimedSimulation>> timed;
     for (const ScalingSetting& s : settings) timed.push_back(make(scene, s, steps));
     for (int step = -4; step < steps; ++step)
@@ -219,7 +220,7 @@ class Scaling {
     for (int count = 1; count <= 16; count *= 2) {
       ScalingSetting s = setting("grooms", count, all / count);
       show(s);
-      const Scene scene = benchScene(o_.scene, s.strands, s.vertices);
+      const Scene scene = benchScene(o_.scene, s.strands, s.vertices, o_.seed);
       std::vector<std::unique_ptr<TimedSimulation>> timed;
       const int steps = o_.quick ? 20 : 100;
       for (int g = 0; g < count; ++g) timed.push_back(make(scene, s, steps));
@@ -265,7 +266,7 @@ class Scaling {
     for (int count = 1; count <= 8; count *= 2) {
       ScalingSetting s = setting("readers", count, strandsOr(1000));
       show(s);
-      const Scene scene = benchScene(o_.scene, s.strands, s.vertices);
+      const Scene scene = benchScene(o_.scene, s.strands, s.vertices, o_.seed);
       const std::unique_ptr<TimedSimulation> timed = make(scene, s, static_cast<int>(frames));
       const std::unique_ptr<Publisher> publisher =
           makeDdsPublisher({benchDomain(), 1, newSession(), CodecOptions()});
@@ -360,7 +361,7 @@ int scaling(ScalingOptions o) {
   }
   bench.params = {{"scene", o.scene},     {"vertices", o.vertices}, {"substeps", o.substeps},
                   {"threads", o.threads}, {"quick", o.quick},       {"budget_s", o.budget},
-                  {"backend", o.backend}};
+                  {"backend", o.backend}, {"seed", o.seed}};
   nlohmann::json fits = nlohmann::json::array();
   for (const AxisFit& fit : fitAxes(bench.table.rows()))
     fits.push_back({{"axis", fit.axis},
@@ -391,24 +392,17 @@ std::function<int()> addScalingBench(CLI::App& app) {
   app.add_option("--axes", o->axes, "some of strands, vertices, substeps, threads, lanes, grooms, readers")
       ->delimiter(',')
       ->check(CLI::IsMember(kAxes));
-  app.add_option("--backend", o->backend, "simd, gpu or reference; lanes and threads are of simd")
-      ->check(CLI::IsMember({"gpu", "simd", "reference"}))
-      ->capture_default_str();
-  app.add_option("--scene", o->scene, "procedural scene")->capture_default_str();
+  addBackend(app, o->backend, {"simd", "gpu", "reference"}, "what simulates; lanes and threads are of simd");
+  addScene(app, o->scene);
+  addSeed(app, o->seed);
   app.add_option("--strands", o->strands, "where they are not the axis; 0 = as above")
       ->check(CLI::Range(0, 1000000));
   app.add_option("--max-strands", o->max_strands, "of the axis strands")
       ->check(CLI::Range(100, 1000000))
       ->capture_default_str();
-  app.add_option("--vertices", o->vertices, "per strand, where they are not the axis")
-      ->check(CLI::Range(2, 128))
-      ->capture_default_str();
-  app.add_option("--substeps", o->substeps, "where they are not the axis")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  app.add_option("--threads", o->threads, "where they are not the axis; 0 = all")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  addVertices(app, o->vertices, "per strand, where they are not the axis");
+  addSubsteps(app, o->substeps, "per step, where they are not the axis");
+  addThreads(app, o->threads, "where they are not the axis; 0 = all");
   app.add_option(
          "--budget", o->budget,
          "s: sizes that would take longer, making the scene included, are left out; 300, with --quick 15")

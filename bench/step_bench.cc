@@ -249,14 +249,12 @@ std::function<int()> addStepBench(CLI::App& app) {
       "  strandbench step --backend all\n"
       "  strandbench step --bodies mesh --operations\n"
       "  strandbench step --strands 100000 --substeps 6 --scene curly --shake 2 --bodies mesh --air 64");
-  app.add_option("--backend", o->backend, "auto, gpu, simd, reference or all")
-      ->check(CLI::IsMember({"auto", "gpu", "simd", "reference", "all"}))
-      ->capture_default_str();
+  addBackend(app, o->backend, {"auto", "gpu", "simd", "reference", "all"});
   app.add_option("--target", o->target, "instruction set of the simd backend: AVX3 (AVX-512), AVX2, SSE4");
   app.add_option("--solver", o->solver, "rod or gauss_seidel")
       ->check(CLI::IsMember({"rod", "gauss_seidel"}))
       ->capture_default_str();
-  app.add_option("--scene", o->scene, "procedural scene")->capture_default_str();
+  addScene(app, o->scene);
   app.add_option("--rest", o->rest,
                  "groom: hair at rest has the scene's shape; straight: it is straight, as its roots stand")
       ->check(CLI::IsMember({"groom", "straight"}))
@@ -274,22 +272,20 @@ std::function<int()> addStepBench(CLI::App& app) {
                  "cells per axis of grids of wind and of forces between hairs, 16 to 128; 0 = none")
       ->check(CLI::Range(0, 128))
       ->capture_default_str();
-  app.add_option("--strands", o->strands)->check(CLI::Range(1, 1000000))->capture_default_str();
-  app.add_option("--vertices", o->vertices, "per strand")->check(CLI::Range(2, 128))->capture_default_str();
-  app.add_option("--substeps", o->substeps)->check(CLI::Range(1, 64))->capture_default_str();
+  addStrands(app, o->strands);
+  addVertices(app, o->vertices);
+  addSubsteps(app, o->substeps);
   app.add_option("--iterations", o->iterations)->check(CLI::Range(1, 64))->capture_default_str();
   app.add_option("--damping", o->damping_time,
                  "s, internal damping time of the rod; the scene's own if not given")
       ->check(finiteRange(0.0, 1.0));
-  app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
-  app.add_option("--steps", o->steps, "steps timed, after a warm-up")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  addThreads(app, o->threads);
+  addSteps(app, o->steps);
   app.add_flag(
       "--operations", o->operations,
       "also the floating-point operations of each part of the step, per vertex and substep, counted by "
       "running the step's own text; of a GPU they are those that a CPU would take");
-  app.add_option("--seed", o->seed)->capture_default_str();
+  addSeed(app, o->seed);
   addPrintOptions(app, o->print);
   return [o] { return step(*o); };
 }

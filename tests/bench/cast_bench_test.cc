@@ -31,6 +31,10 @@ TEST(EndToEnd, FollowsFramesIntoAnotherProcess) {
     EXPECT_GT(row["step_ms"], 0);
     EXPECT_GT(row["encode_ms_apart"], 0);
   }
+  const nlohmann::json seeded = benchJson(
+      "end-to-end --rates 120 --strands 60 --vertices 12 --hairs 0 --seconds 0.5 --threads 1 --seed 2");
+  ASSERT_TRUE(seeded.is_object());
+  EXPECT_NE(seeded["results"][0]["state_hash"], report["results"][1]["state_hash"]) << "other hair";
 }
 
 TEST(WireBench, SaysSizesOfTheSuite) {

@@ -3,6 +3,9 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "bench/table.h"
 #include "bench/text_file.h"
@@ -169,6 +172,39 @@ TEST(GridBench, SaysWhatItsStepsComputed) {
   expectRun(report["step_with_grids_32"]);
   EXPECT_NE(report["step"]["state_hash"], report["step_with_grids_32"]["state_hash"]);
   EXPECT_GT(report["results"][0]["ms_passes"]["splat"], 0);
+  std::set<std::string> passes;
+  for (const nlohmann::json& pass : report["results"][0]["passes"]) {
+    passes.insert(pass["pass"]);
+    EXPECT_GT(pass["ms_min"], 0) << pass;
+    EXPECT_LE(pass["ms_min"], pass["ms_median"]) << pass;
+    EXPECT_LE(pass["ms_median"], pass["ms_p95"]) << pass;
+  }
+  EXPECT_TRUE(passes.contains("all") && passes.contains("project")) << report["results"][0]["passes"];
+}
+
+/// What grid computed in steps without its grids.
+std::string gridHash(const std::string& options) {
+  const nlohmann::json report =
+      benchJson("grid --cells 16 --strands 40 --vertices 8 --steps 1 --threads 1" + options);
+  return report.is_object() ? report["step"]["state_hash"].get<std::string>() : "none";
+}
+
+TEST(BenchOptions, HairIsThatOfTheSceneAndTheSeed) {
+  std::set<std::string> hashes;
+  for (const char* hair : {"", " --scene curly", " --seed 2", " --substeps 2"}) hashes.insert(gridHash(hair));
+  EXPECT_EQ(hashes.size(), 4u);
+  EXPECT_EQ(hashes.count("none"), 0u);
+  EXPECT_EQ(hashes.count(gridHash(" --scene straight --seed 1 --substeps 4")), 1u) << "as without";
+
+  const std::string hair =
+      " --backend simd --scene curly --seed 2 --strands 40 --vertices 8 --steps 1 --threads 1";
+  const nlohmann::json contact = benchJson("contact --cell 0.02" + hair), step = benchJson("step" + hair);
+  ASSERT_TRUE(contact.is_object() && step.is_object());
+  EXPECT_EQ(contact["results"][0]["state_hash"], step["results"][0]["state_hash"]) << "hair without a body";
+  EXPECT_EQ(runBench("contact --scene bald --strands 20 2>/dev/null").status, 2);
+#ifdef STRANDCAST_HAS_RENDER
+  EXPECT_NE(runBench("render --help").text.find("--seed"), std::string::npos);
+#endif
 }
 
 TEST(GridBench, RefusesCellsThatNoSimulationTakes) {
