@@ -190,7 +190,10 @@ std::function<int()> addAllBench(CLI::App& app) {
   app.add_option("--only", o->only,
                  "some of them, e.g. step,wire; at a name that is none, those that this machine has are told")
       ->delimiter(',');
-  app.add_flag("--thorough", o->thorough, "in the long forms: half an hour and more");
+  app.add_flag(
+      "--thorough", o->thorough,
+      "in the long forms, half an hour and more: scaling beyond 10,000 strands, too, which its quick form "
+      "leaves out on few cores");
   addPrintOptions(app, o->print);
   return [o] { return all(*o); };
 }
