@@ -1,0 +1,338 @@
+// The programs as a user runs them, over a network: daemons that cast and are commanded, and who receives it.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/apps/program_fixture.h"
+#include "tests/transport/dds_domain.h"
+
+namespace strandcast {
+namespace {
+
+class CastingPrograms : public ProgramFixture {
+ protected:
+  const std::string domain_ = std::to_string(testDomain(0));
+};
+
+/// Processes that `parent` started and that have not ended.
+std::vector<pid_t> childrenOf(pid_t parent) {
+  std::vector<pid_t> children;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream stat(entry.path() / "stat");
+    pid_t child = 0, of = 0;
+    std::string name, state;
+    if (stat >> child >> name >> state >> of && of == parent && state != "Z") children.push_back(child);
+  }
+  return children;
+}
+
+TEST_F(CastingPrograms, ValidateWireMeasuresBetweenTwoProcesses) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const Outcome r = run(program_ + " validate wire --only 'dds delta16 1000x32 120 Hz' --json");
+  ASSERT_LE(r.exit_code, 1) << r.err;  // latency has a limit that a busy machine may miss
+  const nlohmann::json results = nlohmann::json::parse(r.out)["results"];
+  ASSERT_EQ(results.size(), 7u) << r.out;
+  EXPECT_GT(results[0]["value"], 1);
+  EXPECT_LE(results[0]["value"], 4);
+  EXPECT_GT(results[1]["value"], 0) << "what came is compared with what was sent";
+  EXPECT_LE(results[1]["value"], 0.0100001);
+  EXPECT_LT(results[2]["value"], 60) << "of 240 frames";
+  EXPECT_GT(results[3]["value"], 0);
+  EXPECT_GE(results[4]["value"], results[3]["value"]);
+  EXPECT_GT(results[5]["value"], 0);
+  EXPECT_GT(results[6]["value"], 0);
+}
+
+TEST_F(CastingPrograms, ValidateWireOutlivesItsReader) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  struct Run {
+    int signal;
+    const char* end;
+    std::string out;
+    pid_t validate = 0;
+    std::set<pid_t> readers = {};  // the first is that of next to nothing
+    std::chrono::steady_clock::time_point second = {};
+  };
+  // Both at once: they mostly wait, the second for a reader that does not answer.
+  std::vector<Run> runs{{SIGKILL, "signal 9", "killed.json"}, {SIGSTOP, "still running", "stopped.json"}};
+  for (Run& one : runs)
+    one.validate =
+        start({program_, "validate", "wire", "--only", "dds delta16 1000x32 120 Hz", "--json"}, one.out);
+  for (std::vector<Run*> waiting{&runs[0], &runs[1]}; !waiting.empty();) {
+    std::erase_if(waiting, [&](Run* one) {
+      if (!isRunning(one->validate)) return true;
+      for (const pid_t child : childrenOf(one->validate)) one->readers.insert(child);
+      const auto now = std::chrono::steady_clock::now();
+      if (one->readers.size() < 2) return false;
+      if (one->second == std::chrono::steady_clock::time_point{}) one->second = now;
+      if (now - one->second < std::chrono::seconds(1)) return false;
+      for (const pid_t reader : childrenOf(one->validate)) kill(reader, one->signal);
+      return true;
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  for (Run& one : runs) {
+    ASSERT_EQ(one.readers.size(), 2u);
+    EXPECT_EQ(wait(one.validate), 1);
+    const nlohmann::json report = nlohmann::json::parse(contents(folder_ / one.out));
+    EXPECT_EQ(report["failed"], 7) << report;
+    EXPECT_NE(report["results"][0]["note"].get<std::string>().find(one.end), std::string::npos) << report;
+    EXPECT_TRUE(report["results"][0]["value"].is_null()) << report;
+  }
+}
+
+TEST_F(CastingPrograms, DaemonCastsToARendererAndObeys) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::vector<std::string> words{daemon_, "--scene", "straight", "--strands",  "200", "--domain",
+                                       domain_, "--json",  "--quiet",  "--duration", "120"};
+  const pid_t first = start(words, "daemon.json");
+  const std::string network = " --domain " + domain_;
+  ASSERT_EQ(run(program_ + " ctl wind 3 0 0" + network + " --timeout 60").exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl motion nod" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl head 0 0.01 0 20" + network).exit_code, 0);
+  EXPECT_EQ(run(program_ + " ctl reset" + network).exit_code, 0);
+  const Outcome refused = run(program_ + " ctl set air_drag -5" + network);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("air_drag"), std::string::npos) << refused.err;
+  const std::string fan = program_ + " ctl fan ";
+  EXPECT_EQ(run(fan + "add spot cone 0 0.2 -0.6 --direction 0 0 1 --speed -2" + network).exit_code, 0);
+  EXPECT_EQ(run(fan + "move spot --direction 0 -1 0 --angle 30" + network).exit_code, 0);
+  const Outcome unknown = run(fan + "move spat 0 0 0" + network);
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("did you mean 'spot'?"), std::string::npos) << unknown.err;
+  for (const char* bad :
+       {"move spot", "move spot 0 0", "move spot --speed 101", "move spot --direction 0 0 0",
+        "add s storm 0 0 0", "add s cone 0 0", "move spot --seconds 1"})
+    EXPECT_EQ(run(fan + bad + network).exit_code, 2) << bad;
+  const Outcome fans = run(fan + "list --json" + network);
+  EXPECT_EQ(fans.exit_code, 0) << fans.err;
+  const nlohmann::json spot = nlohmann::json::parse(fans.out)["fans"].at(0);
+  EXPECT_EQ(spot["name"], "spot");
+  EXPECT_EQ(spot["kind"], "cone");
+  EXPECT_EQ(spot["position"], nlohmann::json::parse("[0.0, 0.2, -0.6]"));
+  EXPECT_EQ(spot["speed"], -2.0);
+  const Outcome table = run(fan + "list" + network);
+  EXPECT_NE(table.out.find("spot"), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("speed -2 m/s"), std::string::npos) << table.out;
+  EXPECT_EQ(run(fan + "remove spot" + network).exit_code, 0);
+  EXPECT_EQ(run(fan + "list" + network).out, "no sources of wind\n");
+  const std::string collider = program_ + " ctl collider ";
+  EXPECT_EQ(run(collider + "add 'a ball' sphere 0 0.1 0.75 0.05" + network).exit_code, 0);
+  const nlohmann::json listed =
+      nlohmann::json::parse(run(collider + "list --json" + network).out)["colliders"];
+  ASSERT_EQ(listed.size(), 3u) << listed;
+  EXPECT_TRUE(listed[0]["name"].is_null()) << "the scene's";
+  EXPECT_EQ(listed[0]["follows_head"], true);
+  EXPECT_EQ(listed[2]["name"], "a ball");
+  EXPECT_EQ(listed[2]["shapes"], nlohmann::json::parse("[\"sphere\"]"));
+  EXPECT_EQ(listed[2]["position"], nlohmann::json::parse("[0.0, 0.1, 0.75]"));
+  const Outcome balls = run(collider + "list" + network);
+  EXPECT_NE(balls.out.find("at 0 0.1 0.75"), std::string::npos) << balls.out;
+  EXPECT_EQ(run(collider + "remove 'a ball'" + network).exit_code, 0);
+  const Outcome far = run(program_ + " ctl head 2000 0 0" + network);
+  EXPECT_EQ(far.exit_code, 2);
+  EXPECT_NE(far.err.find("within 1000"), std::string::npos) << far.err;
+  // Nobody on the network has the daemon open its files.
+  const Outcome file = run(program_ + " ctl motion " + write("walk.bvh", "HIERARCHY").string() + network);
+  EXPECT_EQ(file.exit_code, 2);
+  EXPECT_NE(file.err.find("still"), std::string::npos) << file.err;
+#ifdef STRANDCAST_EXAMPLE_READER
+  const Outcome read = run(std::string(STRANDCAST_EXAMPLE_READER) + " " + domain_ + " 5");
+  EXPECT_EQ(read.exit_code, 0) << read.err;
+  EXPECT_NE(read.out.find("200 strands"), std::string::npos) << read.out;
+  EXPECT_NE(read.out.find("0 lost"), std::string::npos) << read.out;
+#endif
+  const Outcome told = run(program_ + " ctl status --json" + network);
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const nlohmann::json parameters = nlohmann::json::parse(told.out)["parameters"];
+  EXPECT_EQ(parameters["wind"], (std::vector<double>{3, 0, 0}));
+  EXPECT_EQ(parameters["air_drag"], 5) << "of the scene";
+  EXPECT_NE(run(program_ + " ctl status" + network).out.find("    wind               3 0 0 m/s\n"),
+            std::string::npos);
+
+  const Outcome rival = run(daemon_ + " --scene straight --strands 20 --quiet" + network);
+  EXPECT_EQ(rival.exit_code, 2);
+  EXPECT_NE(rival.err.find("another daemon"), std::string::npos) << rival.err;
+
+  const Outcome drawn =
+      run(program_ + " render --json --frames 3 --width 160 --height 120 --hairs 2000 --out " +
+          (folder_ / "pictures").string() + network);
+  if (drawn.err.find("OpenGL") == std::string::npos) {
+    ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+    const nlohmann::json report = nlohmann::json::parse(drawn.out);
+    EXPECT_EQ(report["frames_drawn"], 3);
+    EXPECT_EQ(report["frames_lost"], 0);
+    EXPECT_EQ(report["strands"], 200);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "pictures" / "frame_0002.png"));
+  }
+  // Of a daemon that is paused there is one moment to record, not a film of it.
+  EXPECT_EQ(run(program_ + " ctl pause" + network).exit_code, 0);
+  const std::filesystem::path take = folder_ / "paused.rec";
+  const pid_t record = start(
+      {program_, "record", take.string(), "--timeout", "4", "--json", "--domain", domain_}, "record.json");
+  for (int i = 0; i < 300 && !std::filesystem::exists(take) && isRunning(record); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  std::this_thread::sleep_for(std::chrono::seconds(5));
+  ASSERT_TRUE(isRunning(record)) << "it is no silence";
+  interrupt(record);
+  EXPECT_EQ(wait(record), 130);
+  EXPECT_LE(nlohmann::json::parse(contents(folder_ / "record.json"))["frames"], 2);
+  EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
+  EXPECT_EQ(wait(first), 0);
+  const nlohmann::json summary = nlohmann::json::parse(contents(folder_ / "daemon.json"));
+  EXPECT_GT(summary["frames_published"], 10);
+  EXPECT_EQ(summary["non_finite"], 0);
+}
+
+TEST_F(CastingPrograms, AStrongerDaemonJoinsOneThatCastsTheirGroomAndLeavesItAgain) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const auto claims = [&](const char* strength, const char* strands) {
+    return start({daemon_, "--scene", "straight", "--strands", strands, "--domain", domain_, "--quiet",
+                  "--duration", "120", "--body-contact", "spheres", "--claim", strength},
+                 std::string("daemon") + strength);
+  };
+  const auto becomes = [&](int strands) {  // who casts
+    for (int i = 0; i < 60; ++i) {
+      const Outcome told = run(program_ + " ctl status --json --timeout 30 --domain " + domain_);
+      if (told.exit_code == 0 && nlohmann::json::parse(told.out)["strands"] == strands) return true;
+    }
+    return false;
+  };
+  const pid_t weaker = claims("1", "20");
+  ASSERT_TRUE(becomes(20));
+  const pid_t stronger = claims("2", "30");
+  ASSERT_TRUE(becomes(30));
+  // What a sender tells who casts, the standby obeys too.
+  const std::string network = " --domain " + domain_;
+  for (int i = 0; i < 4; ++i) {
+    const std::string place = " 0 " + std::to_string(i) + " 1 0.05";
+    EXPECT_EQ(
+        run(program_ + " ctl collider add ball" + std::to_string(i) + " sphere" + place + network).exit_code,
+        0);
+  }
+  kill(stronger, SIGKILL);
+  wait(stronger);
+  EXPECT_TRUE(becomes(20)) << "the standby takes over";
+  for (int i = 0; i < 4; ++i)
+    EXPECT_EQ(run(program_ + " ctl collider remove ball" + std::to_string(i) + network).exit_code, 0) << i;
+  EXPECT_EQ(run(program_ + " ctl stop --domain " + domain_).exit_code, 0);
+  EXPECT_EQ(wait(weaker), 0);
+}
+
+TEST_F(CastingPrograms, StepsWaitForThoseThatOthersAskedFor) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::string network = " --domain " + domain_;
+  const pid_t daemon = start({daemon_, "--scene", "wavy", "--strands", "300", "--backend", "simd",
+                              "--threads", "1", "--set", "substeps=32", "--domain", domain_, "--quiet"},
+                             "daemon.txt");
+  ASSERT_EQ(run(program_ + " ctl pause --timeout 60" + network).exit_code, 0);
+  const pid_t others = start({program_, "ctl", "step", "150", "--domain", domain_}, "others.txt");
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const Outcome own = run(program_ + " ctl step 1 --timeout 1" + network);
+  EXPECT_EQ(own.exit_code, 0) << own.err;
+  EXPECT_EQ(wait(others), 0);
+  EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
+  EXPECT_EQ(wait(daemon), 0);
+}
+
+TEST_F(CastingPrograms, AnInterruptWhileADaemonListensForOthersEndsItAtOnce) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::filesystem::path take = write("take.rec", "an old take");
+  const pid_t daemon =
+      start({daemon_, "--scene", "straight", "--strands", "20", "--body-contact", "spheres", "--backend",
+             "reference", "--domain", domain_, "--claim", "1", "--quiet", "--record", take.string()},
+            "daemon.txt");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  ASSERT_TRUE(isRunning(daemon));
+  interrupt(daemon);
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(wait(daemon), 130);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3)) << "it would listen for 6 s";
+  EXPECT_EQ(contents(take), "an old take");
+}
+
+TEST_F(CastingPrograms, CtlWaitsNoLongerThanItIsToldTo) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const auto seconds = [&](const std::string& command, int exit_code) {
+    const auto start = std::chrono::steady_clock::now();
+    const Outcome r = run(command);
+    EXPECT_EQ(r.exit_code, exit_code) << command << "\n" << r.out << r.err;
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const std::string ctl = program_ + " ctl wind 1 0 0 --domain " + domain_;
+  EXPECT_LT(seconds(ctl + " --timeout 0.1", 2), 1.5);
+  for (const char* verb : {"wind 1 0 0", "status", "list"}) {
+    const pid_t child = ProgramFixture::start(
+        {"sh", "-c", "exec " + program_ + " ctl " + verb + " --domain " + domain_}, "ctl.txt");
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    interrupt(child);
+    EXPECT_EQ(wait(child), 130) << verb;
+    EXPECT_EQ(contents(folder_ / "ctl.txt"), "") << verb;
+  }
+}
+
+TEST_F(CastingPrograms, DaemonCastsOverLcm) {
+  const std::string network = " --transport lcm --domain " + domain_;
+  const pid_t daemon = start({daemon_, "--scene", "straight", "--strands", "200", "--transport", "lcm",
+                              "--domain", domain_, "--codec", "oct12", "--quiet", "--duration", "120"},
+                             "daemon.txt");
+  const Outcome wind = run(program_ + " ctl wind 1 0 0 --timeout 60" + network);
+  if (wind.err.find("LCM cannot") != std::string::npos || wind.err.find("LCM is not") != std::string::npos) {
+    kill(daemon, SIGKILL);
+    GTEST_SKIP() << wind.err;
+  }
+  ASSERT_EQ(wind.exit_code, 0) << wind.err;
+  nlohmann::json status;
+  for (int i = 0; i < 100 && (i == 0 || status["bytes_per_frame"] == 0);
+       ++i) {  // the first status has no frame yet
+    const Outcome r = run(program_ + " ctl status --json --timeout 60" + network);
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    status = nlohmann::json::parse(r.out);
+  }
+  EXPECT_EQ(status["codec"], "oct12");
+  EXPECT_EQ(status["parameters"]["wind"], (std::vector<double>{1, 0, 0}));
+  EXPECT_GT(status["bytes_per_vertex"], 1);
+  EXPECT_LT(status["bytes_per_vertex"], 5);
+  EXPECT_LE(status["codec_worst_error_mm"], 0.0100001);
+  EXPECT_EQ(run(program_ + " ctl stop --timeout 60" + network).exit_code, 0);
+  EXPECT_EQ(wait(daemon), 0);
+
+  const Outcome refused = run(daemon_ + " --scene straight --strands 20 --quiet --codec temporal" + network);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("loses nothing"), std::string::npos) << refused.err;
+}
+
+TEST_F(CastingPrograms, OfTwoDaemonsStartedAtOnceOneCasts) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const std::vector<std::string> words{daemon_,    "--scene", "straight", "--strands",  "20",
+                                       "--domain", domain_,   "--quiet",  "--duration", "120"};
+  const pid_t daemons[] = {start(words, "one.txt"), start(words, "two.txt")};
+  const std::string network = " --domain " + domain_;
+  ASSERT_EQ(run(program_ + " ctl wind 1 0 0 --timeout 60" + network).exit_code, 0);
+  const size_t who_casts = isRunning(daemons[0]) ? 0 : 1;
+  EXPECT_FALSE(isRunning(daemons[1 - who_casts]));
+  EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
+  EXPECT_EQ(wait(daemons[who_casts]), 0);
+  EXPECT_EQ(wait(daemons[1 - who_casts]), 2);
+}
+
+TEST_F(CastingPrograms, InterruptEndsTheDaemonCleanly) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  const pid_t child =
+      start({daemon_, "--scene", "straight", "--strands", "50", "--domain", domain_, "--json", "--quiet"},
+            "daemon.json");
+  ASSERT_EQ(run(program_ + " ctl wind 1 0 0 --timeout 60 --domain " + domain_).exit_code, 0);
+  interrupt(child);
+  EXPECT_EQ(wait(child), 130);
+  EXPECT_TRUE(nlohmann::json::accept(contents(folder_ / "daemon.json")));
+}
+
+}  // namespace
+}  // namespace strandcast
