@@ -20,7 +20,7 @@ std::unique_ptr<Subscriber> subscribe(const Settings& settings);
 /// Joins the network to steer the daemon of settings.groom_id: no hair comes, statuses and answers alone.
 std::unique_ptr<Subscriber> steer(const Settings& settings);
 /// Joins the network as the daemon of settings.groom_id; an Error when another daemon has that id,
-/// Interrupted where Ctrl-C comes while it listens for one.
+/// Interrupted where Ctrl-C comes while it listens for one. Into a log it casts at once.
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session);
 
 /// Looks at a simulation after each frame, in the daemon's thread.

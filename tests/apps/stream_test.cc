@@ -10,6 +10,7 @@
 #include "tests/error_of.h"
 #include "tests/groom/scratch_folder.h"
 #include "tests/transport/true_within.h"
+#include "transport/lcm.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
@@ -36,6 +37,17 @@ TEST(StreamScene, FitsFramesOfItsDaemonAloneAndOnlyWhole) {
   EXPECT_FALSE((StreamScene{groom, described<BodyDescription>(11, 1)}.fits(frame)));
   frame.session = 12;
   EXPECT_FALSE((StreamScene{groom, body}.fits(frame)));
+}
+
+TEST(ClaimGroom, NobodyElseIsListenedForInALog) {
+  if (!lcmAvailable()) GTEST_SKIP() << "this build has no LCM";
+  const ScratchFolder folder;
+  Settings settings;
+  settings.transport = "lcm";
+  settings.lcm_url = "file://" + (folder.path() / "a.log").string() + "?mode=w";
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_NE(claimGroom(settings, 1), nullptr);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, kRivalListenTime);
 }
 
 TEST(AnswerWait, LastsAsLongAsStepsAreTakenAndNoLonger) {
