@@ -153,7 +153,7 @@ void Daemon::apply(const Command& command) {
       Parameters parameters = simulation_.parameters();
       setParameter(parameters, command.name, command.values, where);
       simulation_.setParameters(parameters);
-      return;
+      return tellParameters();
     }
     case CommandKind::kHeadPose:
       return moveHead(command, where);
@@ -174,17 +174,21 @@ void Daemon::apply(const Command& command) {
     case CommandKind::kPull:
       return pull(command, where);
     case CommandKind::kAddCollider:
-      return addCollider(command, where);
+      addCollider(command, where);
+      return tellParameters();
     case CommandKind::kMoveCollider:
       return moveCollider(command, where);
     case CommandKind::kRemoveCollider:
-      return removeCollider(command, where);
+      removeCollider(command, where);
+      return tellParameters();
     case CommandKind::kAddWindSource:
-      return wind_.add(command, where);
+      wind_.add(command, where);
+      return tellParameters();
     case CommandKind::kMoveWindSource:
       return wind_.move(command, where);
     case CommandKind::kRemoveWindSource:
-      return wind_.remove(command, where);
+      wind_.remove(command, where);
+      return tellParameters();
   }
   throw Error("unknown kind of command", where, "is the sender newer than this daemon?");
 }
@@ -284,7 +288,6 @@ void Daemon::obey(const Command& command) {
 void Daemon::answer(uint64_t command, const std::string& refusal) {
   status_.last_command = command;
   status_.last_command_error = refusal;
-  tellParameters();
   if (!refusal.empty()) spdlog::warn("refused: {}", refusal);
   publisher_.publishStatus(status_);  // its measured numbers are those of the last look
 }

@@ -131,7 +131,8 @@ struct Status {
   EncodingReport encoding;
   uint64_t last_command = 0;       ///< id of the newest command carried out or refused
   std::string last_command_error;  ///< empty when it was carried out
-  ParameterTable parameters;       ///< that commands can set, with their present values
+  ParameterTable parameters;       ///< that commands can set, with their present values; behind them
+                                   ///< what else they steer: toldOf()
 };
 
 }  // namespace strandcast

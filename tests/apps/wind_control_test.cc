@@ -167,13 +167,14 @@ TEST_F(DaemonWind, IsToldInTheStatusAsItIs) {
   WindSource to;
   to.position = Vec3(1, 2, 3);
   EXPECT_EQ(move("spot%20", to, kSourcePosition, 0), "");
-  EXPECT_EQ(order(CommandKind::kReset, {}), "");  // its answer comes after the step of the move
-  ASSERT_EQ(told().size(), 1u);
+  EXPECT_EQ(add("other", wideFan(1)), "");  // its answer comes after the step of the move
+  ASSERT_EQ(told().size(), 2u);
   EXPECT_EQ(told()[0].first, "spot%20");
   const WindSource read = windSourceOf(told()[0].second, "test");
   EXPECT_EQ(read.position, to.position);
   EXPECT_EQ(read.kind, WindSource::Kind::kTurbine);
   EXPECT_EQ(read.speed, 3);
+  EXPECT_EQ(remove("other"), "");
   for (size_t n = 1; n < kMostWindSources; ++n)
     EXPECT_EQ(add(std::string(60, 'x') + std::to_string(n), wideFan(3)), "");
   EXPECT_EQ(told().size(), kMostWindSources) << "there is room for all that there may be";
