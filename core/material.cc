@@ -48,6 +48,7 @@ const std::vector<Entry>& entries() {
       number("density", "kg/m^3", 1, 20000, "human hair 1300", &M::density),
       curve("radius_curve", 1e-3, 1e3, "taper: factor of radius from root to tip", &M::radius_scale),
       curve("stiffness_curve", 1e-3, 1e3, "factor of youngs_modulus from root to tip", &M::stiffness_scale),
+      curve("density_curve", 0.1, 10, "factor of density from root to tip", &M::density_scale),
       curve("air_drag_curve", 0, 1e3, "factor of the parameter air_drag from root to tip",
             &M::air_drag_scale),
       curve("goal_curve", 0, 1, "factor of the parameter goal_rate from root to tip", &M::goal_scale),
@@ -83,32 +84,41 @@ void checkCurve(const Entry& entry, const RootTipCurve& curve, const std::string
   }
 }
 
+/// By how many times radius^power x `other` is more in one place than in another.
+double rangeAlong(const RootTipCurve& radius, int power, const RootTipCurve& other) {
+  double least = std::numeric_limits<double>::max(), most = 0;
+  const auto take = [&](double radius_factor, double other_factor) {
+    const double product = std::pow(radius_factor, power) * other_factor;
+    least = std::min(least, product);
+    most = std::max(most, product);
+  };
+  for (const auto& [place, factor] : radius.knots) take(factor, other.at(place));
+  for (const auto& [place, factor] : other.knots) take(radius.at(place), factor);
+  take(radius.knots.back().second, other.knots.back().second);
+  return most / least;
+}
+
 /// What floats can still solve: the last masses and stiffnesses along a strand are there beside the first.
 void checkTaper(const Material& material, const std::string& where) {
-  constexpr double kMostRadii = 100, kMostBending = 1e10, kRounding = 1e-6;
-  const RootTipCurve &radius = material.radius_scale, &stiffness = material.stiffness_scale;
-  double thinnest = radius.knots[0].second, thickest = thinnest;
-  double limpest = std::numeric_limits<double>::max(), stiffest = 0;
-  const auto bend = [&](double radius_factor, double stiffness_factor) {
-    const double bending = std::pow(radius_factor, 4) * stiffness_factor;
-    limpest = std::min(limpest, bending);
-    stiffest = std::max(stiffest, bending);
-  };
-  for (const auto& [place, factor] : radius.knots) {
-    thinnest = std::min<double>(thinnest, factor);
-    thickest = std::max<double>(thickest, factor);
-    bend(factor, stiffness.at(place));
-  }
-  for (const auto& [place, factor] : stiffness.knots) bend(radius.at(place), factor);
-  if (thickest > thinnest * kMostRadii * (1 + kRounding))
-    throw Error(fmt::format("'radius_curve' makes hair {:g} times as thick in one place as in another",
-                            thickest / thinnest),
-                where, fmt::format("let its factors differ by {:g} times at most", kMostRadii));
-  if (stiffest > limpest * kMostBending * (1 + kRounding))
+  constexpr double kMostRadii = 100, kMostBending = 1e10, kMostMass = 1e4, kRounding = 1e-6;
+  const RootTipCurve even, &radius = material.radius_scale;
+  const double radii = rangeAlong(radius, 1, even);
+  if (radii > kMostRadii * (1 + kRounding))
+    throw Error(
+        fmt::format("'radius_curve' makes hair {:g} times as thick in one place as in another", radii), where,
+        fmt::format("let its factors differ by {:g} times at most", kMostRadii));
+  const double bending = rangeAlong(radius, 4, material.stiffness_scale);
+  if (bending > kMostBending * (1 + kRounding))
     throw Error(fmt::format("'radius_curve' and 'stiffness_curve' make hair {:g} times as stiff in one place "
                             "as in another",
-                            stiffest / limpest),
+                            bending),
                 where, fmt::format("let radius^4 x stiffness differ by {:g} times at most", kMostBending));
+  const double mass = rangeAlong(radius, 2, material.density_scale);
+  if (mass > kMostMass * (1 + kRounding))
+    throw Error(fmt::format("'radius_curve' and 'density_curve' make hair {:g} times as heavy in one place "
+                            "as in another",
+                            mass),
+                where, fmt::format("let radius^2 x density differ by {:g} times at most", kMostMass));
 }
 
 void setShearModulus(Material& material, double shear, const std::string& where) {

@@ -21,6 +21,7 @@ struct Material {
   float density = 1300;          ///< kg/m^3, 1 to 20000
   RootTipCurve radius_scale;     ///< taper; bending goes with its 4th power, mass with its square
   RootTipCurve stiffness_scale;  ///< of youngs_modulus
+  RootTipCurve density_scale;    ///< of density
   // Factors of what Parameters has for all hair, which may change while a simulation runs.
   RootTipCurve air_drag_scale;  ///< of air_drag, 0 to 1e3
   RootTipCurve goal_scale;      ///< of goal_rate, 0 to 1

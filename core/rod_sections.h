@@ -13,14 +13,16 @@ namespace strandcast {
 class RodSections {
  public:
   RodSections(const Material& material, double length) : material_(material), length_(length) {
-    for (const RootTipCurve* curve : {&material.radius_scale, &material.stiffness_scale})
+    for (const RootTipCurve* curve :
+         {&material.radius_scale, &material.stiffness_scale, &material.density_scale})
       for (const auto& [place, factor] : curve->knots) knots_.push_back(static_cast<double>(place) * length);
     std::sort(knots_.begin(), knots_.end());
   }
 
   /// kg
   double mass(double from, double to) const {
-    return material_.density * (to - from) * mean(from, to, [&](float place) { return area(place); });
+    return material_.density * (to - from) *
+           mean(from, to, [&](float place) { return material_.density_scale.at(place) * area(place); });
   }
   /// N m^2: what the stretch bends as by an even moment, which makes curvature as 1 / stiffness (the harmonic
   /// mean).
@@ -63,7 +65,7 @@ class RodSections {
 
   const Material& material_;
   double length_;
-  std::vector<double> knots_;  ///< of both curves, m
+  std::vector<double> knots_;  ///< of the curves, m
 };
 
 }  // namespace strandcast

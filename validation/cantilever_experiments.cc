@@ -21,10 +21,12 @@ struct Cantilever {
   int edges;                         ///< what the names of cases call vertices: those beside the clamped one
   double place = 1;                  ///< from which on, of its length, it is another
   double stiffness = 1, radius = 1;  ///< there, over those at the clamp
+  double density = 1;                ///< there, over that at the clamp,
+  double growth = 0;                 ///< and by how much it grows evenly from there to the tip
 };
 
 ElasticaStep stepOf(const Cantilever& c) {
-  return {c.place, c.stiffness * std::pow(c.radius, 4), c.radius * c.radius};
+  return {c.place, c.stiffness * std::pow(c.radius, 4), c.radius * c.radius * c.density, c.growth};
 }
 
 Material materialOf(const Cantilever& c) {
@@ -35,6 +37,10 @@ Material materialOf(const Cantilever& c) {
   Material material;
   if (c.stiffness != 1) material.stiffness_scale = jump(c.stiffness);
   if (c.radius != 1) material.radius_scale = jump(c.radius);
+  if (c.density != 1 || c.growth != 0) {
+    material.density_scale = jump(c.density);
+    material.density_scale.knots.emplace_back(1.0f, static_cast<float>(c.density + c.growth));
+  }
   return material;
 }
 
@@ -148,8 +154,10 @@ std::vector<Case> convergence(const Laboratory& laboratory) {
 const std::vector<Cantilever>& steppedCantilevers() {
   static const std::vector<Cantilever> list = [] {
     std::vector<Cantilever> cantilevers;
-    for (const Cantilever& c : {Cantilever{1, 0, 0.5, 0.1, 1}, Cantilever{1, 0, 0.45, 0.1, 1},
-                                Cantilever{1, 0, 0.45, 10, 1}, Cantilever{1, 0, 0.45, 1, 0.6}})
+    for (const Cantilever& c :
+         {Cantilever{1, 0, 0.5, 0.1, 1}, Cantilever{1, 0, 0.45, 0.1, 1}, Cantilever{1, 0, 0.45, 10, 1},
+          Cantilever{1, 0, 0.45, 1, 0.6}, Cantilever{1, 0, 0.45, 1, 1, 0.2}, Cantilever{1, 0, 0.45, 1, 1, 5},
+          Cantilever{1, 0, 0, 1, 1, 1, 4}, Cantilever{1, 0, 0, 1, 1, 1, -0.9}})
       for (const int edges : {8, 16, 32}) {
         cantilevers.push_back(c);
         cantilevers.back().edges = edges;
@@ -161,9 +169,16 @@ const std::vector<Cantilever>& steppedCantilevers() {
 
 std::vector<std::string> namesOfSteps() {
   std::vector<std::string> names;
-  for (const Cantilever& c : steppedCantilevers())
-    names.push_back(fmt::format("{} {:g} x {} from {:g}", nameOf(c), c.radius != 1 ? c.radius : c.stiffness,
-                                c.radius != 1 ? "as thick" : "as stiff", c.place));
+  for (const Cantilever& c : steppedCantilevers()) {
+    const std::string name = nameOf(c);
+    if (c.growth != 0)
+      names.push_back(fmt::format("{} evenly up to {:g} x as dense", name, c.density + c.growth));
+    else if (c.density != 1)
+      names.push_back(fmt::format("{} {:g} x as dense from {:g}", name, c.density, c.place));
+    else
+      names.push_back(fmt::format("{} {:g} x {} from {:g}", name, c.radius != 1 ? c.radius : c.stiffness,
+                                  c.radius != 1 ? "as thick" : "as stiff", c.place));
+  }
   return names;
 }
 
@@ -211,7 +226,8 @@ void addCantileverExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back(
       {"horizontal strands of as many edges sag under their own weight", namesOfSag(), sag});
   experiments.push_back({"the same with more and more vertices", namesOfConvergence(), convergence});
-  experiments.push_back({"the same, softer, stiffer or thinner from some place on", namesOfSteps(), steps});
+  experiments.push_back(
+      {"the same, softer, stiffer, thinner, lighter or heavier from some place on", namesOfSteps(), steps});
 }
 
 }  // namespace strandcast

@@ -18,17 +18,21 @@ using State = Eigen::Vector4d;  // psi, m, drop, reach
 State atClamp(double gamma, double alpha, const ElasticaStep& step, double tip_angle) {
   State y(tip_angle, 0, 0, 0);
   const double outer = 1 - step.place;
-  auto follow = [&](double from, double to, double stiffness, double force, double weight) {
+  // force(u): the weight beyond, u on from `from`
+  auto follow = [&](double from, double to, double stiffness, auto force) {
     const int steps = static_cast<int>(std::ceil(2000 * (to - from)));
     const double h = (to - from) / steps;
     for (int i = 0; i < steps; ++i)
       y = rungeKuttaStep(i * h, y, h, [&](double u, const State& at) {
-        return State(at[1] / stiffness, (gamma * (force + weight * u) + alpha) * std::sin(at[0]),
-                     std::cos(at[0]), std::sin(at[0]));
+        return State(at[1] / stiffness, (gamma * force(u) + alpha) * std::sin(at[0]), std::cos(at[0]),
+                     std::sin(at[0]));
       });
   };
-  follow(0, outer, step.stiffness, 0, step.weight);
-  follow(outer, 1, 1, step.weight * outer, 1);
+  const double at_tip = step.weight + step.weight_growth;
+  auto beyond = [&](double u) { return u * (at_tip - step.weight_growth * u / (2 * outer)); };
+  follow(0, outer, step.stiffness, beyond);
+  const double outer_weight = outer > 0 ? beyond(outer) : 0;
+  follow(outer, 1, 1, [&](double u) { return outer_weight + u; });
   return y;
 }
 

@@ -10,11 +10,13 @@ struct ElasticaTip {
   double slope() const { return drop / reach; }
 };
 
-/// From `place` on, of its length from the clamp, 0 to 1, it is so many times as stiff and as heavy.
+/// From `place` on, of its length from the clamp, 0 to 1, it is so many times as stiff and as heavy; from
+/// there on its weight grows evenly, by so much more at the tip.
 struct ElasticaStep {
   double place = 1;
   double stiffness = 1;
   double weight = 1;
+  double weight_growth = 0;
 };
 
 /// Under its own weight, gamma = w L^3 / B (w: weight per length, B: bending stiffness, both at the clamp),

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "validation/beam_modes.h"
@@ -15,13 +16,14 @@ namespace {
 
 constexpr double kSwing = 0.01;  // amplitude of a mode at the tip, part of the length: small
 
-using ModeShape = double (*)(int mode, double place);
+using ModeShape = std::function<double(int mode, double place)>;
 
 // Strand s starts straight, with the velocities of mode s + 1 across `across`; how much of that mode is in
 // it, over time.
 std::vector<std::vector<double>> modeAmplitudes(const Laboratory& laboratory, Simulation& simulation,
-                                                ModeShape shape, const std::vector<double>& frequencies,
-                                                const Vec3& across, double seconds) {
+                                                const ModeShape& shape,
+                                                const std::vector<double>& frequencies, const Vec3& across,
+                                                double seconds) {
   const StrandModel& model = simulation.model();
   StrandState state = simulation.state();
   std::vector<float> shapes(model.vertices());
@@ -120,6 +122,42 @@ std::vector<Case> chain(const Laboratory& laboratory) {
   return cases;
 }
 
+constexpr double kLightTip = 0.1, kHeavyTip = 5;  // mass per length over that at the clamp
+
+std::vector<std::string> namesOfUnevenChains() {
+  std::vector<std::string> names;
+  for (const double tip : {kLightTip, kHeavyTip})
+    for (const int mode : {1, 2})
+      names.push_back(fmt::format("chain evenly up to {:g} x as dense mode={}", tip, mode));
+  return names;
+}
+
+std::vector<Case> unevenChains(const Laboratory& laboratory) {
+  constexpr double kLimits[] = {1, 3};
+  const std::vector<std::string> names = namesOfUnevenChains();
+  const StrandPoints points = straightStrand(kHairLength, kEdges, -Vec3::UnitY());
+  std::vector<Case> cases;
+  for (const double tip : {kLightTip, kHeavyTip}) {
+    Material material = limp();
+    material.density_scale.knots = {{0, 1}, {1, static_cast<float>(tip)}};
+    Simulation simulation =
+        laboratory.simulation(modelOf({points, points}, material), laboratory.parameters(kRate, 0));
+    laboratory.advance(simulation, 1);
+    const UnevenChain modes[] = {{1, tip}, {2, tip}};
+    std::vector<double> truth;
+    for (const UnevenChain& mode : modes)
+      truth.push_back(mode.frequency() * std::sqrt(kGravity / kHairLength));
+    const auto shape = [&](int mode, double place) { return modes[mode - 1].shape(place); };
+    const auto amplitudes = modeAmplitudes(laboratory, simulation, shape, truth, Vec3::UnitX(), 5);
+    for (size_t m = 0; m < std::size(modes); ++m)
+      cases.push_back(
+          relativeCase({names[cases.size()], "period", "s"},
+                       2 * std::numbers::pi / oscillationOf(amplitudes[m], 1 / kRate).angular_frequency,
+                       2 * std::numbers::pi / truth[m], kLimits[m]));
+  }
+  return cases;
+}
+
 constexpr const char* kThickAir = "chain in thick air";
 
 // The air is too thick for it to swing: its first mode dies away, as an oscillator does that is damped beyond
@@ -171,12 +209,15 @@ std::vector<Case> pendulum(const Laboratory& laboratory) {
 }  // namespace
 
 void addVibrationExperiments(std::vector<Experiment>& experiments) {
-  experiments.push_back({"straight strands without weight vibrate, clamped at the root",
-                         {"beam mode=1", "beam mode=2", "damping of the scheme", "internal damping"},
-                         beam});
+  experiments.push_back(
+      {"straight strands without weight vibrate, clamped at the root",
+       {"beam mode=1", "beam mode=2", "damping of the scheme", "internal damping"},
+       beam});
   experiments.push_back({"limp strands hang and swing as chains do",
                          {"chain mode=1", "chain energy lost per cycle", "chain mode=2", "chain mode=3"},
                          chain});
+  experiments.push_back(
+      {"the same, lighter or heavier from root to tip", namesOfUnevenChains(), unevenChains});
   experiments.push_back({"a limp strand comes to hang in thick air", {kThickAir}, chainInThickAir});
   experiments.push_back({"limp strands of one edge swing as pendulums do", namesOfPendulum(), pendulum});
 }

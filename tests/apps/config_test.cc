@@ -58,6 +58,7 @@ parts = ["a", 1]
 shear_modulus = 1.2e9
 radius_curve = [[0, 1], [1, 0.4]]
 stiffness_curve = 0.5
+density_curve = [[0, 1], [1, 3]]
 [[pin]]
 part = "a"
 bone = "ribbon"
@@ -141,6 +142,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_FLOAT_EQ(materials[1].poisson_ratio, 0.25f);
   EXPECT_FLOAT_EQ(materials[0].radius_scale.at(0.5f), 0.7f);
   EXPECT_FLOAT_EQ(materials[0].stiffness_scale.at(0.5f), 0.5f);
+  EXPECT_FLOAT_EQ(materials[0].density_scale.at(0.5f), 2);
   ASSERT_EQ(s.scene.pins.size(), 1u);
   EXPECT_EQ(s.scene.pins[0].parts, std::vector<std::string>{"a"});
   EXPECT_EQ(s.scene.pins[0].bone, "ribbon");

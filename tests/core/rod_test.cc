@@ -84,6 +84,34 @@ TEST(Rod, RestsTheSameAtEveryTimeStepAndDrag) {
   for (const Vec3& tip : tips) EXPECT_LT((tip - tips[0]).norm(), 0.001f * 0.1f);
 }
 
+TEST(Rod, HairOfTheMostUnevenDensityComesToRest) {
+  std::vector<StrandPoints> strands;
+  std::vector<Material> materials;
+  for (const auto& [root, tip] : {std::pair(0.1f, 10.0f), std::pair(10.0f, 0.1f)})
+    for (const StrandPoints& points :
+         {straightStrand(0.1, 31, Vec3::UnitX()), straightStrand(0.3, 31, Vec3(1, 1, 0).normalized()),
+          helixStrand(0.01, 0.01, 0.2, 40)}) {
+      strands.push_back(points);
+      materials.emplace_back().density_scale.knots = {{0, root}, {1, tip}};
+      strands.push_back(points);
+      materials.emplace_back().density_scale.knots = {{0.5f, root}, {0.5f, tip}};
+    }
+  Parameters parameters;
+  parameters.air_drag = 5;
+  Simulation simulation(modelOf(strands, materials), {}, parameters, makeReferenceBackend());
+  const int steps = static_cast<int>(10 / parameters.time_step);
+  for (int i = 0; i < steps; ++i) simulation.step();
+  EXPECT_EQ(simulation.measure().non_finite, 0u);
+  EXPECT_LT(simulation.measure().max_stretch, 1e-4);
+  const StrandState state = simulation.state();
+  for (size_t s = 0; s < strands.size(); ++s) {
+    float fastest = 0;
+    for (uint32_t v = simulation.model().offsets[s]; v < simulation.model().offsets[s + 1]; ++v)
+      fastest = std::max(fastest, state.velocities[v].norm());
+    EXPECT_LT(fastest, 1e-3f) << "strand " << s;
+  }
+}
+
 TEST(Rod, BadMaterialsAreRefused) {
   StrandSet set;
   set.append(std::vector<Vec3>{Vec3(0, 0, 0), Vec3(0, -0.1f, 0)});

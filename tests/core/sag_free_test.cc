@@ -52,6 +52,16 @@ TEST(SagFree, TheGroomedShapeStaysWhereItIs) {
   EXPECT_LT(drift(model, 3), 1e-4);
 }
 
+TEST(SagFree, SoDoesItWhereTheDensityIsUneven) {
+  for (const float tip : {0.2f, 4.0f}) {
+    Material uneven;
+    uneven.density_scale.knots = {{0, 1}, {0.6f, 1}, {1, tip}};
+    StrandModel model = makeStrandModel(grooms(), {uneven});
+    makeSagFree(model, kGravity);
+    EXPECT_LT(drift(model, 3), 1e-4) << tip;
+  }
+}
+
 TEST(SagFree, GravityBeyondThatOfASimulationIsRefused) {
   StrandModel model = makeStrandModel(grooms());
   for (const float gravity : {-1e30f, std::nanf(""), std::numeric_limits<float>::infinity()})

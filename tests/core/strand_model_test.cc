@@ -6,6 +6,7 @@
 
 #include <array>
 #include <limits>
+#include <numbers>
 
 #include "core/measure.h"
 #include "core/simulation.h"
@@ -76,6 +77,37 @@ TEST(StrandModel, AJointBendsAsTheRodAroundItDoes) {
     EXPECT_NEAR(model.bend[j] / even.bend[j], factors[j], 1e-5) << j;
     EXPECT_NEAR(model.twist[j] / even.twist[j], factors[j], 1e-5) << j;
     EXPECT_EQ(model.mass[j], even.mass[j]) << j;
+  }
+}
+
+TEST(StrandModel, ADensityCurveIsMassAndNothingElse) {
+  const StrandSet set = oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 3, 0}, {0, 4, 0}});
+  Material growing, stepped;
+  growing.density_scale.knots = {{0, 1}, {1, 3}};
+  stepped.density_scale.knots = {{0.3f, 1}, {0.3f, 5}};
+  const double ends[] = {0, 0.5, 2, 3.5, 4};                          // of the cells of vertices
+  const double growing_factors[] = {1.125, 1.625, 2.375, 2.875};      // 1 + x / 2 in their middles
+  const double stepped_factors[] = {1, (0.7 + 0.8 * 5) / 1.5, 5, 5};  // the jump is at 1.2
+  const StrandModel even = makeStrandModel(set);
+  for (const bool grows : {true, false}) {
+    const StrandModel model = makeStrandModel(set, {grows ? growing : stepped});
+    double sum = 0, kilograms = 0;
+    for (int v = 0; v < 4; ++v) {
+      const double factor = grows ? growing_factors[v] : stepped_factors[v];
+      EXPECT_NEAR(model.mass[v] * model.reference_mass[0] / (even.mass[v] * even.reference_mass[0]), factor,
+                  1e-5)
+          << v;
+      sum += model.mass[v];
+      kilograms += factor * (ends[v + 1] - ends[v]) * std::numbers::pi * 1300 * 40e-6 * 40e-6;
+    }
+    EXPECT_NEAR(sum, 3, 1e-5) << "reference masses are means of edges";
+    EXPECT_NEAR(model.reference_mass[0] * 3 / kilograms, 1, 1e-5);
+    for (int j = 0; j < 3; ++j) {
+      const double masses = model.reference_mass[0] / even.reference_mass[0];
+      EXPECT_NEAR(model.bend[j] * masses / even.bend[j], 1, 1e-5) << j;
+      EXPECT_NEAR(model.twist[j] * masses / even.twist[j], 1, 1e-5) << j;
+      EXPECT_EQ(model.rest_strain[j], even.rest_strain[j]) << j;
+    }
   }
 }
 

@@ -75,6 +75,21 @@ TEST(PartMaterials, ATaperThatFloatsCannotSolveIsRefused) {
   EXPECT_NE(taken({0, 1, 1, 100}, {0, 0.001, 1, 1000}).find("1e+14 times as stiff"), std::string::npos);
 }
 
+TEST(PartMaterials, MassesThatFloatsCannotSolveAreRefused) {
+  const auto taken = [](const std::vector<double>& radii, const std::vector<double>& densities) {
+    return strandcast::errorOf([&] {
+      partMaterials({{{}, {{"radius_curve", radii, "a"}, {"density_curve", densities, "a"}}, "a"}}, {"cap"});
+    });
+  };
+  EXPECT_EQ(taken({1}, {0, 0.1, 1, 10}), "");
+  EXPECT_EQ(taken({0, 1, 1, 100}, {0, 1, 1, 0.1}), "") << "they make up for each other";
+  EXPECT_EQ(taken({0, 100, 1, 1}, {0, 2, 1, 1}),
+            "'radius_curve' and 'density_curve' make hair 20000 times as heavy in one place as in another: "
+            "material of part 'cap'; let radius^2 x density differ by 10000 times at most");
+  EXPECT_NE(taken({0.5, 1, 0.5, 50}, {0.5, 1, 0.5, 10}).find("25000 times as heavy"), std::string::npos)
+      << "two jumps at one place";
+}
+
 TEST(MaterialSettings, EveryOneTakesTheLimitsOfItsRangeAndNothingBeyond) {
   for (const MaterialSettingInfo& info : materialSettingList()) {
     EXPECT_FALSE(info.help.empty()) << info.name;
