@@ -54,6 +54,8 @@ const std::vector<Entry>& entries() {
       curve("goal_curve", 0, 1, "factor of the parameter goal_rate from root to tip", &M::goal_scale),
       number("damping_scale", "", 0, 1e3, "factor of the parameter damping_time", &M::damping_scale),
       number("friction_scale", "", 0, 1e3, "factor of the friction of every body", &M::friction_scale),
+      curve("damping_curve", 0, 1e3, "factor of damping_scale from root to tip", &M::damping_curve),
+      curve("friction_curve", 0, 1e3, "factor of friction_scale from root to tip", &M::friction_curve),
       numberOrZero(
           "tether", 1, 10,
           "longest distance from the root over arc length, 0 = off; of gauss_seidel, which stretches",
@@ -121,6 +123,17 @@ void checkTaper(const Material& material, const std::string& where) {
                 where, fmt::format("let radius^2 x density differ by {:g} times at most", kMostMass));
 }
 
+/// A scale times its curve is in the range that either may have alone.
+void checkProduct(const char* name, float scale, const char* curve_name, const RootTipCurve& curve,
+                  const std::string& where) {
+  constexpr double kMost = 1e3, kRounding = 1e-6;
+  double most = 0;
+  for (const auto& [place, factor] : curve.knots) most = std::max<double>(most, factor);
+  if (scale * most > kMost * (1 + kRounding))
+    throw Error(fmt::format("'{}' x '{}' is up to {:g}", name, curve_name, scale * most), where,
+                fmt::format("let it be {:g} at most", kMost));
+}
+
 void setShearModulus(Material& material, double shear, const std::string& where) {
   const double ratio = material.youngs_modulus / (2 * shear) - 1;
   constexpr double kRounding = 1e-5;  // the limits that the message names are in the range
@@ -173,6 +186,8 @@ void checkMaterial(const Material& material, const std::string& where) {
       checkCurve(entry, material.*entry.curve, where);
   }
   checkTaper(material, where);
+  checkProduct("damping_scale", material.damping_scale, "damping_curve", material.damping_curve, where);
+  checkProduct("friction_scale", material.friction_scale, "friction_curve", material.friction_curve, where);
 }
 
 const std::vector<MaterialSettingInfo>& materialSettingList() {

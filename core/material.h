@@ -27,6 +27,8 @@ struct Material {
   RootTipCurve goal_scale;      ///< of goal_rate, 0 to 1
   float damping_scale = 1;      ///< of damping_time, 0 to 1e3
   float friction_scale = 1;     ///< of every body's friction, 0 to 1e3
+  RootTipCurve damping_curve;   ///< of damping_scale, at joints; their product is 0 to 1e3 too
+  RootTipCurve friction_curve;  ///< of friction_scale, at vertices; likewise
   /// Longest distance of a vertex from its root, over its arc length from the root at rest: 1 to 10, or 0 =
   /// off. For gauss_seidel, which stretches; the rod keeps its lengths anyway.
   float tether = 0;

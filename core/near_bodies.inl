@@ -7,7 +7,6 @@ class NearBodies {
     is_listed_ = input.near != nullptr;
     if (candidates() == 0) return;
     const StepScope scope{StepPart::kContact};
-    friction_scale_ = groomingFactor(b, kFrictionScale, 0);
     all_ = !calm(b, input) || b.bone_pins != nullptr;  // a bone may pull strands anywhere
     const Box box = reach(b, input);
     middle_ = box.center();
@@ -63,7 +62,7 @@ class NearBodies {
       nearest = chosen(own.gap < nearest.gap, own, nearest);
     };
     forBodies((uint32_t{1} << kept()) - 1, lookAt);
-    nearest.friction = nearest.friction * friction_scale_;
+    nearest.friction = nearest.friction * groomingFactor(block_, kFrictionScale, v);
     return nearest;
   }
 
@@ -176,7 +175,7 @@ class NearBodies {
       const Touch own = plane(n, i, x);
       nearest = chosen(own.gap < nearest.gap, own, nearest);
     }
-    nearest.friction = nearest.friction * friction_scale_;
+    nearest.friction = nearest.friction * groomingFactor(block_, kFrictionScale, i);
     return nearest;
   }
 
@@ -489,7 +488,6 @@ class NearBodies {
   uint32_t near_[kMost];
   size_t count_ = 0;
   bool all_ = false;
-  real friction_scale_ = lit(1);
   SubstepBody placed_[kPlacedBodies];
   Motion motion_[kPlacedBodies];
   size_t motions_ = 0;

@@ -50,10 +50,8 @@ class RodStep {
     const DragStep drag(p.air_drag, h);
     keep_ = drag.keep;
     time2_ = drag.time2;
-    const real damping_scale = groomingFactor(b, kDampingScale, 0);
     damped_ = p.damping_time > 0;
-    ahead_ = lit(p.damping_time / h) * damping_scale;
-    damping_ = ahead_ * lit(time2_);
+    ahead_ = lit(p.damping_time / h);
   }
 
   void run() {
@@ -125,6 +123,8 @@ class RodStep {
   real inverseLength(int e) const { return state(b.inverse_length, 0, rowOfEdge(e)); }
   real bend(int j) const { return state(b.bend, 0, j); }
   real twist(int j) const { return state(b.twist, 0, j); }
+  // Damping time over the substep.
+  real ahead(int j) const { return b.grooming == nullptr ? ahead_ : ahead_ * groomingFactor(b, kDampingScale, j); }
   real ownMass(int i) const { return state(b.mass, 0, rowOfVertex(i)); }
   real mass(int i) const { return grooming_.on() ? grooming_.mass(i) : ownMass(i); }
   real weight(int i) const { return grooming_.on() ? grooming_.weight(i) : state(b.weight, 0, rowOfVertex(i)); }
@@ -199,7 +199,7 @@ class RodStep {
   const double h;
   double keep_ = 1, time2_ = 0;  // see DragStep
   bool damped_ = false;
-  real ahead_, damping_;  // damping time over the substep, and that times time2_
+  real ahead_;  // damping time over the substep, without factors of joints
   real root_spin_ = lit(0);  // radians, of the root about its tangent in this substep
   RootFrame begin_, end_;
   quat frame_;          // of the root after the last substep
@@ -292,11 +292,11 @@ inline void RodStep::eliminateTwist() {
   for (int j = 0; j < ne; ++j) {
     const quat q = state4(b.frame, j);
     const real3 t = get3(kTangent, j);
-    const real kb = bend(j), kt = twist(j);
+    const real kb = bend(j), kt = twist(j), ahead_here = ahead(j);
     const real3 strain = jointStrain(inner, q);
     const real3 excess = strain - state3(b.rest_strain, j);
     const real c = dot(t_in, t);
-    const real stiffness = bendMatrixStiffness(kb, c, madd(implicitShare(get(kBlend, j)), lit(time2_), damping_));
+    const real stiffness = bendMatrixStiffness(kb, c, madd(implicitShare(get(kBlend, j)), lit(time2_), ahead_here * lit(time2_)));
     set3(kStrain, j, strain);
     set(kStiffness, j, stiffness);
     set(kMargin, j, bendMatrixMargin(stiffness, c, excess, kinked_));
@@ -306,8 +306,8 @@ inline void RodStep::eliminateTwist() {
       const real3 shift = get3(kShift, j + 1), turned = turningOf(q, (shift - shift_in) * inverseLength(j));
       const real3 gained = gainedStrain(strain, turned_in, turned);
       set3(kGained, j, gained);
-      coupling = coupling + twistOfDamping(strain, kb, ahead_);
-      shear = shear + torqueDifference(strain, gained * ahead_, kb);
+      coupling = coupling + twistOfDamping(strain, kb, ahead_here);
+      shear = shear + torqueDifference(strain, gained * ahead_here, kb);
       shift_in = shift;
       turned_in = turned;
     }
@@ -358,7 +358,7 @@ inline void RodStep::eliminateBending() {
     const real kb = bend(e), il = inverseLength(e);
     const real3 untwisted = get3(kStrain, e), strain = twistedStrain(untwisted, phi_in, phi);
     real3 excess = strain - state3(b.rest_strain, e);
-    if (damped_) excess = dampedExcess(excess, get3(kGained, e), untwisted, strain, ahead_);
+    if (damped_) excess = dampedExcess(excess, get3(kGained, e), untwisted, strain, ahead(e));
     const real3 moment = jointMoment(inner, strain, excess, kb, twist(e));
     const real kept = state(b.tension, 0, e);
 

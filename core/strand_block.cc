@@ -156,8 +156,8 @@ bool BlockStore<Scalar>::setStrand(const Block& block, int lane) {
       Scalar* factors = grooming(block) + static_cast<size_t>(i) * kGroomingPlanes * lanes_ + lane;
       factors[kAirDragScale * lanes_] = static_cast<Scalar>(model.air_drag_scale[v]);
       factors[kGoalScale * lanes_] = static_cast<Scalar>(model.goal_scale[v]);
-      factors[kDampingScale * lanes_] = static_cast<Scalar>(model.damping_scale[strand]);
-      factors[kFrictionScale * lanes_] = static_cast<Scalar>(model.friction_scale[strand]);
+      factors[kDampingScale * lanes_] = static_cast<Scalar>(model.dampingFactor(strand, v));
+      factors[kFrictionScale * lanes_] = static_cast<Scalar>(model.frictionFactor(strand, v));
       factors[kTether * lanes_] = static_cast<Scalar>(model.tether[v]);
     }
   }

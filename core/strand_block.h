@@ -86,8 +86,8 @@ enum BonePinPlane : int {
 enum GroomingPlane : int {
   kAirDragScale,
   kGoalScale,
-  kDampingScale,   ///< of the strand, in every row
-  kFrictionScale,  ///< of the strand, in every row
+  kDampingScale,   ///< of the joint
+  kFrictionScale,  ///< of the vertex
   kTether,         ///< m
   kGroomingPlanes
 };

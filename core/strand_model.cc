@@ -107,6 +107,9 @@ void setGrooming(StrandModel& model, size_t s, const Material& material) {
     model.air_drag_scale[v] = material.air_drag_scale.at(along / total);
     model.goal_scale[v] = material.goal_scale.at(along / total);
     model.tether[v] = material.tether > 0 ? material.tether * along : kNoTether;
+    if (model.damping_along.empty()) continue;
+    model.damping_along[v] = material.damping_curve.at(along / total);
+    model.friction_along[v] = material.friction_curve.at(along / total);
   }
   model.damping_scale[s] = material.damping_scale;
   model.friction_scale[s] = material.friction_scale;
@@ -117,12 +120,15 @@ void pin(StrandModel& model, uint32_t vertex) {
   model.pinned[vertex] = 1;
 }
 
+bool changes(const RootTipCurve& curve) {
+  return std::any_of(curve.knots.begin(), curve.knots.end(), [](const auto& k) { return k.second != 1; });
+}
+bool isCurved(const Material& material) {
+  return changes(material.damping_curve) || changes(material.friction_curve);
+}
 bool isGrooming(const Material& material) {
-  auto changes = [](const RootTipCurve& curve) {
-    return std::any_of(curve.knots.begin(), curve.knots.end(), [](const auto& k) { return k.second != 1; });
-  };
-  return changes(material.air_drag_scale) || changes(material.goal_scale) || material.damping_scale != 1 ||
-         material.friction_scale != 1 || material.tether > 0;
+  return isCurved(material) || changes(material.air_drag_scale) || changes(material.goal_scale) ||
+         material.damping_scale != 1 || material.friction_scale != 1 || material.tether > 0;
 }
 
 }  // namespace
@@ -155,12 +161,14 @@ RestBends restBends(const StrandModel& model, size_t strand) {
 
 bool StrandModel::hasFactors(size_t strand) const {
   if (damping_scale.empty()) return false;
-  auto changes = [](float factor) { return factor != 1; };
-  const auto first = static_cast<ptrdiff_t>(offsets[strand]),
-             end = static_cast<ptrdiff_t>(offsets[strand + 1]);
-  return changes(damping_scale[strand]) || changes(friction_scale[strand]) ||
-         std::any_of(air_drag_scale.begin() + first, air_drag_scale.begin() + end, changes) ||
-         std::any_of(goal_scale.begin() + first, goal_scale.begin() + end, changes);
+  const auto changes = [](float factor) { return factor != 1; };
+  if (changes(damping_scale[strand]) || changes(friction_scale[strand])) return true;
+  const std::vector<float>* along[] = {&air_drag_scale, &goal_scale, &damping_along, &friction_along};
+  return std::any_of(std::begin(along), std::end(along), [&](const std::vector<float>* factors) {
+    return !factors->empty() &&
+           std::any_of(factors->begin() + static_cast<ptrdiff_t>(offsets[strand]),
+                       factors->begin() + static_cast<ptrdiff_t>(offsets[strand + 1]), changes);
+  });
 }
 
 StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials) {
@@ -185,6 +193,10 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
     model.damping_scale.resize(rest.strands());
     model.friction_scale.resize(rest.strands());
     model.tether.resize(rest.vertices());
+  }
+  if (std::any_of(materials.begin(), materials.end(), isCurved)) {
+    model.damping_along.resize(rest.vertices());
+    model.friction_along.resize(rest.vertices());
   }
   for (size_t s = 0; s < rest.strands(); ++s) {
     const std::span<const Vec3> points = rest.strand(s);
@@ -257,6 +269,12 @@ void checkModel(const StrandModel& model, const std::string& where) {
         "the model has some, but not all, of air_drag_scale, goal_scale, damping_scale, friction_scale, "
         "tether",
         where, "give all of them or none");
+  check("damping_along", model.damping_along, vertices, true, is_factor);
+  check("friction_along", model.friction_along, vertices, true, is_factor);
+  if (model.damping_along.empty() != model.friction_along.empty() ||
+      (given == 0 && !model.damping_along.empty()))
+    throw Error("the model has damping_along or friction_along without the other or without damping_scale",
+                where, "give both, and all of the grooming's, or neither");
   check("rest_distance", model.rest_distance, vertices, true, is_number);
   if (model.bones.empty()) throw Error("the model has no bone", where, "the head is its first");
   check("root_bones", model.root_bones, strands, true, is_bone);

@@ -39,6 +39,9 @@ struct StrandModel {
   std::vector<float> air_drag_scale, goal_scale;     ///< per vertex
   std::vector<float> damping_scale, friction_scale;  ///< per strand
   std::vector<float> tether;                         ///< per vertex, m from the root; kNoTether = none
+  /// Per joint, of damping_scale, and per vertex, of friction_scale. Both empty where they are 1 everywhere;
+  /// else the others are there too.
+  std::vector<float> damping_along, friction_along;
 
   /// Per vertex, m: how near the bodies that it grows on may come, negative inside; every body may come as
   /// near where that is less than the hair's radius. As near as at rest, but of segments that are in or
@@ -63,6 +66,14 @@ struct StrandModel {
   /// At rest, m, in the groom's frame.
   Vec3 restPosition(size_t strand, uint32_t vertex) const {
     return rest_roots[strand].apply(rest_local[vertex]);
+  }
+  /// Where there are factors: that of the damping time at the joint before the edge that begins at a vertex,
+  /// and that of friction at a vertex.
+  float dampingFactor(size_t strand, uint32_t vertex) const {
+    return damping_scale[strand] * (damping_along.empty() ? 1 : damping_along[vertex]);
+  }
+  float frictionFactor(size_t strand, uint32_t vertex) const {
+    return friction_scale[strand] * (friction_along.empty() ? 1 : friction_along[vertex]);
   }
   /// Whether a factor of the strand is not 1.
   bool hasFactors(size_t strand) const;

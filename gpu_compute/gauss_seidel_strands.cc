@@ -43,17 +43,17 @@ GaussSeidelStrands::GaussSeidelStrands(const StrandModel& model)
       order_(groups_.order()),
       rest_edge_(std::span<const Vec4>(packRestEdges(model))) {}
 
-void GaussSeidelStrands::step(bool groomed, bool accelerated, bool bends, ProgramCache& programs) {
+void GaussSeidelStrands::step(int groomed, bool accelerated, bool bends, ProgramCache& programs) {
   auto workgroup = [](const StrandGroup& group) { return std::max(32u, group.key); };
   std::vector<const gl::Program*>& mine =
-      programs_[(groomed ? 1 : 0) + (accelerated ? 2 : 0) + (bends ? 4 : 0)];
+      programs_[(groomed > 0 ? 1 : 0) + (accelerated ? 2 : 0) + (bends ? 4 : 0)];
   if (mine.empty())
     for (const StrandGroup& group : groups_.groups())
       mine.push_back(&programs.get(
           "gauss_seidel.comp", shaders::kGaussSeidelComp,
           fmt::format("#define THREADS {}\n#define WORKGROUP {}\n#define GROOMED {}\n#define ACCELERATED {}\n"
                       "#define TURNING {}\n",
-                      group.key, workgroup(group), groomed ? 1 : 0, accelerated ? 1 : 0, bends ? 2 : 1)));
+                      group.key, workgroup(group), groomed, accelerated ? 1 : 0, bends ? 2 : 1)));
   rest_edge_.bindStorage(3);
   order_.bindStorage(5);
   for (size_t g = 0; g < mine.size(); ++g) {

@@ -12,7 +12,8 @@ class GaussSeidelStrands {
  public:
   explicit GaussSeidelStrands(const StrandModel& model);
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first of each kind compiles.
-  void step(bool groomed, bool accelerated, bool bends, ProgramCache& programs);
+  /// `groomed`: GROOMED of shaders/gauss_seidel.comp, 0 or one other value for all steps of a model.
+  void step(int groomed, bool accelerated, bool bends, ProgramCache& programs);
 
  private:
   StrandGroups groups_;  ///< key: invocations per strand

@@ -50,10 +50,14 @@ const Vec4 kNotGroomed = {1, 1, kNoTether, 0};
 
 std::vector<Vec4> packGrooming(const StrandModel& model) {
   std::vector<Vec4> packed(model.vertices());
+  if (!model.friction_along.empty()) packed.resize(2 * model.vertices());
   for (size_t s = 0; s < model.strands(); ++s) {
     for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
       packed[v] = {model.air_drag_scale[v], model.goal_scale[v], model.tether[v], 0};
     packed[model.offsets[s]] = {model.friction_scale[s], model.damping_scale[s], 0, 0};
+    if (model.friction_along.empty()) continue;
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+      packed[model.vertices() + v] = {model.frictionFactor(s, v), model.dampingFactor(s, v), 0, 0};
   }
   return packed;
 }
@@ -121,9 +125,11 @@ void GpuStrands::expect(const Parameters& parameters, bool bodies) {
   if (!rod && !gauss_seidel_) gauss_seidel_.emplace(model_);
   if (rest_local_.bytes() == 0 && (!rod || goal || rod_->holdsVertices()))
     rest_local_ = gl::Buffer(std::span<const Vec4>(packRestLocal(model_)));
-  if (grooming_.bytes() == 0 && (groomed_ || goal))
+  if (grooming_.bytes() == 0 && (groomed_ || goal)) {
+    if (!model_.friction_along.empty()) checkFits(vertices_, 2);
     grooming_ = gl::Buffer(
         std::span<const Vec4>(groomed_ ? packGrooming(model_) : std::vector<Vec4>(vertices_, kNotGroomed)));
+  }
   checkMemory("the model does not fit the GPU's memory");
   if (rod && bodies) makeSights();
   if (bodies) expectUploads(kFirstCounts);
@@ -279,7 +285,8 @@ void GpuStrands::step(const StepInput& input) {
                 .same_bodies = seen_.holdsIn(input)},
                p.substeps, programs_);
   else
-    gauss_seidel_->step(groomed_ || goal, accelerated, turning > 1, programs_);
+    gauss_seidel_->step(groomed_ || goal ? (model_.friction_along.empty() ? 1 : 2) : 0, accelerated,
+                        turning > 1, programs_);
   timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   readback_.copyFrom(guides_);

@@ -1,8 +1,8 @@
 #version 450
-// variants: THREADS=4 WORKGROUP=32 GROOMED=0 ACCELERATED=1 TURNING=1 | THREADS=32 WORKGROUP=32 GROOMED=1 ACCELERATED=0 TURNING=1 | THREADS=128 WORKGROUP=128 GROOMED=0 ACCELERATED=0 TURNING=2
+// variants: THREADS=4 WORKGROUP=32 GROOMED=0 ACCELERATED=1 TURNING=1 | THREADS=32 WORKGROUP=32 GROOMED=1 ACCELERATED=0 TURNING=1 | THREADS=128 WORKGROUP=128 GROOMED=0 ACCELERATED=0 TURNING=2 | THREADS=32 WORKGROUP=32 GROOMED=2 ACCELERATED=0 TURNING=1
 // One step of strands of up to THREADS vertices, all substeps in one dispatch: core/gauss_seidel_sweep.inl with a vertex
 // per invocation, WORKGROUP / THREADS strands per workgroup. Edge i, from vertex i to i + 1, belongs to invocation i.
-// GROOMED: there is a goal pull, or strands have tethers or factors that are not 1.
+// GROOMED: there is a goal pull, or strands have tethers or factors that are not 1; 2 where that of friction differs along strands.
 // ACCELERATED: every vertex has an acceleration of its own. TURNING: see bodies.glsl.
 layout(local_size_x = WORKGROUP) in;
 
@@ -89,6 +89,9 @@ void main() {
   float inverse_mass = max(local.w, 0.0);
 #if GROOMED
   float keep = keepOf(vertex), time2 = time2Of(vertex), goal_rate = goalRateOf(vertex), friction_scale = grooming[first].x;
+#if GROOMED == 2
+  friction_scale = frictionAndDampingOf(vertex).x;
+#endif
 #else
   const float keep = settings.keep, time2 = settings.time2, friction_scale = 1.0;
 #endif

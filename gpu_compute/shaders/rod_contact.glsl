@@ -77,7 +77,9 @@ bool nearBody(int p, vec3 place, out Touch touch) {
   const bool pressed = dot(pressing[p], pressing[p]) > 0.0;
   if (!(sees[p] || pressed) || !isEdge(p) || weight(p) == 0.0) return false;
   if (sees[p]) touch = touchOf(vertexOf(p), place);
-#if GROOMED
+#if GROOMED == 2
+  touch.friction *= frictionAndDampingOf(vertexOf(p)).x;
+#elif GROOMED
   touch.friction *= strand_grooming.x;
 #endif
   const bool near = pressed || touch.gap < contactReach();

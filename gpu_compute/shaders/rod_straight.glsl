@@ -76,12 +76,12 @@ void findMoments(vec3 strain[PER_THREAD], float spin_of_root) {
   for (int p = 0; p < PER_THREAD; ++p) {
     const float mean = spin_in + 0.5 * (spin[p] + (p > 0 ? spin[max(p - 1, 0)] : 0.0));
     gain[p] = straightGain(strain[p], tangentBefore(p), tangent[p], p > 0 ? swing[max(p - 1, 0)] : swing_in, swing[p], mean);
-    torque[p] = straightTorque(strain[p], gain[p], bends[p] * ahead);
+    torque[p] = straightTorque(strain[p], gain[p], bends[p] * AHEAD_AT(p));
     sum += torque[p];
   }
   float beyond = sumAfter(sum);
   for (int p = kLast; p >= 0; --p) {
-    moment[p] = straightMoment(strain[p], gain[p], tangentBefore(p), bends[p], bends[p] * ahead, torque[p], beyond);
+    moment[p] = straightMoment(strain[p], gain[p], tangentBefore(p), bends[p], bends[p] * AHEAD_AT(p), torque[p], beyond);
     beyond += torque[p];
   }
 }
@@ -99,7 +99,7 @@ void solveJoints(RootMotion root, float blend[PER_THREAD]) {
     strain[p] = straightStrain(tangentBefore(p), tangent[p]);
     const float c = dot(tangentBefore(p), tangent[p]);
 #if DAMPED
-    const float time2 = settings.time2 * madd(DAMPING_TIME, settings.per_substep, implicitShare(blend[p]));
+    const float time2 = settings.time2 * madd(DAMPING_TIME_AT(p), settings.per_substep, implicitShare(blend[p]));
 #else
     const float time2 = settings.time2 * implicitShare(blend[p]);
 #endif

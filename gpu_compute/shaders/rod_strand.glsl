@@ -100,6 +100,15 @@ float goalStiffnessOf(uint at, vec4 edge) {
 #define KEEP_IN settings.keep
 #define DAMPING_TIME settings.damping_time
 #endif
+// Of the joint of slot p; AHEAD_AT over the substep, `ahead` that of all joints.
+#if GROOMED == 2 && DAMPED
+float damping_times[PER_THREAD];
+#define DAMPING_TIME_AT(p) damping_times[p]
+#define AHEAD_AT(p) (damping_times[p] * settings.per_substep)
+#else
+#define DAMPING_TIME_AT(p) DAMPING_TIME
+#define AHEAD_AT(p) ahead
+#endif
 
 // The greatest of the strand's edges, see stiffnessOf().
 float kappa() { return rest.stiffest * settings.time2; }
@@ -222,6 +231,9 @@ void loadStrand(uint list, uint first, uint count) {
     keeps[p] = keepOf(at + 1u);
     time2s[p] = time2Of(at + 1u);
     goal_stiffness[p] = goalStiffnessOf(at, edge_rest[at]);
+#endif
+#if GROOMED == 2 && DAMPED
+    damping_times[p] = settings.damping_time * frictionAndDampingOf(at).y;
 #endif
   }
 #if STRAIGHT && UNIFORM

@@ -57,15 +57,15 @@ void solveJoints(RootMotion root, float blend[PER_THREAD]) {
     strain[p] = jointStrain(inner, frame[p]);
     vec3 excess = strain[p] - rest_strain[p];
     float c = dot(t_in, tangent[p]);
-    float time2 = settings.time2 * madd(DAMPING_TIME, settings.per_substep, implicitShare(blend[p]));
+    float time2 = settings.time2 * madd(DAMPING_TIME_AT(p), settings.per_substep, implicitShare(blend[p]));
     stiffness[p] = bendMatrixStiffness(bends[p], c, time2);
     margin[p] = bendMatrixMargin(stiffness[p], c, excess, kinked);
     float coupling = twistOfBending(strain[p], excess, bends[p]), shear = torqueDifference(strain[p], excess, bends[p]);
 #if DAMPED
     vec3 turned = edgeTurning(p);
     gained[p] = gainedStrain(strain[p], turned_before, turned);
-    coupling += twistOfDamping(strain[p], bends[p], ahead);
-    shear += torqueDifference(strain[p], gained[p] * ahead, bends[p]);
+    coupling += twistOfDamping(strain[p], bends[p], AHEAD_AT(p));
+    shear += torqueDifference(strain[p], gained[p] * AHEAD_AT(p), bends[p]);
     turned_before = turned;
 #endif
     float own = twist(p) + coupling, torque = madd(twist(p), excess.z, shear);
@@ -113,7 +113,7 @@ void solveJoints(RootMotion root, float blend[PER_THREAD]) {
     strain[p] = twistedStrain(untwisted, turn_in, turn[p]);
     vec3 excess = strain[p] - rest_strain[p];
 #if DAMPED
-    excess = dampedExcess(excess, gained[p], untwisted, strain[p], ahead);
+    excess = dampedExcess(excess, gained[p], untwisted, strain[p], AHEAD_AT(p));
 #endif
     moment[p] = jointMoment(inner, strain[p], excess, bends[p], twist(p));
     inner = frame[p] = twistFrame(frame[p], turn[p]);

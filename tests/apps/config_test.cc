@@ -59,6 +59,8 @@ shear_modulus = 1.2e9
 radius_curve = [[0, 1], [1, 0.4]]
 stiffness_curve = 0.5
 density_curve = [[0, 1], [1, 3]]
+damping_curve = [[0, 2], [1, 0]]
+friction_curve = 0.25
 [[pin]]
 part = "a"
 bone = "ribbon"
@@ -143,6 +145,8 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_FLOAT_EQ(materials[0].radius_scale.at(0.5f), 0.7f);
   EXPECT_FLOAT_EQ(materials[0].stiffness_scale.at(0.5f), 0.5f);
   EXPECT_FLOAT_EQ(materials[0].density_scale.at(0.5f), 2);
+  EXPECT_FLOAT_EQ(materials[0].damping_curve.at(0.25f), 1.5f);
+  EXPECT_FLOAT_EQ(materials[0].friction_curve.at(0.25f), 0.25f);
   ASSERT_EQ(s.scene.pins.size(), 1u);
   EXPECT_EQ(s.scene.pins[0].parts, std::vector<std::string>{"a"});
   EXPECT_EQ(s.scene.pins[0].bone, "ribbon");

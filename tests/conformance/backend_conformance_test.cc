@@ -334,6 +334,61 @@ TEST_P(Conformance, AStepUnderAccelerationsAgreesWithTheOracle) {
   }
 }
 
+// Damping and friction that differ along strands, and masses; without bodies and, at rest but for them, among
+// some.
+TEST_P(Conformance, AStepWithFactorsAlongStrandsAgreesWithTheOracle) {
+  Material curved;
+  curved.density_scale.knots = {{0, 1}, {1, 4}};
+  curved.damping_curve.knots = {{0, 5}, {0.5f, 0}, {1, 2}};
+  curved.friction_curve.knots = {{0, 0}, {1, 3}};
+  const bool rod = parameters_.solver == SolverKind::kRod;
+  parameters_.damping_time = 0.005f;
+  // Those of up to 31 vertices, for which a GPU compiles one program; without bodies gpu_rod_test has its
+  // rod.
+  const StrandModel awkward = awkwardModel(48, 11);
+  StrandSet set;
+  for (size_t s = 0; s < awkward.strands(); ++s) {
+    std::vector<Vec3> points;
+    for (uint32_t v = awkward.offsets[s]; v < awkward.offsets[s + 1]; ++v)
+      points.push_back(awkward.restPosition(s, v));
+    if (points.size() <= 31) set.append(points);
+  }
+  StrandModel model = makeStrandModel(set, {curved});
+  const std::vector<Pose> bones_end = {movedHead()};
+  for (const bool among_bodies : {false, true}) {
+    if (rod && !among_bodies && backend_->name() == "gpu") continue;
+    const StrandState from = among_bodies ? restState(model, model.rest_roots) : disturbedState(model, 12);
+    const auto bodies = among_bodies ? movingBodies(parameters_.time_step) : std::vector<MovingPrimitive>();
+    model.rest_distance.clear();
+    if (among_bodies) model.rest_distance = leftWhereTheyStart(from, bodies);
+    StrandModel without = model;
+    without.damping_along.clear();
+    without.friction_along.clear();
+    const StepInput input{&parameters_, {}, bones_end, bodies};
+    const double substep = parameters_.time_step / parameters_.substeps;
+    const StrandState truth = oracleStep(model, from, input), mine = stepped(model, from, input);
+    const std::vector<double> sensitivity = sensitivities(model, from, truth, input, substep),
+                              error = errors(model, mine, truth, substep),
+                              by_factors = errors(model, truth, oracleStep(without, from, input), substep);
+    const double tolerance = !rod           ? kOneStepTolerance
+                             : among_bodies ? kAmongBodiesTolerance
+                                            : kRodOneStepTolerance;
+    size_t compared = 0, off = 0, changed = 0;
+    for (size_t s = 0; s < model.strands(); ++s) {
+      if (rod && tooDense(model, s, substep, among_bodies ? kDensestAmongBodies : kDensestRod)) continue;
+      ++compared;
+      off += error[s] >= tolerance + kSensitivityFactor * sensitivity[s];
+      changed += by_factors[s] > 20 * (tolerance + kSensitivityFactor * sensitivity[s]);
+    }
+    std::printf("             bodies %d: of %zu strands %zu are off, %zu moved otherwise by the factors\n",
+                among_bodies, compared, off, changed);
+    EXPECT_EQ(off, 0u);
+    if (rod || among_bodies) {
+      EXPECT_GT(changed, compared / 4);
+    }
+  }
+}
+
 // Bodies of every kind, each alone, so that every strand that differs is the doing of one kind; the rod from
 // several states, for its strands are counted. One state has all of the code for a sanitizer.
 using StepsOfKind = std::vector<StepAmongBodies>;

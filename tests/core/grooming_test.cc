@@ -1,7 +1,9 @@
 // What grooming does to strands, on the reference backend; the conformance suite holds the others to it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <limits>
 
@@ -167,6 +169,72 @@ TEST(MaterialFactors, FrictionOfAPartIsAFactorOfTheBodys) {
   for (const SolverKind solver : {SolverKind::kRod, SolverKind::kGaussSeidel}) {
     EXPECT_NEAR(slides(solver, 0.8f, 0.25f), slides(solver, 0.2f, 1), 1e-5f) << solverName(solver);
     EXPECT_GT(slides(solver, 0.8f, 0.25f), slides(solver, 0.8f, 1) + 0.01f) << solverName(solver);
+  }
+}
+
+TEST(MaterialFactors, AnEvenCurveIsTheFactorThatItIs) {
+  Parameters parameters = parametersOf(SolverKind::kRod);
+  parameters.damping_time = 0.002f;
+  Material scaled, curved;
+  scaled.damping_scale = 3;
+  curved.damping_scale = 1.5f;
+  curved.damping_curve.knots = {{0, 2}};
+  Simulation by_scale = level(parameters, scaled), by_curve = level(parameters, curved);
+  for (Simulation* s : {&by_scale, &by_curve}) run(*s, 0.3);
+  EXPECT_EQ(stateHash(by_scale.state()), stateHash(by_curve.state()));
+}
+
+TEST(MaterialFactors, DampingOfTheInnerHalfIsMoreThanOfTheOuter) {
+  // Level hair falls and swings, without air. It bends near its root most, so what damps there takes most of
+  // the swing.
+  Parameters parameters = parametersOf(SolverKind::kRod);
+  parameters.air_drag = 0;
+  parameters.damping_time = 0.1f;
+  auto swing = [&](const RootTipCurve& curve) {
+    Material material;
+    material.damping_curve = curve;
+    Simulation simulation = level(parameters, material);
+    run(simulation, 2);
+    float low = 0, high = -1;  // of the tip, m
+    for (int i = 0; i < 360; ++i) {
+      simulation.step();
+      low = std::min(low, simulation.guides()[kEdges].y());
+      high = std::max(high, simulation.guides()[kEdges].y());
+    }
+    return high - low;
+  };
+  const float none = swing({{{0, 0}}}), all = swing({{{0, 1}}}), inner = swing({{{0.5f, 1}, {0.5f, 0}}}),
+              outer = swing({{{0.5f, 0}, {0.5f, 1}}});
+  std::printf("             the tip swings by %.4f m, damped %.4f, its inner half %.4f, its outer %.4f\n",
+              static_cast<double>(none), static_cast<double>(all), static_cast<double>(inner),
+              static_cast<double>(outer));
+  EXPECT_LT(all, inner);
+  EXPECT_LT(inner, 0.5f * outer);
+  EXPECT_LT(all, 0.5f * none);
+}
+
+TEST(MaterialFactors, FrictionIsThatOfThePlaceAlongTheStrand) {
+  // Limp hair lies on a floor, and wind blows across it: the half that the floor does not rub is blown away.
+  auto blown = [](SolverKind solver, const RootTipCurve& curve) {
+    Parameters parameters = parametersOf(solver);
+    parameters.shape_rate = parameters.shape_rate_tip = 0;
+    parameters.wind = Vec3(0, 0, 2);
+    const RigidBody floor{{{PrimitiveKind::kPlane, Vec3(0, -0.001f, 0), Vec3::UnitY(), 0, 1.5f}}, false};
+    Material material = limp();
+    material.friction_curve = curve;
+    Simulation simulation(modelOf({straightStrand(0.2, kEdges, Vec3::UnitX())}, material), {floor},
+                          parameters, makeReferenceBackend());
+    run(simulation, 0.15);
+    return std::pair(simulation.guides()[kEdges / 2].z(), simulation.guides()[kEdges].z());
+  };
+  for (const SolverKind solver : {SolverKind::kRod, SolverKind::kGaussSeidel}) {
+    const auto everywhere = blown(solver, {{{0, 1}}}), inner = blown(solver, {{{0.5f, 1}, {0.5f, 0}}}),
+               nowhere = blown(solver, {{{0, 0}}});
+    EXPECT_GT(nowhere.second, everywhere.second + 0.01f) << solverName(solver);
+    EXPECT_GT(inner.second, everywhere.second + 0.3f * (nowhere.second - everywhere.second))
+        << solverName(solver) << ": its outer half goes";
+    EXPECT_LT(inner.first, everywhere.first + 0.5f * (nowhere.first - everywhere.first))
+        << solverName(solver) << ": its middle stays";
   }
 }
 

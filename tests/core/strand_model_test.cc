@@ -111,6 +111,39 @@ TEST(StrandModel, ADensityCurveIsMassAndNothingElse) {
   }
 }
 
+TEST(StrandModel, CurvesOfDampingAndFrictionAreKeptOnlyWhereThereAreSome) {
+  StrandSet set = oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 3, 0}, {0, 4, 0}});
+  set.append(std::vector<Vec3>{{1, 0, 0}, {1, 1, 0}});
+  set.parts = {0, 1};
+  Material scaled, curved;
+  scaled.damping_scale = 2;
+  scaled.friction_scale = 3;
+  curved.damping_scale = 4;
+  curved.damping_curve.knots = {{0, 1}, {1, 3}};
+  curved.friction_curve.knots = {{0.5f, 1}, {0.5f, 0}};
+  EXPECT_TRUE(makeStrandModel(set, {scaled}).damping_along.empty()) << "no memory where they are 1";
+  const StrandModel model = makeStrandModel(set, {curved, scaled});
+  for (uint32_t v = 0; v < 4; ++v) {
+    EXPECT_FLOAT_EQ(model.dampingFactor(0, v), 4 * (1 + model.rest_local[v].norm() / 2)) << v;
+    EXPECT_FLOAT_EQ(model.frictionFactor(0, v), v < 2 ? 1 : 0) << v;
+  }
+  EXPECT_FLOAT_EQ(model.dampingFactor(1, 5), 2);
+  EXPECT_FLOAT_EQ(model.frictionFactor(1, 5), 3);
+  checkModel(model, "here");
+  for (std::vector<float> StrandModel::*along : {&StrandModel::damping_along, &StrandModel::friction_along}) {
+    StrandModel lacks = model;
+    (lacks.*along).clear();
+    EXPECT_NE(errorOf([&] { checkModel(lacks, "here"); }).find("without the other"), std::string::npos);
+  }
+}
+
+TEST(StrandModel, ACurveAloneMakesAStrandOneWithFactors) {
+  Material curved;
+  curved.friction_curve.knots = {{0, 1}, {1, 0.5f}};
+  const StrandModel model = makeStrandModel(oneStrand({{0, 0, 0}, {0, 1, 0}, {0, 2, 0}}), {curved});
+  EXPECT_TRUE(model.hasFactors(0));
+}
+
 TEST(StrandModel, AnEmptySetIsAModel) { EXPECT_EQ(makeStrandModel(StrandSet()).strands(), 0u); }
 
 TEST(StrandModel, BadStrandsAreErrorsThatNameThem) {

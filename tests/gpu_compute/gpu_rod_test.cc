@@ -40,7 +40,7 @@ StrandModel arcs(size_t strands, const std::vector<int>& counts, float length, b
 }
 
 // Straight strands in all directions; vertex counts in turn. `uneven`: edges grow towards the tip.
-StrandModel straightHair(size_t strands, float length, bool uneven) {
+StrandModel straightHair(size_t strands, float length, bool uneven, const Material& material = {}) {
   StrandSet set;
   for (size_t s = 0; s < strands; ++s) {
     const float angle = 2.4f * static_cast<float>(s), height = std::sin(0.7f * static_cast<float>(s));
@@ -53,7 +53,7 @@ StrandModel straightHair(size_t strands, float length, bool uneven) {
     }
     set.append(points);
   }
-  return makeStrandModel(set, {Material()});
+  return makeStrandModel(set, {material});
 }
 
 double lengthOf(const StrandModel& model, size_t s) {
@@ -212,6 +212,20 @@ TEST_F(GpuRod, StraightHairHasProgramsOfItsOwn) {
   const StrandState alike = run(*backend_, many, restState(many, many.rest_roots), 10);
   EXPECT_GT(strandsOff(few, alike, run(*backend_, few, restState(few, few.rest_roots), 10), 0), 150)
       << "a few go along with all others' hair";
+}
+
+TEST_F(GpuRod, StraightHairDampedUnevenlyAgreesWithTheOracle) {
+  Material material;
+  material.damping_curve.knots = {{0, 2}, {0.5f, 0}, {1, 4}};
+  const StrandModel model = straightHair(600, 0.2f, false, material);
+  StrandModel evenly = model;
+  evenly.damping_along.clear();
+  evenly.friction_along.clear();
+  const StrandState from = run(*makeOracleBackend(), model, restState(model, model.rest_roots), 40);
+  parameters_.damping_time = 0.01f;
+  const StrandState truth = run(*makeOracleBackend(), model, from, 1);
+  EXPECT_LE(strandsOff(model, run(*backend_, model, from, 1), truth, 1e-5), model.strands() / 50);
+  EXPECT_GT(strandsOff(model, run(*makeOracleBackend(), evenly, from, 1), truth, 1e-4), model.strands() / 2);
 }
 
 TEST_F(GpuRod, StraightHairAgreesWithTheOracleAmongBodies) {

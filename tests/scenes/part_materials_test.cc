@@ -90,6 +90,18 @@ TEST(PartMaterials, MassesThatFloatsCannotSolveAreRefused) {
       << "two jumps at one place";
 }
 
+TEST(PartMaterials, AScaleTimesItsCurveHasTheRangeOfEither) {
+  const auto taken = [](double scale, const std::vector<double>& curve) {
+    return strandcast::errorOf([&] {
+      partMaterials({{{}, {{"friction_scale", {scale}, "a"}, {"friction_curve", curve, "a"}}, "a"}}, {"cap"});
+    });
+  };
+  EXPECT_EQ(taken(10, {0, 0, 1, 100}), "");
+  EXPECT_EQ(taken(20, {0, 0, 1, 100}),
+            "'friction_scale' x 'friction_curve' is up to 2000: material of part 'cap'; let it be 1000 at "
+            "most");
+}
+
 TEST(MaterialSettings, EveryOneTakesTheLimitsOfItsRangeAndNothingBeyond) {
   for (const MaterialSettingInfo& info : materialSettingList()) {
     EXPECT_FALSE(info.help.empty()) << info.name;
