@@ -31,6 +31,7 @@ struct StepOptions {
   uint64_t seed = 1;
   std::optional<float> damping_time;  // s
   bool operations = false;
+  std::vector<std::string> hair = {"plain"};
   PrintOptions print;
 };
 
@@ -60,6 +61,41 @@ void straighten(StrandSet& strands) {
       points[i] = points[i - 1] + length * edge.normalized();
     }
   }
+}
+
+/// What the hair of a row is made of.
+struct HairKind {
+  const char *name, *help;
+};
+constexpr HairKind kHairKinds[] = {
+    {"plain", "edges and masses even, one material, the scene's damping"},
+    {"undamped", "the same without internal damping"},
+    {"tapered", "plain, 0.4 x as thick at the tip"},
+    {"uneven", "plain, edges by turns 2/3 and 4/3 as long"},
+    {"curves", "plain, density, air drag, damping and friction falling to half from root to tip"},
+};
+
+// Every other vertex is drawn to the one before it.
+void makeUneven(StrandSet& strands) {
+  for (size_t s = 0; s < strands.strands(); ++s) {
+    const std::span<Vec3> points = strands.strand(s);
+    for (size_t i = 1; i + 1 < points.size(); i += 2) points[i] -= (points[i] - points[i - 1]) / 3;
+  }
+}
+
+/// The scene with such hair, and its parameters.
+Scene sceneOf(const Scene& plain, const std::string& hair) {
+  Scene scene = plain;
+  const RootTipCurve half{{{0.0f, 1.0f}, {1.0f, 0.5f}}};
+  if (hair == "undamped") scene.parameters.damping_time = 0;
+  if (hair == "uneven") makeUneven(scene.groom.strands);
+  for (Material& material : scene.materials) {
+    if (hair == "tapered") material.radius_scale.knots = {{0.0f, 1.0f}, {1.0f, 0.4f}};
+    if (hair == "curves")
+      material.density_scale = material.air_drag_scale = material.damping_curve = material.friction_curve =
+          half;
+  }
+  return scene;
 }
 
 std::unique_ptr<Backend> backendOf(const StepOptions& o, const std::string& name, SolverKind solver) {
@@ -99,11 +135,13 @@ void addFractions(nlohmann::json& row, const StepOptions& o, const MeasuredRun& 
 }
 
 /// Adds the parts of a step to the table of operations.
-void addParts(Table& parts, const std::string& backend, const OperationCount& operations) {
+void addParts(Table& parts, const std::string& backend, const std::string& hair,
+              const OperationCount& operations) {
   for (int p = 0; p < kStepParts; ++p) {
     const double own = operations.parts[static_cast<size_t>(p)];
     if (own > 0)
       parts.add({{"case", backend},
+                 {"hair", hair},
                  {"part", nameOf(static_cast<StepPart>(p))},
                  {"per_vertex_substep", own},
                  {"share", own / operations.all}});
@@ -111,12 +149,14 @@ void addParts(Table& parts, const std::string& backend, const OperationCount& op
 }
 
 /// A row of the table; the parts of its step go into the other one.
-nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& name, Table& parts) {
+nlohmann::json run(const StepOptions& o, const Scene& plain, const std::string& hair, const std::string& name,
+                   Table& parts) {
+  const Scene scene = sceneOf(plain, hair);
   Parameters parameters = scene.parameters;
   parameters.substeps = o.substeps;
   parameters.iterations = o.iterations;
   parameters.solver = solverKind(o.solver);
-  if (o.damping_time) parameters.damping_time = *o.damping_time;
+  if (o.damping_time && hair != "undamped") parameters.damping_time = *o.damping_time;
   if (o.air > 0) addAir(parameters, o.air);
   const std::vector<RigidBody> bodies = bodiesOf(o, scene);
   const auto make = [&] {
@@ -136,12 +176,13 @@ nlohmann::json run(const StepOptions& o, const Scene& scene, const std::string& 
   Simulation& simulation = timed.simulation();
   const OperationCount operations =
       countOperations(simulation.model(), simulation.state(), simulation.nextInput());
-  addParts(parts, result.backend, operations);
+  addParts(parts, result.backend, hair, operations);
   nlohmann::json row = cellsOf(result);
   row.update({{"case", result.backend},
               {"solver", o.solver},
               {"scene", o.scene},
               {"rest", o.rest},
+              {"hair", hair},
               {"bodies", o.bodies},
               {"air_cells", o.air},
               {"strands", o.strands},
@@ -166,10 +207,13 @@ int step(const StepOptions& o) {
   if (o.rest == "straight") straighten(scene.groom.strands);
   Bench bench;
   bench.name = "step";
-  bench.params = {{"scene", o.scene},           {"rest", o.rest},         {"solver", o.solver},
-                  {"bodies", o.bodies},         {"air_cells", o.air},     {"shake_hz", o.shake},
-                  {"strands", o.strands},       {"vertices", o.vertices}, {"substeps", o.substeps},
-                  {"iterations", o.iterations}, {"seed", o.seed},         {"instruction_set", o.target}};
+  bench.params = {{"scene", o.scene},       {"rest", o.rest},
+                  {"solver", o.solver},     {"bodies", o.bodies},
+                  {"air_cells", o.air},     {"shake_hz", o.shake},
+                  {"strands", o.strands},   {"vertices", o.vertices},
+                  {"substeps", o.substeps}, {"iterations", o.iterations},
+                  {"seed", o.seed},         {"instruction_set", o.target},
+                  {"hair", o.hair}};
   bench.more = {{"backend", o.backend}, {"threads", o.threads}};
   bench.heading = fmt::format("scene {}, bodies {}, {} x {}, {} substeps, {} iterations, solver {}\n",
                               o.scene, o.bodies, o.strands, o.vertices, o.substeps, o.iterations, o.solver);
@@ -177,6 +221,7 @@ int step(const StepOptions& o) {
                                   {"solver"},
                                   {"scene"},
                                   {"rest"},
+                                  {"hair"},
                                   {"damping_s", "damping s"},
                                   {"bodies"},
                                   {"air_cells"},
@@ -194,6 +239,7 @@ int step(const StepOptions& o) {
                                   {"fraction_of_copy", "of copy", "{:.3f}"},
                                   {"copied_bytes_per_s", "copy B/s", "{:.3g}"}}}));
   Table parts({{"case", "backend"},
+               {"hair"},
                {"part", "part"},
                {"per_vertex_substep", "operations", "{:.1f}"},
                {"share", "of all", "{:.3f}"}});
@@ -202,15 +248,17 @@ int step(const StepOptions& o) {
     const bool runs = info.available && std::find(info.solvers.begin(), info.solvers.end(),
                                                   solverKind(o.solver)) != info.solvers.end();
     if (!runs && o.backend == "all") continue;
-    bench.table.add(run(o, scene, o.backend == "auto" ? "auto" : info.name, parts));
+    for (const std::string& hair : o.hair)
+      bench.table.add(run(o, scene, hair, o.backend == "auto" ? "auto" : info.name, parts));
     if (o.backend == "auto") break;
   }
   if (o.operations) {
     bench.more["operations"] = parts.json();
     bench.closing = "operations per vertex and substep, by part of the step\n" + parts.text();
     for (const nlohmann::json& row : parts.rows())
-      bench.comments.push_back(fmt::format("operations of {}, {}: {:.6g} per vertex and substep",
-                                           row["case"].get<std::string>(), row["part"].get<std::string>(),
+      bench.comments.push_back(fmt::format("operations of {}, {} hair, {}: {:.6g} per vertex and substep",
+                                           row["case"].get<std::string>(), row["hair"].get<std::string>(),
+                                           row["part"].get<std::string>(),
                                            row["per_vertex_substep"].get<double>()));
   }
   print(bench, o.print);
@@ -221,6 +269,13 @@ int step(const StepOptions& o) {
 
 std::function<int()> addStepBench(CLI::App& app) {
   const auto o = std::make_shared<StepOptions>();
+  std::vector<std::string> hairs;
+  std::string hair_help = "what the hair is made of, a row each, by commas;";
+  for (const HairKind& hair : kHairKinds) {
+    hairs.emplace_back(hair.name);
+    hair_help += fmt::format(" {}: {};", hair.name, hair.help);
+  }
+  hair_help.pop_back();
   app.footer(
       "ms:      of a step and of reading its guides, by the wall.\n"
       "cpu ms:  the same in processor time of all threads: what others on the machine take is not in it.\n"
@@ -248,6 +303,7 @@ std::function<int()> addStepBench(CLI::App& app) {
       "Examples:\n"
       "  strandbench step --backend all\n"
       "  strandbench step --bodies mesh --operations\n"
+      "  strandbench step --backend simd --hair plain,undamped,tapered,uneven,curves\n"
       "  strandbench step --strands 100000 --substeps 6 --scene curly --shake 2 --bodies mesh --air 64");
   addBackend(app, o->backend, {"auto", "gpu", "simd", "reference", "all"});
   app.add_option("--target", o->target, "instruction set of the simd backend: AVX3 (AVX-512), AVX2, SSE4");
@@ -258,6 +314,10 @@ std::function<int()> addStepBench(CLI::App& app) {
   app.add_option("--rest", o->rest,
                  "groom: hair at rest has the scene's shape; straight: it is straight, as its roots stand")
       ->check(CLI::IsMember({"groom", "straight"}))
+      ->capture_default_str();
+  app.add_option("--hair", o->hair, hair_help)
+      ->delimiter(',')
+      ->check(CLI::IsMember(hairs))
       ->capture_default_str();
   app.add_option("--shake", o->shake, "Hz, a head that is shaken so; 0 = the scene's own motion")
       ->check(finiteRange(0.0, 10.0))

@@ -114,6 +114,28 @@ TEST(StepBench, AGpuIsHeldAgainstItsOwnLimits) {
   expectLimits(run, run["gpu_ms"].is_null() ? "ms_median" : "gpu_ms");
 }
 
+// What a row's hair is made of, so that rows of one run tell its price.
+TEST(StepBench, EveryKindOfHairIsARowOfItsOwn) {
+  const nlohmann::json report = benchJson(
+      "step --backend simd --threads 1 --strands 60 --vertices 12 --steps 4 --hair "
+      "plain,undamped,tapered,uneven,curves");
+  ASSERT_TRUE(report.is_object());
+  ASSERT_EQ(report["results"].size(), 5u);
+  std::set<std::string> hashes;
+  for (const nlohmann::json& run : report["results"]) {
+    expectRun(run);
+    hashes.insert(run["state_hash"].get<std::string>());
+  }
+  EXPECT_EQ(hashes.size(), 5u) << "no two move alike";
+  EXPECT_EQ(report["results"][1]["hair"], "undamped");
+  EXPECT_EQ(report["results"][1]["damping_s"], 0);
+  EXPECT_GT(report["results"][0]["damping_s"], 0);
+  const auto bytes = [&](int row) { return report["results"][row]["bytes_per_vertex"].get<double>(); };
+  EXPECT_NEAR(bytes(2), bytes(0), 1) << "taper takes no memory";
+  EXPECT_GT(bytes(4), bytes(0) + 20) << "curves of factors do";
+  EXPECT_EQ(runBench("step --strands 20 --hair plain,frizzy 2>/dev/null").status, 2);
+}
+
 TEST(StepBench, CsvHoldsTheSameAsJson) {
   const std::string arguments = "step --backend reference --strands 20 --vertices 8 --steps 2";
   const BenchOutput csv = runBench(arguments + " --csv");
