@@ -270,8 +270,8 @@ void RodStrands::expect(bool goal, bool bodies) {
 const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray, const Needs& needs,
                                        ProgramCache& programs) const {
   const uint32_t key = groups_.groups()[group].key;
-  const bool curved = (key & kGroomed) != 0 && !model_.friction_along.empty();
-  const bool groomed = needs.goal || (key & kGroomed) != 0, clear = motion == Motion::kClear;
+  const bool factors = (key & kGroomed) != 0, curved = factors && !model_.friction_along.empty();
+  const bool groomed = needs.goal || factors, clear = motion == Motion::kClear;
   const bool violent = motion == Motion::kViolent, bodies = needs.bodies && !clear;
   const bool pinned = (key & kPinned) != 0, shared = compiles_slowly_ && (key & kAnything) == kAnything;
   const bool stiff = shared || isStiff(needs) || (pinned && between_pins_);
@@ -285,10 +285,7 @@ const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray,
                   "#define GROOMED {}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define STIFF {:d}\n"
                   "#define ASTRAY {:d}\n#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
                   spread.per_thread, spread.threads, edges_of_[group], (key & kGeneral) == 0 && !groomed,
-                  pinned, straight, clear, bodies, astray ? needs.turning : 0,
-                  !groomed ? 0
-                  : curved ? 2
-                           : 1,
+                  pinned, straight, clear, bodies, astray ? needs.turning : 0, curved ? 2 : int{groomed},
                   needs.damping, violent, violent && stiff, astray, shuffled_, needs.accelerated));
 }
 
