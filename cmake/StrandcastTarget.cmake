@@ -67,7 +67,8 @@ function(strandcast_library name)
   endif()
 endfunction()
 
-# strandcast_test(NAME SOURCES ... LINK ... [TIMEOUT s] [LABELS ...]): a GoogleTest program, found by ctest under its name.
+# strandcast_test(NAME SOURCES ... LINK ... [TIMEOUT s] [LABELS ...]): a GoogleTest program, found by ctest under its name. With a
+# sanitizer it has three times as long.
 # The label "threads" marks what the thread sanitizer is run on; the target thread_tests builds all of those. The target
 # quick_tests builds, for the other sanitizers, all that are not labelled slow, gl (needs OpenGL), measures (benchmarks and
 # validation), programs or sources (reads the project's files alone).
@@ -75,6 +76,9 @@ function(strandcast_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
+  endif()
+  if(STRANDCAST_SANITIZE)
+    math(EXPR ARG_TIMEOUT "3 * ${ARG_TIMEOUT}")
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})

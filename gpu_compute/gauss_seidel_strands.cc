@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <map>
 
 #include "core/strand_block.h"
 #include "gpu_compute/shaders.h"
@@ -29,22 +30,25 @@ std::vector<Vec4> packRestEdges(const StrandModel& model) {
   return packed;
 }
 
-std::vector<uint32_t> threadsPerStrand(const StrandModel& model) {
+std::vector<uint32_t> threadsPerStrand(const StrandModel& model, bool compiles_slowly) {
   std::vector<uint32_t> threads(model.strands());
+  std::map<uint32_t, size_t> count;
   for (size_t s = 0; s < threads.size(); ++s)
-    threads[s] = std::max(4u, std::bit_ceil(static_cast<uint32_t>(model.verticesOf(s))));
+    ++count[threads[s] = std::max(4u, std::bit_ceil(static_cast<uint32_t>(model.verticesOf(s))))];
+  for (uint32_t& own : threads)
+    if (compiles_slowly && count[own] < kOwnProgram) own = std::max(own, kWorkgroup);
   return threads;
 }
 
 }  // namespace
 
-GaussSeidelStrands::GaussSeidelStrands(const StrandModel& model)
-    : groups_(threadsPerStrand(model)),
+GaussSeidelStrands::GaussSeidelStrands(const StrandModel& model, bool compiles_slowly)
+    : groups_(threadsPerStrand(model, compiles_slowly)),
       order_(groups_.order()),
       rest_edge_(std::span<const Vec4>(packRestEdges(model))) {}
 
 void GaussSeidelStrands::step(int groomed, bool accelerated, bool bends, ProgramCache& programs) {
-  auto workgroup = [](const StrandGroup& group) { return std::max(32u, group.key); };
+  auto workgroup = [](const StrandGroup& group) { return std::max(kWorkgroup, group.key); };
   std::vector<const gl::Program*>& mine =
       programs_[(groomed > 0 ? 1 : 0) + (accelerated ? 2 : 0) + (bends ? 4 : 0)];
   if (mine.empty())

@@ -10,7 +10,8 @@ namespace strandcast::gpu {
 /// What the course's scheme needs of a model, and its dispatches: a vertex per invocation.
 class GaussSeidelStrands {
  public:
-  explicit GaussSeidelStrands(const StrandModel& model);
+  /// `compiles_slowly`: few strands of a width go along with wider ones.
+  GaussSeidelStrands(const StrandModel& model, bool compiles_slowly);
   /// Gives the commands of a step; the buffers of GpuStrands are bound. The first of each kind compiles.
   /// `groomed`: GROOMED of shaders/gauss_seidel.comp, 0 or one other value for all steps of a model.
   void step(int groomed, bool accelerated, bool bends, ProgramCache& programs);

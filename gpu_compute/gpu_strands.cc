@@ -122,7 +122,7 @@ void GpuStrands::expect(const Parameters& parameters, bool bodies) {
   gl::discardErrors();
   if (rod && !rod_) rod_.emplace(model_, few_vertices_, compiles_slowly_);
   if (rod) rod_->expect(goal, bodies);
-  if (!rod && !gauss_seidel_) gauss_seidel_.emplace(model_);
+  if (!rod && !gauss_seidel_) gauss_seidel_.emplace(model_, compiles_slowly_);
   if (rest_local_.bytes() == 0 && (!rod || goal || rod_->holdsVertices()))
     rest_local_ = gl::Buffer(std::span<const Vec4>(packRestLocal(model_)));
   if (grooming_.bytes() == 0 && (groomed_ || goal)) {

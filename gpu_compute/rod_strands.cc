@@ -15,8 +15,6 @@ namespace {
 
 using Vec4 = std::array<float, 4>;
 
-constexpr uint32_t kWorkgroup = 32;  // invocations
-
 // Edges of an invocation. With four of them contact takes more registers than there are: 3.9 ms in place
 // of 2.3 for 100,000 strands on a sphere, on an H100.
 constexpr uint32_t kPerThread = 4, kPerThreadInContact = 2;
@@ -41,9 +39,8 @@ Spread spreadOf(uint32_t key, bool bodies) {
   return bodies && more <= kWorkgroup ? Spread{kPerThreadInContact, more} : Spread{kPerThread, threads};
 }
 
-// Fewer strands than this are not worth a program of their own: they are done as if they might be anything,
-// with one of two numbers of invocations. Where programs take long to compile all of them share the widest.
-constexpr size_t kOwnProgram = 512;
+// Strands too few for a program of their own are done as if they might be anything, with one of two numbers
+// of invocations. Where programs take long to compile all of them share the widest.
 constexpr uint32_t sharedThreads(uint32_t threads) { return threads <= 8 ? 8 : kWorkgroup; }
 
 // So many strands have those astray done apart: that is one more dispatch to wait for, 0.03 ms of each

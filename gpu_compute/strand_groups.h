@@ -34,6 +34,11 @@ class LazyProgram {
   const gl::Program* found_ = nullptr;
 };
 
+/// Invocations of a workgroup of the solvers' programs, at least.
+constexpr uint32_t kWorkgroup = 32;
+/// Fewer strands of a kind than this are not worth a program of their own where others can do them too.
+constexpr size_t kOwnProgram = 512;
+
 /// Strands that one dispatch does.
 struct StrandGroup {
   uint32_t key;    ///< what they have in common

@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -39,7 +40,8 @@ struct Outcome {
   std::string out, err;
 };
 
-/// Programs as a user runs them, in a folder of the test's own. Those that still run at its end are killed.
+/// Programs as a user runs them, in a folder of the test's own. Those that still run at its end are killed,
+/// also where the test itself is.
 class ProgramFixture : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -72,6 +74,7 @@ class ProgramFixture : public ::testing::Test {
     arguments.push_back(nullptr);
     const pid_t child = fork();
     if (child == 0) {
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (chdir(folder_.c_str()) != 0) _exit(126);
       const int file = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       if (file < 0 || dup2(file, STDOUT_FILENO) < 0) _exit(126);
