@@ -32,6 +32,9 @@ function(strandcast_highway)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
+# The presets of the sanitizers have -fexpensive-optimizations: without it GCC leaves the upper halves of vectors in use behind code
+# of AVX, and what computes with single floats takes up to fifteen times as long from there on.
+#
 # strandcast_of_numbers(TARGET [WATCH_SCOPES]): the tests spend their time in it. Under the address sanitizer, whose preset has -Og (a
 # quarter less of the compiler's time), it is compiled with -O1, and with headers precompiled so: GCC takes the level from those.
 # And its local values are numbers by the thousand: the sanitizer does not watch where each of them goes out of scope, but with
