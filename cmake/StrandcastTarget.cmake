@@ -32,7 +32,7 @@ function(strandcast_highway)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
-# The presets of the sanitizers have -fexpensive-optimizations: without it GCC leaves the upper halves of vectors in use behind code
+# The preset asan has -fexpensive-optimizations: without it GCC leaves the upper halves of vectors in use behind code
 # of AVX, and what computes with single floats takes up to fifteen times as long from there on.
 #
 # strandcast_of_numbers(TARGET [WATCH_SCOPES]): the tests spend their time in it. Under the address sanitizer, whose preset has -Og (a
