@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
+#include "tests/air/wide_fan.h"
 #include "validation/specimen.h"
 
 namespace strandcast {
@@ -48,15 +49,6 @@ TEST(Surroundings, ChangeNoBitWhereNothingAsksForThem) {
   parameters.wind = Vec3(3, 0, 0);
   EXPECT_EQ(hashAfter(parameters, makeReferenceBackend(), cpuAir("reference").surroundings({})),
             hashAfter(parameters, makeReferenceBackend(), nullptr));
-}
-
-WindSource wideFan(float speed) {
-  WindSource fan;
-  fan.kind = WindSource::Kind::kTurbine;
-  fan.direction = Vec3::UnitX();
-  fan.radius = fan.length = 10;
-  fan.speed = speed;
-  return fan;
 }
 
 TEST(Surroundings, ASourceWithoutAGridBlowsAsTheWindDoes) {

@@ -3,21 +3,12 @@
 #include "air/air_fields.h"
 #include "apps/command_limits.h"
 #include "core/error.h"
+#include "tests/air/wide_fan.h"
 #include "tests/apps/daemon_fixture.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
 namespace {
-
-/// Blows everything towards +x.
-WindSource wideFan(float speed) {
-  WindSource fan;
-  fan.kind = WindSource::Kind::kTurbine;
-  fan.direction = Vec3::UnitX();
-  fan.radius = fan.length = 10;
-  fan.speed = speed;
-  return fan;
-}
 
 class DaemonWind : public DaemonFixture {
  protected:
