@@ -53,7 +53,8 @@ int main(int argc, char** argv) {
   CLI::App app(
       "strandcastd simulates a head of hair and casts its guide strands over the network.\n"
       "Draw it elsewhere with `strandcast render` or `strandcast view`; steer it with `strandcast ctl`.\n"
-      "Sources of wind ([[wind]] tables: fans, turbines) come with a --config file only.\n\n"
+      "Sources of wind (fans, turbines) come with [[wind]] tables of a --config file, or by `strandcast ctl "
+      "fan`.\n\n"
       "Examples:\n"
       "  strandcastd --scene curly\n"
       "  strandcastd --groom bob.tfx --body head.obj --unit-meters 1 --motion shake --duration 10");

@@ -55,9 +55,10 @@ class Subscriber {
   virtual void keepFrames(size_t count) = 0;
   /// The OLDEST of the frames kept that is newer than `after`, waiting for one when there is none yet; null
   /// on timeout. 0 takes any. A reader that passes the number of the frame it got last sees every frame in
-  /// order while it is fewer frames behind than are kept, and skips the oldest when it is not. Frame numbers start again with a session, that is when a daemon is
-  /// started anew: an `after` beyond the newest frame is of an earlier session and counts as 0, but one that
-  /// is not cannot be told from this session's. Who reads on through that uses waitForNext().
+  /// order while it is fewer frames behind than are kept, and skips the oldest when it is not. Frame numbers
+  /// start again with a session, that is when a daemon is started anew: an `after` beyond the newest frame is
+  /// of an earlier session and counts as 0, but one that is not cannot be told from this session's. Who reads
+  /// on through that uses waitForNext().
   virtual std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after,
                                                          std::chrono::milliseconds timeout) = 0;
   /// The same after the frame `last`; null, or a frame of another session, stands for none.
