@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 
 #include "core/error.h"
@@ -58,24 +57,20 @@ std::vector<WindSource> movedBy(std::vector<WindSource> sources, const Vec3& way
 std::span<const WindSourceNumber> windSourceNumbers() {
   constexpr double kDegree = std::numbers::pi / 180;
   static const WindSourceNumber kNumbers[] = {
-      {"radius", "m", "of a sphere or turbine", 1e-3, 100, 1, &WindSource::radius},
-      {"length", "m", "reach of a cone, thickness of a turbine", 1e-3, 100, 1, &WindSource::length},
-      {"angle", "degrees", "half a cone's opening", 0.1, 90, kDegree, &WindSource::angle},
-      {"speed", "m/s", "of its air", -100, 100, 1, &WindSource::speed},
-      {"swirl", "m/s", "of a turbine's rim", -100, 100, 1, &WindSource::swirl},
-      {"rate", "1/s", "at which air on a grid takes that on", 0, 1000, 1, &WindSource::rate}};
-  static_assert(kFirstSourceNumber << std::size(kNumbers) == kAllSourceParts + 1);
+      {4, "radius", "m", "of a sphere or turbine", 1e-3, 100, 1, &WindSource::radius},
+      {8, "length", "m", "reach of a cone, thickness of a turbine", 1e-3, 100, 1, &WindSource::length},
+      {16, "angle", "degrees", "half a cone's opening", 0.1, 90, kDegree, &WindSource::angle},
+      {32, "speed", "m/s", "of its air", -100, 100, 1, &WindSource::speed},
+      {64, "swirl", "m/s", "of a turbine's rim", -100, 100, 1, &WindSource::swirl},
+      {128, "rate", "1/s", "at which air on a grid takes that on", 0, 1000, 1, &WindSource::rate}};
   return kNumbers;
 }
 
 void take(WindSource& source, const WindSource& of, WindSourceParts parts) {
   if ((parts & kSourcePosition) != 0) source.position = of.position;
   if ((parts & kSourceDirection) != 0) source.direction = of.direction;
-  WindSourceParts own = kFirstSourceNumber;
-  for (const WindSourceNumber& number : windSourceNumbers()) {
-    if ((parts & own) != 0) source.*number.into = of.*number.into;
-    own <<= 1;
-  }
+  for (const WindSourceNumber& number : windSourceNumbers())
+    if ((parts & number.part) != 0) source.*number.into = of.*number.into;
 }
 
 WindSource between(const WindSource& from, const WindSource& to, float part) {

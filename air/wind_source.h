@@ -41,8 +41,13 @@ struct NamedWindSource {
 
 std::vector<WindSource> withoutNames(const std::vector<NamedWindSource>& named);
 
+/// What a source has, but its kind, bit by bit: position, direction, and those of windSourceNumbers().
+using WindSourceParts = uint32_t;
+inline constexpr WindSourceParts kSourcePosition = 1, kSourceDirection = 2, kAllSourceParts = 255;
+
 /// A number of a source as files and commands have it.
 struct WindSourceNumber {
+  WindSourceParts part;  ///< its bit
   const char *name, *unit, *help;
   double low, high;         ///< in `unit`
   double scale;             ///< `unit` in SI
@@ -51,11 +56,6 @@ struct WindSourceNumber {
 /// radius, length, angle, speed, swirl, rate.
 std::span<const WindSourceNumber> windSourceNumbers();
 
-/// What a source has, but its kind, bit by bit: 1 position, 2 direction, 4 the first of windSourceNumbers(),
-/// 8 the second, and so on.
-using WindSourceParts = uint32_t;
-inline constexpr WindSourceParts kSourcePosition = 1, kSourceDirection = 2, kFirstSourceNumber = 4,
-                                 kAllSourceParts = 255;
 /// Has `source` have these parts as `of` has them.
 void take(WindSource& source, const WindSource& of, WindSourceParts parts);
 /// A source `part` (0 to 1) of the way from one to another, which has its kind and is sound as both are: it

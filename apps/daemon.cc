@@ -33,7 +33,7 @@ double milliseconds(Clock::duration d) { return std::chrono::duration<double, st
 
 /// From one pose to another and then still, with no jump in velocity.
 Pose onTheWay(const Pose& from, const Pose& to, double seconds, double of) {
-  return interpolate(from, to, static_cast<float>(smoothStep(of > 0 ? seconds / of : 1)));
+  return interpolate(from, to, static_cast<float>(partGone(seconds, of)));
 }
 
 HeadMotion rampTo(const Pose& from, const Pose& to) {

@@ -382,13 +382,11 @@ WindSourceParts takeFanOptions(const CtlOptions& o, WindSource& source) {
   };
   vector(o.values, kSourcePosition, source.position);
   vector(o.direction, kSourceDirection, source.direction);
-  WindSourceParts own = kFirstSourceNumber;
   for (const WindSourceNumber& number : windSourceNumbers()) {
-    if (const auto given = o.numbers.find(number.name); given != o.numbers.end()) {
-      source.*number.into = static_cast<float>(given->second * number.scale);
-      parts |= own;
-    }
-    own <<= 1;
+    const auto given = o.numbers.find(number.name);
+    if (given == o.numbers.end()) continue;
+    source.*number.into = static_cast<float>(given->second * number.scale);
+    parts |= number.part;
   }
   checkWindSource(source, "ctl fan");
   return parts;

@@ -20,11 +20,8 @@ template <class Source, class Number>
 void sourceNumbers(Source& source, WindSourceParts parts, const Number& number) {
   for (int c = 0; c < 3 && (parts & kSourcePosition) != 0; ++c) number(source.position[c]);
   for (int c = 0; c < 3 && (parts & kSourceDirection) != 0; ++c) number(source.direction[c]);
-  WindSourceParts own = kFirstSourceNumber;
-  for (const WindSourceNumber& known : windSourceNumbers()) {
-    if ((parts & own) != 0) number(source.*known.into);
-    own <<= 1;
-  }
+  for (const WindSourceNumber& known : windSourceNumbers())
+    if ((parts & known.part) != 0) number(source.*known.into);
 }
 
 /// From the numbers of a command behind its first `before`; throws Error where they are not so many.
@@ -142,10 +139,9 @@ void WindControl::remove(const Command& command, const std::string& where) {
 void WindControl::goOn(double time) {
   if (ways_.empty()) return;
   for (const Way& way : ways_) {
-    const double part = way.seconds > 0 ? (time - way.start) / way.seconds : 1;
+    const auto part = static_cast<float>(partGone(time - way.start, way.seconds));
     for (NamedWindSource& moved : sources_)
-      if (moved.name == way.name)
-        take(moved.source, between(way.from, way.to, static_cast<float>(smoothStep(part))), way.parts);
+      if (moved.name == way.name) take(moved.source, between(way.from, way.to, part), way.parts);
   }
   std::erase_if(ways_, [&](const Way& way) { return time - way.start >= way.seconds; });
   steeredAir(simulation_.surroundings())->setSources(withoutNames(sources_));

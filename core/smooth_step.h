@@ -10,4 +10,7 @@ Real smoothStep(Real t) {
   return t * t * (3 - 2 * t);
 }
 
+/// The part that is gone, after `seconds`, of a way that takes `of` s.
+inline double partGone(double seconds, double of) { return smoothStep(of > 0 ? seconds / of : 1.0); }
+
 }  // namespace strandcast

@@ -84,7 +84,7 @@ TEST_F(DaemonWind, GoesSmoothlyAndItsOtherPartsGoOn) {
   EXPECT_NEAR(source(0).direction.normalized().x(), std::sqrt(0.5f), 0.05f) << "it turns evenly";
   EXPECT_NEAR(source(0).direction.normalized().z(), std::sqrt(0.5f), 0.05f);
   to.speed = 9;
-  const WindSourceParts speed = kFirstSourceNumber << 3;
+  const WindSourceParts speed = 32;  // as docs/wire.md has it
   EXPECT_EQ(move("spot", to, speed, 0), "");
   EXPECT_EQ(source(0).speed, 9);
   EXPECT_LT(source(0).position.z(), 0.6f);
