@@ -60,7 +60,7 @@ std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session
   std::unique_ptr<Publisher> publisher = usesLcm(settings) ? makeLcmPublisher(lcmOptions(settings, session))
                                                            : makeDdsPublisher(ddsOptions(settings, session));
   // Nobody else writes into a log.
-  if (usesLcm(settings) && lcmOptions(settings, session).url.starts_with("file://")) return publisher;
+  if (usesLcm(settings) && isLcmLog(settings.lcm_url)) return publisher;
   const auto listen_time = (settings.keys.empty() ? kRivalListenTime : kSecureRivalListenTime) *
                            (settings.claim ? kSharedListens : 1);
   const auto start = std::chrono::steady_clock::now();
@@ -80,9 +80,12 @@ std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session
   }
 }
 
-void announceBake(const std::string& outlook, double seconds) {
-  constexpr double kWorthSaying = 1;  // s
-  if (seconds >= kWorthSaying) spdlog::info("{}", outlook);
+BakeAnnouncement announceBakes(ProgressBar& bar) {
+  return [&](const std::string& outlook, double seconds) {
+    constexpr double kWorthSaying = 1;  // s
+    bar.clear();
+    if (seconds >= kWorthSaying) spdlog::info("{}", outlook);
+  };
 }
 
 std::filesystem::path fieldCacheAloud() {
@@ -99,10 +102,7 @@ Scene makeSceneAloud(SceneOptions options) {
   Scene scene;
   {
     ProgressBar bar;
-    options.bake_begins = [&](const std::string& outlook, double seconds) {
-      bar.clear();
-      announceBake(outlook, seconds);
-    };
+    options.bake_begins = announceBakes(bar);
     scene = makeScene(options, [&](const std::string& what, double part) {
       bar.show(what, part);
       return !g_interrupted.load();

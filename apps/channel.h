@@ -13,6 +13,8 @@
 
 namespace strandcast {
 
+class ProgressBar;
+
 /// The network of these settings, for messages: "DDS domain 3".
 std::string networkName(const Settings& settings);
 /// Joins the network as a reader of settings.groom_id.
@@ -68,8 +70,9 @@ class Stream {
   std::unique_ptr<Subscriber> remote_;
 };
 
-/// Logs what a bake is to take where that is a second or more, for those who see no progress bar.
-void announceBake(const std::string& outlook, double seconds);
+/// Logs what a bake is to take where that is a second or more, for those who see no progress bar. `bar`
+/// outlives it.
+BakeAnnouncement announceBakes(ProgressBar& bar);
 /// The user's cache of fields; empty, with a warning, where there is no folder for it.
 std::filesystem::path fieldCacheAloud();
 /// makeScene with a progress bar and the user's cache of fields, its notes logged. Ctrl-C stops it:

@@ -45,12 +45,10 @@ std::vector<HairObstacle> bakedObstacles(const BodyDescription& body) {
         bar.show("body: " + what, done);
         return !g_interrupted;
       };
-      const auto begins = [&](const std::string& outlook, double seconds) {
-        bar.clear();
-        announceBake(outlook, seconds);
-      };
       shape.field = std::make_shared<DistanceField>(
-          fieldOf(part, options, cache, progress, bakesOf(begins, head ? "the head" : "what stands")).field);
+          fieldOf(part, options, cache, progress,
+                  bakesOf(announceBakes(bar), head ? "the head" : "what stands"))
+              .field);
       obstacles.push_back({std::move(shape), head, kNoCollider, Pose{}});
     } catch (const Error& error) {
       spdlog::warn("grown hair is not kept out of a part of the body: {}", error.what());

@@ -104,23 +104,16 @@ double rangeAlong(const RootTipCurve& radius, int power, const RootTipCurve& oth
 void checkTaper(const Material& material, const std::string& where) {
   constexpr double kMostRadii = 100, kMostBending = 1e10, kMostMass = 1e4, kRounding = 1e-6;
   const RootTipCurve even, &radius = material.radius_scale;
-  const double radii = rangeAlong(radius, 1, even);
-  if (radii > kMostRadii * (1 + kRounding))
-    throw Error(
-        fmt::format("'radius_curve' makes hair {:g} times as thick in one place as in another", radii), where,
-        fmt::format("let its factors differ by {:g} times at most", kMostRadii));
-  const double bending = rangeAlong(radius, 4, material.stiffness_scale);
-  if (bending > kMostBending * (1 + kRounding))
-    throw Error(fmt::format("'radius_curve' and 'stiffness_curve' make hair {:g} times as stiff in one place "
-                            "as in another",
-                            bending),
-                where, fmt::format("let radius^4 x stiffness differ by {:g} times at most", kMostBending));
-  const double mass = rangeAlong(radius, 2, material.density_scale);
-  if (mass > kMostMass * (1 + kRounding))
-    throw Error(fmt::format("'radius_curve' and 'density_curve' make hair {:g} times as heavy in one place "
-                            "as in another",
-                            mass),
-                where, fmt::format("let radius^2 x density differ by {:g} times at most", kMostMass));
+  const auto check = [&](double times, double most, const char* who, const char* how, const char* what) {
+    if (times > most * (1 + kRounding))
+      throw Error(fmt::format("{} hair {:g} times as {} in one place as in another", who, times, how), where,
+                  fmt::format("let {} differ by {:g} times at most", what, most));
+  };
+  check(rangeAlong(radius, 1, even), kMostRadii, "'radius_curve' makes", "thick", "its factors");
+  check(rangeAlong(radius, 4, material.stiffness_scale), kMostBending,
+        "'radius_curve' and 'stiffness_curve' make", "stiff", "radius^4 x stiffness");
+  check(rangeAlong(radius, 2, material.density_scale), kMostMass, "'radius_curve' and 'density_curve' make",
+        "heavy", "radius^2 x density");
 }
 
 /// A scale times its curve is in the range that either may have alone.

@@ -24,6 +24,8 @@ bool lcmAvailable(std::string* reason = nullptr);
 
 /// Multicast on this machine only (ttl=0), on a port of its own for each domain, 0 to 232.
 std::string lcmUrl(int domain);
+/// Whether it is of a log: a file, in which there is nobody else.
+bool isLcmLog(const std::string& url);
 
 /// LCM over UDP multicast loses what the network loses and has no security: for networks that are trusted.
 /// Readers conceal what is lost. The groom is repeated every second, and at once for a reader that asks. A

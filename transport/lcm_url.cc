@@ -9,4 +9,6 @@ std::string lcmUrl(int domain) {
   return "udpm://239.255.76.67:" + std::to_string(7667 + domain) + "?ttl=0";
 }
 
+bool isLcmLog(const std::string& url) { return url.starts_with("file://"); }
+
 }  // namespace strandcast

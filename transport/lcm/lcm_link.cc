@@ -49,8 +49,7 @@ void checkMulticast(const std::string& url, const std::string& place) {
                 "it needs a route: `ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo` for this "
                 "machine alone, or dev and name of a network interface");
   }
-  if (url.starts_with("file://"))
-    throw Error("LCM cannot open its log file", url, "check path and mode (r or w)");
+  if (isLcmLog(url)) throw Error("LCM cannot open its log file", url, "check path and mode (r or w)");
   throw Error("not an LCM URL", url, "give udpm://ADDRESS:PORT?ttl=N, file:///PATH?mode=w or memq://");
 }
 
@@ -59,8 +58,7 @@ void checkMulticast(const std::string& url, const std::string& place) {
 LcmLink::LcmLink(const std::string& url) : url_(url) {
   if (url.starts_with(kMulticast))
     checkMulticast(url, url.substr(kMulticast.size(), url.find('?') - kMulticast.size()));
-  const bool is_known =
-      url.starts_with(kMulticast) || url.starts_with("file://") || url.starts_with("memq://");
+  const bool is_known = url.starts_with(kMulticast) || isLcmLog(url) || url.starts_with("memq://");
   if (is_known) lcm_ = lcm_create(completed(url).c_str());
   if (lcm_ == nullptr) fail(url);
 }

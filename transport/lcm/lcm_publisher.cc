@@ -271,7 +271,7 @@ void checkOneEnd(const LcmOptions& options) {
 }
 
 bool isWrittenLog(const std::string& url) {
-  return url.starts_with("file://") &&
+  return isLcmLog(url) &&
          (url.find("mode=w") != std::string::npos || url.find("mode=a") != std::string::npos);
 }
 
@@ -288,7 +288,7 @@ std::unique_ptr<Publisher> makeLcmPublisher(std::shared_ptr<MessageLink> link, c
 std::unique_ptr<Publisher> makeLcmPublisher(const LcmOptions& options) {
   checkPublisher(options);
   checkOneEnd(options);
-  if (options.url.starts_with("file://") && !isWrittenLog(options.url))
+  if (isLcmLog(options.url) && !isWrittenLog(options.url))
     throw Error("a publisher writes its log", options.url, "give mode=w");
   return makeLcmPublisher(std::make_shared<LcmLink>(options.url), options);
 }

@@ -70,7 +70,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
     return ReceivingSubscriber::allStatuses();
   }
 
-  bool mayCommand() const override { return !options_.url.starts_with("file://"); }
+  bool mayCommand() const override { return !isLcmLog(options_.url); }
   void send(const Command& command, const std::function<bool()>& gives_up) override {
     checkCommand(command, options_.groom_id);
     if (!mayCommand())
