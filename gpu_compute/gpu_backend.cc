@@ -13,7 +13,7 @@ constexpr size_t kFewVertices = 8192 * 32;  // see RodStrands; measured on an H1
 class GpuBackend final : public Backend, public gpu::GpuDevice {
  public:
   explicit GpuBackend(std::optional<size_t> few_vertices)
-      : few_vertices_(few_vertices.value_or(context_.software() ? 0 : kFewVertices)) {}
+      : few_vertices_(few_vertices.value_or(kFewVertices)) {}
   ~GpuBackend() override {
     try {
       const gl::MakeCurrent current(context_);
