@@ -21,11 +21,12 @@ constexpr uint32_t kPerThread = 4, kPerThreadInContact = 2;
 
 // A group's key: invocations per strand with kPerThread edges each, and what its strands let the shader do
 // without.
-constexpr uint32_t kGeneral = 64;    // lengths or masses differ along the strand
+constexpr uint32_t kGeneral = 64;    // lengths differ along the strand
 constexpr uint32_t kPinned = 128;    // more than the root is pinned
 constexpr uint32_t kGroomed = 256;   // StrandModel::hasFactors
 constexpr uint32_t kStraight = 512;  // straight at rest, and nothing but the root is pinned
-constexpr uint32_t kKeys = 1024;
+constexpr uint32_t kTapered = 1024;  // lengths do not, but masses, or joints where all is straight, do
+constexpr uint32_t kKeys = 2048;
 uint32_t threadsOf(uint32_t key) { return key & 63; }
 constexpr uint32_t kAnything = kGeneral | kPinned;
 
@@ -133,18 +134,20 @@ bool isStraight(const StrandModel& model, uint32_t strand) {
                      [](const Vec3& strain) { return strain.norm() < kStraightStrain; });
 }
 
-// `straight`: its joints are to be alike, too.
-bool isUniform(const StrandModel& model, uint32_t strand, bool straight) {
+// kGeneral, kTapered or 0. `straight`: then its joints are to be alike, too.
+uint32_t unevennessOf(const StrandModel& model, uint32_t strand, bool straight) {
   const StrandRest rest = strandRest(model, strand);
   const uint32_t first = model.offsets[strand], tip = model.offsets[strand + 1] - 1;
+  uint32_t found = 0;
   for (uint32_t e = first; e < tip; ++e) {
     if (!equal(restLength(model, e), rest.edge_length) ||
-        !equal(model.mass[e + 1], e + 1 < tip ? 1.0f : 0.5f) ||
-        !equal(model.twist[e], rest.twist_per_bend * model.bend[e]) ||
+        !equal(model.twist[e], rest.twist_per_bend * model.bend[e]))
+      return kGeneral;
+    if (!equal(model.mass[e + 1], e + 1 < tip ? 1.0f : 0.5f) ||
         (straight && e > first && !equal(model.bend[e], rest.bend)))
-      return false;
+      found = kTapered;
   }
-  return true;
+  return found;
 }
 
 uint32_t keyOf(const StrandModel& model, uint32_t strand) {
@@ -152,7 +155,7 @@ uint32_t keyOf(const StrandModel& model, uint32_t strand) {
   const bool pinned = isPinned(model, strand);
   const bool straight = !pinned && isStraight(model, strand);
   const bool groomed = model.hasFactors(strand);
-  return threads | (pinned || groomed || !isUniform(model, strand, straight) ? kGeneral : 0) |
+  return threads | (pinned || groomed ? kGeneral : unevennessOf(model, strand, straight)) |
          (pinned ? kPinned : 0) | (groomed ? kGroomed : 0) | (straight ? kStraight : 0);
 }
 
@@ -260,7 +263,7 @@ void RodStrands::findFrames(ProgramCache& programs) {
 }
 
 void RodStrands::expect(bool goal, bool bodies) {
-  if (edges_.bytes() > 0 || !(goal || bodies || anyGroup(kGeneral | kGroomed))) return;
+  if (edges_.bytes() > 0 || !(goal || bodies || anyGroup(kGeneral | kTapered | kGroomed))) return;
   edges_ = gl::Buffer(std::span<const Vec4>(packEdges(model_)));
 }
 
@@ -273,17 +276,18 @@ const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray,
   const bool pinned = (key & kPinned) != 0, shared = compiles_slowly_ && (key & kAnything) == kAnything;
   const bool stiff = shared || isStiff(needs) || (pinned && between_pins_);
   const bool straight = (key & kStraight) != 0 && !needs.bodies;
+  const int uniform = (key & kGeneral) != 0 || groomed ? 0 : (key & kTapered) != 0 ? 1 : 2;
   const Spread spread = spreadOf(key, bodies);
   return programs.get(
       "rod.comp", shaders::kRodComp,
-      fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {:d}\n"
+      fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {}\n"
                   "#define PINNED {:d}\n#define STRAIGHT {:d}\n"
                   "#define CLEAR {:d}\n#define BODIES {:d}\n#define TURNING {}\n"
                   "#define GROOMED {}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define STIFF {:d}\n"
                   "#define ASTRAY {:d}\n#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
-                  spread.per_thread, spread.threads, edges_of_[group], (key & kGeneral) == 0 && !groomed,
-                  pinned, straight, clear, bodies, astray ? needs.turning : 0, curved ? 2 : int{groomed},
-                  needs.damping, violent, violent && stiff, astray, shuffled_, needs.accelerated));
+                  spread.per_thread, spread.threads, edges_of_[group], uniform, pinned, straight, clear,
+                  bodies, astray ? needs.turning : 0, curved ? 2 : int{groomed}, needs.damping, violent,
+                  violent && stiff, astray, shuffled_, needs.accelerated));
 }
 
 RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& programs) const {

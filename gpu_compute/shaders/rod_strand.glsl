@@ -126,11 +126,17 @@ vec4 edgeRest(uint at) {
 }
 
 #if UNIFORM
-// One length along the strand; masses 1, at the tip 1/2; twist in one ratio to bend.
-const float weight_in = 1.0;
+// One length along the strand; twist in one ratio to bend.
 float restLength(int p) { return isEdge(p) ? rest.edge_length : 0.0; }
 float inverseLength(int p) { return rest.inverse_length; }
 float twist(int p) { return bends[p] * rest.twist_per_bend; }
+#if UNIFORM == 1
+float weights[PER_THREAD], weight_in;
+float mass(int p) { return 1.0 / weights[p]; }
+float weight(int p) { return weights[p]; }
+#else
+// Masses 1, at the tip 1/2.
+const float weight_in = 1.0;
 #if EDGES > 0
 float tip_mass, tip_weight;  // of the slot that is the strand's tip in the last invocation that has edges
 const int kTip = (EDGES - 1) % PER_THREAD;
@@ -139,6 +145,7 @@ float weight(int p) { return p == kTip ? tip_weight : 1.0; }
 #else
 float mass(int p) { return isTip(p) ? 0.5 : 1.0; }
 float weight(int p) { return isTip(p) ? 2.0 : 1.0; }
+#endif
 #endif
 float inverseLengthIn() { return rest.inverse_length; }
 float inverseLengthOut() { return rest.inverse_length; }
@@ -203,7 +210,7 @@ void loadStrand(uint list, uint first, uint count) {
 #if EDGES == 0
   edges = int(offsets[strand + 1u] - root_vertex) - 1;
 #endif
-#if UNIFORM && EDGES > 0
+#if UNIFORM == 2 && EDGES > 0
   tip_mass = isTip(kTip) ? 0.5 : 1.0;
   tip_weight = isTip(kTip) ? 2.0 : 1.0;
 #endif
@@ -217,12 +224,14 @@ void loadStrand(uint list, uint first, uint count) {
     frame[p] = frames[at];
     rest_strain[p] = joints[at].xyz;
 #endif
-#if STRAIGHT && UNIFORM
+#if STRAIGHT && UNIFORM == 2
     bends[p] = isEdge(p) ? rest.bend : 0.0;
 #else
     bends[p] = isEdge(p) ? joints[at].w : 0.0;
 #endif
-#if !UNIFORM
+#if UNIFORM == 1
+    weights[p] = edge_rest[at].w;
+#elif !UNIFORM
     edge[p] = edgeRest(at);
     inverse_lengths[p] = boundedInverse(edge[p].x);
     if (!isEdge(p)) edge[p].x = edge[p].y = 0.0;
@@ -236,13 +245,15 @@ void loadStrand(uint list, uint first, uint count) {
     damping_times[p] = settings.damping_time * frictionAndDampingOf(at).y;
 #endif
   }
-#if STRAIGHT && UNIFORM
+#if STRAIGHT && UNIFORM == 2
   bends[0] = select(rank > 0, bends[0], rest.root_bend);
 #endif
   uint at = root_vertex + uint(min(rank * PER_THREAD, edges));
   x_in = positions[at].xyz;
   v_in = velocities[at].xyz;
-#if !UNIFORM
+#if UNIFORM == 1
+  weight_in = rank > 0 ? edge_rest[max(at, root_vertex + 1u) - 1u].w : 0.0;
+#elif !UNIFORM
   vec4 edge_in = edgeRest(max(at, root_vertex + 1u) - 1u);
   weight_in = rank > 0 ? edge_in.w : 0.0;
   inverse_length_in = boundedInverse(edge_in.x);
