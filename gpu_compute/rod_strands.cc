@@ -15,9 +15,9 @@ namespace {
 
 using Vec4 = std::array<float, 4>;
 
-// Edges of an invocation. With four of them contact takes more registers than there are: 3.9 ms in place
-// of 2.3 for 100,000 strands on a sphere, on an H100.
-constexpr uint32_t kPerThread = 4, kPerThreadInContact = 2;
+// Edges of an invocation. With four of them contact, or all factors along curls, take more registers than
+// there are: on an H100 3.9 ms in place of 2.3 for 100,000 strands on a sphere, 1.70 of 1.29 with factors.
+constexpr uint32_t kPerThread = 4, kFewerPerThread = 2;
 
 // A group's key: invocations per strand with kPerThread edges each, and what its strands let the shader do
 // without.
@@ -26,7 +26,8 @@ constexpr uint32_t kPinned = 128;    // more than the root is pinned
 constexpr uint32_t kGroomed = 256;   // StrandModel::hasFactors
 constexpr uint32_t kStraight = 512;  // straight at rest, and nothing but the root is pinned
 constexpr uint32_t kTapered = 1024;  // lengths do not, but masses, or joints where all is straight, do
-constexpr uint32_t kKeys = 2048;
+constexpr uint32_t kCurved = 2048;   // groomed, and factors of damping and friction differ along strands
+constexpr uint32_t kKeys = 4096;
 uint32_t threadsOf(uint32_t key) { return key & 63; }
 constexpr uint32_t kAnything = kGeneral | kPinned;
 
@@ -36,8 +37,9 @@ struct Spread {
   uint32_t threads;     // of a strand
 };
 Spread spreadOf(uint32_t key, bool bodies) {
-  const uint32_t threads = threadsOf(key), more = threads * (kPerThread / kPerThreadInContact);
-  return bodies && more <= kWorkgroup ? Spread{kPerThreadInContact, more} : Spread{kPerThread, threads};
+  const uint32_t threads = threadsOf(key), more = threads * (kPerThread / kFewerPerThread);
+  const bool many_values = bodies || (key & (kCurved | kStraight)) == kCurved;
+  return many_values && more <= kWorkgroup ? Spread{kFewerPerThread, more} : Spread{kPerThread, threads};
 }
 
 // Strands too few for a program of their own are done as if they might be anything, with one of two numbers
@@ -154,9 +156,10 @@ uint32_t keyOf(const StrandModel& model, uint32_t strand) {
   const uint32_t threads = std::bit_ceil((edgesOf(model, strand) + kPerThread - 1) / kPerThread);
   const bool pinned = isPinned(model, strand);
   const bool straight = !pinned && isStraight(model, strand);
-  const bool groomed = model.hasFactors(strand);
+  const bool groomed = model.hasFactors(strand), curved = groomed && !model.friction_along.empty();
   return threads | (pinned || groomed ? kGeneral : unevennessOf(model, strand, straight)) |
-         (pinned ? kPinned : 0) | (groomed ? kGroomed : 0) | (straight ? kStraight : 0);
+         (pinned ? kPinned : 0) | (groomed ? kGroomed : 0) | (curved ? kCurved : 0) |
+         (straight ? kStraight : 0);
 }
 
 std::vector<uint32_t> keysOf(const StrandModel& model, bool compiles_slowly) {
@@ -164,12 +167,13 @@ std::vector<uint32_t> keysOf(const StrandModel& model, bool compiles_slowly) {
   std::array<size_t, kKeys> count{};
   for (uint32_t s = 0; s < keys.size(); ++s) ++count[keys[s] = keyOf(model, s)];
   const auto isRare = [&](uint32_t key) { return count[key] < kOwnProgram; };
-  const bool any_groomed = std::any_of(keys.begin(), keys.end(),
-                                       [&](uint32_t key) { return isRare(key) && (key & kGroomed) != 0; });
+  uint32_t grooming = 0;  // of any rare one
+  for (const uint32_t key : keys)
+    if (isRare(key)) grooming |= key & (kGroomed | kCurved);
   for (uint32_t& key : keys) {
     if (!isRare(key)) continue;
-    key = kAnything | (compiles_slowly ? kWorkgroup | (any_groomed ? kGroomed : 0)
-                                       : sharedThreads(threadsOf(key)) | (key & kGroomed));
+    key = kAnything | (compiles_slowly ? kWorkgroup | grooming
+                                       : sharedThreads(threadsOf(key)) | (key & (kGroomed | kCurved)));
   }
   return keys;
 }
@@ -270,8 +274,8 @@ void RodStrands::expect(bool goal, bool bodies) {
 const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray, const Needs& needs,
                                        ProgramCache& programs) const {
   const uint32_t key = groups_.groups()[group].key;
-  const bool factors = (key & kGroomed) != 0, curved = factors && !model_.friction_along.empty();
-  const bool groomed = needs.goal || factors, clear = motion == Motion::kClear;
+  const bool groomed = needs.goal || (key & kGroomed) != 0, curved = (key & kCurved) != 0,
+             clear = motion == Motion::kClear;
   const bool violent = motion == Motion::kViolent, bodies = needs.bodies && !clear;
   const bool pinned = (key & kPinned) != 0, shared = compiles_slowly_ && (key & kAnything) == kAnything;
   const bool stiff = shared || isStiff(needs) || (pinned && between_pins_);
