@@ -57,10 +57,11 @@ void tellStep(Collector& out, const std::vector<nlohmann::json>& rows) {
   out.add("allocations of the timed steps", row["allocations"].dump(), "0", row["allocations"] == 0);
 }
 
-/// What hair is among, of a row of `step` or `contact`.
+/// What hair is and what it is among, of a row of `step` or `contact`.
 std::string settingOf(const nlohmann::json& row) {
   if (!row.contains("scene")) return row["case"];
   std::string setting = row["scene"];
+  if (const std::string hair = row.value("hair", "plain"); hair != "plain") setting += ", " + hair;
   if (const std::string bodies = row.value("bodies", "none"); bodies != "none")
     setting += ", bodies: " + bodies;
   if (const double cells = number(row, "air_cells"); cells > 0)

@@ -98,6 +98,7 @@ const std::vector<Column> kStepColumns{{"case", "backend"},
 
 const std::vector<Column> kRodColumns{{"scene", "scene"},
                                       {"rest", "rest"},
+                                      {"hair", "hair"},
                                       {"damping_s", "damping s"},
                                       {"bodies", "bodies"},
                                       {"strands", "strands"},
@@ -333,6 +334,7 @@ const std::vector<Section>& sections() {
         {"growth_bytes", "bytes of growth", "{:.3g}"},
         {"device_bytes", "bytes in all", "{:.3g}"}}},
       {"step_rod", "The rod on the GPU, over kinds of hair and sizes", "", kRodColumns},
+      {"step_hair", "What hair that is not even costs on the GPU", "docs/solver.md tells why.", kRodColumns},
       {"accuracy", "Cost and error of the solvers' settings", "docs/solver.md tells what it means.", {}}};
   return list;
 }
