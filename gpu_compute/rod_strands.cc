@@ -29,7 +29,7 @@ constexpr uint32_t kTapered = 1024;  // lengths do not, but masses, or joints wh
 constexpr uint32_t kCurved = 2048;   // groomed, and factors of damping and friction differ along strands
 constexpr uint32_t kKeys = 4096;
 uint32_t threadsOf(uint32_t key) { return key & 63; }
-constexpr uint32_t kAnything = kGeneral | kPinned;
+constexpr uint32_t kAnything = kGeneral | kPinned, kGrooming = kGroomed | kCurved;
 
 // How a group's strands are spread over invocations.
 struct Spread {
@@ -169,11 +169,11 @@ std::vector<uint32_t> keysOf(const StrandModel& model, bool compiles_slowly) {
   const auto isRare = [&](uint32_t key) { return count[key] < kOwnProgram; };
   uint32_t grooming = 0;  // of any rare one
   for (const uint32_t key : keys)
-    if (isRare(key)) grooming |= key & (kGroomed | kCurved);
+    if (isRare(key)) grooming |= key & kGrooming;
   for (uint32_t& key : keys) {
     if (!isRare(key)) continue;
-    key = kAnything | (compiles_slowly ? kWorkgroup | grooming
-                                       : sharedThreads(threadsOf(key)) | (key & (kGroomed | kCurved)));
+    key = kAnything |
+          (compiles_slowly ? kWorkgroup | grooming : sharedThreads(threadsOf(key)) | (key & kGrooming));
   }
   return keys;
 }
@@ -274,9 +274,9 @@ void RodStrands::expect(bool goal, bool bodies) {
 const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray, const Needs& needs,
                                        ProgramCache& programs) const {
   const uint32_t key = groups_.groups()[group].key;
-  const bool groomed = needs.goal || (key & kGroomed) != 0, curved = (key & kCurved) != 0,
-             clear = motion == Motion::kClear;
-  const bool violent = motion == Motion::kViolent, bodies = needs.bodies && !clear;
+  const bool groomed = needs.goal || (key & kGroomed) != 0, curved = (key & kCurved) != 0;
+  const bool clear = motion == Motion::kClear, violent = motion == Motion::kViolent;
+  const bool bodies = needs.bodies && !clear;
   const bool pinned = (key & kPinned) != 0, shared = compiles_slowly_ && (key & kAnything) == kAnything;
   const bool stiff = shared || isStiff(needs) || (pinned && between_pins_);
   const bool straight = (key & kStraight) != 0 && !needs.bodies;

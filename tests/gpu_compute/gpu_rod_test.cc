@@ -203,7 +203,7 @@ TEST_F(GpuRod, TaperedHairAgreesWithTheOracle) {
   const StrandModel straight = straightHair(600, 0.2f, false, material);
   const StrandState rest = restState(straight, straight.rest_roots);
   const StrandState truth = run(*makeOracleBackend(), straight, rest, 10);
-  EXPECT_LE(strandsOff(straight, run(*backend_, straight, rest, 10), truth, 1e-5), 12);
+  EXPECT_LE(strandsOff(straight, run(*backend_, straight, rest, 10), truth, 1e-5), straight.strands() / 50);
   EXPECT_GT(difference(straight, truth, rest), 1e-3);
 }
 
