@@ -25,9 +25,8 @@ namespace strandcast {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr size_t kStepWindow = 1200;     // steps that the timing statistics look back on
-constexpr double kStatusInterval = 0.5;  // s
-constexpr double kPullSeconds = 1;       // of simulation, after which a hand lets go that nobody moves
+constexpr size_t kStepWindow = 1200;  // steps that the timing statistics look back on
+constexpr double kPullSeconds = 1;    // of simulation, after which a hand lets go that nobody moves
 
 double milliseconds(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
 

@@ -18,7 +18,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr double kLook = 0.004;              // s, between looks at commands
-constexpr double kStatusInterval = 0.5;      // s
 constexpr double kStillInterval = 0.25;      // s: a frame that stands still is shown again to who comes late
 constexpr double kMovedInterval = 1.0 / 60;  // s, between frames that do not follow each other
 

@@ -129,8 +129,8 @@ class GridPictures {
  private:
   bool isDue(double time) {
     if (!start_) start_ = time;
-    constexpr double kRounding = 1e-9;  // s
-    return time >= *start_ + static_cast<double>(film_.drawn() + without_) / fps_ - kRounding;
+    constexpr double kEarly = 1e-9;  // s
+    return time >= *start_ + static_cast<double>(film_.drawn() + without_) / fps_ - kEarly;
   }
 
   const std::string show_;

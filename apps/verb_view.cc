@@ -32,6 +32,9 @@ Verb addView(CLI::App& app) {
          "smooth: even motion, one frame behind; latest: the newest frame as soon as it is there")
       ->check(CLI::IsMember({"smooth", "latest"}))
       ->default_str("smooth");
+  app.add_option("--max-fps", o->max_fps, "pictures a second at most; 0 = as many as the display shows")
+      ->check(finiteRange(0.0, 1000.0))
+      ->capture_default_str();
   app.add_option("--preset-file", o->preset_file, "that the panel saves and loads")->capture_default_str();
   addPictureOptions(app, o->picture);
   *settings = std::make_unique<SettingsOptions>(app);

@@ -35,24 +35,26 @@ endfunction()
 # The preset asan has -fexpensive-optimizations: without it GCC leaves the upper halves of vectors in use behind code
 # of AVX, and what computes with single floats takes up to fifteen times as long from there on.
 #
-# strandcast_of_numbers(TARGET [WATCH_SCOPES]): the tests spend their time in it. Under the address sanitizer, whose preset has -Og (a
+# strandcast_of_numbers(TARGET): the tests spend their time in it. Under the address sanitizer, whose preset has -Og (a
 # quarter less of the compiler's time), it is compiled with -O1, and with headers precompiled so: GCC takes the level from those.
-# And its local values are numbers by the thousand: the sanitizer does not watch where each of them goes out of scope, but with
-# WATCH_SCOPES: a quarter less time, of the compiler and of the tests. Without it GCC 12 is wrong of what may be uninitialised.
+# And its local values are numbers by the thousand: the sanitizer does not watch where each of them goes out of scope, which takes a
+# quarter of the compiler's time, and of searches in trees of triangles three fifths. Without that GCC 12 is wrong of what may be uninitialised.
 function(strandcast_of_numbers target)
   if(NOT STRANDCAST_SANITIZE MATCHES "address")
     return()
   endif()
-  target_compile_options(${target} PRIVATE -O1)
+  target_compile_options(${target} PRIVATE -O1 -fno-sanitize-address-use-after-scope -Wno-maybe-uninitialized)
   set_target_properties(${target} PROPERTIES PRECOMPILE_HEADERS_REUSE_FROM number_headers)
-  if(NOT "WATCH_SCOPES" IN_LIST ARGN)
-    target_compile_options(${target} PRIVATE -fno-sanitize-address-use-after-scope -Wno-maybe-uninitialized)
-  endif()
+endfunction()
+
+# strandcast_together(TARGET): sixteen of its files are compiled at once, not eight, as no two of them have the same name for
+# something of their own.
+function(strandcast_together target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
 endfunction()
 
 # strandcast_library(NAME SOURCES ... LINK ... [PRIVATE_LINK ...] [OF_PROGRAMS] [TOGETHER]): one library per folder, includes from
-# the project's root. OF_PROGRAMS: compiled as programs are. TOGETHER: sixteen of its files at once, not eight, as no two of them
-# have the same name for something of their own.
+# the project's root. OF_PROGRAMS: compiled as programs are. TOGETHER: see above.
 function(strandcast_library name)
   cmake_parse_arguments(ARG "OF_PROGRAMS;TOGETHER" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   add_library(strandcast_${name} STATIC ${ARG_SOURCES})
@@ -60,7 +62,7 @@ function(strandcast_library name)
   target_compile_features(strandcast_${name} PUBLIC cxx_std_20)
   target_link_libraries(strandcast_${name} PUBLIC ${ARG_LINK} PRIVATE strandcast_options ${ARG_PRIVATE_LINK})
   if(ARG_TOGETHER)
-    set_target_properties(strandcast_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
+    strandcast_together(strandcast_${name})
   endif()
   if(ARG_OF_PROGRAMS)
     target_compile_options(strandcast_${name} PRIVATE ${STRANDCAST_PROGRAM_OPTIONS})

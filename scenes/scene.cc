@@ -78,7 +78,8 @@ Scene makeProceduralScene(const SceneOptions& options, const Progress& progress)
   scene.name = named.info.name;
   scene.part_names = {scene.name};
   report(progress, "sculpting the body", 0.1);
-  ProceduralBody body = makeProceduralBody();
+  static const ProceduralBody kSculpted = makeProceduralBody();  // for all scenes of this process
+  ProceduralBody body = kSculpted;
   ProceduralGroomOptions groom = named.groom;
   groom.seed = options.seed;
   if (options.strands > 0) groom.strands = options.strands;

@@ -16,6 +16,9 @@ inline constexpr std::chrono::milliseconds kRivalListenTime{3000};
 /// on a busy machine 19 heard it within 0.7 s, 6 after 1.3 to 1.5 s; four losses in a row would be needed.
 inline constexpr std::chrono::milliseconds kSecureRivalListenTime{4500};
 
+/// How often a daemon, or a replay, tells its status.
+inline constexpr double kStatusInterval = 0.5;  // s
+
 /// Daemons that share a groom listen so many times as long: who is heard may yet turn out to share it too.
 inline constexpr int kSharedListens = 2;
 

@@ -36,7 +36,7 @@ class Viewer {
  public:
   explicit Viewer(const ViewerOptions& options)
       : options_(options),
-        window_(windowWidth(options.picture), windowHeight(options.picture)),
+        window_(windowWidth(options.picture), windowHeight(options.picture), options.max_fps),
         panel_(options.picture, options.preset_file),
         network_(options.settings),
         session_(std::make_unique<ViewerSession>(options.settings, options.here, options.timeout,

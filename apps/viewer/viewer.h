@@ -12,6 +12,7 @@ struct ViewerOptions {
   bool here = false;  ///< simulate in this process
   PictureOptions picture;
   double timeout = 20;  ///< s, to wait for a daemon
+  double max_fps = 0;   ///< pictures a second at most; 0: as many as the display shows
   Playout playout = Playout::kSmooth;
   std::string preset_file = "preset.toml";
 };

@@ -55,7 +55,7 @@ int refreshRate() {
 
 const int ViewerWindow::kEscape = GLFW_KEY_ESCAPE, ViewerWindow::kTab = GLFW_KEY_TAB;
 
-ViewerWindow::ViewerWindow(int width, int height) {
+ViewerWindow::ViewerWindow(int width, int height, double max_fps) {
   if (glfwInit() == GLFW_FALSE) throw windowError();
   glfwWindowHint(GLFW_CONTEXT_CREATION_API,
                  GLFW_EGL_CONTEXT_API);  // as the GPU backend's, which hands it back
@@ -71,7 +71,9 @@ ViewerWindow::ViewerWindow(int width, int height) {
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
   // Somewhat less than the display's, for where swapping waits.
-  shortest_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(0.9 / refreshRate()));
+  double shortest = 0.9 / refreshRate();
+  if (max_fps > 0) shortest = std::max(shortest, 1 / max_fps);
+  shortest_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(shortest));
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // panels are where they are

@@ -10,8 +10,10 @@ namespace strandcast {
 /// A window with an OpenGL 4.5 context, current as long as it lives, and Dear ImGui in it.
 class ViewerWindow {
  public:
-  static const int kEscape, kTab;       ///< keys; letters and digits are their capital ASCII codes
-  ViewerWindow(int width, int height);  ///< pixels; throws Error where there is no display
+  static const int kEscape, kTab;  ///< keys; letters and digits are their capital ASCII codes
+  /// Pixels, and pictures a second at most (0: as many as the display shows). Throws Error where there is no
+  /// display.
+  ViewerWindow(int width, int height, double max_fps);
   ~ViewerWindow();
   ViewerWindow(const ViewerWindow&) = delete;
   ViewerWindow& operator=(const ViewerWindow&) = delete;
@@ -27,7 +29,8 @@ class ViewerWindow {
   bool keysAreFree() const;
   /// Pressed since the last beginFrame(), also those that are up again.
   const std::vector<int>& pressedKeys() const { return pressed_; }
-  /// Draws the panels over what the window shows, and shows it; not more often than the display can.
+  /// Draws the panels over what the window shows, and shows it; not more often than the display can or was
+  /// asked for.
   void endFrame(const std::string& title);
   void clear();  ///< to dark grey
 

@@ -9,6 +9,7 @@
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
 #include "tests/air/wide_fan.h"
+#include "tests/sanitized.h"
 #include "validation/specimen.h"
 
 namespace strandcast {
@@ -355,6 +356,7 @@ TEST(WindSource, GoesBetweenTwoAndEndsAtTheSecond) {
 TEST(Surroundings, StayInTheirPlaceWhenTheOriginFollowsTheHead) {
   const Vec3 pace(0.125f, 0, 0.0625f);  // m, in a step
   for (const int grid : {0, 1}) {
+    if (kSanitized && grid == 0) continue;  // less of the same code
     SCOPED_TRACE(grid);
     Parameters parameters = everything();
     parameters.wind_grid = grid;
@@ -390,6 +392,7 @@ TEST(Surroundings, StayInTheirPlaceWhenTheOriginFollowsTheHead) {
     EXPECT_LT(off, 5e-5) << "m";
     EXPECT_LT(wind_off, 5e-3) << "m/s";
     EXPECT_LT(density_off, 0.01) << "kg/m^3, of 0.4";
+    if (kSanitized) continue;
     for (int step = 140; step < 840; step += step < 800 ? 8 : 1) {
       follows.setHeadPose({static_cast<float>(std::min(step, 800)) * pace, Quat::Identity()});
       follows.step();

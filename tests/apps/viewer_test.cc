@@ -100,9 +100,9 @@ TEST_F(ViewerWindowTest, MouseAndKeysReachTheDaemonAndTheDisk) {
              "--backend", "reference", "--quiet", "--record", "daemon.rec", "--domain", domain},
             "daemon.log");
   const pid_t viewer =
-      start({program_,       "view",         "--width",   "320",        "--height", "320",       "--hairs",
-             "400",          "--hair-width", "0.001",     "--segments", "8",        "--samples", "1",
-             "--shadow-map", "64",           "--shadows", "off",        "--domain", domain},
+      start({program_,       "view",  "--width",    "320", "--height",  "320", "--hairs",      "400",
+             "--hair-width", "0.001", "--segments", "8",   "--samples", "1",   "--shadow-map", "64",
+             "--shadows",    "off",   "--max-fps",  "6",   "--domain",  domain},
             "viewer.log");
   ASSERT_TRUE(until(seconds(30), [] {
     return std::system("xdotool search --name 'Strandcast: straight' >/dev/null 2>&1") == 0;
@@ -179,8 +179,9 @@ TEST_F(ViewerWindowTest, PresetsAreSavedAndLoadedAndAnotherDaemonIsJoined) {
            "--set", "air_drag=3.5"},
           scene + ".log");
   const pid_t viewer =
-      start({program_, "view", "--width", "320", "--height", "440", "--hairs", "400", "--hair-width", "0.001",
-             "--segments", "8", "--samples", "1", "--shadows", "off", "--domain", domain},
+      start({program_,    "view",         "--width",   "320",        "--height", "440",       "--hairs",
+             "400",       "--hair-width", "0.001",     "--segments", "8",        "--samples", "1",
+             "--shadows", "off",          "--max-fps", "6",          "--domain", domain},
             "viewer.log");
   const auto shows = [](const std::string& groom) {
     return std::system(("xdotool search --name 'Strandcast: " + groom + "' >/dev/null 2>&1").c_str()) == 0;

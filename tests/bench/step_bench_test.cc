@@ -12,6 +12,7 @@
 #include "gpu_compute/gpu_backend.h"
 #include "simd/simd_backend.h"
 #include "tests/bench/bench_program.h"
+#include "tests/thorough.h"
 
 namespace strandcast {
 namespace {
@@ -170,7 +171,7 @@ TEST(StepBench, AVertexTakesNoMoreMemoryThanItNeeds) {
   };
   EXPECT_LE(bytes("simd --threads 1"), 155) << "each thread has room of its own";
   EXPECT_LE(bytes("reference"), 156);
-  if (!gpuBackendInfo().available) return;
+  if (!gpuBackendInfo().available || !thorough()) return;
   bytes("gpu");  // llvmpipe keeps 23 bytes a vertex more where it compiles and does not find it in its disk
                  // cache
   EXPECT_LE(bytes("gpu"), 160) << "some of it is the driver's";

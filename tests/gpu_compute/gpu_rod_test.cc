@@ -10,6 +10,7 @@
 
 #include "gpu_compute/gpu_backend.h"
 #include "tests/conformance/conformance_model.h"
+#include "tests/thorough.h"
 
 namespace strandcast {
 namespace {
@@ -169,10 +170,12 @@ class GpuRod : public testing::Test {
 };
 
 // 600 strands are enough for programs of their own: uniform and general, of one length and of mixed ones.
-// Among bodies, where programs take longest to compile, two of the four.
+// Among bodies, where programs take longest to compile, two of the four. Uniform hair of one length is most
+// hair.
 TEST_F(GpuRod, EveryVariantAgreesWithTheOracle) {
   for (const std::vector<int>& counts : {std::vector<int>{32}, {16, 13, 17}}) {
     for (const bool uneven : {false, true}) {
+      if ((counts.size() > 1 || uneven) && !thorough()) continue;
       const bool one_length = counts.size() == 1;
       StrandModel model = arcs(600, counts, 0.2f, uneven);
       const StrandState from = disturbedState(model, 7);
@@ -196,7 +199,7 @@ TEST_F(GpuRod, TaperedHairAgreesWithTheOracle) {
   const std::vector<MovingPrimitive> bodies = movingBodies(parameters_.time_step);
   model.rest_distance = leftWhereTheyStart(from, bodies);
   expectOneStepAgrees(model, from, {});
-  expectOneStepAgrees(model, from, bodies);
+  if (thorough()) expectOneStepAgrees(model, from, bodies);
 
   Material material;
   material.radius_scale.knots = {{0, 1}, {1, 0.5f}};
@@ -212,6 +215,7 @@ TEST_F(GpuRod, TaperedHairAgreesWithTheOracle) {
 TEST_F(GpuRod, StraightHairAgreesWithTheOracle) {
   parameters_.wind = Vec3(2, 0, 1);
   for (const auto& [uneven, damping_time] : {std::pair(false, 0.0f), {false, 0.02f}, {true, 0.02f}}) {
+    if (uneven && !thorough()) continue;
     const StrandModel model = straightHair(600, 0.2f, uneven);
     const StrandState from = run(*makeOracleBackend(), model, restState(model, model.rest_roots), 40);
     parameters_.damping_time = damping_time;
@@ -328,6 +332,7 @@ double stretch(const StrandModel& model, std::span<const Vec3> positions) {
 // three strands in a hundred still do after 4 s and one after 6 s, so it has 16 s.
 TEST_F(GpuRod, ComesBackFromFoldsAndCoincidentVertices) {
   for (const float stiffness : {1.0f, 1000.0f}) {
+    if (stiffness > 1 && !thorough()) continue;
     const StrandModel model = arcs(12, {2, 5, 16, 24}, 0.25f, false, stiffness);
     const StrandState rest = settled(model);
     for (const bool fold : {true, false}) {
@@ -344,6 +349,7 @@ TEST_F(GpuRod, ComesBackFromFoldsAndCoincidentVertices) {
 
 TEST_F(GpuRod, ComesBackWhenTheRootLeapsAMetreInAStep) {
   for (const float stiffness : {1.0f, 1000.0f}) {
+    if (stiffness > 1 && !thorough()) continue;
     const StrandModel model = arcs(12, {2, 5, 16, 24}, 0.25f, false, stiffness);
     const StrandState rest = settled(model);
     const std::vector<Pose> away = {{Vec3(1, 0, 0), Quat::Identity()}};

@@ -18,6 +18,7 @@
 #include "steering.h"
 #include "tests/error_of.h"
 #include "tests/full_disk.h"
+#include "tests/sanitized.h"
 #include "transport/lcm/lcm_channels.h"
 #include "transport/lcm/lcm_ends.h"
 #include "transport/lcm/lcm_messages.h"
@@ -286,7 +287,7 @@ TEST_P(LcmLosses, OnlyTheStrandsOfLostChunksAreConcealed) {
   for (uint64_t number = 1; number <= 3; ++number)
     ASSERT_TRUE(goesThrough(*publisher, *subscriber, groom, number));
   link->setLosses({GetParam(), 0.05, 0.05, 7});
-  constexpr uint64_t kFrames = 80;
+  constexpr uint64_t kFrames = kSanitized ? 30 : 80;
   uint64_t seen = 0, off = 0, concealed = 0, newest = 3;
   float worst = 0;
   for (uint64_t number = 4; number < 4 + kFrames; ++number) {
