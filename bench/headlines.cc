@@ -57,9 +57,9 @@ void tellStep(Collector& out, const std::vector<nlohmann::json>& rows) {
   out.add("allocations of the timed steps", row["allocations"].dump(), "0", row["allocations"] == 0);
 }
 
-/// What hair is and what it is among, of a row of `step` or `contact`.
-std::string settingOf(const nlohmann::json& row) {
-  if (!row.contains("scene")) return row["case"];
+/// What hair is and what it is among, of a row of `benchmark`; `contact` has that as its cases.
+std::string settingOf(const std::string& benchmark, const nlohmann::json& row) {
+  if (benchmark == "contact" || !row.contains("scene")) return row["case"];
   std::string setting = row["scene"];
   if (const std::string hair = row.value("hair", "plain"); hair != "plain") setting += ", " + hair;
   if (const std::string bodies = row.value("bodies", "none"); bodies != "none")
@@ -79,7 +79,7 @@ void tellMemory(Collector& out, const Results& results) {
     for (const nlohmann::json& row : file.rows) {
       const double bytes = number(row, "bytes_per_vertex");
       if (bytes <= 0) continue;
-      const std::string where = fmt::format("{}, {}", row["device"].get<std::string>(), settingOf(row));
+      const std::string where = fmt::format("{}, {}", row["device"].get<std::string>(), settingOf(name, row));
       if (bytes <= bytes_of[where]) continue;
       bytes_of[where] = bytes;
       most[where] = {fmt::format("memory per vertex, {}, {}", where, sizeOf(row)),

@@ -92,8 +92,8 @@ TEST(Headlines, SayWhetherAGoalIsMet) {
                 "# k\ncase,device,scene,bodies,air_cells,strands,vertices,bytes_per_vertex\n"
                 "gpu,G,curly,mesh,64,100,32,890\ngpu,G,curly,none,0,100000,32,148\n");
   results.write("contact.csv",
-                "# l\ncase,device,strands,vertices,bytes_per_vertex,ratio\n"
-                "no body,S,2000,32,155,\nmesh and five primitives,S,2000,32,201,1.2\n");
+                "# l\ncase,device,scene,strands,vertices,bytes_per_vertex,ratio\n"
+                "no body,S,straight,2000,32,155,\nmesh and five primitives,S,straight,2000,32,201,1.2\n");
   const std::vector<Headline> lines = headlinesOf(readResults(results.root / "machine"));
   EXPECT_EQ(lineOf(lines, "grids of 32^3").holds, true) << "by processor time where it is known";
   EXPECT_EQ(lineOf(lines, "growth of 100000").holds, false);
