@@ -1,15 +1,19 @@
 #pragma once
+#include <cstdio>
 #include <cstdlib>
 #include <string_view>
 
 namespace strandcast {
 
+inline constexpr const char* kLeftToThorough = "left to ./dev test --thorough (STRANDCAST_THOROUGH=1)";
+
 /// Whether tests should also do what takes minutes and seldom finds what the others do not: `./dev test
-/// --thorough`. Those that leave something out without it say so.
+/// --thorough`. Says so where they should not.
 inline bool thorough() {
   const char* asked = std::getenv("STRANDCAST_THOROUGH");
-  return asked != nullptr && std::string_view(asked) == "1";
+  if (asked != nullptr && std::string_view(asked) == "1") return true;
+  std::printf("[ left out ] %s\n", kLeftToThorough);
+  return false;
 }
-inline constexpr const char* kLeftToThorough = "left to ./dev test --thorough (STRANDCAST_THOROUGH=1)";
 
 }  // namespace strandcast
