@@ -22,8 +22,8 @@ class Grooming {
         keep[lane] = static_cast<Scalar>(own.keep);
         time2[lane] = static_cast<Scalar>(own.time2);
       }
-      const real free = select(load(b.weight + at(0, i)) > lit(0), lit(1), lit(0));
-      const real own_mass = load(b.mass + at(0, i));
+      const real free = select(load(sizeOf(b, kWeight, i)) > lit(0), lit(1), lit(0));
+      const real own_mass = load(sizeOf(b, kMass, i));
       const real m = select(free > lit(0), own_mass * (time2_ * inverse(load(time2))), own_mass);
       const real rate = lit(p.goal_rate) * groomingFactor(b, kGoalScale, i) * free;
       const real stiffness = goalStiffness(own_mass, rate, time2_);

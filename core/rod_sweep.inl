@@ -116,18 +116,16 @@ class RodStep {
     store(v.z, planes + at(2, i));
     store(v.w, planes + at(3, i));
   }
-  // What is the same for all edges or vertices of a strand is read from one row, which stays in the nearest cache.
-  int rowOfEdge(int e) const { return b.uniform ? 0 : e; }
-  int rowOfVertex(int i) const { return b.uniform && i < ne ? 1 : i; }
-  real lengthOf(int e) const { return state(b.rest_length, 0, rowOfEdge(e)); }
-  real inverseLength(int e) const { return state(b.inverse_length, 0, rowOfEdge(e)); }
+  real lengthOf(int e) const { return state(b.rest_length, 0, e); }
+  real inverseLength(int e) const { return load(sizeOf(b, kInverseLength, e)); }
   real bend(int j) const { return state(b.bend, 0, j); }
   real twist(int j) const { return state(b.twist, 0, j); }
   // Damping time over the substep.
   real ahead(int j) const { return b.grooming == nullptr ? ahead_ : ahead_ * groomingFactor(b, kDampingScale, j); }
-  real ownMass(int i) const { return state(b.mass, 0, rowOfVertex(i)); }
+  real ownMass(int i) const { return load(sizeOf(b, kMass, i)); }
+  real ownWeight(int i) const { return load(sizeOf(b, kWeight, i)); }
   real mass(int i) const { return grooming_.on() ? grooming_.mass(i) : ownMass(i); }
-  real weight(int i) const { return grooming_.on() ? grooming_.weight(i) : state(b.weight, 0, rowOfVertex(i)); }
+  real weight(int i) const { return grooming_.on() ? grooming_.weight(i) : ownWeight(i); }
   // Of the outer vertex of edge e or, where that is pinned, of the inner one: else the last edge before a pin would have another time
   // blend than those before it, and tremble.
   real freeWeight(int e) const {

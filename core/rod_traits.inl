@@ -37,7 +37,7 @@ inline void RodStep::findTraits() {
   stiffest_ = lit(0);
   for (int e = 0; e < ne; ++e) {
     const real il = inverseLength(e);
-    stiffest_ = max(stiffest_, stiffnessOf(bend(e), il, lit(time2_), state(b.weight, 0, rowOfVertex(e + 1))));
+    stiffest_ = max(stiffest_, stiffnessOf(bend(e), il, lit(time2_), ownWeight(e + 1)));
     length = length + lengthOf(e);
     shortest = min(shortest, lengthOf(e));
     driven = max(driven, drivenByAir(e + 1, wind));

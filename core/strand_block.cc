@@ -17,15 +17,10 @@ enum Plane {
   kFrame = 7,
   kTension = 11,
   kRestStrain = 12,
-  kInverseLength = 15,
-  kBend = 16,
-  kTwist = 17,
-  kMass = 18,
-  kWeight = 19,
+  kBend = 15,
+  kTwist = 16,
 };
-static_assert(kWeight + 1 == kBlockPlanes);
-
-constexpr float kAlike = 2e-6f;  // relative, of lengths and of masses that count as equal
+static_assert(kTwist + 1 == kBlockPlanes);
 
 }  // namespace
 
@@ -55,8 +50,12 @@ Scalar* BlockStore<Scalar>::roots(const Block& block) const {
   return planes(block, 0) + static_cast<size_t>(block.vertices) * kBlockPlanes * lanes_;
 }
 template <class Scalar>
-Scalar* BlockStore<Scalar>::grooming(const Block& block) const {
+Scalar* BlockStore<Scalar>::sizes(const Block& block) const {
   return roots(block) + static_cast<size_t>(kRootPlanes) * lanes_;
+}
+template <class Scalar>
+Scalar* BlockStore<Scalar>::grooming(const Block& block) const {
+  return sizes(block) + static_cast<size_t>(sizeRows(block.vertices, block.uniform)) * kSizePlanes * lanes_;
 }
 
 template <class Scalar>
@@ -76,8 +75,8 @@ void BlockStore<Scalar>::load(const StrandModel& model, int lanes) {
   model_ = &model;
   lanes_ = lanes;
   layOut();
-  for (Block& block : blocks_)
-    for (int lane = 0; lane < lanes_; ++lane) block.uniform = setStrand(block, lane) && block.uniform;
+  for (const Block& block : blocks_)
+    for (int lane = 0; lane < lanes_; ++lane) setStrand(block, lane);
   held_ = std::any_of(blocks_.begin(), blocks_.end(), [](const Block& b) { return b.pinned || b.factors; });
 }
 
@@ -105,6 +104,7 @@ void BlockStore<Scalar>::layOut() {
            model_->verticesOf(order_[first]) == vertices;
          ++block.count, ++first) {
       const uint32_t strand = order_[first];
+      block.uniform = block.uniform && isEven(strand);
       block.factors = block.factors || model_->hasFactors(strand);
       block.tethers = block.tethers || model_->hasTethers(strand);
       for (uint32_t v = model_->offsets[strand] + 1; v < model_->offsets[strand + 1]; ++v)
@@ -122,7 +122,9 @@ void BlockStore<Scalar>::layOut() {
     const int planes_of_vertex = kBlockPlanes + (groomed(block) ? kGroomingPlanes : 0) +
                                  (block.pins > 0 ? kBonePinPlanes : 0) +
                                  (model_->rest_distance.empty() ? 0 : 1);
-    memory += static_cast<size_t>(planes_of_vertex * block.vertices + kRootPlanes) * lanes_;
+    memory += static_cast<size_t>(planes_of_vertex * block.vertices + kRootPlanes +
+                                  kSizePlanes * sizeRows(block.vertices, block.uniform)) *
+              lanes_;
     rows_ += vertices;
     max_vertices_ = std::max(max_vertices_, block.vertices);
     blocks_.push_back(block);
@@ -132,23 +134,49 @@ void BlockStore<Scalar>::layOut() {
 }
 
 template <class Scalar>
-bool BlockStore<Scalar>::setStrand(const Block& block, int lane) {
+bool BlockStore<Scalar>::isEven(uint32_t strand) const {
+  const StrandModel& model = *model_;
+  const uint32_t first = model.offsets[strand], tip = model.offsets[strand + 1] - 1;
+  const float tolerance = evenTolerance(model, strand);
+  auto alike = [&](float number, float one) { return std::abs(number - one) <= tolerance * one; };
+  const float mean = arcLength({model.rest_local.data() + first, model.verticesOf(strand)}) /
+                     static_cast<float>(tip - first);
+  for (uint32_t v = first; v < tip; ++v) {
+    if (!alike((model.rest_local[v + 1] - model.rest_local[v]).norm(), mean)) return false;
+    if (v > first && (model.isPinned(strand, v) || !alike(model.mass[v], model.mass[first + 1])))
+      return false;
+  }
+  return true;
+}
+
+template <class Scalar>
+void BlockStore<Scalar>::setStrand(const Block& block, int lane) {
   const StrandModel& model = *model_;
   const uint32_t strand = strandOf(block, lane), first = model.offsets[strand];
+  const int last = block.vertices - 1;
   const std::span<const Vec3> rest(model.rest_local.data() + first, block.vertices);
-  const float mean_length = arcLength(rest) / static_cast<float>(block.vertices - 1);
-  for (int i = 0; i < block.vertices; ++i) {
+  const float mean_length = arcLength(rest) / static_cast<float>(last);
+  // In a strand that is cut evenly they differ by rounding only, and are made equal, whatever strands are
+  // beside it, so that one row may stand for all. Lengths stay as they are: hair rests on them to the last
+  // digit.
+  const bool even = isEven(strand);
+  for (int i = 0; i <= last; ++i) {
     auto put = [&](int plane, float value) { number(block, plane, i, lane) = static_cast<Scalar>(value); };
     const uint32_t v = first + i;
-    const float length = i + 1 < block.vertices ? (rest[i + 1] - rest[i]).norm() : 0.0f;
-    const bool pinned = model.isPinned(strand, v);
+    const float length = i < last ? (rest[i + 1] - rest[i]).norm() : 0.0f;
     put(kRestLength, length);
     for (int c = 0; c < 3; ++c) put(kRestStrain + c, model.rest_strain[v][c]);
-    put(kInverseLength, 1 / std::max(length, kShortestEdge * mean_length));
     put(kBend, model.bend[v]);
     put(kTwist, model.twist[v]);
-    put(kMass, pinned ? kPinnedMass : model.mass[v]);
-    put(kWeight, pinned ? 0.0f : 1 / model.mass[v]);
+    const float bends_over = even && i < last ? mean_length : std::max(length, kShortestEdge * mean_length);
+    const uint32_t alike = even && i > 0 && i < last ? first + 1 : v;
+    const bool pinned = model.isPinned(strand, alike);
+    Scalar* row = sizes(block) +
+                  static_cast<size_t>(sizeRow(i, block.vertices, block.uniform)) * kSizePlanes * lanes_ +
+                  lane;
+    row[kInverseLength * lanes_] = Scalar(1 / bends_over);
+    row[kMass * lanes_] = Scalar(pinned ? kPinnedMass : model.mass[alike]);
+    row[kWeight * lanes_] = Scalar(pinned ? 0.0f : 1 / model.mass[alike]);
     if (!model.rest_distance.empty())
       restDistance(block)[static_cast<size_t>(i) * lanes_ + lane] =
           static_cast<Scalar>(model.rest_distance[v]);
@@ -161,20 +189,6 @@ bool BlockStore<Scalar>::setStrand(const Block& block, int lane) {
       factors[kTether * lanes_] = static_cast<Scalar>(model.tether[v]);
     }
   }
-  // Lengths and masses of a strand that was resampled evenly differ by rounding only: then they are made
-  // equal, so that one row of them may stand for all.
-  auto alike = [&](int plane, int row, int first_row) {
-    const Scalar one = number(block, plane, first_row, lane);
-    return std::abs(number(block, plane, row, lane) - one) <= Scalar(kAlike) * one;
-  };
-  bool even = true;
-  for (int i = 1; i + 1 < block.vertices; ++i) even = even && alike(kRestLength, i, 0) && alike(kMass, i, 1);
-  for (int i = 1; even && i + 1 < block.vertices; ++i) {
-    for (const int plane : {kRestLength, kInverseLength})
-      number(block, plane, i, lane) = number(block, plane, 0, lane);
-    for (const int plane : {kMass, kWeight}) number(block, plane, i, lane) = number(block, plane, 1, lane);
-  }
-  return even;
 }
 
 template <class Scalar>
@@ -356,11 +370,9 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b, const StepInput& input, Sc
           planes(block, kFrame),
           planes(block, kTension),
           planes(block, kRestStrain),
-          planes(block, kInverseLength),
           planes(block, kBend),
           planes(block, kTwist),
-          planes(block, kMass),
-          planes(block, kWeight),
+          sizes(block),
           roots(block),
           block.factors,
           groomed(block) ? grooming(block) : nullptr,

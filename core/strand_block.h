@@ -22,7 +22,7 @@ struct CacheLineAllocator {
   bool operator==(const CacheLineAllocator&) const { return true; }
 };
 
-constexpr int kBlockPlanes = 20;  ///< numbers per vertex that every step of the rod needs
+constexpr int kBlockPlanes = 17;  ///< numbers per vertex that every step of the rod needs
 
 /// Vectors in a table of their own: [vertex][3][lane]. Equals null where there is none.
 template <class Scalar>
@@ -47,12 +47,9 @@ struct BlockView {
   Scalar* frame;              ///< 4 planes, x y z w, world
   Scalar* tension;            ///< 1 plane
   const Scalar* rest_strain;  ///< 3 planes
-  const Scalar*
-      inverse_length;    ///< 1 plane, 1/m, bounded where an edge is much shorter than its strand's mean
-  const Scalar* bend;    ///< 1 plane
-  const Scalar* twist;   ///< 1 plane
-  const Scalar* mass;    ///< 1 plane, of vertices; large where pinned
-  const Scalar* weight;  ///< 1 plane, of vertices: 1 / mass, 0 where pinned
+  const Scalar* bend;         ///< 1 plane
+  const Scalar* twist;        ///< 1 plane
+  const Scalar* sizes;        ///< [row][kSizePlanes][lane]: see sizeRow()
   const Scalar* root;  ///< 14 planes: position and rotation x y z w at the start of the step, then at its end
   bool factors;        ///< some factor of the strands is not 1
   const Scalar* grooming;                 ///< [vertex][kGroomingPlanes][lane]; null where there is none
@@ -66,6 +63,21 @@ struct BlockView {
 };
 
 constexpr int kRootPlanes = 14;
+
+/// Planes of BlockView::sizes: of the edge behind vertex i, and of vertex i.
+enum SizePlane : int {
+  kInverseLength,  ///< 1/m, bounded where an edge is much shorter than its strand's mean
+  kMass,           ///< of StrandModel; large where pinned
+  kWeight,         ///< 1 / mass, 0 where pinned
+  kSizePlanes
+};
+/// Their row for vertex i. A uniform block has three rows for all its vertices: the root's, that of those
+/// between, and the tip's.
+constexpr int sizeRow(int i, int vertices, bool uniform) {
+  if (!uniform) return i;
+  return i + 1 == vertices ? 2 : i > 0 ? 1 : 0;
+}
+constexpr int sizeRows(int vertices, bool uniform) { return uniform ? 3 : vertices; }
 
 /// Planes of BlockView::course.
 enum CoursePlane : int {
@@ -190,11 +202,14 @@ class BlockStore {
   }
   /// Cuts blocks and makes their memory.
   void layOut();
-  /// Writes what does not change of the strand in a lane; gives whether it is uniform.
-  bool setStrand(const Block& block, int lane);
+  /// Whether lengths of its edges, and masses of its vertices, are alike: see BlockView::uniform.
+  bool isEven(uint32_t strand) const;
+  /// Writes what does not change of the strand in a lane.
+  void setStrand(const Block& block, int lane);
   Scalar* planes(const Block& block, int plane) const;
   Scalar& number(const Block& block, int plane, int vertex, int lane) const;
   Scalar* roots(const Block& block) const;
+  Scalar* sizes(const Block& block) const;
   Scalar* grooming(const Block& block) const;
   Scalar* bonePins(const Block& block) const;
   void read(size_t b, int plane, std::span<Vec3> out) const;

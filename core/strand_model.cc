@@ -133,6 +133,14 @@ bool isGrooming(const Material& material) {
 
 }  // namespace
 
+float evenTolerance(const StrandModel& model, size_t strand) {
+  constexpr float kPlace = 0x1p-22f;  // of a coordinate: what the rounding of both ends makes of an edge
+  const size_t vertices = model.verticesOf(strand);
+  const float length = arcLength({model.rest_local.data() + model.offsets[strand], vertices});
+  const float far = model.rest_roots[strand].position.norm() + length;
+  return std::max(2e-5f, kPlace * far * static_cast<float>(vertices - 1) / length);
+}
+
 bool hangsBetweenPins(const StrandModel& model, size_t strand) {
   bool seen_free = false;
   for (uint32_t v = model.offsets[strand]; v < model.offsets[strand + 1]; ++v) {
@@ -204,10 +212,10 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
     const uint32_t first = rest.offsets[s];
     const Eigen::Quaterniond root = restFrames(points, {model.rest_frames.data() + first, points.size()});
     model.rest_roots[s] = {points[0], Quat(root.cast<float>())};
-    const Pose to_local = model.rest_roots[s].inverse();
-    for (size_t i = 0; i < points.size(); ++i) {
-      model.rest_local[first + i] = i == 0 ? Vec3(Vec3::Zero()) : to_local.apply(points[i]);
-      if (i > 0 && rest.isPinned(s, i)) pin(model, first + static_cast<uint32_t>(i));
+    for (uint32_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector3d from_root = points[i].cast<double>() - points[0].cast<double>();
+      model.rest_local[first + i] = Vec3((root.conjugate() * from_root).cast<float>());
+      if (i > 0 && rest.isPinned(s, i)) pin(model, first + i);
     }
     const size_t part = rest.parts.empty() ? 0 : rest.parts[s];
     const Material& material = materials[std::min(part, materials.size() - 1)];

@@ -90,6 +90,9 @@ struct RestBends {
   bool uneven, sharp;
 };
 RestBends restBends(const StrandModel& model, size_t strand);
+/// By how much of their mean the edges of a strand may differ and still count as of one length, and masses of
+/// its vertices as one: points in float do not tell more, so far from the origin.
+float evenTolerance(const StrandModel& model, size_t strand);
 /// Whether a strand has a free vertex before one that is pinned.
 bool hangsBetweenPins(const StrandModel& model, size_t strand);
 

@@ -25,6 +25,9 @@ inline void store3(const real3& value, const VectorRows<Scalar>& rows, int i) {
   store(value.y, row + kLanes);
   store(value.z, row + 2 * kLanes);
 }
+inline const Scalar* sizeOf(const Block& b, SizePlane plane, int i) {
+  return b.sizes + (static_cast<size_t>(sizeRow(i, b.vertices, b.uniform)) * kSizePlanes + plane) * kLanes;
+}
 inline real3 fill3(const Vec3& v) { return fill3(v.data()); }
 
 // Of BlockView::grooming, where there is none a factor of 1.

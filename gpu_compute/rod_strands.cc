@@ -52,11 +52,6 @@ constexpr uint32_t kAstrayApart = 32768;
 
 constexpr GLuint kWholeGroup = 0xFFFFFFFF;  // as in shaders/rod_strand.glsl
 
-// Edges and masses that differ by less than this along a strand count as equal. Points in float, some metres
-// from the origin and millimetres apart, do not tell more.
-constexpr float kUniform = 2e-5f;
-bool equal(float a, float b) { return std::fabs(a - b) <= kUniform * std::fabs(b); }
-
 // By Needs::turning, and 3 for each of the numbers that shaders/look.comp has for SORTING.
 constexpr std::array<const char*, 3> kTurning = {"#define TURNING 0\n", "#define TURNING 1\n",
                                                  "#define TURNING 2\n"};
@@ -128,7 +123,7 @@ std::vector<Vec4> packEdges(const StrandModel& model) {
   return edges;
 }
 
-// Strains at rest below this are none: points in float do not tell them, see kUniform.
+// Strains at rest below this are none: points in float do not tell them, see evenTolerance().
 constexpr float kStraightStrain = 1e-4f;
 bool isStraight(const StrandModel& model, uint32_t strand) {
   const auto first = model.rest_strain.begin() + model.offsets[strand];
@@ -139,6 +134,8 @@ bool isStraight(const StrandModel& model, uint32_t strand) {
 // kGeneral, kTapered or 0. `straight`: then its joints are to be alike, too.
 uint32_t unevennessOf(const StrandModel& model, uint32_t strand, bool straight) {
   const StrandRest rest = strandRest(model, strand);
+  const float tolerance = evenTolerance(model, strand);
+  auto equal = [&](float a, float b) { return std::fabs(a - b) <= tolerance * std::fabs(b); };
   const uint32_t first = model.offsets[strand], tip = model.offsets[strand + 1] - 1;
   uint32_t found = 0;
   for (uint32_t e = first; e < tip; ++e) {

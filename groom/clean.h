@@ -28,11 +28,13 @@ void cleanStrands(Groom& groom);
 /// strands pinned at both ends.
 void orientRoots(Groom& groom, const ClosestPoint& scalp);
 
-/// Gives every strand `vertices` vertices at equal distances along its polyline, 2 to 128 (Error otherwise).
-/// Root and tip are kept bit for bit, the length as well as a polyline of that many vertices can: never
-/// longer, shorter by the corners cut. Radii are interpolated; a pinned vertex pins the new one nearest to
-/// it, and those between it and a pinned neighbour. UVs and parts are carried over. A strand that runs back
-/// along itself can get two vertices into one place: clean again where that may be.
+/// Gives every strand `vertices` vertices on its polyline, 2 to 128 (Error otherwise), as far from each
+/// other: its edges are of one length. Where a strand comes back to itself so that no such edges end at its
+/// tip, its vertices are at equal distances along it. Root and tip are kept bit for bit, the length as well
+/// as a polyline of that many vertices can: never longer, shorter by the corners cut. Radii are interpolated;
+/// a pinned vertex pins the new one nearest to it, and those between it and a pinned neighbour. UVs and parts
+/// are carried over. A strand that runs back along itself can get two vertices into one place: clean again
+/// where that may be.
 StrandSet resample(const StrandSet& strands, int vertices);
 /// The same with each strand's own count, capped at `max_vertices` (2 to 128).
 StrandSet equalize(const StrandSet& strands, int max_vertices);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "core/error.h"
@@ -10,76 +11,134 @@
 namespace strandcast {
 namespace {
 
-/// Walks one strand by the length along its polyline, counted from the root.
-class ArcWalk {
+/// One strand, and the places of its new vertices on it, m along it from the root.
+class EvenCut {
  public:
-  void start(const StrandSet& strands, size_t s) {
+  void start(const StrandSet& strands, size_t s, size_t count) {
     points_ = strands.strand(s);
     at_.assign(points_.size(), 0.0);
-    for (size_t i = 1; i < points_.size(); ++i)
-      at_[i] = at_[i - 1] + (points_[i] - points_[i - 1]).cast<double>().norm();
-    edge_ = 0;
+    for (size_t i = 1; i < points_.size(); ++i) at_[i] = at_[i - 1] + (point(i) - point(i - 1)).norm();
+    places_.assign(count, 0.0);
+    findPlaces();
   }
-  double length() const { return at_.back(); }
+  /// Of the new vertices.
+  double place(size_t k) const { return places_[k]; }
+  /// Of one of the strand's own.
   double at(size_t vertex) const { return at_[vertex]; }
-
-  /// Moves on to the edge that holds `distance`, which must not be smaller than at the last call, and returns
-  /// where on that edge it lies, 0 to 1.
-  double moveTo(double distance) {
-    while (edge_ + 2 < at_.size() && at_[edge_ + 1] < distance) ++edge_;
-    if (at_.size() < 2) return 0;
-    const double edge_length = at_[edge_ + 1] - at_[edge_];
-    return edge_length > 0 ? std::clamp((distance - at_[edge_]) / edge_length, 0.0, 1.0) : 0.0;
+  /// Which of the new vertices is at a place: a fraction where it is between two.
+  double vertexAt(double place) const {
+    const auto next = std::upper_bound(places_.begin(), places_.end(), place);
+    if (next == places_.begin() || !(places_.back() > 0)) return 0;
+    const auto k = static_cast<size_t>(next - places_.begin()) - 1;
+    if (next == places_.end()) return static_cast<double>(places_.size() - 1);
+    return static_cast<double>(k) + (place - places_[k]) / (places_[k + 1] - places_[k]);
   }
-  size_t edge() const { return edge_; }
-  size_t edgeEnd() const { return std::min(edge_ + 1, at_.size() - 1); }
 
-  Vec3 pointAt(double t) const {
-    const Eigen::Vector3d a = points_[edge_].cast<double>(), b = points_[edgeEnd()].cast<double>();
-    return (a + t * (b - a)).cast<float>();
+  /// A place as an edge of the strand's own and a part of it, 0 to 1.
+  struct OnEdge {
+    size_t edge, end;
+    double part;
+  };
+  OnEdge onEdge(double place) const {
+    const auto next = std::lower_bound(at_.begin() + 1, at_.end(), place);
+    const size_t end = std::min(static_cast<size_t>(next - at_.begin()), at_.size() - 1);
+    const size_t edge = end > 0 ? end - 1 : 0;
+    const double length = at_[end] - at_[edge];
+    return {edge, end, length > 0 ? std::clamp((place - at_[edge]) / length, 0.0, 1.0) : 0.0};
+  }
+  Vec3 pointAt(const OnEdge& on) const {
+    const Eigen::Vector3d a = point(on.edge), b = point(on.end);
+    return (a + on.part * (b - a)).cast<float>();
   }
 
  private:
+  Eigen::Vector3d point(size_t i) const { return points_[i].cast<double>(); }
+
+  /// Places whose points are `chord` apart, one after another, each the first so far away; beyond the tip the
+  /// polyline goes straight on. Gives how far beyond the tip the last one comes, m.
+  double march(double chord) {
+    size_t edge = 0;
+    Eigen::Vector3d from = point(0);
+    for (size_t k = 1; k < places_.size(); ++k) {
+      while (edge < last_edge_ && (point(edge + 1) - from).norm() < chord) ++edge;
+      const Eigen::Vector3d start = point(edge), along = (point(edge + 1) - start).normalized();
+      const double nearest = along.dot(from - start),
+                   aside2 = (from - start).squaredNorm() - nearest * nearest;
+      const double part = nearest + std::sqrt(std::max(chord * chord - aside2, 0.0));
+      from = start + part * along;
+      places_[k] = at_[edge] + part;
+    }
+    return places_.back() - at_.back();
+  }
+
+  /// Finds the chord with which a march ends at the tip, by false position (the Illinois rule; Dowell and
+  /// Jarratt 1971, "A modified regula falsi method"). Where a strand comes back to itself there may be none.
+  bool marchToTip() {
+    constexpr int kMostMarches = 60;
+    const double length = at_.back(), exact = 1e-10 * length;
+    double low = 0, high = length / static_cast<double>(places_.size() - 1);  // a chord is the shortest way
+    double below = -length, above = march(high);
+    if (above <= exact) return true;
+    for (int marches = 0, side = 0; marches < kMostMarches; ++marches) {
+      const double chord = (low * above - high * below) / (above - below), beyond = march(chord);
+      if (std::abs(beyond) <= exact) return true;
+      const int now = beyond > 0 ? 1 : -1;
+      (now > 0 ? high : low) = chord;
+      (now > 0 ? above : below) = beyond;
+      if (now == side) (now > 0 ? below : above) /= 2;
+      side = now;
+    }
+    return false;
+  }
+  void findPlaces() {
+    const double length = at_.back();
+    last_edge_ = 0;
+    for (size_t e = 0; e + 1 < at_.size(); ++e)
+      if (at_[e + 1] > at_[e]) last_edge_ = e;
+    const auto last = static_cast<double>(std::max<size_t>(places_.size() - 1, 1));
+    if (places_.size() < 3 || !(length > 0) || !marchToTip())
+      for (size_t k = 0; k < places_.size(); ++k) places_[k] = length * static_cast<double>(k) / last;
+    if (places_.size() > 1) places_.back() = length;
+  }
+
   std::span<const Vec3> points_;
-  std::vector<double> at_;
-  size_t edge_ = 0;
+  std::vector<double> at_, places_;
+  size_t last_edge_ = 0;  ///< of some length
 };
 
 /// A new vertex is pinned when it lies between two pinned ones; and a pinned one always pins the new vertex
 /// nearest to it, or it would be lost between two samples.
-void carryPins(const StrandSet& from, size_t s, const ArcWalk& walk, std::span<uint8_t> pins) {
+void carryPins(const StrandSet& from, size_t s, const EvenCut& line, std::span<uint8_t> pins) {
   const uint8_t* old_pins = from.pinned.data() + from.offsets[s];
   const size_t old_count = from.verticesOf(s);
   const auto last = static_cast<double>(pins.size() - 1);
-  const double to_sample = walk.length() > 0 ? last / walk.length() : 0.0;
   for (size_t i = 0; i < old_count; ++i) {
     if (!old_pins[i]) continue;
-    const double place = walk.at(i) * to_sample;
+    const double place = line.vertexAt(line.at(i));
     pins[static_cast<size_t>(std::clamp(std::round(place), 0.0, last))] = 1;
     if (i + 1 == old_count || !old_pins[i + 1]) continue;
-    for (double k = std::ceil(place); k <= std::min(walk.at(i + 1) * to_sample, last); ++k)
+    for (double k = std::ceil(place); k <= std::min(line.vertexAt(line.at(i + 1)), last); ++k)
       pins[static_cast<size_t>(k)] = 1;
   }
 }
 
-void resampleStrand(const StrandSet& from, size_t s, size_t count, ArcWalk& walk, StrandSet& to) {
-  walk.start(from, s);
+void resampleStrand(const StrandSet& from, size_t s, size_t count, EvenCut& line, StrandSet& to) {
+  line.start(from, s, count);
   const uint32_t first = from.offsets[s];
   for (size_t k = 0; k < count; ++k) {
-    const double t = walk.moveTo(walk.length() * static_cast<double>(k) /
-                                 static_cast<double>(std::max<size_t>(count - 1, 1)));
-    Vec3 point = walk.pointAt(t);
+    const EvenCut::OnEdge on = line.onEdge(line.place(k));
+    Vec3 point = line.pointAt(on);
     if (k == 0) point = from.strand(s).front();
     if (k + 1 == count && count > 1) point = from.strand(s).back();
     to.positions.push_back(point);
     if (!from.radii.empty()) {
-      const float a = from.radii[first + walk.edge()], b = from.radii[first + walk.edgeEnd()];
-      to.radii.push_back(a + static_cast<float>(t) * (b - a));
+      const float a = from.radii[first + on.edge], b = from.radii[first + on.end];
+      to.radii.push_back(a + static_cast<float>(on.part) * (b - a));
     }
   }
   if (!from.pinned.empty()) {
     to.pinned.resize(to.positions.size(), 0);
-    carryPins(from, s, walk, std::span(to.pinned).last(count));
+    carryPins(from, s, line, std::span(to.pinned).last(count));
   }
   if (!from.uvs.empty()) to.uvs.push_back(from.uvs[s]);
   if (!from.parts.empty()) to.parts.push_back(from.parts[s]);
@@ -96,8 +155,8 @@ void checkCount(int vertices) {
 template <class CountOf>
 StrandSet resampleAll(const StrandSet& strands, CountOf count_of) {
   StrandSet result;
-  ArcWalk walk;
-  for (size_t s = 0; s < strands.strands(); ++s) resampleStrand(strands, s, count_of(s), walk, result);
+  EvenCut line;
+  for (size_t s = 0; s < strands.strands(); ++s) resampleStrand(strands, s, count_of(s), line, result);
   return result;
 }
 

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -41,6 +41,28 @@ TEST(StrandModel, KeepsTheRestShapeInTheRootFrame) {
   for (size_t i = 0; i < 3; ++i) {
     EXPECT_LT((state.positions[i] - set.positions[i]).norm(), 1e-6f);
     EXPECT_EQ(state.velocities[i], Vec3(0, 0, 0));
+  }
+}
+
+// By how much edges are longer or shorter than their mean, over what that may be where they are even.
+float unevenness(const StrandModel& model) {
+  const float mean = arcLength(model.rest_local) / static_cast<float>(model.vertices() - 1);
+  float most = 0;
+  for (size_t i = 1; i < model.vertices(); ++i)
+    most = std::max(most, std::abs((model.rest_local[i] - model.rest_local[i - 1]).norm() / mean - 1));
+  return most / evenTolerance(model, 0);
+}
+
+TEST(StrandModel, EdgesThatOnlyRoundingTellsApartAreEven) {
+  for (const double far : {0.0, 1.7, 30.0, 3000.0}) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 40; ++i)  // a helix of edges of 2 mm
+      points.push_back(
+          Eigen::Vector3d(far + 0.008 * std::cos(0.2 * i), far - 0.0012 * i, 0.008 * std::sin(0.2 * i))
+              .cast<float>());
+    EXPECT_LT(unevenness(makeStrandModel(oneStrand(points))), 1) << far;
+    points[20].y() += static_cast<float>(1e-6 + 1e-5 * far);
+    EXPECT_GT(unevenness(makeStrandModel(oneStrand(points))), 1) << far;
   }
 }
 

@@ -162,6 +162,30 @@ TEST(Resample, KeepsRootTipAndLengthAndSpacesEvenly) {
   }
 }
 
+TEST(Resample, EdgesAreOfOneLengthHoweverAStrandIsBent) {
+  StrandSet strands;
+  strands.append(helix(100));
+  strands.append(  // kinks
+      {{Vec3(0, 1.7f, 0), Vec3(0.1f, 1.7f, 0), Vec3(0.15f, 1.8f, 0), Vec3(0.3f, 1.72f, 0.01f)}});
+  for (const int vertices : {3, 4, 16, 100, 128}) {
+    const StrandSet even = resample(strands, vertices);
+    for (size_t s = 0; s < strands.strands(); ++s) {
+      const std::span<const Vec3> points = even.strand(s);
+      const float mean = arcLength(points) / static_cast<float>(vertices - 1);
+      for (size_t i = 1; i < points.size(); ++i)
+        EXPECT_NEAR((points[i] - points[i - 1]).norm(), mean, 3e-7f) << vertices << " of " << s << ", " << i;
+    }
+  }
+}
+
+TEST(Resample, WhereNoEdgesOfOneLengthEndAtTheTipPlacesAreEven) {
+  StrandSet strands;
+  strands.append({{Vec3(0, 0, 0), Vec3(0, 0.2f, 0), Vec3(0, 0.1f, 0)}});  // out and back
+  const StrandSet even = resample(strands, 5);
+  const float places[] = {0, 0.075f, 0.15f, 0.175f, 0.1f};
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(even.positions[i].y(), places[i], 1e-7f);
+}
+
 TEST(Resample, IsExactOnAStraightStrandOfUnevenEdges) {
   StrandSet strands;
   strands.append(
@@ -363,11 +387,7 @@ TEST(LoadGroom, BadOptionsAndGroomsWithoutHairAreRefused) {
   expectError([&] { loadGroom({}, {}); }, {"no groom file"});
   for (const float unit : {-1.0f, std::nanf(""), HUGE_VALF})
     expectError([&] { loadGroom({folder / "a.tfx"}, {unit, UpAxis::kAuto}); }, {"unit_meters"});
-  expectError(
-      [&] {
-        loadGroom({folder / "a.tfx"}, {1e30f, UpAxis::kAuto});
-      },
-      {"a.tfx", "vertex 0", "10 km"});
+  expectError([&] { loadGroom({folder / "a.tfx"}, {1e30f, UpAxis::kAuto}); }, {"a.tfx", "vertex 0", "10 km"});
   writeFileBytes(folder / "b.obj", samples::fromText("v 1 2 3\nv 1 2 3\nl 1 2\n"));
   expectError([&] { loadGroom({folder / "b.obj"}, {}); }, {"b.obj", "no strand"});
 }

@@ -4,10 +4,12 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 
 #include "core/error.h"
+#include "core/simulation.h"
 #include "simd/simd_kernels.h"
 #include "tests/conformance/conformance_model.h"
 
@@ -67,6 +69,30 @@ StrandState stateAfter(const simd::SimdTarget& target, float left) {
   StrandState state;
   store.download(state);
   return state;
+}
+
+// A block of even strands has three rows of lengths and masses (sizeRows), one with another strand in it one
+// for each vertex: nobody may see which.
+TEST(SimdBackend, AnEvenStrandComesOutAlikeWhateverIsBesideIt) {
+  const auto first = [](const std::string& target, float longer) {
+    StrandSet strands;
+    for (const float tip : {0.0f, longer}) {
+      std::vector<Vec3> points;
+      for (int i = 0; i < 12; ++i) {
+        const double turn = 0.4 * i;
+        points.push_back(
+            Eigen::Vector3d(0.01 * std::cos(turn), 0.005 * i, 0.01 * std::sin(turn)).cast<float>());
+      }
+      points.back().y() += tip;
+      strands.append(points);
+    }
+    Simulation simulation(makeStrandModel(strands), {}, Parameters(), makeSimdBackend(1, target));
+    for (int i = 0; i < 20; ++i) simulation.step();
+    const std::span<const Vec3> guides = simulation.guides().first(12);
+    return std::vector<Vec3>(guides.begin(), guides.end());
+  };
+  for (const std::string& target : simdTargets())
+    EXPECT_EQ(first(target, 0), first(target, 0.003f)) << target;
 }
 
 // Blocks follow each other on whatever memory a thread has: what one leaves there must not come out of the
