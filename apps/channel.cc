@@ -82,9 +82,8 @@ std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session
 
 BakeAnnouncement announceBakes(ProgressBar& bar) {
   return [&](const std::string& outlook, double seconds) {
-    constexpr double kWorthSaying = 1;  // s
     bar.clear();
-    if (seconds >= kWorthSaying) spdlog::info("{}", outlook);
+    if (seconds >= kBakeWorthSaying) spdlog::info("{}", outlook);
   };
 }
 

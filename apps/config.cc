@@ -342,6 +342,12 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     daemon.wholeNumber("threads", 0, 1024, [&](double v) { s.threads = static_cast<int>(v); });
     daemon.number("rate", 1, 1000, [&](double v) { s.rate = v; });
     daemon.number("duration", 0, 1e9, [&](double v) { s.duration = v; });
+    daemon.text("collider_folder", [&](const std::string& v) {
+      if (v.empty())
+        throw Error("the folder of colliders has no name", daemon.place("collider_folder"),
+                    "name a folder of meshes, or leave it out");
+      s.collider_folder = path(v);
+    });
   });
   root.section("transport", [&](Section& transport) {
     transport.text("kind", [&](const std::string& v) {

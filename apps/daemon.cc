@@ -12,6 +12,7 @@
 
 #include "apps/colliders.h"
 #include "apps/command_limits.h"
+#include "apps/command_values.h"
 #include "apps/scene_simulation.h"
 #include "core/error.h"
 #include "core/quantile.h"
@@ -44,18 +45,6 @@ HeadMotion rampInto(HeadMotion motion, const Pose& from) {
   return [motion = std::move(motion), way = rampTo(from, {})](double seconds) {
     return way(seconds) * motion(seconds);
   };
-}
-
-/// Position x y z, rotation x y z w.
-Pose poseOf(const std::vector<double>& values, size_t first, const std::string& where) {
-  const double* const v = values.data() + first;
-  if (!std::all_of(v, v + 3, [](double x) { return std::fabs(x) <= kFarthestPlace; }))
-    throw Error("a pose is too far away", where,
-                fmt::format("give x y z in metres, each within {}", kFarthestPlace));
-  const Quat rotation(Eigen::Quaterniond(v[6], v[3], v[4], v[5]).cast<float>());
-  if (!(std::fabs(rotation.norm() - 1) < 0.5f))
-    throw Error("a rotation is not a unit quaternion", where, "give x y z w, with squares that add up to 1");
-  return {Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()), rotation.normalized()};
 }
 
 /// docs/wire.md, "Command": kind, whether it follows the head, pose, and the numbers of a shape.
@@ -106,6 +95,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
     : settings_(settings),
       publisher_(publisher),
       rival_warning_(settings.groom_id),
+      maker_(settings.collider_folder, scene.mesh_bodies),
       skinned_(scene.skinned),
       motion_(scene.motion),
       head_pivot_(scene.head_pivot),
@@ -146,7 +136,7 @@ void Daemon::announce() {
 }
 
 void Daemon::apply(const Command& command) {
-  const std::string where = fmt::format("command {}", command.id);
+  const std::string where = commandText(command.id);
   switch (command.kind) {
     case CommandKind::kSetParameter: {
       Parameters parameters = simulation_.parameters();
@@ -175,6 +165,8 @@ void Daemon::apply(const Command& command) {
     case CommandKind::kAddCollider:
       addCollider(command, where);
       return tellParameters();
+    case CommandKind::kAddColliderFile:
+      return addColliderFile(command, where);
     case CommandKind::kMoveCollider:
       return moveCollider(command, where);
     case CommandKind::kRemoveCollider:
@@ -205,7 +197,7 @@ void Daemon::pull(const Command& command, const std::string& where) {
 void Daemon::moveHead(const Command& command, const std::string& where) {
   if (command.values.size() != 7)
     throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
-  setMotion(rampTo(motionPose(), poseOf(command.values, 0, where)));
+  setMotion(rampTo(motionPose(), commandedPose(command.values, 0, where)));
 }
 
 Pose Daemon::motionPose() const {
@@ -219,13 +211,28 @@ void Daemon::setMotion(HeadMotion motion) {
 }
 
 void Daemon::addCollider(const Command& command, const std::string& where) {
-  if (command.name.empty()) throw Error("a collider has no name", where, "give it one of its own");
-  if (named_.contains(command.name))
-    throw Error("there is a collider '" + command.name + "'", where, "give it a name of its own");
+  checkColliderName(command.name, where);
   RigidBody body;
   body.primitives = {commandedShape(command.values, where)};
   body.follows_head = command.values[1] != 0;
-  body.pose = poseOf(command.values, 2, where);
+  body.pose = commandedPose(command.values, 2, where);
+  addNamed(command.name, std::move(body), where);
+}
+
+void Daemon::addColliderFile(const Command& command, const std::string& where) {
+  checkColliderName(colliderFileOf(command, where).name, where);
+  maker_.begin(command, where);
+}
+
+void Daemon::checkColliderName(const std::string& name, const std::string& where) const {
+  if (name.empty()) throw Error("a collider has no name", where, "give it one of its own");
+  if (named_.contains(name))
+    throw Error("there is a collider '" + name + "'", where, "give it a name of its own");
+  if (maker_.makes(name))
+    throw Error("a collider '" + name + "' is being made", where, "give it a name of its own");
+}
+
+void Daemon::addNamed(const std::string& name, RigidBody body, const std::string& where) {
   size_t free = body.follows_head ? 0 : 1, shapes = 1;
   for (const BodyId id : simulation_.bodyIds()) {
     free += simulation_.body(id).follows_head ? 0 : 1;
@@ -233,8 +240,36 @@ void Daemon::addCollider(const Command& command, const std::string& where) {
   }
   if (free > kMaxPlacedColliders || simulation_.bodies() >= kMaxColliders || shapes > kMaxColliderShapes)
     throw Error("there are too many colliders", where, "remove one first");
-  named_[command.name] = simulation_.addBody(std::move(body));
+  named_[name] = simulation_.addBody(std::move(body));
   announceColliders();
+}
+
+void Daemon::takeMadeBodies() {
+  while (std::optional<ColliderMaker::Made> made = maker_.take()) {
+    if (made->refusal.empty()) {
+      const std::string where = commandText(made->command);
+      made->refusal = refusalOf([&] {
+        checkColliderShape(made->body.primitives.front(), where);
+        addNamed(made->name, std::move(made->body), where);
+        tellParameters();
+      });
+    }
+    answer(made->command, made->refusal);
+  }
+}
+
+bool Daemon::awaitBodies(const std::atomic<bool>& stop) {
+  constexpr std::chrono::milliseconds kLook{20};
+  for (; maker_.isBusy(); takeMadeBodies()) {
+    if (stop) return false;
+    maker_.wait(kLook);
+  }
+  return true;
+}
+
+void Daemon::dropBodies() {
+  maker_.stop();
+  takeMadeBodies();
 }
 
 void Daemon::moveCollider(const Command& command, const std::string& where) {
@@ -246,10 +281,12 @@ void Daemon::moveCollider(const Command& command, const std::string& where) {
   const double seconds = command.values.size() == 8 ? command.values[7] : kRampSeconds;
   if (!(seconds >= 0 && seconds <= kLongestWay))
     throw Error(fmt::format("a collider takes 0 to {:g} s to move", kLongestWay), where, "");
-  ways_[id] = {simulation_.bodyPose(id), poseOf(command.values, 0, where), simulation_.time(), seconds};
+  ways_[id] = {simulation_.bodyPose(id), commandedPose(command.values, 0, where), simulation_.time(),
+               seconds};
 }
 
 void Daemon::removeCollider(const Command& command, const std::string& where) {
+  if (maker_.drop(command.name)) return;
   const BodyId id = namedCollider(named_, command.name, where);
   simulation_.removeBody(id);
   named_.erase(command.name);
@@ -279,8 +316,10 @@ void Daemon::obey(const Command& command) {
   const CommandKind kind = command.kind;
   if (kind == CommandKind::kReset || kind == CommandKind::kPause || kind == CommandKind::kShutdown)
     dropSteps("reset, pause, go and stop end them");
+  if (kind == CommandKind::kShutdown) dropBodies();
   const std::string refusal = refusalOf([&] { apply(command); });
-  const bool has_begun = kind == CommandKind::kStep && refusal.empty();
+  const bool takes_time = kind == CommandKind::kStep || kind == CommandKind::kAddColliderFile;
+  const bool has_begun = takes_time && refusal.empty();
   if (!has_begun) answer(command.id, refusal);
 }
 
@@ -307,8 +346,7 @@ bool Daemon::takeSteps(const std::atomic<bool>& stop) {
 void Daemon::dropSteps(const std::string& why) {
   for (; !steps_.empty(); steps_.pop_front()) {
     const auto [command, left] = steps_.front();
-    const Error refusal(fmt::format("{} steps were not taken", left), fmt::format("command {}", command),
-                        why);
+    const Error refusal(fmt::format("{} steps were not taken", left), commandText(command), why);
     answer(command, refusal.what());
   }
 }
@@ -393,10 +431,12 @@ void Daemon::publishStatus() {
 }
 
 bool Daemon::castFrame(const std::atomic<bool>& stop) {
+  takeMadeBodies();
   for (size_t taken = 0; taken < kMaxCommandsPerFrame; ++taken) {
     const std::optional<Command> command = publisher_.takeCommand();
     if (!command) break;
     obey(*command);
+    if (waits_for_bodies_ && !awaitBodies(stop)) return false;
   }
   const double step = simulation_.parameters().time_step;
   if (paused_) {
@@ -436,6 +476,7 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
     std::this_thread::sleep_until(due);
   }
   dropSteps("the daemon ends");
+  dropBodies();
   publishStatus();
   summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   summary.status = status_;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "apps/collider_files.h"
 #include "apps/rival_warning.h"
 #include "apps/settings.h"
 #include "apps/wind_control.h"
@@ -50,6 +51,10 @@ class Daemon {
     takes_another_ = std::move(takes_another);
   }
 
+  /// From now on a frame waits for the bodies that its commands have made of files, so that a run is repeated
+  /// as it was. Else they are there some frames later, when they are made.
+  void waitForBodies() { waits_for_bodies_ = true; }
+
  private:
   void obey(const Command& command);
   void answer(uint64_t command, const std::string& refusal);
@@ -60,6 +65,17 @@ class Daemon {
   Pose motionPose() const;
   void setMotion(HeadMotion motion);
   void addCollider(const Command& command, const std::string& where);
+  void addColliderFile(const Command& command, const std::string& where);
+  /// Throws Error where the name is taken.
+  void checkColliderName(const std::string& name, const std::string& where) const;
+  /// Throws Error where there is no room for it.
+  void addNamed(const std::string& name, RigidBody body, const std::string& where);
+  /// Adds the bodies of files that are made by now, and answers their commands.
+  void takeMadeBodies();
+  /// Until none is still to be made. False when `stop` came first.
+  bool awaitBodies(const std::atomic<bool>& stop);
+  /// Those that are still to be made are not.
+  void dropBodies();
   void moveCollider(const Command& command, const std::string& where);
   void removeCollider(const Command& command, const std::string& where);
   void announceColliders();
@@ -85,6 +101,8 @@ class Daemon {
     double start, seconds;  ///< of simulation time
   };
   std::map<std::string, BodyId> named_;  ///< colliders that commands have added
+  ColliderMaker maker_;                  ///< of those that will be added
+  bool waits_for_bodies_ = false;
   std::map<BodyId, Way> ways_;
   uint32_t collider_revision_ = 0;
   std::shared_ptr<const SkinnedBody> skinned_;

@@ -88,6 +88,7 @@ void Replay::apply(const Command& command) {
     case CommandKind::kAddWindSource:
     case CommandKind::kMoveWindSource:
     case CommandKind::kRemoveWindSource:
+    case CommandKind::kAddColliderFile:
       break;
   }
   throw Error("a recording does not obey this", fmt::format("command {}", command.id),

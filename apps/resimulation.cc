@@ -62,7 +62,7 @@ Source sourceOf(const std::string& text, const std::string& name) {
     const nlohmann::json source = nlohmann::json::parse(text);
     const Visit visit(bytesOfJson(source.at("folder")));  // files are named from there
     CLI::App app;
-    SettingsOptions options(app);
+    SettingsOptions options(app, SettingsUse::kServe);
     app.allow_extras();  // --record, --quiet and the like
     std::vector<std::string> words;
     for (const nlohmann::json& word : source.at("arguments")) words.push_back(bytesOfJson(word));
@@ -154,6 +154,7 @@ ResimulationReport resimulate(Recording& recording, const std::string& name, con
   ResimulationReport report;
   RecordedInputs inputs(recording, name, report);
   Daemon daemon(source.settings, std::move(source.scene), inputs, inputs.session());
+  daemon.waitForBodies();
   daemon.announce();
   report.backend = daemon.status().backend;
   report.device = daemon.status().device;

@@ -224,6 +224,11 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   simulation->add_option("--duration", given_.duration, "seconds to run, by the clock; 0 = until interrupted")
       ->check(finiteRange(0.0, 1e9));
   addNetworkOptions(app, given_);
+  if (use == SettingsUse::kServe)
+    app.add_option(
+        "--collider-folder", given_.collider_folder,
+        "folder with meshes (.obj, .gltf, .glb) that `strandcast ctl collider add NAME mesh FILE` and `... "
+        "convex FILE` may name, from any machine that may command. Without it commands have no file opened");
   app.add_option("--codec", codec_, codecHelp())->check(CLI::IsMember(codecNames()));
   app.add_option("--codec-error", codec_error_mm_,
                  "mm; no guide vertex is received further from where it was (default 0.01)")
@@ -272,6 +277,8 @@ void SettingsOptions::refuseWhatIsIgnored(const Settings& out) const {
     const char *reason, *remedy;
   } options[] = {
       {"--config", config_.empty(), "the configuration file has no name", "name a TOML file"},
+      {"--collider-folder", given_.collider_folder.empty(), "the folder of colliders has no name",
+       "name a folder of meshes"},
       {"--motion", given_.scene.motion.empty(), "the motion has no name", "e.g. --motion shake"},
       {"--unit-meters", !has_files, "procedural hair is in metres", "leave it out, or give a --groom"},
       {"--up", !has_files, "of procedural hair Y is up", "leave it out, or give a --groom"},
@@ -281,13 +288,17 @@ void SettingsOptions::refuseWhatIsIgnored(const Settings& out) const {
        "leave it out, or --body-contact field"},
   };
   for (const auto& [option, ignored, reason, remedy] : options)
-    if (ignored && app_.count(option) > 0) throw Error(reason, option, remedy);
+    if (ignored && isGiven(option)) throw Error(reason, option, remedy);
+}
+
+bool SettingsOptions::isGiven(const char* option) const {
+  const CLI::Option* known = app_.get_option_no_throw(option);
+  return known != nullptr && known->count() > 0;
 }
 
 Settings SettingsOptions::over(Settings out) const {
   auto lay = [&](const char* option, auto& to, const auto& from) {
-    const CLI::Option* known = app_.get_option_no_throw(option);
-    if (known != nullptr && known->count() > 0) to = from;
+    if (isGiven(option)) to = from;
   };
   if (app_.count("--scene") > 0 && app_.count("--groom") > 0)
     throw Error("a procedural scene and a groom are two things to simulate", "--scene and --groom",
@@ -302,8 +313,7 @@ Settings SettingsOptions::over(Settings out) const {
     out.scene.groom.assign(groom_.begin(), groom_.end());
     out.scene.length = 0;
   }
-  const CLI::Option* transport = app_.get_option_no_throw("--transport");
-  if (transport != nullptr && transport->count() > 0) {  // in place of where the file's goes
+  if (isGiven("--transport")) {  // in place of where the file's goes
     out.peers.clear();
     out.discovery_server.clear();
     out.lcm_url.clear();
@@ -329,6 +339,8 @@ Settings SettingsOptions::over(Settings out) const {
   lay("--threads", out.threads, given_.threads);
   lay("--rate", out.rate, given_.rate);
   lay("--duration", out.duration, given_.duration);
+  lay("--collider-folder", out.collider_folder, given_.collider_folder);
+  if (!out.collider_folder.empty()) out.collider_folder = std::filesystem::absolute(out.collider_folder);
   lay("--transport", out.transport, given_.transport);
   lay("--profile", out.profile, given_.profile);
   lay("--keys", out.keys, given_.keys);

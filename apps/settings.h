@@ -44,11 +44,13 @@ struct Settings {
   CodecOptions codec;                    ///< of the frames that are cast
   double rate = 60;                      ///< frames published per second
   double duration = 0;                   ///< s; 0 = until interrupted
+  /// Absolute; commands may name files in it. Empty: commands have no file opened.
+  std::filesystem::path collider_folder;
 };
 
-/// What a program does with the settings: simulate at a steady rate and cast frames, or run the scene with
-/// several solvers for itself, with neither rate nor network.
-enum class SettingsUse { kCast, kCompare };
+/// What a program does with the settings: simulate at a steady rate and cast frames, the same and obey the
+/// commands of others, or run the scene with several solvers for itself, with neither rate nor network.
+enum class SettingsUse { kCast, kServe, kCompare };
 
 /// Declares the options of scene and simulation on `app`, to be read into the returned holder by `resolve`.
 class SettingsOptions {
@@ -69,6 +71,8 @@ class SettingsOptions {
 
  private:
   Settings over(Settings config) const;
+  /// Not of an option that the program does not have.
+  bool isGiven(const char* option) const;
   /// Options that change nothing beside the others.
   void refuseWhatIsIgnored(const Settings& settings) const;
 

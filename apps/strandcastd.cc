@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
       "  strandcastd --scene curly\n"
       "  strandcastd --groom bob.tfx --body head.obj --unit-meters 1 --motion shake --duration 10");
   app.get_formatter()->column_width(34);
-  SettingsOptions options(app);
+  SettingsOptions options(app, SettingsUse::kServe);
   bool json = false, quiet = false;
   std::filesystem::path file;
   CLI::Option* records = app.add_option(
@@ -94,6 +94,9 @@ int main(int argc, char** argv) {
     if (!file.empty()) RecordWriter::check(file);  // before a scene is made and the groom claimed
     Settings settings = options.resolve();
     if (claims->count() > 0) settings.claim = claim;
+    if (!settings.collider_folder.empty() && !std::filesystem::is_directory(settings.collider_folder))
+      throw Error("the collider folder is not there", settings.collider_folder.string(),
+                  "name a folder of meshes (--collider-folder)");
     Scene scene = makeSceneAloud(settings.scene);
     const uint64_t session = newSession();
     std::unique_ptr<Publisher> publisher = claimGroom(settings, session);

@@ -12,7 +12,9 @@
 
 #include "apps/answer_wait.h"
 #include "apps/channel.h"
+#include "apps/collider_files.h"
 #include "apps/command_limits.h"
+#include "apps/command_values.h"
 #include "apps/console.h"
 #include "apps/daemon.h"
 #include "apps/finite_range.h"
@@ -34,6 +36,9 @@ struct CtlOptions {
   double timeout = 10;  // s
   std::string name, shape;
   std::vector<double> values;
+  std::vector<std::string> words;   ///< behind a collider's shape: numbers, or a file
+  std::vector<double> at;           ///< of a collider of a file
+  float unit_meters = 0, cell = 0;  ///< the same
   bool follows_head = false;
   double friction = static_cast<double>(ContactPrimitive().friction);
   double seconds = kRampSeconds;
@@ -86,9 +91,13 @@ int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
     return wait.isOver(subscriber->status());
   });
   if (!refusal)
-    throw Error("the daemon did not answer",
-                fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
-                "see `strandcast ctl list`");
+    throw Error(
+        "the daemon did not answer",
+        fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
+        kind == CommandKind::kAddColliderFile
+            ? "a large mesh takes long: the collider may come yet, see `strandcast ctl collider list`, "
+              "and --timeout to wait for longer"
+            : "see `strandcast ctl list`");
   if (!refusal->empty()) throw Error("the daemon refused", *refusal, "");
   if (o.json) fmt::print("{}\n", jsonText({{"command", command.id}, {"accepted", true}}));
   return 0;
@@ -260,10 +269,12 @@ std::vector<double> colliderValues(std::string kind, const std::vector<double>& 
   return values;
 }
 
+const char* fileKindName(PrimitiveKind kind) { return kind == PrimitiveKind::kConvex ? "convex" : "mesh"; }
+
 std::string kindName(PrimitiveKind kind) {
   for (const ShapeForm& form : kShapes)
     if (form.kind == kind) return form.name;
-  return kind == PrimitiveKind::kConvex ? "convex" : "mesh";
+  return fileKindName(kind);
 }
 
 nlohmann::json toJson(const Vec3& v) {
@@ -324,6 +335,46 @@ int listColliders(const CtlOptions& o) {
   return 0;
 }
 
+/// The command of a shape that is made of a file; nothing where it is of another kind.
+std::optional<Command> fileColliderOf(const CtlOptions& o) {
+  ColliderFile collider;
+  if (o.shape == fileKindName(PrimitiveKind::kConvex))
+    collider.kind = PrimitiveKind::kConvex;
+  else if (o.shape != fileKindName(PrimitiveKind::kField))
+    return std::nullopt;
+  if (o.words.size() != 1)
+    throw Error("a " + o.shape + " takes the name of one file", "ctl collider add",
+                "give it as it is called in the daemon's --collider-folder; its place follows --at");
+  collider.name = o.name;
+  collider.file = o.words.front();
+  collider.follows_head = o.follows_head;
+  if (!o.at.empty()) collider.pose = commandedPose(poseValues(o.at), 0, "ctl collider add");
+  collider.friction = static_cast<float>(o.friction);
+  collider.unit_meters = o.unit_meters;
+  collider.cell = o.cell;
+  const Command command = colliderFileCommand(collider);
+  colliderFileOf(command, "ctl collider add");  // before it is asked for
+  return command;
+}
+
+std::vector<double> numbersOf(const std::vector<std::string>& words) {
+  std::vector<double> numbers(words.size());
+  for (size_t i = 0; i < words.size(); ++i)
+    if (!CLI::detail::lexical_cast(words[i], numbers[i]) || !std::isfinite(numbers[i]))
+      throw Error("'" + words[i] + "' is not a finite number", "ctl collider add", "see --help");
+  return numbers;
+}
+
+int addCollider(const CtlOptions& o) {
+  if (const std::optional<Command> command = fileColliderOf(o))
+    return sendCommand(o, command->kind, command->name, command->values);
+  if (!o.at.empty() || o.unit_meters > 0 || o.cell > 0)
+    throw Error("--at, --unit-meters and --cell are of a mesh or a convex body", "ctl collider add",
+                "a shape's numbers say where it is and how large, in metres");
+  return sendCommand(o, CommandKind::kAddCollider, o.name,
+                     colliderValues(o.shape, numbersOf(o.words), o.follows_head, o.friction));
+}
+
 void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std::shared_ptr<Verb>& run) {
   app.require_subcommand(1);
   std::string shapes;
@@ -331,21 +382,27 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
   CLI::App* add = app.add_subcommand("add", "a body that hair collides with, for as long as the daemon runs");
   add->add_option("NAME", o->name, "of its own")->required();
   add->add_option("SHAPE", o->shape, "what it is")->required();
-  add->add_option("VALUE", o->values, "m, in the world:" + shapes)
-      ->expected(4, 8)
-      ->option_text("4 to 8 NUMBERS REQUIRED")
-      ->required()
+  shapes += "\n  mesh, convex     FILE: any mesh, or a closed convex one, of the daemon's --collider-folder";
+  add->add_option("VALUE", o->words, "m, in the world:" + shapes)
+      ->expected(1, 8)
+      ->option_text("4 to 8 NUMBERS, or FILE REQUIRED")
+      ->required();
+  add->add_option("--at", o->at,
+                  "where a mesh or a convex body is, m, and how it is turned, degrees; else as in its file")
+      ->expected(3, 6)
+      ->option_text("X Y Z [YAW [PITCH [ROLL]]]")
       ->check(finiteNumber());
+  add->add_option("--unit-meters", o->unit_meters,
+                  "metres per unit of FILE; else as of the daemon's groom and body files")
+      ->check(finiteRange(1e-6, 1000.0));
+  add->add_option("--cell", o->cell,
+                  "edge of a cell of a mesh's distance field, m; else as of the daemon's body")
+      ->check(finiteRange(1e-6, 1e3));
   add->add_flag("--head", o->follows_head, "it moves with the head, which is at rest where it is placed");
   add->add_option("--friction", o->friction, "Coulomb coefficient")
       ->check(finiteRange(0.0, 10.0))
       ->capture_default_str();
-  add->callback([o, run] {
-    *run = [o] {
-      return sendCommand(*o, CommandKind::kAddCollider, o->name,
-                         colliderValues(o->shape, o->values, o->follows_head, o->friction));
-    };
-  });
+  add->callback([o, run] { *run = [o] { return addCollider(*o); }; });
   CLI::App* move = app.add_subcommand("move", "to a pose, smoothly");
   move->add_option("NAME", o->name, "one that was added")->required();
   move->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "m, degrees")
@@ -510,6 +567,7 @@ Verb addCtl(CLI::App& app) {
       "  strandcast ctl motion nod+turn\n"
       "  strandcast ctl collider add ball sphere 0 0.1 0.3 0.05\n"
       "  strandcast ctl collider move ball 0 0.1 0 --seconds 2\n"
+      "  strandcast ctl collider add chair mesh chair.glb --at 0 -1.2 -0.3 90\n"
       "  strandcast ctl fan add spot cone 0 0.2 0.6 --direction 0 0 -1 --speed 4\n"
       "  strandcast ctl fan move spot 0.3 0.2 0.6 --speed 8 --seconds 2\n"
       "  strandcast ctl pull 0 0.1 0.1 0.03 0 0.2 0.2 20\n"

@@ -8,7 +8,7 @@ namespace strandcast {
 BodyBinding::BodyBinding(std::span<const Vec3> positions, std::span<const HairObstacle> obstacles) {
   std::vector<const DistanceField*> fields;
   for (const HairObstacle& obstacle : obstacles) {
-    if (!obstacle.canBend()) continue;
+    if (!obstacle.canBend() || obstacle.shape.a != Vec3(Vec3::Zero())) continue;
     colliders_.push_back(obstacle.collider);
     fields.push_back(obstacle.shape.field.get());
   }

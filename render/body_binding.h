@@ -9,7 +9,8 @@ namespace strandcast {
 
 /// Draws a body where its colliders are. The wire has no joints and weights; but a skinned body's parts are
 /// colliders with fields that do not follow the head, and a vertex lies on the surfaces of those that it
-/// moves with.
+/// moves with. A field whose own frame is not that of its collider (ContactPrimitive::a is not zero) is no
+/// such part.
 class BodyBinding {
  public:
   BodyBinding() = default;

@@ -52,7 +52,7 @@ BakeAnnouncement bakesOf(const BakeAnnouncement& begins, const std::string& name
 }
 
 SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache& cache,
-                   const BakeProgress& progress, const BakeAnnouncement& begins) {
+                   const BakeProgress& progress, const BakeAnnouncement& begins, const BakeLimits& limits) {
   const FieldOptions resolved = resolveFieldOptions(mesh, options);
   const uint64_t key = fieldKey(mesh, resolved);
   const auto note = [](const DistanceField& field, const char* how) {
@@ -65,7 +65,7 @@ SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const 
     const std::string text = note(*found, "found in the cache");
     return {std::move(*found), text, true, {}};
   }
-  FieldBaker baker(mesh, resolved, {}, progress);
+  FieldBaker baker(mesh, resolved, limits, progress);
   const BakeEstimate& needs = baker.estimate();
   const std::string outlook =
       fmt::format("about {:.0f} s, {:.0f} MiB", needs.seconds,

@@ -37,6 +37,7 @@ struct SceneField {
   bool from_cache = false;
   std::string trouble;  ///< what was wrong with the cache: with the file in it, or with keeping one; or empty
 };
+constexpr double kBakeWorthSaying = 1;  ///< s: of a shorter one programs say nothing before
 /// Told before a bake begins: a line for people, without the body's name, of how long it takes and with what
 /// memory, and the seconds again.
 using BakeAnnouncement = std::function<void(const std::string& outlook, double seconds)>;
@@ -45,6 +46,7 @@ BakeAnnouncement bakesOf(const BakeAnnouncement& begins, const std::string& name
 /// From the cache, or baked and kept there. The note tells of trouble, too.
 /// Throws Error as FieldBaker does; BakeStopped.
 SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache& cache,
-                   const BakeProgress& progress, const BakeAnnouncement& begins = {});
+                   const BakeProgress& progress, const BakeAnnouncement& begins = {},
+                   const BakeLimits& limits = {});
 
 }  // namespace strandcast

@@ -376,18 +376,24 @@ void checkSkinned(const SceneOptions& options) {
                 "leave body contact to its fields");
 }
 
+MeshBodyOptions meshBodyOptions(const SceneOptions& options, const Scene& scene) {
+  MeshBodyOptions out;
+  out.units = {options.units, scene.groom.report.unit_meters};
+  if (options.groom.empty()) {  // procedural scenes are in metres, with Y up
+    out.units.obj_meters = 1;
+    if (out.units.read.up == UpAxis::kAuto) out.units.read.up = UpAxis::kY;
+  }
+  out.field.hair_radius = scene.parameters.hair_radius;
+  out.field.cell = options.body_cell;
+  out.cache = options.field_cache;
+  return out;
+}
+
 void addPrimitives(const SceneOptions& options, const Progress& progress, Scene& scene) {
   constexpr double kFrom = 0.97, kTo = 1;  // of the scene's progress
-  MeshUnits units{options.units, scene.groom.report.unit_meters};
-  if (options.groom.empty()) {  // procedural scenes are in metres, with Y up
-    units.obj_meters = 1;
-    if (units.read.up == UpAxis::kAuto) units.read.up = UpAxis::kY;
-  }
-  FieldOptions field;
-  field.hair_radius = scene.parameters.hair_radius;
-  field.cell = options.body_cell;
+  scene.mesh_bodies = meshBodyOptions(options, scene);
   PrimitiveBodies made = primitiveBodies(
-      options.primitives, units, field, FieldCache(options.field_cache), scene.body,
+      options.primitives, scene.mesh_bodies, scene.body,
       [&](const std::string& what, double part) {
         return !progress || progress(what, kFrom + part * (kTo - kFrom));
       },

@@ -63,6 +63,7 @@ struct Scene {
   HeadMotion motion;               ///< of a skinned body with a clip: relative to where the clip has the head
   std::shared_ptr<const SkinnedBody> skinned;  ///< null unless the body is skinned: moveTo() moves it
   Parameters parameters;
+  MeshBodyOptions mesh_bodies;        ///< of bodies that are to be added to it
   std::vector<std::string> notes;     ///< what was found and done while making it, a line each
   std::vector<std::string> warnings;  ///< likewise, what did not go well
 };

@@ -55,9 +55,9 @@ void warnOfTouching(const TriangleMesh& body, const DistanceField& field, const 
 
 }  // namespace
 
-PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, const MeshUnits& units,
-                                const FieldOptions& field, const FieldCache& cache, const TriangleMesh& body,
-                                const BakeProgress& progress, const BakeAnnouncement& bake_begins) {
+PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, const MeshBodyOptions& options,
+                                const TriangleMesh& body, const BakeProgress& progress,
+                                const BakeAnnouncement& bake_begins, const BakeLimits& limits) {
   PrimitiveBodies made;
   RigidBody head{{}, true}, standing;
   for (size_t i = 0; i < primitives.size(); ++i) {
@@ -65,18 +65,18 @@ PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, c
     const std::string name = primitive.file.filename().string();
     ContactPrimitive shape = primitive.shape;
     if (shape.kind == PrimitiveKind::kConvex) {
-      shape = convexShape(primitive, placedMesh(primitive, units));
+      shape = convexShape(primitive, placedMesh(primitive, options.units));
     } else if (shape.kind == PrimitiveKind::kField) {
-      FieldOptions own = field;
+      FieldOptions own = options.field;
       if (primitive.cell > 0) own.cell = primitive.cell;
       SceneField baked = fieldOf(
-          placedMesh(primitive, units), own, cache,
+          placedMesh(primitive, options.units), own, FieldCache(options.cache),
           [&](const std::string& what, double part) {
             const double done = static_cast<double>(i) + part;
             return !progress ||
                    progress(fmt::format("{}: {}", name, what), done / static_cast<double>(primitives.size()));
           },
-          bakesOf(bake_begins, name));
+          bakesOf(bake_begins, name), limits);
       (baked.trouble.empty() ? made.notes : made.warnings).push_back(name + ": " + baked.note);
       shape = madeOf(primitive, PrimitiveKind::kField);
       shape.field = std::make_shared<const DistanceField>(std::move(baked.field));

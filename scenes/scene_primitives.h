@@ -28,17 +28,23 @@ struct MeshUnits {
   float obj_meters = 0;  ///< unit of an .obj where `read` has none: that of its hair; 0 = guessed
 };
 
+/// How meshes of further bodies become them, in a scene and in a daemon that casts it.
+struct MeshBodyOptions {
+  MeshUnits units;
+  FieldOptions field;           ///< the hair's radius, and the cell of meshes that have none of their own
+  std::filesystem::path cache;  ///< folder of baked fields; empty = every time anew
+};
+
 /// What is made of the primitives of a scene.
 struct PrimitiveBodies {
   std::vector<RigidBody> bodies;  ///< one that follows the head, one that stands, where there are such shapes
   std::vector<std::string> notes, warnings;  ///< a line each
 };
 
-/// Reads the meshes of `primitives`. `field` has the hair's radius and the cell of those that have none of
-/// their own. `body`: the mesh that is drawn, may be empty.
+/// Reads the meshes of `primitives`. `body`: the mesh that is drawn, may be empty.
 /// Throws Error as loadMesh, convexBody, FieldBaker and checkPrimitive do; BakeStopped.
-PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, const MeshUnits& units,
-                                const FieldOptions& field, const FieldCache& cache, const TriangleMesh& body,
-                                const BakeProgress& progress, const BakeAnnouncement& bake_begins = {});
+PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, const MeshBodyOptions& options,
+                                const TriangleMesh& body, const BakeProgress& progress,
+                                const BakeAnnouncement& bake_begins = {}, const BakeLimits& limits = {});
 
 }  // namespace strandcast

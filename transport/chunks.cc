@@ -227,7 +227,7 @@ void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, u
 
 bool isSound(const Command& command) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-  return command.id != 0 && command.kind <= CommandKind::kRemoveWindSource &&
+  return command.id != 0 && command.kind <= CommandKind::kAddColliderFile &&
          command.name.size() <= kMaxTextBytes &&
          std::none_of(command.name.begin(), command.name.end(), is_control) && command.values.size() <= 64 &&
          std::all_of(command.values.begin(), command.values.end(), [](double v) { return std::isfinite(v); });

@@ -87,14 +87,15 @@ enum class CommandKind : uint32_t {
   kRemoveCollider = 10,
   kAddWindSource = 11,
   kMoveWindSource = 12,
-  kRemoveWindSource = 13
+  kRemoveWindSource = 13,
+  kAddColliderFile = 14
 };
 
 struct Command {
   uint32_t groom_id = 0;
   uint64_t id = 0;  ///< chosen by the sender, not 0; echoed in Status::last_command
   CommandKind kind = CommandKind::kReset;
-  std::string name;            ///< of a parameter, head motion, collider or source of wind
+  std::string name;            ///< of a parameter, head motion, collider (and its file) or source of wind
   std::vector<double> values;  ///< docs/wire.md, "Command"
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 namespace strandcast {
 namespace {
@@ -29,6 +28,8 @@ bool isName(std::string_view text) {
 
 constexpr std::string_view kSpace = "%20", kPercent = "%25";
 
+}  // namespace
+
 std::string withoutSpaces(const std::string& name) {
   std::string out;
   for (const char c : name) {
@@ -51,8 +52,6 @@ std::string withSpaces(std::string_view text) {
   }
   return out;
 }
-
-}  // namespace
 
 bool tell(ParameterTable& table, const std::string& kind, const std::string& name,
           const std::vector<double>& values) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -23,8 +24,12 @@ ParameterTable parameterTable(const Parameters& parameters);
 /// Behind the parameters a table tells of what else commands steer, each by "KIND:NAME": docs/wire.md,
 /// "Status".
 inline constexpr const char *kToldSource = "fan", *kToldCollider = "collider";
-/// False, and nothing is added, where it would not fit the wire any more. A name of any bytes but control
-/// characters: spaces and % are written as %20 and %25.
+/// How a name of any bytes but control characters stands among others with a space between two: with spaces
+/// and % written as %20 and %25.
+std::string withoutSpaces(const std::string& name);
+std::string withSpaces(std::string_view text);
+/// False, and nothing is added, where it would not fit the wire any more. The name is written
+/// withoutSpaces().
 bool tell(ParameterTable& table, const std::string& kind, const std::string& name,
           const std::vector<double>& values);
 /// Those of a kind, by their names alone; of "" the parameters.

@@ -191,6 +191,92 @@ TEST_F(CastingPrograms, DaemonCastsToARendererAndObeys) {
   EXPECT_EQ(summary["non_finite"], 0);
 }
 
+TEST_F(CastingPrograms, CollidersAreMadeOfTheDaemonsFiles) {
+  if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
+  std::filesystem::create_directory(folder_ / "open");
+  const std::filesystem::path outside = write("outside.obj", kCube);
+  write("open/a cube.obj", kCube);
+  write("open/broken.obj", "v 0 0 0\nf 1 2 x\n");
+  std::filesystem::create_symlink(outside, folder_ / "open" / "link.obj");
+  const std::string network = " --domain " + domain_;
+  const std::vector<std::string> words{daemon_,    "--scene", "straight", "--strands",  "200",
+                                       "--domain", domain_,   "--quiet",  "--duration", "120"};
+  std::vector<std::string> opens = words;
+  opens.insert(opens.end(), {"--collider-folder", "open"});
+  const pid_t daemon = start(opens, "daemon.txt");
+  ASSERT_EQ(run(program_ + " ctl wind 0 0 0 --timeout 60" + network).exit_code, 0);
+  const std::string collider = program_ + " ctl collider ", add = collider + "add ";
+  const Outcome convex = run(add + "box convex 'a cube.obj' --at 0 0.1 0.6" + network);
+  EXPECT_EQ(convex.exit_code, 0) << convex.err;
+  const Outcome mesh =
+      run(add + "'a mesh' mesh 'a cube.obj' --at -.2 0.1 0.75 90 --cell 0.004 --timeout 60" + network);
+  EXPECT_EQ(mesh.exit_code, 0) << mesh.err;
+  EXPECT_EQ(run(add + "hat convex 'a cube.obj' --at 0 0.5 0 --head --unit-meters 0.5" + network).exit_code,
+            0);
+  EXPECT_EQ(run(collider + "move box 0 0.2 0.6 --seconds 0" + network).exit_code, 0);
+  nlohmann::json listed;
+  const auto list = [&] {
+    listed = nlohmann::json::parse(run(collider + "list --json" + network).out)["colliders"];
+    return listed.size();
+  };
+  ASSERT_EQ(list(), 5u) << listed;
+  EXPECT_EQ(listed[2]["name"], "box");
+  EXPECT_EQ(listed[2]["shapes"], nlohmann::json::parse("[\"convex\"]"));
+  EXPECT_EQ(listed[2]["position"], nlohmann::json::parse("[0.0, 0.2, 0.6]"));
+  EXPECT_EQ(listed[3]["name"], "a mesh");
+  EXPECT_EQ(listed[3]["shapes"], nlohmann::json::parse("[\"mesh\"]"));
+  EXPECT_EQ(listed[3]["position"], nlohmann::json::parse("[-0.2, 0.1, 0.75]"));
+  EXPECT_EQ(listed[4]["follows_head"], true);
+  const auto refusal = [&](const std::string& what) {
+    const Outcome r = run(what + network);
+    EXPECT_EQ(r.exit_code, 2) << what;
+    return r.err;
+  };
+  const std::pair<std::string, const char*> bad[] = {{"box mesh 'a cube.obj'", "name of its own"},
+                                                     {"x mesh ../outside.obj", "no name within"},
+                                                     {"x convex " + outside.string(), "no name within"},
+                                                     {"x convex link.obj", "link out of"},
+                                                     {"x mesh absent.obj", "is not in"},
+                                                     {"x mesh broken.obj", "line 2"},
+                                                     {"x mesh", "VALUE is required"},
+                                                     {"x mesh a b", "one file"},
+                                                     {"x convex 'a cube.obj' --cell 0.1", "has cells"},
+                                                     {"x mesh 'a cube.obj' --at 2000 0 0", "within 1000"},
+                                                     {"x sphere 0 0 0 1 --at 0 0 0", "--at"}};
+  for (const auto& [what, told] : bad) {
+    const std::string err = refusal(add + what);
+    EXPECT_NE(err.find(told), std::string::npos) << what << "\n" << err;
+  }
+  // The daemon casts while it bakes, and ends while it does.
+  const pid_t waits = start({program_, "ctl", "collider", "add", "slow", "mesh", "a cube.obj", "--cell",
+                             "0.0001", "--timeout", "60", "--domain", domain_},
+                            "slow.txt");
+  for (int i = 0; i < 100 && refusal(add + "slow mesh absent.obj").find("is being made") == std::string::npos;
+       ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  const auto frames = [&] {
+    return nlohmann::json::parse(run(program_ + " ctl status --json" + network).out)["frames"]
+        .get<uint64_t>();
+  };
+  const uint64_t before = frames();
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  EXPECT_GT(frames(), before + 10);
+  EXPECT_TRUE(isRunning(waits));
+  EXPECT_EQ(list(), 5u);
+  EXPECT_EQ(run(collider + "remove box" + network).exit_code, 0);
+  EXPECT_EQ(run(collider + "remove 'a mesh'" + network).exit_code, 0);
+  EXPECT_EQ(list(), 3u) << listed;
+  interrupt(daemon);
+  EXPECT_EQ(wait(daemon), 130);
+  EXPECT_EQ(wait(waits), 2);
+
+  const pid_t closed = start(words, "daemon.txt");
+  ASSERT_EQ(run(program_ + " ctl wind 0 0 0 --timeout 60" + network).exit_code, 0);
+  EXPECT_NE(refusal(add + "x mesh 'a cube.obj'").find("--collider-folder DIR"), std::string::npos);
+  EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
+  EXPECT_EQ(wait(closed), 0);
+}
+
 TEST_F(CastingPrograms, AStrongerDaemonJoinsOneThatCastsTheirGroomAndLeavesItAgain) {
   if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
   const auto claims = [&](const char* strength, const char* strands) {

@@ -78,6 +78,7 @@ backend = "reference"
 threads = 2
 rate = 120
 duration = 10
+collider_folder = "props"
 [transport]
 kind = "dds"
 profile = "secure"
@@ -156,6 +157,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(s.threads, 2);
   EXPECT_DOUBLE_EQ(s.rate, 120);
   EXPECT_DOUBLE_EQ(s.duration, 10);
+  EXPECT_EQ(s.collider_folder, "some/props");
   EXPECT_EQ(s.domain, 3);
   EXPECT_EQ(s.groom_id, 9u);
   EXPECT_EQ(s.codec.codec, Codec::kTemporal);
@@ -243,6 +245,7 @@ TEST(Config, WrongTypesAndRangesAreRefused) {
                            "[[material]]\nradius_curve = [[0, 1, 2]]",
                            "[[material]]\nradius_curve = [[1, 1], [0, 1]]",
                            "[[material]]\npoisson_ratio = 0.3\nshear_modulus = 2e9",
+                           "[daemon]\ncollider_folder = \"\"",
                            "a = [",
                            "= 3",
                            "[groom",

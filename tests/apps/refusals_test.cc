@@ -83,6 +83,17 @@ TEST_F(Refusals, ACollidersSizeAndFrictionAreToMakeSense) {
   EXPECT_NE(slippery.err.find("not in range"), std::string::npos) << slippery.err;
 }
 
+TEST_F(Refusals, AColliderFolderIsToBeThere) {
+  const Outcome nameless = tryFor(10, daemon_ + " --collider-folder '' --duration 0.1");
+  EXPECT_EQ(nameless.exit_code, 2);
+  EXPECT_NE(nameless.err.find("has no name"), std::string::npos) << nameless.err;
+  for (const std::filesystem::path& folder : {folder_ / "absent", write("file", "")}) {
+    const Outcome r = tryFor(10, daemon_ + " --duration 0.1 --collider-folder " + folder.string());
+    EXPECT_EQ(r.exit_code, 2);
+    EXPECT_NE(r.err.find("the collider folder is not there: " + folder.string()), std::string::npos) << r.err;
+  }
+}
+
 TEST_F(Refusals, AStreamIsNotToldWhatADaemonSimulates) {
   const std::filesystem::path take = write("take.rec", "an old take");
   for (const char* options : {" --strands 3", " --set wind=1,0,0", " --motion shake", " --rate 30",

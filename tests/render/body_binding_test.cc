@@ -111,6 +111,9 @@ TEST(BodyBinding, WhatFollowsTheHeadOrIsNoColliderCarriesNothing) {
   head.follows_head = true;
   const std::vector<Vec3> rest{Vec3(0.03f, 0, 0)};
   EXPECT_TRUE(BodyBinding(rest, std::vector<HairObstacle>{head, ballAt(Vec3::Zero(), kNoCollider)}).empty());
+  HairObstacle aside = ballAt(Vec3(0, 16, 0), 2);
+  aside.shape.a = Vec3(0, -16, 0);  // so that it is about the vertex, too
+  EXPECT_TRUE(BodyBinding(rest, std::vector<HairObstacle>{aside}).empty());
   EXPECT_FALSE(BodyBinding().holds(0));
 }
 

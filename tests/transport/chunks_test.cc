@@ -180,6 +180,11 @@ TEST(Chunks, CommandsThatDoNotFitTheWireAreRefused) {
     command.name = name;
     EXPECT_THROW(checkCommand(command, 1), Error) << "its name may forge a line of a log";
   }
+  command.name = "chair";
+  command.kind = CommandKind::kAddColliderFile;
+  EXPECT_NO_THROW(checkCommand(command, 1));
+  command.kind = static_cast<CommandKind>(15);
+  EXPECT_THROW(checkCommand(command, 1), Error) << "of no known kind";
 }
 
 // ---- damage: every damaged chunk is refused, counted, and does no harm to the message it claims to belong

@@ -69,6 +69,11 @@ std::vector<FuzzSeeds> messageSeeds() {
     add("guides", splitFrame(groom, hairFrame(groom, 1), {info.codec})[0]);
   add("command", Command{1, 7, CommandKind::kSetParameter, "wind", {1, 2, 3}});
   add("command", Command{1, 8, CommandKind::kMoveWindSource, "spot", {33, 2, 0, 0.2, 0.6, 8}});
+  add("command", Command{1,
+                         9,
+                         CommandKind::kAddColliderFile,
+                         "chair arm%20chair.obj",
+                         {7, 0, 0, -1, 0.5, 0, 0, 0, 1, 0.3, 0, 0.004}});
   add("status", Status());
   Status telling;
   telling.session = 5;

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 
 namespace strandcast {
@@ -36,8 +38,22 @@ void RecordingPublisher::publish(const GuideFrame& frame) {
 
 std::optional<Command> RecordingPublisher::takeCommand() {
   std::optional<Command> command = publisher_->takeCommand();
-  if (command) record([&](Recorder& recorder) { recorder.addInput(*command); });
+  if (!command) return command;
+  if (command->kind == CommandKind::kAddCollider || command->kind == CommandKind::kAddColliderFile)
+    unanswered_.push_back(*command);
+  else
+    record([&](Recorder& recorder) { recorder.addInput(*command); });
   return command;
+}
+
+void RecordingPublisher::publishStatus(const Status& status) {
+  publisher_->publishStatus(status);
+  const auto answered = std::find_if(unanswered_.begin(), unanswered_.end(), [&](const Command& command) {
+    return command.id == status.last_command;
+  });
+  if (answered == unanswered_.end()) return;
+  if (status.last_command_error.empty()) record([&](Recorder& recorder) { recorder.addInput(*answered); });
+  unanswered_.erase(answered);
 }
 
 void RecordingPublisher::addGrids(const AirGrids& grids) {

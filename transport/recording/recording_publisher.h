@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "transport/publisher.h"
 #include "transport/recording/recorder.h"
@@ -9,7 +10,9 @@
 namespace strandcast {
 
 /// A publisher that also records what goes through it: groom, frames as they were before any network's codec,
-/// and the commands that were taken, each before the frame that it had an effect on. When the file cannot be
+/// and the commands that were taken, each before the frame that it had an effect on. A collider that is added
+/// is recorded where the status answers that it is there, which may be many frames later, and one that is
+/// refused is not: a name that was taken then may be free when the run is repeated. When the file cannot be
 /// written any more, that is logged and casting goes on without it.
 class RecordingPublisher final : public Publisher {
  public:
@@ -25,7 +28,7 @@ class RecordingPublisher final : public Publisher {
   void announce(const GroomDescription& groom, const BodyDescription& body) override;
   void announceColliders(const ColliderSet& colliders) override { publisher_->announceColliders(colliders); }
   void publish(const GuideFrame& frame) override;
-  void publishStatus(const Status& status) override { publisher_->publishStatus(status); }
+  void publishStatus(const Status& status) override;
   std::optional<Command> takeCommand() override;
   uint32_t matchedReaders() const override { return publisher_->matchedReaders(); }
   EncodingReport encoding() const override { return publisher_->encoding(); }
@@ -50,6 +53,7 @@ class RecordingPublisher final : public Publisher {
   const bool casts_;
   std::optional<Recorder> recorder_;
   std::string failure_;
+  std::vector<Command> unanswered_;  ///< that add colliders
 };
 
 }  // namespace strandcast

@@ -1,0 +1,258 @@
+#include "apps/collider_files.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "apps/command_limits.h"
+#include "apps/command_values.h"
+#include "core/error.h"
+#include "transport/chunks.h"
+#include "transport/parameter_table.h"
+
+namespace strandcast {
+namespace {
+
+constexpr size_t kColliderFileValues = 12;  // kind, follows the head, pose, friction, unit, cell
+constexpr double kMostColliderFriction = 10;
+constexpr float kLeastLength = 1e-6f, kMostLength = 1e3f;  // m, of a unit and of a cell
+
+/// m. A field's own frame is so far from that of its collider, and the field back by as much: docs/wire.md
+/// has bodies drawn with fields that lie on them in their own frame, and this one, which comes where it is
+/// told to, is no part of any.
+constexpr float kAside = 16;
+
+bool isOneOf(double value, std::initializer_list<double> values) {
+  return std::find(values.begin(), values.end(), value) != values.end();
+}
+
+float lengthOrNone(double value, const char* what, const std::string& where) {
+  const auto length = static_cast<float>(value);
+  if (value != 0 && !(length >= kLeastLength && length <= kMostLength))
+    throw Error(fmt::format("{} is out of range", what), where,
+                fmt::format("give 0, or {:g} to {:g} m", kLeastLength, kMostLength));
+  return length;
+}
+
+std::string notMadeText(uint64_t command, const std::string& why) {
+  return Error("the collider was not made", commandText(command), why).what();
+}
+std::string droppedText(uint64_t command) { return notMadeText(command, "it was removed meanwhile"); }
+
+void setAside(ContactPrimitive& shape) {
+  DistanceField field = *shape.field;
+  field.grid.origin[1] += kAside;
+  shape.field = std::make_shared<const DistanceField>(std::move(field));
+  shape.a.y() -= kAside;
+}
+
+}  // namespace
+
+Command colliderFileCommand(const ColliderFile& collider) {
+  Command command;
+  command.kind = CommandKind::kAddColliderFile;
+  command.name = withoutSpaces(collider.name) + ' ' + withoutSpaces(collider.file);
+  if (command.name.size() > kMaxTextBytes)
+    throw Error("the names of a collider and its file are too long together", collider.file,
+                fmt::format("a command has room for {} bytes, and of each space and % for a third of them",
+                            kMaxTextBytes));
+  command.values = {static_cast<double>(collider.kind), collider.follows_head ? 1.0 : 0.0};
+  for (int c = 0; c < 3; ++c) command.values.push_back(static_cast<double>(collider.pose.position[c]));
+  for (int c = 0; c < 4; ++c)
+    command.values.push_back(static_cast<double>(collider.pose.rotation.coeffs()[c]));
+  for (const float number : {collider.friction, collider.unit_meters, collider.cell})
+    command.values.push_back(static_cast<double>(number));
+  return command;
+}
+
+ColliderFile colliderFileOf(const Command& command, const std::string& where) {
+  const std::vector<double>& v = command.values;
+  if (v.size() != kColliderFileValues)
+    throw Error(fmt::format("a collider of a file takes {} numbers", kColliderFileValues), where,
+                "kind, follows the head, pose, friction, unit, cell");
+  const size_t space = command.name.find(' ');
+  const std::string_view names = command.name;
+  if (space == 0 || space == names.npos || space + 1 == names.size() ||
+      names.find(' ', space + 1) != names.npos)
+    throw Error("a collider of a file takes two names", where,
+                "its own and the file's, a space between, with spaces and % in them as %20 and %25");
+  ColliderFile out;
+  out.name = withSpaces(names.substr(0, space));
+  out.file = withSpaces(names.substr(space + 1));
+  const bool is_convex = v[0] == static_cast<double>(PrimitiveKind::kConvex);
+  if (!is_convex && v[0] != static_cast<double>(PrimitiveKind::kField))
+    throw Error("a collider of this kind is not made of a file", where, "6 is a convex body, 7 a mesh");
+  if (is_convex) out.kind = PrimitiveKind::kConvex;
+  if (!isOneOf(v[1], {0, 1}))
+    throw Error("a collider neither follows the head nor does not", where, "give 1 or 0");
+  out.follows_head = v[1] == 1;
+  out.pose = commandedPose(v, 2, where);
+  if (!(v[9] >= 0 && v[9] <= kMostColliderFriction))
+    throw Error("a collider's friction is out of range", where,
+                fmt::format("give 0 to {:g}", kMostColliderFriction));
+  out.friction = static_cast<float>(v[9]);
+  out.unit_meters = lengthOrNone(v[10], "a file's unit", where);
+  out.cell = lengthOrNone(v[11], "a cell", where);
+  if (is_convex && out.cell > 0) throw Error("only a mesh has cells", where, "give 0, or kind 7");
+  return out;
+}
+
+std::filesystem::path fileWithin(const std::filesystem::path& folder, const std::string& name,
+                                 const std::string& where) {
+  if (folder.empty())
+    throw Error("this daemon opens no files for commands", where,
+                "start it with --collider-folder DIR and name a file in there");
+  const std::filesystem::path asked = name;
+  // Before anything is looked for: nobody is told what there is elsewhere.
+  if (asked.empty() || asked.is_absolute() || std::find(asked.begin(), asked.end(), "..") != asked.end() ||
+      name.find('\0') != std::string::npos)
+    throw Error("'" + name + "' is no name within the daemon's collider folder", where,
+                "give one without .. or a / in front");
+  std::error_code failed;
+  const std::filesystem::path home = std::filesystem::canonical(folder, failed);
+  if (failed)
+    throw Error("the daemon's collider folder cannot be read", where, "is it there? " + failed.message());
+  std::filesystem::path file = std::filesystem::canonical(home / asked, failed);
+  if (failed)
+    throw Error("'" + name + "' is not in the daemon's collider folder", where,
+                failed.message() + "; give the name of a file in there");
+  if (std::mismatch(home.begin(), home.end(), file.begin(), file.end()).first != home.end())
+    throw Error("'" + name + "' is a link out of the daemon's collider folder", where,
+                "put the file itself in there");
+  return file;
+}
+
+void ColliderMaker::begin(const Command& command, const std::string& where) {
+  Job job;
+  job.command = command.id;
+  job.collider = colliderFileOf(command, where);
+  job.file = fileWithin(folder_, job.collider.file, where);
+  job.where = where;
+  const std::lock_guard lock(mutex_);
+  if (jobs_.size() >= kMostWaiting)
+    throw Error(fmt::format("{} colliders are still to be made of files", jobs_.size()), where,
+                "wait for their answers");
+  jobs_.push_back(std::move(job));
+  changed_.notify_all();
+  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
+}
+
+bool ColliderMaker::makes(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(jobs_.begin(), jobs_.end(), [&](const Job& job) { return job.collider.name == name; }) ||
+         std::any_of(done_.begin(), done_.end(), [&](const Made& made) { return made.name == name; });
+}
+
+bool ColliderMaker::isBusy() const {
+  const std::lock_guard lock(mutex_);
+  return !jobs_.empty() || !done_.empty();
+}
+
+std::optional<ColliderMaker::Made> ColliderMaker::take() {
+  const std::lock_guard lock(mutex_);
+  if (done_.empty()) return std::nullopt;
+  std::optional<Made> made = std::move(done_.front());
+  done_.pop_front();
+  return made;
+}
+
+void ColliderMaker::wait(std::chrono::milliseconds timeout) const {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, timeout, [&] { return !done_.empty(); });
+}
+
+bool ColliderMaker::drop(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  for (Job& job : jobs_)
+    if (job.collider.name == name && !job.dropped->exchange(true)) return true;
+  for (Made& made : done_)
+    if (made.name == name && made.refusal.empty()) {
+      made.refusal = droppedText(made.command);
+      return true;
+    }
+  return false;
+}
+
+void ColliderMaker::stop() {
+  stopping_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  }
+  if (thread_.joinable()) thread_.join();
+  stopping_ = false;
+}
+
+void ColliderMaker::work() {
+  constexpr int kNiceness = 10;
+  setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread, and of those that it starts
+  for (;;) {
+    Job job;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return stopping_ || !jobs_.empty(); });
+      if (jobs_.empty()) return;
+      job = jobs_.front();
+    }
+    Made result = made(job);
+    const std::lock_guard lock(mutex_);
+    if (*job.dropped) result.refusal = droppedText(job.command);
+    done_.push_back(std::move(result));
+    jobs_.pop_front();
+    changed_.notify_all();
+  }
+}
+
+ColliderMaker::Made ColliderMaker::made(const Job& job) const {
+  Made out{job.command, job.collider.name, {}, {}};
+  try {
+    if (stopping_ || *job.dropped) throw BakeStopped();
+    out.body = bodyOf(job);
+  } catch (const BakeStopped&) {
+    out.refusal = *job.dropped ? droppedText(job.command) : notMadeText(job.command, "the daemon ends");
+  } catch (const Error& error) {
+    out.refusal = error.what();
+  } catch (const std::exception& error) {
+    out.refusal = notMadeText(job.command, error.what());
+  }
+  return out;
+}
+
+RigidBody ColliderMaker::bodyOf(const Job& job) const {
+  const ColliderFile& collider = job.collider;
+  ScenePrimitive primitive;
+  primitive.shape.kind = collider.kind;
+  primitive.shape.friction = collider.friction;
+  primitive.follows_head = collider.follows_head;
+  primitive.file = job.file;
+  primitive.cell = collider.cell;
+  primitive.where = job.where;
+  MeshBodyOptions options = options_;
+  if (collider.unit_meters > 0) options.units.read.unit_meters = collider.unit_meters;
+  BakeLimits limits;
+  limits.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 2);
+  PrimitiveBodies made = primitiveBodies(
+      {primitive}, options, {}, [&](const std::string&, double) { return !stopping_ && !*job.dropped; },
+      [&](const std::string& outlook, double seconds) {
+        if (seconds >= kBakeWorthSaying) spdlog::info("collider {}: {}", collider.name, outlook);
+      },
+      limits);
+  for (const std::string& warning : made.warnings) spdlog::warn("collider {}: {}", collider.name, warning);
+  for (const std::string& note : made.notes) spdlog::info("collider {}: {}", collider.name, note);
+  RigidBody body = std::move(made.bodies.front());
+  ContactPrimitive& shape = body.primitives.front();
+  if (collider.follows_head) {
+    shape.a = collider.pose.position;
+    shape.rotation = collider.pose.rotation;
+  } else {
+    if (shape.field) setAside(shape);
+    body.pose = collider.pose;
+  }
+  return body;
+}
+
+}  // namespace strandcast
