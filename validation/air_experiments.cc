@@ -262,12 +262,12 @@ std::vector<std::string> namesOfSource() {
 // stretched and the air that carries it slows, so that a part of the speed at the surface is 16 times as
 // large a part two radii out.
 std::vector<Case> windFromSphere(const Laboratory& laboratory) {
-  constexpr double kStep = 1.0 / 60, kLimitAt16 = 15;  // %; a third of it with half the cell
+  constexpr double kStep = 1.0 / 60, kLimits[] = {15, 5, 1.7};  // %
   constexpr int kSteps = 30;
   const std::vector<std::string> names = namesOfSource();
   const WindSource sphere = sourceSphere();
   std::vector<Case> cases;
-  double before = 0, error = 0, limit = kLimitAt16, outflow = 0;
+  double before = 0, error = 0, outflow = 0;
   std::unique_ptr<Wind> wind;
   const auto step = [&] {
     laboratory.checkStopped();
@@ -286,8 +286,7 @@ std::vector<Case> windFromSphere(const Laboratory& laboratory) {
     error = flowAround(*wind, sphere).error;
     cases.push_back(absoluteCase(
         {names[cases.size()], "rms error of the velocity two radii away after a step, % of u/4", "%"},
-        100 * error, 0, limit));
-    limit /= 3;
+        100 * error, 0, kLimits[cases.size()]));
   }
   cases.push_back(
       atLeastCase({names[cases.size()], "order from 32^3 to 64^3", ""}, std::log2(before / error), 1.5, 0.1));

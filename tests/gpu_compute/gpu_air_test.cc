@@ -319,6 +319,34 @@ TEST_F(GpuAir, TakesOtherSourcesBetweenSteps) {
   }
 }
 
+// Its pressure takes no more iterations than steps before took, and one more.
+TEST_F(GpuAir, ASphereThatIsSwitchedOnWhileOthersRunSoonBlows) {
+  const Tuft tuft;
+  Parameters parameters = everything();
+  parameters.wind = Vec3::Zero();
+  parameters.hairs_per_strand = 0;
+  WindSource ball;
+  ball.kind = WindSource::Kind::kSphere;
+  ball.position = Vec3(0.1f, 0, 0);
+  ball.radius = 0.05f;
+  const auto blown = [&](const AirMaker& maker, Backend& backend) {
+    const std::unique_ptr<Surroundings> surroundings = maker.surroundings({});
+    backend.load(tuft.model, tuft.state);
+    surroundings->configure(tuft.model, parameters, backend);
+    StepInput input;
+    input.parameters = &parameters;
+    for (int step = 0; step < 14; ++step) {
+      if (step == 8) steeredAir(surroundings.get())->setSources({ball});
+      surroundings->step(input, backend);
+    }
+    return airFields(surroundings.get())->at(ball.position + Vec3(0.07f, 0, 0)).wind;
+  };
+  const std::unique_ptr<Backend> reference = makeReferenceBackend();
+  const Vec3 truth = blown(cpuAir("reference"), *reference);
+  EXPECT_GT(truth.x(), 1);
+  EXPECT_LT((blown(gpuAir(), *gpu_) - truth).norm(), 0.02f * truth.norm());
+}
+
 TEST_F(GpuAir, EveryRunGivesTheSameBitsAndHairAtRestFeelsNothing) {
   Tuft tuft;
   Parameters parameters = everything();
