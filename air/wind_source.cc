@@ -100,8 +100,8 @@ std::span<const WindSourceNumber> windSourceNumbers() {
       {16, "angle", "degrees", "half a cone's opening", 0.1, 90, kDegree, &WindSource::angle},
       {32, "speed", "m/s", "of its air", -100, 100, 1, &WindSource::speed},
       {64, "swirl", "m/s", "of a turbine's rim", -100, 100, 1, &WindSource::swirl},
-      {128, "rate", "1/s", "at which air on a grid takes that on, but not a sphere's, which is there at once",
-       0, 1000, 1, &WindSource::rate}};
+      {128, "rate", "1/s", "at which air on a grid takes on that of a cone or turbine", 0, 1000, 1,
+       &WindSource::rate}};
   return kNumbers;
 }
 
