@@ -10,7 +10,7 @@ struct AirSample {
   float density = 0;         ///< kg/m^3, of the strands themselves; 0 beyond their grid
   Vec3 wind = Vec3::Zero();  ///< m/s
   float pressure = 0;        ///< Pa, over that beyond the grid
-  float divergence = 0;      ///< 1/s
+  float divergence = 0;      ///< 1/s, also what spheres of wind let out
   bool solid = false;        ///< in a body, as the wind grid sees it
 };
 

@@ -21,6 +21,7 @@ struct WindView {
   const void* ambient = nullptr;  ///< for ambient_velocity; null: walls
   /// Component `axis` of what blows beyond the grid, at a place in cells.
   Scalar (*ambient_velocity)(const void* ambient, int axis, const Scalar* at) = nullptr;
+  const Scalar* wanted = nullptr;  ///< of cells: outflow that is to be left there, m/s; null: none anywhere
 };
 
 /// One level of the pressure's linear system: each cell against its six neighbours.
@@ -114,6 +115,7 @@ struct GridPasses {
 
   /// The largest component of velocity, whatever its sign.
   Scalar (*fastest)(const WindView<Scalar>&, int layer);
+  /// The pressure's right-hand side: the outflow that is wanted less that there is, 0 in solids.
   void (*outflow)(const WindView<Scalar>&, const PressureView<Scalar>&, Scalar* right, int layer);
   /// From x, or from 0 where it is null.
   void (*smooth)(const PressureView<Scalar>&, const Scalar* x, const Scalar* right, Scalar weight,

@@ -282,14 +282,22 @@ inline void alongWeights(const PressureView<Scalar>& p, int k, const Body& body)
   }
 }
 
-inline void outflowPass(const WindView<Scalar>& w, const PressureView<Scalar>& p, Scalar* right, int k) {
+template <class Wanted>
+inline void outflowAlong(const WindView<Scalar>& w, const PressureView<Scalar>& p, const Wanted& wanted, Scalar* right,
+                         int k) {
   const size_t y = w.shape.row(), z = w.shape.layer();
   alongRows(w.shape, k, [&](size_t c) {
     const real out = outflow(loadAt(w.velocity[0] + c), loadAt(w.velocity[0] + c + 1), loadAt(w.velocity[1] + c),
                              loadAt(w.velocity[1] + c + y), loadAt(w.velocity[2] + c), loadAt(w.velocity[2] + c + z));
     const real fluid = loadAt(p.diagonal + c);
-    storeAt(select(fluid > lit(0), lit(0) - out, lit(0)), right + c);
+    storeAt(select(fluid > lit(0), wanted(c) - out, lit(0)), right + c);
   });
+}
+inline void outflowPass(const WindView<Scalar>& w, const PressureView<Scalar>& p, Scalar* right, int k) {
+  if (w.wanted == nullptr)
+    outflowAlong(w, p, [](size_t) { return lit(0); }, right, k);
+  else
+    outflowAlong(w, p, [&](size_t c) { return loadAt(w.wanted + c); }, right, k);
 }
 inline Scalar fastestPass(const WindView<Scalar>& w, int k) {
   real most = lit(0);

@@ -42,7 +42,10 @@ class StrandSurroundings final : public Surroundings, public AirFields, public S
     if (hair) hair_ = std::move(hair);
     if (p.volume_stiffness == 0) hair_->reset();
     const bool wind_begins = wind != nullptr || (p.wind_grid > 0 && !blows_);
-    if (wind) wind_ = std::move(wind);
+    if (wind) {
+      wind_ = std::move(wind);
+      wind_->takeSources(sources_);
+    }
     if (wind_) wind_->ambient().configure(p);
     if (wind_begins) {
       wind_->ambient().setProgress(progress_);
@@ -85,7 +88,7 @@ class StrandSurroundings final : public Surroundings, public AirFields, public S
 
   void setSources(std::vector<WindSource> sources) override {
     world_sources_ = std::move(sources);
-    sources_ = movedBy(world_sources_, -origin_);
+    placeSources();
   }
 
   void step(StepInput& input, Backend& backend) override {
@@ -122,7 +125,7 @@ class StrandSurroundings final : public Surroundings, public AirFields, public S
                 static_cast<Scalar>(static_cast<double>(p.air_drag) * hair_->meanDrag() *
                                     static_cast<double>(p.hairs_per_strand) / kAirDensity)};
       }
-      wind_->exchange(dt, drag, sources_);
+      wind_->exchange(dt, drag);
       wind_->project();
     }
     const size_t strands = offsets_.size() - 1;
@@ -145,7 +148,11 @@ class StrandSurroundings final : public Surroundings, public AirFields, public S
   // All places in here are from origin_, as the strands' are.
   void takeOrigin(const Vec3& origin) {
     origin_ = origin;
-    sources_ = movedBy(world_sources_, -origin);
+    placeSources();
+  }
+  void placeSources() {
+    sources_ = movedBy(world_sources_, -origin_);
+    if (wind_) wind_->takeSources(sources_);
   }
   Box ownBox() const {
     const Eigen::Vector3f half =

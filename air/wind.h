@@ -3,6 +3,7 @@
 #include <span>
 
 #include "air/ambient.h"
+#include "air/wind_source.h"
 #include "core/contact_primitive.h"
 
 namespace strandcast {
@@ -46,14 +47,21 @@ class Wind {
   virtual void addSolids(std::span<const MovingPrimitive> bodies, std::span<const uint32_t> words,
                          double seconds) = 0;
 
+  /// Sources of wind, from now on. What spheres among them let out is there with the next project(), between
+  /// walls never: there is no place for it to go.
+  virtual void takeSources(std::span<const WindSource> sources) = 0;
+
   /// The parts of a step. `seconds`: its length.
   virtual void advect(double seconds, bool mac_cormack) = 0;
   virtual void diffuse(double seconds, double viscosity) = 0;
+  /// Of momentum, with sources alone.
+  virtual void exchange(double seconds) = 0;
   virtual PressureReport project() = 0;
 
   /// m/s, interpolated between the middles of cells, as the last project() left it.
   virtual Vec3 velocityAt(const Vec3& point) const = 0;
-  /// The largest |divergence| of a cell that is not solid, times the cell: m/s.
+  /// The largest |divergence| of a cell that is not solid, beyond that of spheres of wind, times the cell:
+  /// m/s.
   virtual double largestOutflow() = 0;
   /// The largest component of velocity at a face, m/s.
   virtual double fastest() const = 0;
@@ -68,6 +76,21 @@ constexpr int kMostIterations = 100;
 constexpr double kLargestPart =
     0.15;                            ///< of viscosity x time / cell^2 in one explicit step; stable below 1/6
 constexpr double kAirDensity = 1.2;  ///< kg/m^3
+/// Of what flows out of a cell, so much goes through one of its faces at least: the residual of air that
+/// spheres of wind only begin to drive.
+constexpr double kLeastOfFace = 1.0 / 6;
+/// Whether air of a cell gets straight to the border along an axis, past what solid(i, j, k) says of cells. A
+/// sphere of wind lets no air out of others: between bodies on all sides there is no place for it to go.
+template <class Solid>
+bool seesBorder(int cells, int i, int j, int k, const Solid& solid) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int by : {-1, 1}) {
+      int at[3] = {i, j, k};
+      while (at[axis] >= 0 && at[axis] < cells && !solid(at[0], at[1], at[2])) at[axis] += by;
+      if (at[axis] < 0 || at[axis] == cells) return true;
+    }
+  return false;
+}
 /// Edge of a cell, m, around a groom at rest in `box`: the wind's box is twice as large.
 float windCell(const Box& box, int cells);
 /// Roots of Chebyshev's polynomial over the upper half of the spectrum of Jacobi's iteration, 0.5 to 2: how

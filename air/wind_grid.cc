@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "kernels/scalar_double.h"
+
 namespace strandcast {
 template <class Scalar>
 WindGrid<Scalar>::WindGrid(const GridPasses<Scalar>& passes, const Workers& workers, int cells, float cell,
@@ -80,6 +82,7 @@ template <class Scalar>
 void WindGrid<Scalar>::centreAt(const Vec3& middle) {
   const Eigen::Vector3i shift = box_.centreAt(middle);
   if (shift.isZero()) return;
+  wanted_found_ = false;
   auto carry = [&](GridArray<Scalar>& field, GridArray<Scalar>& to, int axis) {
     const int end[3] = {shape_.cells + (axis == 0), shape_.cells + (axis == 1), shape_.cells + (axis == 2)};
     workers_.forEach(end[2], [&](int k) {
@@ -172,6 +175,65 @@ void WindGrid<Scalar>::closeFaces() {
 }
 
 template <class Scalar>
+void WindGrid<Scalar>::takeSources(std::span<const WindSource> sources) {
+  drivers_.clear();
+  spheres_.clear();
+  for (const WindSource& source : sources)
+    (source.kind == WindSource::Kind::kSphere ? spheres_ : drivers_).push_back(onGrid(source, cell_));
+  wanted_found_ = false;
+}
+
+template <class Scalar>
+const Scalar* WindGrid<Scalar>::wanted() {
+  if (spheres_.empty() || border_ == Border::kClosed) return nullptr;
+  if (!wanted_found_) {
+    wanted_.assign(shape_.size(), Scalar(0));
+    for (const WindSource& source : spheres_) {
+      const SphereOnGrid sphere(source, origin(), cell_);
+      const Eigen::Vector3i first = sphere.first(shape_.cells), last = sphere.last(shape_.cells);
+      workers_.forEach(std::max(0, last.z() - first.z() + 1), [&](int layer) {
+        const int k = first.z() + layer;
+        for (int j = first.y(); j <= last.y(); ++j)
+          for (int i = first.x(); i <= last.x(); ++i)
+            wanted_[shape_.at(i, j, k)] += static_cast<Scalar>(sphere.outflow(i, j, k));
+      });
+    }
+    wanted_found_ = true;
+  }
+  return wanted_.data() + shape_.at(0, 0, 0);
+}
+
+template <class Scalar>
+const Scalar* WindGrid<Scalar>::wantedAmongSolids() {
+  const Scalar* all = wanted();
+  if (all == nullptr || solid_cells_.empty()) return all;
+  wanted_among_solids_.resize(shape_.size());
+  workers_.forEach(shape_.cells, [&](int k) {
+    for (int j = 0; j < shape_.cells; ++j)
+      for (int i = 0; i < shape_.cells; ++i) {
+        const size_t c = shape_.at(i, j, k);
+        const bool blows = wanted_[c] != 0 && seesBorder(shape_.cells, i, j, k, [&](int x, int y, int z) {
+                             return isSolid(x, y, z);
+                           });
+        wanted_among_solids_[c] = blows ? wanted_[c] : Scalar(0);
+      }
+  });
+  return wanted_among_solids_.data() + shape_.at(0, 0, 0);
+}
+
+template <class Scalar>
+Scalar WindGrid<Scalar>::mostWanted(const Scalar* wanted, int k) const {
+  const Scalar* fluid = solver_.finest().diagonal;
+  Scalar most = 0;
+  for (int j = 0; j < shape_.cells; ++j)
+    for (int i = 0; i < shape_.cells; ++i) {
+      const size_t c = shape_.at(i, j, k) - shape_.at(0, 0, 0);
+      if (fluid[c] > 0) most = std::max(most, std::fabs(wanted[c]));
+    }
+  return most;
+}
+
+template <class Scalar>
 template <class Work>
 void WindGrid<Scalar>::eachFace(const Work& work) const {
   workers_.forEach(shape_.cells + 1, [&](int k) {
@@ -235,9 +297,8 @@ std::pair<int, int> WindGrid<Scalar>::cellsInHair(const HairDrag<Scalar>& hair, 
 }
 
 template <class Scalar>
-void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair,
-                                    std::span<const WindSource> sources, int j, int k, Scalar* places,
-                                    Scalar* sampled) {
+void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair, const Scalar* wanted, int j,
+                                    int k, Scalar* places, Scalar* sampled) {
   const int n = shape_.cells;
   const size_t row = static_cast<size_t>(n), first = shape_.at(0, j, k);
   uint8_t& exchanges = exchanges_[row * static_cast<size_t>(k) + static_cast<size_t>(j)];
@@ -268,8 +329,17 @@ void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair
       exchanges = 1;
     }
   }
-  for (const WindSource& given : sources) {
-    const WindSource source = onGrid(given, cell_);
+  if (wanted != nullptr) {
+    const double courant = seconds / static_cast<double>(cell_);
+    const Scalar* of_row = wanted + (first - shape_.at(0, 0, 0));
+    for (size_t i = 0; i < row; ++i) {
+      if (!(of_row[i] > 0)) continue;
+      exchanges = 1;
+      exchange_[0][first + i] +=
+          static_cast<Scalar>(kernels::f64::sphereExchange(static_cast<double>(of_row[i]), courant));
+    }
+  }
+  for (const WindSource& source : drivers_) {
     const Box reach = source.reach();
     if (begin.y() < reach.min().y() || begin.y() > reach.max().y() || begin.z() < reach.min().z() ||
         begin.z() > reach.max().z())
@@ -287,14 +357,14 @@ void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair
 }
 
 template <class Scalar>
-void WindGrid<Scalar>::exchange(double seconds, const HairDrag<Scalar>& hair,
-                                std::span<const WindSource> sources) {
-  if (hair.nodes == nullptr && sources.empty()) return;
+void WindGrid<Scalar>::exchange(double seconds, const HairDrag<Scalar>& hair) {
+  const Scalar* of_spheres = wanted();
+  if (hair.nodes == nullptr && drivers_.empty() && of_spheres == nullptr) return;
   const size_t row = static_cast<size_t>(shape_.cells);
   workers_.forEach(shape_.cells, [&](int k) {
     Scalar *places = places_.data() + 3 * (row + 16) * static_cast<size_t>(k),
            *sampled = sampled_.data() + 4 * row * static_cast<size_t>(k);
-    for (int j = 0; j < shape_.cells; ++j) findExchange(seconds, hair, sources, j, k, places, sampled);
+    for (int j = 0; j < shape_.cells; ++j) findExchange(seconds, hair, of_spheres, j, k, places, sampled);
   });
   const WindView<Scalar> w = view();
   eachFace([&](int axis, int k) { passes_.exchange(w, axis, k); });
@@ -314,13 +384,16 @@ double WindGrid<Scalar>::fastest() const {
 template <class Scalar>
 PressureReport WindGrid<Scalar>::project() {
   closeFaces();
-  const WindView<Scalar> w = view();
+  WindView<Scalar> w = view();
+  w.wanted = wantedAmongSolids();
   const PressureView<Scalar>& p = solver_.finest();
   const size_t start = shape_.at(0, 0, 0);
   Scalar *right = right_.data() + start, *pressure = pressure_.data() + start;
   workers_.forEach(shape_.cells + 1, [&](int k) {
     if (k < shape_.cells) passes_.outflow(w, p, right, k);
     fastest_[k] = passes_.fastest(w, k);
+    if (w.wanted != nullptr && k < shape_.cells)
+      fastest_[k] = std::max(fastest_[k], static_cast<Scalar>(kLeastOfFace) * mostWanted(w.wanted, k));
   });
   const double fastest = static_cast<double>(*std::max_element(fastest_.begin(), fastest_.end()));
   const double tolerance = std::max(kResidual * fastest, kStill);
@@ -334,7 +407,8 @@ PressureReport WindGrid<Scalar>::project() {
 template <class Scalar>
 double WindGrid<Scalar>::largestOutflow() {
   const size_t start = shape_.at(0, 0, 0);
-  const WindView<Scalar> w = view();
+  WindView<Scalar> w = view();
+  w.wanted = wantedAmongSolids();
   double most = 0;
   for (int k = 0; k < shape_.cells; ++k) {
     passes_.outflow(w, solver_.finest(), right_.data() + start, k);

@@ -34,7 +34,10 @@ class WindGrid : public Wind {
   Ambient& ambient() override { return ambient_; }
   void centreAt(const Vec3& middle) override;
   /// As WindBox::moveOrigin: the air stays where it is. Eddies are the ambient's business.
-  void moveOrigin(const Vec3& way) { box_.moveOrigin(way); }
+  void moveOrigin(const Vec3& way) {
+    box_.moveOrigin(way);
+    wanted_found_ = false;
+  }
   void reset() override;
   void setComponents(const Component& value) override;
   void clearSolids() override;
@@ -45,9 +48,11 @@ class WindGrid : public Wind {
   template <class Distances, class Velocity>
   void addSolid(const Box& box, const Distances& distances, const Velocity& velocity);
 
+  void takeSources(std::span<const WindSource> sources) override;
   void advect(double seconds, bool mac_cormack) override;
   void diffuse(double seconds, double viscosity) override;
-  void exchange(double seconds, const HairDrag<Scalar>& hair, std::span<const WindSource> sources);
+  void exchange(double seconds) override { exchange(seconds, {}); }
+  void exchange(double seconds, const HairDrag<Scalar>& hair);
   PressureReport project() override;
 
   Vec3 velocityAt(const Vec3& point) const override;
@@ -71,8 +76,14 @@ class WindGrid : public Wind {
   /// the hair's grid; `step`: from cell to cell.
   std::pair<int, int> cellsInHair(const HairDrag<Scalar>& hair, const Scalar* at, const Scalar* step) const;
   /// What hair and sources do to a row. `places`, `sampled`: room for a row.
-  void findExchange(double seconds, const HairDrag<Scalar>& hair, std::span<const WindSource> sources, int j,
-                    int k, Scalar* places, Scalar* sampled);
+  void findExchange(double seconds, const HairDrag<Scalar>& hair, const Scalar* wanted, int j, int k,
+                    Scalar* places, Scalar* sampled);
+  /// What spheres would let out were no solids there; null: none.
+  const Scalar* wanted();
+  /// The same as solids leave it, for WindView::wanted.
+  const Scalar* wantedAmongSolids();
+  /// The largest of a layer's cells that are not solid.
+  Scalar mostWanted(const Scalar* wanted, int k) const;
   void findCentres();
   /// work(axis, layer) for the layers of faces of all axes.
   template <class Work>
@@ -95,6 +106,9 @@ class WindGrid : public Wind {
   std::vector<uint32_t> solid_cells_;  ///< where solid_ is 1
   std::vector<Vec3> solid_velocity_;   ///< of the shape
   bool built_ = false;                 ///< the solver
+  std::vector<WindSource> drivers_, spheres_;
+  GridArray<Scalar> wanted_, wanted_among_solids_;  ///< empty until there is a sphere
+  bool wanted_found_ = false;                       ///< of the spheres and the box as they are
   PressureSolver<Scalar> solver_;
 };
 

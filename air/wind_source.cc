@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "kernels/scalar_double.h"
 
 namespace strandcast {
 
@@ -43,10 +44,47 @@ std::vector<WindSource> withoutNames(const std::vector<NamedWindSource>& named) 
 }
 
 WindSource onGrid(WindSource source, float cell) {
+  if (source.kind == WindSource::Kind::kSphere && source.radius < cell) {
+    source.speed *= (source.radius / cell) * (source.radius / cell);
+    source.radius = cell;
+  }
   if (source.kind != WindSource::Kind::kTurbine || source.length >= cell) return source;
   source.rate *= source.length / cell;
   source.length = cell;
   return source;
+}
+
+SphereOnGrid::SphereOnGrid(const WindSource& sphere, const Vec3& corner, float cell) {
+  constexpr double kLargestSummed = 24;  // cells; of larger ones the integral of their shares is as good
+  const WindSource on_grid = onGrid(sphere, cell);
+  const double edge = static_cast<double>(cell);
+  middle_ = (on_grid.position.cast<double>() - corner.cast<double>()) / edge;
+  radius_ = static_cast<double>(on_grid.radius) / edge;
+  double shares = 4.0 / 3 * std::numbers::pi * radius_ * (radius_ * radius_ + 0.25);
+  if (radius_ <= kLargestSummed) {
+    shares = 0;
+    const Eigen::Vector3d part = middle_ - middle_.array().floor().matrix();
+    const int reach = static_cast<int>(radius_) + 2;
+    for (int k = -reach; k <= reach; ++k)
+      for (int j = -reach; j <= reach; ++j)
+        for (int i = -reach; i <= reach; ++i)
+          shares += kernels::f64::sphereShare(
+              (Eigen::Vector3d(i, j, k) + Eigen::Vector3d::Constant(0.5) - part).norm(), radius_);
+  }
+  per_share_ = 4 * std::numbers::pi * radius_ * radius_ * static_cast<double>(on_grid.speed) / shares;
+}
+
+double SphereOnGrid::outflow(int i, int j, int k) const {
+  const Eigen::Vector3d away = Eigen::Vector3d(i, j, k) + Eigen::Vector3d::Constant(0.5) - middle_;
+  return per_share_ * kernels::f64::sphereShare(away.norm(), radius_);
+}
+
+Eigen::Vector3i SphereOnGrid::first(int cells) const {
+  return (middle_.array() - (radius_ + 1)).floor().max(0).min(cells).cast<int>();
+}
+
+Eigen::Vector3i SphereOnGrid::last(int cells) const {
+  return (middle_.array() + radius_).floor().max(-1).min(cells - 1).cast<int>();
 }
 
 std::vector<WindSource> movedBy(std::vector<WindSource> sources, const Vec3& way) {
@@ -62,7 +100,8 @@ std::span<const WindSourceNumber> windSourceNumbers() {
       {16, "angle", "degrees", "half a cone's opening", 0.1, 90, kDegree, &WindSource::angle},
       {32, "speed", "m/s", "of its air", -100, 100, 1, &WindSource::speed},
       {64, "swirl", "m/s", "of a turbine's rim", -100, 100, 1, &WindSource::swirl},
-      {128, "rate", "1/s", "at which air on a grid takes that on", 0, 1000, 1, &WindSource::rate}};
+      {128, "rate", "1/s", "at which air on a grid takes on that of a cone or turbine", 0, 1000, 1,
+       &WindSource::rate}};
   return kNumbers;
 }
 

@@ -7,13 +7,13 @@
 
 namespace strandcast {
 
-/// Something that drives the air of a wind grid, in the world. Air in its reach takes on its velocity at the
-/// rate `rate`.
+/// Something that drives the air of a wind grid, in the world. Air in the reach of a cone or turbine takes on
+/// its velocity at the rate `rate`; a sphere is where air comes from.
 struct WindSource {
   enum class Kind {
     kCone,  ///< a fan: from `position` along `direction` within `angle`, weaker towards `length`
-    /// Out of `position` in all directions (inwards where speed is negative), within `radius`. Next to
-    /// nothing on a grid: air that comes from nowhere is a gradient, which the pressure takes away.
+    /// Out of `position` in all directions (inwards where speed is negative), within `radius`. On a grid
+    /// 4 pi radius^2 speed of air begins there (or ends): SphereOnGrid.
     kSphere,
     kTurbine  ///< a disc across `direction` of `radius` and thickness `length` that blows and turns the air
   };
@@ -25,7 +25,7 @@ struct WindSource {
   float angle = 0.35f;  ///< rad, half the cone's opening
   float speed = 3;      ///< m/s
   float swirl = 0;      ///< m/s, of a turbine's rim, right-handed about `direction`
-  float rate = 20;      ///< 1/s
+  float rate = 20;      ///< 1/s; not of a sphere
 
   /// Velocity that air at `point` is drawn to; false where the source does not reach.
   bool velocityAt(const Vec3& point, Vec3& velocity) const;
@@ -63,8 +63,30 @@ void take(WindSource& source, const WindSource& of, WindSourceParts parts);
 WindSource between(const WindSource& from, const WindSource& to, float part);
 
 /// As a grid with cells of `cell` m has it, which asks it at their middles only: a turbine is a cell thick at
-/// least, and drives the more air the less.
+/// least, and drives the more air the less; a sphere has a cell's radius at least, and lets out as much air.
 WindSource onGrid(WindSource source, float cell);
+
+/// A sphere as a source of air on a wind grid (sphereShare in kernels/grid.h): what flows out of its cells
+/// sums up to 4 pi radius^2 speed wherever it is among them, to 1.5e-4 where its radius is above 24 cells.
+/// Cells that lie beyond the grid's border or in solids have their part of that, and keep it back.
+class SphereOnGrid {
+ public:
+  /// `corner`: low one of the grid's cell (0, 0, 0), m; `cell`: m.
+  SphereOnGrid(const WindSource& sphere, const Vec3& corner, float cell);
+
+  /// Cells from first() to last(), of `cells` per axis, are all that have any.
+  Eigen::Vector3i first(int cells) const;
+  Eigen::Vector3i last(int cells) const;
+  /// Of a cell, m/s.
+  double outflow(int i, int j, int k) const;
+  /// Outflow, m/s, of a cell whose sphereShare() is 1.
+  double perShare() const { return per_share_; }
+
+ private:
+  Eigen::Vector3d middle_;  ///< in cells from the corner
+  double radius_;           ///< in cells
+  double per_share_ = 0;
+};
 
 std::vector<WindSource> movedBy(std::vector<WindSource> sources, const Vec3& way);
 

@@ -502,8 +502,10 @@ void addFanVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std:
   };
   CLI::App* add = app.add_subcommand("add", "a source of wind, for as long as the daemon runs");
   add->add_option("NAME", o->name, "of its own, without spaces")->required();
-  add->add_option("KIND", o->shape,
-                  "cone (a fan), turbine, or sphere, which with wind_grid does next to nothing")
+  add->add_option(
+         "KIND", o->shape,
+         "cone (a fan), turbine, or sphere, which blows out of its middle in all directions (inwards "
+         "where speed is below 0)")
       ->required();
   place(*add)->required();
   addFanOptions(*add, o, &kDefault);

@@ -127,7 +127,7 @@ GridResult timeGrids(const GridOptions& o, const Scene& scene, const StrandModel
     t.time("advect", [&] { wind.advect(dt, o.mac_cormack); });
     t.time("diffuse", [&] { wind.diffuse(dt, static_cast<double>(parameters.air_viscosity)); });
     t.time("drag", [&] {
-      wind.exchange(dt, {&hair.shape(), hair.nodes(), hair.frame(), hair.box(), 30.0f}, {});
+      wind.exchange(dt, {&hair.shape(), hair.nodes(), hair.frame(), hair.box(), 30.0f});
     });
     t.time("project", [&] { out.iterations += wind.project().iterations / static_cast<double>(o.steps); });
   }

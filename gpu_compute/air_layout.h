@@ -37,7 +37,8 @@ struct AirSettings {
   float exchange;
   float drag;
   int32_t shift[3];
-  int32_t padding[2];
+  int32_t spheres;
+  int32_t padding;
 };
 static_assert(sizeof(AirSettings) == 304);
 

@@ -66,6 +66,9 @@ class GpuWind final : public Wind {
     if (!words.empty()) shapes_ = gl::Buffer(words);
     solids_seconds_ = seconds;
   }
+  void takeSources(std::span<const WindSource> sources) override {
+    passes_->takeSources({sources.begin(), sources.end()});
+  }
   void advect(double seconds, bool mac_cormack) override {
     const gl::MakeCurrent current(context_);
     tell(seconds);
@@ -78,6 +81,14 @@ class GpuWind final : public Wind {
     const gl::MakeCurrent current(context_);
     tell(seconds);
     passes_->diffuse(seconds, viscosity, false);
+    image_.reset();
+  }
+  void exchange(double seconds) override {
+    const gl::MakeCurrent current(context_);
+    tell(seconds);
+    passes_->findExchange(nullptr);
+    gpu::finishPass();
+    passes_->diffuse(seconds, 0, true);
     image_.reset();
   }
   PressureReport project() override {
@@ -94,14 +105,23 @@ class GpuWind final : public Wind {
     return gpu::windAt(image(), cells(), Vec3((point - origin()) / cell()));
   }
   double largestOutflow() override {
+    const std::vector<SphereOnGrid> spheres = passes_->spheres();
+    const auto masks = [&](int i, int j, int k) {
+      return image().masks[static_cast<size_t>(i + cells() * (j + cells() * k))];
+    };
+    const auto solid = [&](int i, int j, int k) { return (masks(i, j, k) & 64u) != 0; };
     double most = 0;
     for (int k = 0; k < cells(); ++k)
       for (int j = 0; j < cells(); ++j)
-        for (int i = 0; i < cells(); ++i)
-          if ((image().masks[static_cast<size_t>(i + cells() * (j + cells() * k))] & 63u) != 0)
-            most = std::max(most, std::fabs(component(0, i + 1, j, k) - component(0, i, j, k) +
-                                            component(1, i, j + 1, k) - component(1, i, j, k) +
-                                            component(2, i, j, k + 1) - component(2, i, j, k)));
+        for (int i = 0; i < cells(); ++i) {
+          if ((masks(i, j, k) & 63u) == 0) continue;
+          double wanted = 0;
+          for (const SphereOnGrid& sphere : spheres) wanted += sphere.outflow(i, j, k);
+          if (wanted != 0 && !seesBorder(cells(), i, j, k, solid)) wanted = 0;
+          most = std::max(most, std::fabs(component(0, i + 1, j, k) - component(0, i, j, k) +
+                                          component(1, i, j + 1, k) - component(1, i, j, k) +
+                                          component(2, i, j, k + 1) - component(2, i, j, k) - wanted));
+        }
     return most;
   }
   double fastest() const override {

@@ -22,9 +22,27 @@ struct PackedSource {
   float position[3], kind;
   float direction[3], rate;
   float radius, length, cosine, speed;
-  float swirl, unused[3];
+  float swirl, per_share, unused[2];
 };
 static_assert(sizeof(PackedSource) == 64);
+
+PackedSource packedSource(const WindSource& source, double per_share) {
+  const Vec3 p = source.position, d = source.direction.normalized();
+  return {{p.x(), p.y(), p.z()},
+          static_cast<float>(source.kind),
+          {d.x(), d.y(), d.z()},
+          source.rate,
+          source.radius,
+          source.length,
+          std::cos(source.angle),
+          source.speed,
+          source.swirl,
+          static_cast<float>(per_share),
+          {}};
+}
+gl::Buffer bufferOf(std::span<const PackedSource> packed) {
+  return packed.empty() ? zeros<PackedSource>(1) : gl::Buffer(packed);
+}
 
 size_t cubed(int n) { return static_cast<size_t>(n) * static_cast<size_t>(n) * static_cast<size_t>(n); }
 float tolerance(const PressurePasses::State& state) {
@@ -64,6 +82,8 @@ void WindPasses::describe(AirSettings& s, double seconds) const {
   s.open_border = border_ == Wind::Border::kOpen ? 1 : 0;
   s.seconds = static_cast<float>(seconds);
   s.courant = static_cast<float>(seconds / static_cast<double>(cell_));
+  s.sources = static_cast<int>(on_grid_.size());
+  s.spheres = spheres_ ? 1 : 0;
 }
 
 bool WindPasses::moveTo(const Vec3& middle, AirSettings& s) {
@@ -84,7 +104,36 @@ void WindPasses::bindAmbient() {
     turbulence_seed_ = ambient_.seed();
   }
   turbulence_.bindStorage(13);
+  bindSources();
+}
+
+void WindPasses::bindSources() {
+  if (!packed_) {
+    std::vector<PackedSource> packed;
+    for (const WindSource& source : on_grid_)
+      packed.push_back(packedSource(source, source.kind == WindSource::Kind::kSphere
+                                                ? SphereOnGrid(source, origin(), cell_).perShare()
+                                                : 0));
+    sources_ = bufferOf(packed);
+    packed_ = true;
+  }
   sources_.bindStorage(14);
+}
+
+void WindPasses::takeSources(std::vector<WindSource> sources) {
+  on_grid_ = std::move(sources);
+  for (WindSource& source : on_grid_) source = onGrid(source, cell_);
+  spheres_ = border_ == Wind::Border::kOpen &&
+             std::any_of(on_grid_.begin(), on_grid_.end(),
+                         [](const WindSource& source) { return source.kind == WindSource::Kind::kSphere; });
+  packed_ = false;
+}
+
+std::vector<SphereOnGrid> WindPasses::spheres() const {
+  std::vector<SphereOnGrid> spheres;
+  for (const WindSource& source : on_grid_)
+    if (spheres_ && source.kind == WindSource::Kind::kSphere) spheres.emplace_back(source, origin(), cell_);
+  return spheres;
 }
 
 void WindPasses::carry() {
@@ -136,20 +185,8 @@ void WindPasses::takeBodies(std::span<const MovingPrimitive> bodies, AirSettings
 
 gl::Buffer WindPasses::packed(std::span<const WindSource> sources) {
   std::vector<PackedSource> packed;
-  for (const WindSource& source : sources) {
-    const Vec3 p = source.position, d = source.direction.normalized();
-    packed.push_back({{p.x(), p.y(), p.z()},
-                      static_cast<float>(source.kind),
-                      {d.x(), d.y(), d.z()},
-                      source.rate,
-                      source.radius,
-                      source.length,
-                      std::cos(source.angle),
-                      source.speed,
-                      source.swirl,
-                      {}});
-  }
-  return packed.empty() ? zeros<PackedSource>(1) : gl::Buffer(std::span<const PackedSource>(packed));
+  for (const WindSource& source : sources) packed.push_back(packedSource(source, 0));
+  return bufferOf(packed);
 }
 
 void WindPasses::findDisplacements(bool mac_cormack) {
@@ -195,7 +232,7 @@ void WindPasses::findSolids(const gl::Buffer& shapes) {
 }
 
 void WindPasses::findExchange(const gl::Buffer* nodes) {
-  sources_.bindStorage(14);
+  bindSources();
   exchange_.bindStorage(6);
   if (nodes != nullptr) nodes->bindStorage(9);
   (nodes != nullptr ? exchange_hair_ : exchange_of_)
@@ -232,7 +269,11 @@ void WindPasses::closeFaces() {
   pressure_.masks().bindStorage(3);
   pressure_.rights().bindStorage(4);
   pressure_.state().bindStorage(15);
-  close_.get(programs_, "wind_faces.comp", shaders::kWindFacesComp).use();
+  if (spheres_) bindSources();
+  (spheres_ ? close_spheres_ : close_)
+      .get(programs_, "wind_faces.comp", shaders::kWindFacesComp,
+           spheres_ ? "#define SPHERES 1\n" : "#define SPHERES 0\n")
+      .use();
   dispatchCells();
   finishPass();
   advance();

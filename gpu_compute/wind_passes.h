@@ -31,7 +31,10 @@ class WindPasses {
   /// As Wind::centreAt. True where the box moved: then carry() is to be called.
   bool moveTo(const Vec3& middle, AirSettings& settings);
   /// As WindBox::moveOrigin: the air stays where it is. Eddies and sources are others' business.
-  void moveOrigin(const Vec3& way) { box_.moveOrigin(way); }
+  void moveOrigin(const Vec3& way) {
+    box_.moveOrigin(way);
+    packed_ = false;
+  }
   /// Everything moves by the settings' shift.
   void carry();
   void reset(AirBlock& block);
@@ -39,11 +42,11 @@ class WindPasses {
 
   /// Of `words`, which are in `shapes`. Bodies are copied.
   void takeBodies(std::span<const MovingPrimitive> bodies, AirSettings& settings);
-  void takeSources(std::vector<WindSource> sources) {
-    for (WindSource& source : sources) source = onGrid(source, cell_);
-    sources_ = packed(sources);
-  }
-  /// Sources of wind as shaders/ambient.glsl reads them.
+  /// As Wind::takeSources. The settings know of them from describe() on.
+  void takeSources(std::vector<WindSource> sources);
+  /// Those among them that let out air.
+  std::vector<SphereOnGrid> spheres() const;
+  /// Sources of wind as shaders/ambient.glsl reads them where there is no grid.
   static gl::Buffer packed(std::span<const WindSource> sources);
 
   // Passes. Those that others wait for end with what makes their results visible; findDisplacements,
@@ -93,6 +96,7 @@ class WindPasses {
   gl::Buffer& next(size_t by = 1) { return faces_[(now_ + by) % faces_.size()]; }
   void advance(size_t by = 1) { now_ = (now_ + by) % faces_.size(); }
   void bindAmbient();
+  void bindSources();
   void dispatchFaces() const;
   void dispatchCells() const;
   void subtractGradient();
@@ -109,13 +113,16 @@ class WindPasses {
   std::array<gl::Buffer, 2> pressures_;
   gl::Buffer centres_, displacements_, onwards_, solids_, exchange_;
   gl::Buffer turbulence_, sources_, bodies_, body_settings_;
+  std::vector<WindSource> on_grid_;  // sources
+  bool packed_ = true;               // they are in sources_, as they lie in the box
+  bool spheres_ = false;             // some of them are, and what they let out has a place to go
   size_t bodies_room_ = 0;
   bool bends_ = false;              // some of them
   std::vector<PlacedBody> placed_;  // for bodies_; kept for its memory
   PressurePasses pressure_;
   Reports reports_;
   LazyProgram carry_, centres_of_, displace_, displace_both_, advect_, correct_, solids_of_, bent_solids_of_,
-      exchange_of_, exchange_hair_, diffuse_, diffuse_exchange_, close_, subtract_;
+      exchange_of_, exchange_hair_, diffuse_, diffuse_exchange_, close_, close_spheres_, subtract_;
 };
 
 }  // namespace strandcast::gpu

@@ -60,6 +60,13 @@ FN real macCormack(IN(real) ahead, IN(real) was, IN(real) back, IN(real) low, IN
 FN real outflow(IN(real) x0, IN(real) x1, IN(real) y0, IN(real) y1, IN(real) z0, IN(real) z1) {
   return (x1 - x0) + (y1 - y0) + (z1 - z0);
 }
+// A cell's share of what a sphere of wind lets out, by how far (in cells) its middle is from the sphere's: even within, so that its air
+// speeds up evenly from the middle to the surface; where the surface passes, as far as it passes, so that a sphere that moves does not come
+// to a cell all at once. To be scaled to the flow 4 pi radius^2 speed.
+FN real sphereShare(IN(real) far, IN(real) radius) { return clamp(radius - far + lit(0.5), lit(0), lit(1)); }
+// Exchange of momentum (rate x time step) of a cell with an outflow that is wanted there: what is let out comes without momentum and takes the
+// place of so much of the air. courant: time step over cell, s/m.
+FN real sphereExchange(IN(real) wanted, IN(real) courant) { return max(wanted, lit(0)) * courant; }
 // A face's velocity less the gradient of the pressure, which is in m/s (pressure x time step / (density x cell)). open: 1,
 // or 0 at solids.
 FN real lessGradient(IN(real) velocity, IN(real) open, IN(real) before, IN(real) after) {

@@ -201,6 +201,109 @@ std::vector<Case> sphere(const Laboratory& laboratory) {
           behind};
 }
 
+// A sphere is a source of air: what is at r of its middle has the speed u R^2 / r^2, away from it.
+constexpr double kSource = 0.1, kSourceSpeed = 3, kSourceBox = 1.2;  // m, m/s, m
+
+WindSource sourceSphere() {
+  WindSource sphere;
+  sphere.kind = WindSource::Kind::kSphere;
+  sphere.position = Vec3(0.013f, -0.021f, 0.007f);  // not where cells meet
+  sphere.radius = static_cast<float>(kSource);
+  sphere.speed = static_cast<float>(kSourceSpeed);
+  return sphere;
+}
+
+// Around a sphere, two radii from its middle, over the exact speed there.
+struct SourceFlow {
+  double mean = 0, scatter = 0;  ///< of the velocity away from it
+  double error = 0;              ///< of the velocity, rms
+};
+
+SourceFlow flowAround(const Wind& grid, const WindSource& sphere) {
+  constexpr int kDirections = 400;
+  const double turn = std::numbers::pi * (3 - std::sqrt(5.0)), exact = kSourceSpeed / 4;
+  SourceFlow flow;
+  double squares = 0;
+  for (int n = 0; n < kDirections; ++n) {  // evenly, on a spiral
+    const double z = 1 - (2 * n + 1.0) / kDirections, across = std::sqrt(1 - z * z);
+    const Vec3 way(static_cast<float>(across * std::cos(turn * n)),
+                   static_cast<float>(across * std::sin(turn * n)), static_cast<float>(z));
+    const Eigen::Vector3d velocity =
+        grid.velocityAt(sphere.position + 2 * sphere.radius * way).cast<double>() / exact;
+    const double along = velocity.dot(way.cast<double>());
+    flow.mean += along / kDirections;
+    squares += along * along / kDirections;
+    flow.error += (velocity - way.cast<double>()).squaredNorm() / kDirections;
+  }
+  flow.scatter = std::sqrt(std::max(0.0, squares - flow.mean * flow.mean));
+  flow.error = std::sqrt(flow.error);
+  return flow;
+}
+
+double flowThroughBorder(const Wind& grid) {  // m^3/s
+  const int n = grid.cells();
+  double sum = 0;
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b)
+      sum += grid.component(0, n, a, b) - grid.component(0, 0, a, b) + grid.component(1, a, n, b) -
+             grid.component(1, a, 0, b) + grid.component(2, a, b, n) - grid.component(2, a, b, 0);
+  return sum * std::pow(static_cast<double>(grid.cell()), 2);
+}
+
+std::vector<std::string> namesOfSource() {
+  std::vector<std::string> names;
+  for (const int cells : kSizes) names.push_back(fmt::format("sphere of wind {}^3", cells));
+  names.insert(names.end(), {"sphere of wind order", "sphere of wind: speed", "sphere of wind: evenness",
+                             "sphere of wind: flow", "sphere of wind: divergence"});
+  return names;
+}
+
+// The flow stands after one step. What differs between directions then grows: where air spreads, vorticity is
+// stretched and the air that carries it slows, so that a part of the speed at the surface is 16 times as
+// large a part two radii out.
+std::vector<Case> windFromSphere(const Laboratory& laboratory) {
+  constexpr double kStep = 1.0 / 60, kLimits[] = {15, 5, 1.7};  // %
+  constexpr int kSteps = 30;
+  const std::vector<std::string> names = namesOfSource();
+  const WindSource sphere = sourceSphere();
+  std::vector<Case> cases;
+  double before = 0, error = 0, outflow = 0;
+  std::unique_ptr<Wind> wind;
+  const auto step = [&] {
+    laboratory.checkStopped();
+    wind->takeSources({&sphere, 1});
+    wind->advect(kStep, false);
+    wind->exchange(kStep);
+    wind->project();
+    outflow = worse(outflow, wind->largestOutflow() / wind->fastest());
+  };
+  for (const int cells : kSizes) {
+    wind = laboratory.air().wind(cells, static_cast<float>(kSourceBox / cells), Wind::Border::kOpen);
+    wind->centreAt(Vec3::Zero());
+    wind->reset();
+    step();
+    before = error;
+    error = flowAround(*wind, sphere).error;
+    cases.push_back(absoluteCase(
+        {names[cases.size()], "rms error of the velocity two radii away after a step, % of u/4", "%"},
+        100 * error, 0, kLimits[cases.size()]));
+  }
+  cases.push_back(
+      atLeastCase({names[cases.size()], "order from 32^3 to 64^3", ""}, std::log2(before / error), 1.5, 0.1));
+  for (int n = 1; n < kSteps; ++n) step();
+  const SourceFlow flow = flowAround(*wind, sphere);
+  cases.push_back(relativeCase({names[cases.size()], "mean two radii away after 0.5 s", "m/s"},
+                               kSourceSpeed / 4 * flow.mean, kSourceSpeed / 4, 1));
+  cases.push_back(absoluteCase({names[cases.size()], "scatter of that over directions, % of u/4", "%"},
+                               100 * flow.scatter, 0, 15));
+  cases.push_back(relativeCase(
+      {names[cases.size()], "through the border of the grid, over 4 pi R^2 u", ""},
+      flowThroughBorder(*wind) / (4 * std::numbers::pi * kSource * kSource * kSourceSpeed), 1, 1));
+  cases.push_back(absoluteCase(
+      {names[cases.size()], "largest of what is left, x cell / largest velocity", ""}, outflow, 0, 1e-3));
+  return cases;
+}
+
 constexpr double kLoads[] = {1, 10, 100, 10};  // rate x wind x L^3 / (B / mass per length)
 constexpr double kDrags[] = {5, 5, 5, 100};    // 1/s
 
@@ -281,6 +384,8 @@ void addAirExperiments(std::vector<Experiment>& experiments) {
   experiments.push_back({"wind of 3 m/s around a sphere of radius 0.1 m in a box of 0.8 m, 64^3, 4 s",
                          {"divergence around a sphere", "lee of a sphere"},
                          sphere});
+  experiments.push_back({"a sphere of radius 0.1 m that blows at u = 3 m/s in still air, in a box of 1.2 m",
+                         namesOfSource(), windFromSphere});
   experiments.push_back({"a hair-drier of 8 m/s blows at a head of 500 strands of 15 cm from one side, 2 s",
                          {"hair in the lee"},
                          hairDrier});

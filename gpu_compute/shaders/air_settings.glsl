@@ -29,6 +29,7 @@ layout(std140, binding = 1) uniform Air {  // gpu_compute/air_layout.h
   float exchange;        // seconds x rate at which air takes on the hair's velocity, m^3/kg
   float drag;            // 1/s, at which a substep draws hair to the air
   int shift_x, shift_y, shift_z;  // cells that the wind's box moves by
+  int spheres;           // 1 where some of the sources on the grid are, and its border is open
 } air;
 
 const float kWhole = 1073741824.0;  // air/hair_layout.h

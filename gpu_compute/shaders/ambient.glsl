@@ -5,7 +5,7 @@ struct Source {
   vec4 position;   // m; w: kind
   vec4 direction;  // unit; w: 1/s, its rate
   float radius, reach, cosine, speed;
-  float swirl, unused_a, unused_b, unused_c;
+  float swirl, per_share, unused_a, unused_b;  // per_share: of a sphere on a grid, as SphereOnGrid has it, m/s
 };
 layout(std430, binding = 14) readonly buffer Sources { Source sources[]; };
 
@@ -23,9 +23,19 @@ vec3 ambientAt(vec3 point) {
   return air.ambient_mean.xyz + turnedToBox(eddies);
 }
 
+const float kCone = 0.0, kSphere = 1.0;  // kinds
+
+// What spheres let out of the cell around a point, m/s.
+float wantedOutflow(vec3 point) {
+  float wanted = 0.0;
+  for (int i = 0; i < air.sources; ++i)
+    if (sources[i].position.w == kSphere)
+      wanted += sources[i].per_share *
+                sphereShare(length(point - sources[i].position.xyz) / air.wind_box.w, sources[i].radius / air.wind_box.w);
+  return wanted;
+}
 // Whether a source reaches a point, and the velocity that it draws the air there to.
 bool isBlown(Source source, vec3 point, out vec3 velocity) {
-  const float kCone = 0.0, kSphere = 1.0;
   vec3 away = point - source.position.xyz, axis = source.direction.xyz;
   float far = length(away), by = dot(away, axis);
   vec3 out_ = far > 0.0 ? away / far : axis;

@@ -27,7 +27,9 @@ void main() {
 #endif
   for (int i = 0; i < air.sources; ++i) {
     vec3 velocity;
-    if (isBlown(sources[i], x, velocity)) sum += vec4(velocity, 1) * (sources[i].direction.w * air.seconds);
+    if (sources[i].position.w != kSphere && isBlown(sources[i], x, velocity))
+      sum += vec4(velocity, 1) * (sources[i].direction.w * air.seconds);
   }
+  if (air.spheres != 0) sum.w += sphereExchange(wantedOutflow(x), air.courant);
   exchange[nodeAt(c)] = sum;
 }

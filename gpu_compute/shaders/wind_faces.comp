@@ -1,9 +1,13 @@
 #version 450
-// Which faces are open; faces of solids move as these do; and what flows out of cells then.
+// variants: SPHERES=0 | SPHERES=1
+// Which faces are open; faces of solids move as these do; and what flows out of cells then, less what spheres of wind let out.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
 #include "gpu_compute/shaders/wind_grid.glsl"
+#if SPHERES
+#include "gpu_compute/shaders/ambient.glsl"
+#endif
 layout(std430, binding = 0) readonly buffer Faces { float faces[]; };
 layout(std430, binding = 1) writeonly buffer Next { float next[]; };
 layout(std430, binding = 2) readonly buffer Solids { vec4 solids[]; };
@@ -11,6 +15,7 @@ layout(std430, binding = 3) writeonly buffer Masks { uint masks[]; };  // see pr
 layout(std430, binding = 4) writeonly buffer Rights { float rights[]; };
 layout(std430, binding = 15) buffer Solve { uint fastest; } solve;
 
+const float kLeastOfFace = 1.0 / 6.0;  // air/wind.h
 shared uint largest;
 
 // Velocity of a face, x; y: 1 where it is open.
@@ -24,6 +29,19 @@ vec2 closed(int axis, ivec3 c) {
   if (solid_before.w > 0.0) return vec2(solid_before[axis], 0);
   return vec2(faces[faceAt(axis, c)], 1);
 }
+
+#if SPHERES
+// As seesBorder of air/wind.h.
+bool seesBorder(ivec3 c) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (int by = -1; by <= 1; by += 2) {
+      ivec3 at = c;
+      while (isInside(at) && !(solids[nodeAt(at)].w > 0.0)) at[axis] += by;
+      if (!isInside(at)) return true;
+    }
+  return false;
+}
+#endif
 
 void main() {
   if (gl_LocalInvocationIndex == 0u) largest = 0u;
@@ -43,7 +61,13 @@ void main() {
       size = max(size, max(abs(low[axis].x), abs(high[axis].x)));
     }
     float flow = outflow(low[0].x, high[0].x, low[1].x, high[1].x, low[2].x, high[2].x);
-    rights[nodeAt(c)] = bits != 0u ? 0.0 - flow : 0.0;
+    float wanted = 0.0;
+#if SPHERES
+    if (bits != 0u) wanted = wantedOutflow(air.wind_box.xyz + (vec3(c) + 0.5) * air.wind_box.w);
+    if (wanted != 0.0 && !seesBorder(c)) wanted = 0.0;
+    size = max(size, kLeastOfFace * abs(wanted));
+#endif
+    rights[nodeAt(c)] = bits != 0u ? wanted - flow : 0.0;
     masks[nodeAt(c)] = bits | (solids[nodeAt(c)].w > 0.0 ? 64u : 0u);
     atomicMax(largest, floatBitsToUint(size));
   }

@@ -80,6 +80,65 @@ TEST_F(GpuAir, WindIsThatOfTheReference) {
   }
 }
 
+// One in still air, a small one that draws air in, and one half in a ball, which move; then none.
+TEST_F(GpuAir, SpheresOfWindBlowAsOnTheReference) {
+  WindSource large;
+  large.kind = WindSource::Kind::kSphere;
+  large.position = Vec3(-0.11f, 0.02f, 0.013f);
+  large.radius = 0.1f;
+  WindSource small = large, touching = large;
+  small.position = Vec3(0.1f, -0.24f, 0.2f);
+  small.radius = 0.01f;
+  small.speed = -60;
+  touching.position = Vec3(0.2f, 0.16f, 0);
+  for (const Wind::Border border : {Wind::Border::kOpen, Wind::Border::kClosed}) {
+    const std::unique_ptr<Wind> truth = cpuAir("reference").wind(kCells, 0.05f, border),
+                                wind = gpuAir().wind(kCells, 0.05f, border);
+    ContactPrimitive ball;
+    ball.a = touching.position + Vec3(0.06f, 0, 0);
+    ball.radius = 0.1f;
+    const MovingPrimitive body = moved(ball, Pose{}, Pose{}, static_cast<float>(kStep));
+    std::vector<WindSource> sources{large, small, touching};
+    const auto step = [&] {
+      for (Wind* one : {truth.get(), wind.get()}) {
+        one->clearSolids();
+        one->addSolids({&body, 1}, {}, kStep);
+        one->takeSources(sources);
+        one->advect(kStep, false);
+        one->exchange(kStep);
+        one->project();
+      }
+    };
+    const auto off = [&] {
+      double largest = 0;
+      for (int axis = 0; axis < 3; ++axis)
+        for (int k = 0; k < kCells; ++k)
+          for (int j = 0; j < kCells; ++j)
+            for (int i = 0; i < kCells; ++i)
+              largest = std::max(largest,
+                                 std::fabs(wind->component(axis, i, j, k) - truth->component(axis, i, j, k)));
+      return largest;
+    };
+    for (Wind* one : {truth.get(), wind.get()}) one->centreAt(Vec3::Zero());
+    for (int n = 0; n < 3; ++n) {
+      step();
+      EXPECT_LT(off(), 2e-3) << "m/s";
+      for (WindSource& source : sources) source.position += Vec3(0.01f, 0.02f, 0);
+    }
+    if (border == Wind::Border::kOpen) {
+      EXPECT_GT(truth->fastest(), 2);
+      EXPECT_LT(truth->largestOutflow(), 1e-3 * truth->fastest());
+      EXPECT_LT(wind->largestOutflow(), 1e-3 * wind->fastest());
+    } else {
+      EXPECT_EQ(wind->fastest(), 0);
+    }
+    sources.clear();
+    step();
+    EXPECT_LT(off(), 2e-3) << "m/s";
+    EXPECT_LT(wind->largestOutflow(), 1e-3 * wind->fastest() + 1e-6) << "they are off";
+  }
+}
+
 // A squeezed tuft of tapered hair with strands of several counts of vertices, some of edges longer than
 // cells.
 struct Tuft {
@@ -176,6 +235,21 @@ TEST_F(GpuAir, StrandsFeelWhatTheyFeelOnTheReference) {
     EXPECT_NEAR(got.beside.density, truth.beside.density, 1e-3f * std::fabs(truth.beside.density) + 1e-6f);
     EXPECT_NEAR(got.beside.pressure, truth.beside.pressure, 0.02f);
   }
+  {
+    SCOPED_TRACE("a sphere of wind in hair, and one beside it");
+    WindSource within = fan, beside = fan;
+    within.kind = beside.kind = WindSource::Kind::kSphere;
+    within.radius = 0.03f;
+    beside.position = Vec3(0.12f, -0.05f, 0.05f);
+    beside.speed = -3;
+    const Felt got = felt(gpuAir(), *gpu_, tuft, everything(), {within, turbine, beside}, 4),
+               truth =
+                   felt(cpuAir("reference"), *reference, tuft, everything(), {within, turbine, beside}, 4),
+               without = felt(cpuAir("reference"), *reference, tuft, everything(), {turbine}, 4);
+    expectSame(got, truth);
+    EXPECT_LT((got.beside.wind - truth.beside.wind).norm(), 3e-3f);
+    EXPECT_GT((without.beside.wind - truth.beside.wind).norm(), 0.3f);
+  }
   Tuft own = tuft;
   own.model.air_drag_scale.assign(own.model.vertices(), 1);
   for (size_t v = 0; v < own.model.vertices(); v += 2) own.model.air_drag_scale[v] = 0.5f;
@@ -219,7 +293,9 @@ TEST_F(GpuAir, TakesOtherSourcesBetweenSteps) {
     fan.speed = 4;
     WindSource other = fan;
     other.speed = -9;
-    const std::vector<WindSource> one{fan}, others{other, other, other};
+    WindSource ball = fan;
+    ball.kind = WindSource::Kind::kSphere;
+    const std::vector<WindSource> one{fan, ball}, others{other, ball, other, ball};
     const auto twoSteps = [&](const std::vector<WindSource>& made, const std::vector<WindSource>& told) {
       const std::unique_ptr<Surroundings> surroundings = gpuAir().surroundings(made);
       gpu_->load(tuft.model, tuft.state);
@@ -241,6 +317,34 @@ TEST_F(GpuAir, TakesOtherSourcesBetweenSteps) {
     EXPECT_EQ(twoSteps({}, one), blown);
     EXPECT_EQ(twoSteps(others, {}), none);
   }
+}
+
+// Its pressure takes no more iterations than steps before took, and one more.
+TEST_F(GpuAir, ASphereThatIsSwitchedOnWhileOthersRunSoonBlows) {
+  const Tuft tuft;
+  Parameters parameters = everything();
+  parameters.wind = Vec3::Zero();
+  parameters.hairs_per_strand = 0;
+  WindSource ball;
+  ball.kind = WindSource::Kind::kSphere;
+  ball.position = Vec3(0.1f, 0, 0);
+  ball.radius = 0.05f;
+  const auto blown = [&](const AirMaker& maker, Backend& backend) {
+    const std::unique_ptr<Surroundings> surroundings = maker.surroundings({});
+    backend.load(tuft.model, tuft.state);
+    surroundings->configure(tuft.model, parameters, backend);
+    StepInput input;
+    input.parameters = &parameters;
+    for (int step = 0; step < 14; ++step) {
+      if (step == 8) steeredAir(surroundings.get())->setSources({ball});
+      surroundings->step(input, backend);
+    }
+    return airFields(surroundings.get())->at(ball.position + Vec3(0.07f, 0, 0)).wind;
+  };
+  const std::unique_ptr<Backend> reference = makeReferenceBackend();
+  const Vec3 truth = blown(cpuAir("reference"), *reference);
+  EXPECT_GT(truth.x(), 1);
+  EXPECT_LT((blown(gpuAir(), *gpu_) - truth).norm(), 0.02f * truth.norm());
 }
 
 TEST_F(GpuAir, EveryRunGivesTheSameBitsAndHairAtRestFeelsNothing) {
