@@ -156,9 +156,9 @@ void BlockStore<Scalar>::setStrand(const Block& block, int lane) {
   const int last = block.vertices - 1;
   const std::span<const Vec3> rest(model.rest_local.data() + first, block.vertices);
   const float mean_length = arcLength(rest) / static_cast<float>(last);
-  // In a strand that is cut evenly they differ by rounding only, and are made equal, whatever strands are
-  // beside it, so that one row may stand for all. Lengths stay as they are: hair rests on them to the last
-  // digit.
+  // Sizes in a strand that is cut evenly differ by rounding only, and are made equal, whatever strands are
+  // beside it, so that one row may stand for all. Rest lengths stay as they are: hair rests on them to the
+  // last digit.
   const bool even = isEven(strand);
   for (int i = 0; i <= last; ++i) {
     auto put = [&](int plane, float value) { number(block, plane, i, lane) = static_cast<Scalar>(value); };
