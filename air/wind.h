@@ -66,6 +66,8 @@ class Wind {
   /// The largest component of velocity at a face, m/s.
   virtual double fastest() const = 0;
   virtual double component(int axis, int i, int j, int k) const = 0;
+  /// m^3/s, out of the box through its border.
+  double flowOut() const;
 };
 
 /// What is the same on every backend.

@@ -240,16 +240,6 @@ SourceFlow flowAround(const Wind& grid, const WindSource& sphere) {
   return flow;
 }
 
-double flowThroughBorder(const Wind& grid) {  // m^3/s
-  const int n = grid.cells();
-  double sum = 0;
-  for (int a = 0; a < n; ++a)
-    for (int b = 0; b < n; ++b)
-      sum += grid.component(0, n, a, b) - grid.component(0, 0, a, b) + grid.component(1, a, n, b) -
-             grid.component(1, a, 0, b) + grid.component(2, a, b, n) - grid.component(2, a, b, 0);
-  return sum * std::pow(static_cast<double>(grid.cell()), 2);
-}
-
 std::vector<std::string> namesOfSource() {
   std::vector<std::string> names;
   for (const int cells : kSizes) names.push_back(fmt::format("sphere of wind {}^3", cells));
@@ -296,9 +286,9 @@ std::vector<Case> windFromSphere(const Laboratory& laboratory) {
                                kSourceSpeed / 4 * flow.mean, kSourceSpeed / 4, 1));
   cases.push_back(absoluteCase({names[cases.size()], "scatter of that over directions, % of u/4", "%"},
                                100 * flow.scatter, 0, 15));
-  cases.push_back(relativeCase(
-      {names[cases.size()], "through the border of the grid, over 4 pi R^2 u", ""},
-      flowThroughBorder(*wind) / (4 * std::numbers::pi * kSource * kSource * kSourceSpeed), 1, 1));
+  cases.push_back(relativeCase({names[cases.size()], "through the border of the grid, over 4 pi R^2 u", ""},
+                               wind->flowOut() / (4 * std::numbers::pi * kSource * kSource * kSourceSpeed), 1,
+                               1));
   cases.push_back(absoluteCase(
       {names[cases.size()], "largest of what is left, x cell / largest velocity", ""}, outflow, 0, 1e-3));
   return cases;
