@@ -159,7 +159,7 @@ void BlockStore<Scalar>::setStrand(const Block& block, int lane) {
   // Sizes in a strand that is cut evenly differ by rounding only, and are made equal, whatever strands are
   // beside it, so that one row may stand for all. Rest lengths stay as they are: hair rests on them to the
   // last digit.
-  const bool even = isEven(strand);
+  const bool even = block.uniform || isEven(strand);
   for (int i = 0; i <= last; ++i) {
     auto put = [&](int plane, float value) { number(block, plane, i, lane) = static_cast<Scalar>(value); };
     const uint32_t v = first + i;

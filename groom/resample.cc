@@ -108,26 +108,26 @@ class EvenCut {
 
 /// A new vertex is pinned when it lies between two pinned ones; and a pinned one always pins the new vertex
 /// nearest to it, or it would be lost between two samples.
-void carryPins(const StrandSet& from, size_t s, const EvenCut& line, std::span<uint8_t> pins) {
+void carryPins(const StrandSet& from, size_t s, const EvenCut& cut, std::span<uint8_t> pins) {
   const uint8_t* old_pins = from.pinned.data() + from.offsets[s];
   const size_t old_count = from.verticesOf(s);
   const auto last = static_cast<double>(pins.size() - 1);
   for (size_t i = 0; i < old_count; ++i) {
     if (!old_pins[i]) continue;
-    const double place = line.vertexAt(line.at(i));
+    const double place = cut.vertexAt(cut.at(i));
     pins[static_cast<size_t>(std::clamp(std::round(place), 0.0, last))] = 1;
     if (i + 1 == old_count || !old_pins[i + 1]) continue;
-    for (double k = std::ceil(place); k <= std::min(line.vertexAt(line.at(i + 1)), last); ++k)
+    for (double k = std::ceil(place); k <= std::min(cut.vertexAt(cut.at(i + 1)), last); ++k)
       pins[static_cast<size_t>(k)] = 1;
   }
 }
 
-void resampleStrand(const StrandSet& from, size_t s, size_t count, EvenCut& line, StrandSet& to) {
-  line.start(from, s, count);
+void resampleStrand(const StrandSet& from, size_t s, size_t count, EvenCut& cut, StrandSet& to) {
+  cut.start(from, s, count);
   const uint32_t first = from.offsets[s];
   for (size_t k = 0; k < count; ++k) {
-    const EvenCut::OnEdge on = line.onEdge(line.place(k));
-    Vec3 point = line.pointAt(on);
+    const EvenCut::OnEdge on = cut.onEdge(cut.place(k));
+    Vec3 point = cut.pointAt(on);
     if (k == 0) point = from.strand(s).front();
     if (k + 1 == count && count > 1) point = from.strand(s).back();
     to.positions.push_back(point);
@@ -138,7 +138,7 @@ void resampleStrand(const StrandSet& from, size_t s, size_t count, EvenCut& line
   }
   if (!from.pinned.empty()) {
     to.pinned.resize(to.positions.size(), 0);
-    carryPins(from, s, line, std::span(to.pinned).last(count));
+    carryPins(from, s, cut, std::span(to.pinned).last(count));
   }
   if (!from.uvs.empty()) to.uvs.push_back(from.uvs[s]);
   if (!from.parts.empty()) to.parts.push_back(from.parts[s]);
@@ -155,8 +155,8 @@ void checkCount(int vertices) {
 template <class CountOf>
 StrandSet resampleAll(const StrandSet& strands, CountOf count_of) {
   StrandSet result;
-  EvenCut line;
-  for (size_t s = 0; s < strands.strands(); ++s) resampleStrand(strands, s, count_of(s), line, result);
+  EvenCut cut;
+  for (size_t s = 0; s < strands.strands(); ++s) resampleStrand(strands, s, count_of(s), cut, result);
   return result;
 }
 
