@@ -18,6 +18,7 @@ struct WindView {
   Scalar* onward[3];    ///< of cells: how far what is there will go over the step, less than 0 along the wind
   Scalar* centre;       ///< of cells: 4 numbers each, velocity and 0
   Scalar* exchange[4];  ///< of cells: rate x time step, and that times the velocity that air is drawn to
+  Scalar* slip[6] = {};           ///< of cells, as draggedAmong() has it: xx, yy, zz, yz, xz, xy
   const void* ambient = nullptr;  ///< for ambient_velocity; null: walls
   /// Component `axis` of what blows beyond the grid, at a place in cells.
   Scalar (*ambient_velocity)(const void* ambient, int axis, const Scalar* at) = nullptr;
@@ -112,6 +113,8 @@ struct GridPasses {
   void (*correct)(const WindView<Scalar>&, int axis, Scalar* out, int layer);
   void (*diffuse)(const WindView<Scalar>&, int axis, Scalar coefficient, int layer);
   void (*exchange)(const WindView<Scalar>&, int axis, int layer);
+  /// The same where air slips along hair; the other components are those of `centre`.
+  void (*exchangeAmong)(const WindView<Scalar>&, int axis, int layer);
 
   /// The largest component of velocity, whatever its sign.
   Scalar (*fastest)(const WindView<Scalar>&, int layer);

@@ -229,6 +229,32 @@ inline void exchangePass(const WindView<Scalar>& w, int axis, int k) {
   }
 }
 
+// As exchangePass(), where air slips along hair.
+inline void exchangeAmongPass(const WindView<Scalar>& w, int axis, int k) {
+  const GridShape& s = w.shape;
+  for (int j = 0; j < rowsOf(s, axis); ++j) {
+    const size_t row = startOf(s, j, k);
+    for (int i = 0; i < columnsOf(s, axis); i += kLanes) {
+      const size_t after = row + static_cast<size_t>(i), before = after - s.next(axis);
+      auto mean = [&](const Scalar* e) { return (loadAt(e + before) + loadAt(e + after)) * lit(0.5); };
+      auto three = [&](Scalar* const* e) { return makeReal3(mean(e[0]), mean(e[1]), mean(e[2])); };
+      const real rate = mean(w.exchange[0]);
+      const mask some = rate > lit(0);
+      if (!anyTrue(some)) continue;
+      real here[4], there[4];
+      loadFours(w.centre + 4 * before, here);
+      loadFours(w.centre + 4 * after, there);
+      Scalar* out = w.velocity[axis] + after;
+      const real own = loadAt(out);
+      real velocity[3];
+      for (int c = 0; c < 3; ++c) velocity[c] = c == axis ? own : (here[c] + there[c]) * lit(0.5);
+      const real3 dragged = draggedAmong(makeReal3(velocity[0], velocity[1], velocity[2]), three(w.exchange + 1), rate,
+                                         three(w.slip), three(w.slip + 3));
+      storeAt(select(some, axis == 0 ? dragged.x : axis == 1 ? dragged.y : dragged.z, own), out);
+    }
+  }
+}
+
 // What the cells of a row weigh their neighbours with: each face's own, or one for all, which then need not be read. The
 // results are the same.
 struct StoredWeights {
@@ -617,7 +643,7 @@ inline void changePass(const SplatView<Scalar>& v, const Scalar* nodes, size_t b
 
 inline GridPasses<Scalar> passes() {
   return {"", &distancesPass, &centrePass, &displacePass, &advectPass, &correctPass, &diffusePass, &exchangePass,
-          &fastestPass, &outflowPass, &smoothPass, &residualPass, &restrictPass, &prolongPass, &applyPass, &advancePass,
+          &exchangeAmongPass, &fastestPass, &outflowPass, &smoothPass, &residualPass, &restrictPass, &prolongPass, &applyPass, &advancePass,
           &dotPass, &turnPass, &subtractGradientPass, &placePass, &splatPass, &sampleNumbersPass, &crowdPass, &blurPass,
           &spreadPass, &forcesPass, &samplePass, &changePass};
 }

@@ -6,6 +6,7 @@
 
 #include "core/content_hash.h"
 #include "kernels/scalar_double.h"
+#include "kernels/scalar_float.h"
 
 namespace strandcast {
 namespace {
@@ -188,6 +189,38 @@ void HairGrid<Scalar>::splatDrag() {
   view.masses = drag_masses_.data();
   sumUp(view, drag_filled_.merged(filled_), drag_nodes_);
   drag_filled_ = filled_;
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::expectSlip() {
+  for (GridArray<Scalar>& numbers : slip_of_samples_) numbers.resize(motion_.size());
+  for (GridArray<Scalar>& nodes : slip_nodes_) nodes.resize(4 * shape_.size());
+}
+
+template <class Scalar>
+void HairGrid<Scalar>::splatSlip(std::span<const Vec3> positions) {
+  workers_.forEach(static_cast<int>(chunks_), [&](int c) {
+    for (size_t n = firstOf(c); n < firstOf(c + 1); ++n) {
+      const StrandSample& sample = samples_.samples[n];
+      const Vec3 chord = positions[sample.vertex + sample.count - 1] - positions[sample.vertex];
+      const kernels::f32::real3 t = kernels::f32::directionOfPiece({chord.x(), chord.y(), chord.z()});
+      const Scalar x = static_cast<Scalar>(t.x), y = static_cast<Scalar>(t.y), z = static_cast<Scalar>(t.z);
+      const Scalar* v = velocity(n);
+      const Scalar along = x * v[0] + y * v[1] + z * v[2];
+      const Scalar parts[2][4] = {{x * along, y * along, z * along, x * x}, {y * y, y * z, x * z, x * y}};
+      for (size_t part = 0; part < 2; ++part)
+        std::copy_n(parts[part], 4, slip_of_samples_[part].begin() + static_cast<ptrdiff_t>(4 * n));
+    }
+  });
+  const NodeBox changed = slip_filled_.merged(filled_);
+  slip_filled_ = filled_;
+  SplatView<Scalar> view = view_;
+  if (!drag_masses_.empty()) view.masses = drag_masses_.data();
+  for (size_t part = 0; part < 2; ++part) {
+    view.motion = slip_of_samples_[part].data();
+    if (part == 1) view.momentum_scale = view.mass_scale;
+    sumUp(view, changed, slip_nodes_[part]);
+  }
 }
 
 template <class Scalar>

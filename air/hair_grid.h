@@ -38,6 +38,10 @@ class HairGrid {
   void splat();
   /// After that, the same weighed by how much of the drag is whose: for dragNodes().
   void splatDrag();
+  /// Room for splatSlip(), which allocates nothing.
+  void expectSlip();
+  /// After splat(): which way hair lies, by its part of the drag, for slipNodes(). `positions` of locate().
+  void splatSlip(std::span<const Vec3> positions);
   /// Nothing is held any more: hair was put elsewhere.
   void reset();
   /// densityAtPoint() is asked about places from `way` (m) farther on from now on.
@@ -58,6 +62,9 @@ class HairGrid {
   const Scalar* dragNodes() const {
     return (drag_shares_.of_samples.empty() ? nodes_ : drag_nodes_).data() + 4 * origin_;
   }
+  /// Of the same masses m that go into dragNodes(), directions t (directionOfPiece in kernels/grid.h) and
+  /// velocities v, per volume: part 0 is m t (t.v) and m t t' xx, part 1 m t t' yy, yz, xz, xy.
+  const Scalar* slipNodes(size_t part) const { return slip_nodes_[part].data() + 4 * origin_; }
   double meanDrag() const { return drag_shares_.mean; }  ///< factor of air_drag, of all hair
   const NodeBox& box() const { return filled_; }         ///< beyond it nodes are empty
   const Scalar* frame() const { return frame_; }
@@ -104,12 +111,14 @@ class HairGrid {
   std::vector<SplatReach<Scalar>> reach_;  ///< per chunk
   NodeBox filled_;                         ///< beyond it sums_ and nodes_ are 0
   NodeBox drag_filled_;                    ///< and drag_nodes_ beyond this
+  NodeBox slip_filled_;                    ///< and slip_nodes_ beyond this
   NodeBox blurred_;  ///< filled_ of the last blur: a node around it all that comes from blurs is 0
   bool crowded_before_ = false, rubbed_before_ = false;  ///< in it
   float bound_target_ = 0;                               ///< volume_target of crowding_bound_
   double crowding_bound_ = 0;  ///< of all samples, mass x crowding with a stiffness of 1
-  GridArray<Scalar> places_, motion_, masses_, drag_masses_, drag_nodes_, rest_density_, held_,
-      largest_crowding_, nodes_, density_, spread_, crowding_, crowded_, scratch_, scratch4_, changes_;
+  GridArray<Scalar> places_, motion_, masses_, drag_masses_, drag_nodes_, slip_of_samples_[2], slip_nodes_[2],
+      rest_density_, held_, largest_crowding_, nodes_, density_, spread_, crowding_, crowded_, scratch_,
+      scratch4_, changes_;
 };
 
 extern template class HairGrid<float>;

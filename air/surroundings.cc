@@ -15,6 +15,8 @@
 namespace strandcast {
 namespace {
 
+using kernels::f32::real3;
+
 constexpr size_t kStrandsAtOnce = 64;
 constexpr uint32_t kSamplesAtOnce = 64;
 
@@ -55,6 +57,10 @@ class StrandSurroundings final : public Surroundings, public AirFields, public S
     if (p.wind_grid == 0) {
       if (!free_wind_) free_wind_.emplace();
       free_wind_->configure(p);
+    }
+    if (wind_ && p.air_drag_along < 1) {
+      hair_->expectSlip();
+      wind_->expectSlip();
     }
     rate_ = p.air_drag;
     rates_.clear();
@@ -121,9 +127,17 @@ class StrandSurroundings final : public Surroundings, public AirFields, public S
       HairDrag<Scalar> drag;
       if (drags) {
         hair_->splatDrag();
-        drag = {&hair_->shape(), hair_->dragNodes(), hair_->frame(), hair_->box(),
-                static_cast<Scalar>(static_cast<double>(p.air_drag) * hair_->meanDrag() *
-                                    static_cast<double>(p.hairs_per_strand) / kAirDensity)};
+        drag.shape = &hair_->shape();
+        drag.nodes = hair_->dragNodes();
+        drag.frame = hair_->frame();
+        drag.box = hair_->box();
+        drag.rate = static_cast<Scalar>(static_cast<double>(p.air_drag) * hair_->meanDrag() *
+                                        static_cast<double>(p.hairs_per_strand) / kAirDensity);
+        if (p.air_drag_along < 1) {
+          hair_->splatSlip(positions);
+          for (size_t part = 0; part < 2; ++part) drag.slip[part] = hair_->slipNodes(part);
+          drag.less = static_cast<Scalar>(1 - p.air_drag_along);
+        }
       }
       wind_->exchange(dt, drag);
       wind_->project();
@@ -215,7 +229,8 @@ class StrandSurroundings final : public Surroundings, public AirFields, public S
         }
         const Vec3 relative = air - take(hair_->velocity(n));
         const Vec3 chord = positions[sample.vertex + sample.count - 1] - positions[sample.vertex];
-        const Vec3 tangent = chord.norm() > 0 ? Vec3(chord.normalized()) : Vec3(Vec3::Zero());
+        if (!std::isfinite(chord.sum())) continue;
+        const real3 tangent = kernels::f32::directionOfPiece({chord.x(), chord.y(), chord.z()});
         for (uint32_t i = 0; i < sample.count; ++i) {
           const float rate = rates_.empty() ? rate_ : rates_[sample.vertex + i];
           Vec3 sum = pushed + local * rate;
@@ -225,10 +240,9 @@ class StrandSurroundings final : public Surroundings, public AirFields, public S
       }
     }
   }
-  static Vec3 notFelt(const Vec3& relative, const Vec3& tangent, float rate, float less) {
-    using kernels::f32::real3;
-    const real3 out = kernels::f32::dragNotFelt(real3{relative.x(), relative.y(), relative.z()},
-                                                real3{tangent.x(), tangent.y(), tangent.z()}, rate, less);
+  static Vec3 notFelt(const Vec3& relative, const real3& tangent, float rate, float less) {
+    const real3 out =
+        kernels::f32::dragNotFelt({relative.x(), relative.y(), relative.z()}, tangent, rate, less);
     return {out.x, out.y, out.z};
   }
   /// Without a grid nothing blocks the air: what blows, and on top of it what each source does where it

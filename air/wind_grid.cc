@@ -46,6 +46,7 @@ WindView<Scalar> WindGrid<Scalar>::view() {
     view.onward[axis] = onward_[axis].data() + start;
   }
   for (int c = 0; c < 4; ++c) view.exchange[c] = exchange_[c].data() + start;
+  for (int c = 0; c < 6 && !slip_[c].empty(); ++c) view.slip[c] = slip_[c].data() + start;
   view.centre = centre_.data() + 4 * start;
   if (border_ == Border::kOpen) {
     view.ambient = this;
@@ -297,14 +298,45 @@ std::pair<int, int> WindGrid<Scalar>::cellsInHair(const HairDrag<Scalar>& hair, 
 }
 
 template <class Scalar>
+void WindGrid<Scalar>::expectSlip() {
+  for (GridArray<Scalar>& array : slip_) array.resize(shape_.size());
+}
+
+template <class Scalar>
+void WindGrid<Scalar>::findExchangeWithHair(double seconds, const HairDrag<Scalar>& hair, size_t from,
+                                            size_t count, const Scalar* places, Scalar* sampled) {
+  const size_t stride = static_cast<size_t>(shape_.cells) + 16;
+  const Scalar rate = static_cast<Scalar>(seconds) * hair.rate, slips = rate * hair.less;
+  passes_.sample(*hair.shape, hair.nodes, places, stride, count, sampled);
+  for (size_t c = 0; c < 4; ++c)
+    for (size_t i = 0; i < count; ++i) exchange_[c][from + i] = rate * sampled[4 * i + (c + 3) % 4];
+  if (hair.slip[0] == nullptr) return;
+  passes_.sample(*hair.shape, hair.slip[0], places, stride, count, sampled);
+  for (size_t i = 0; i < count; ++i) {
+    for (size_t c = 0; c < 3; ++c) exchange_[1 + c][from + i] -= slips * sampled[4 * i + c];
+    slip_[0][from + i] = slips * sampled[4 * i + 3];
+  }
+  passes_.sample(*hair.shape, hair.slip[1], places, stride, count, sampled);
+  for (size_t i = 0; i < count; ++i) {
+    slip_[1][from + i] = slips * sampled[4 * i];
+    // Directions are unit vectors: the three are together what hair holds back across.
+    slip_[2][from + i] = hair.less * exchange_[0][from + i] - slip_[0][from + i] - slip_[1][from + i];
+    for (size_t c = 3; c < 6; ++c) slip_[c][from + i] = slips * sampled[4 * i + c - 2];
+  }
+}
+
+template <class Scalar>
 void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair, const Scalar* wanted, int j,
                                     int k, Scalar* places, Scalar* sampled) {
   const int n = shape_.cells;
   const size_t row = static_cast<size_t>(n), first = shape_.at(0, j, k);
   uint8_t& exchanges = exchanges_[row * static_cast<size_t>(k) + static_cast<size_t>(j)];
-  if (exchanges != 0)
-    for (GridArray<Scalar>& array : exchange_)
-      std::fill_n(array.begin() + static_cast<ptrdiff_t>(first), n, Scalar(0));
+  if (exchanges != 0) {
+    auto clear = [&](GridArray<Scalar>& array) { std::fill_n(array.data() + first, n, Scalar(0)); };
+    for (GridArray<Scalar>& array : exchange_) clear(array);
+    for (GridArray<Scalar>& array : slip_)
+      if (!array.empty()) clear(array);
+  }
   exchanges = 0;
   const Vec3 begin = placeOf(3, 0, j, k);
   if (hair.nodes != nullptr && !hair.box.isEmpty()) {
@@ -322,10 +354,7 @@ void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair
         for (int i = low; i < high; ++i)
           places[static_cast<size_t>(c) * (row + 16) + static_cast<size_t>(i - low)] =
               at[c] + step[c] * static_cast<Scalar>(i);
-      passes_.sample(*hair.shape, hair.nodes, places, row + 16, count, sampled);
-      const Scalar rate = static_cast<Scalar>(seconds) * hair.rate;
-      for (size_t c = 0; c < 4; ++c)
-        for (size_t i = 0; i < count; ++i) exchange_[c][from + i] = rate * sampled[4 * i + (c + 3) % 4];
+      findExchangeWithHair(seconds, hair, from, count, places, sampled);
       exchanges = 1;
     }
   }
@@ -367,7 +396,12 @@ void WindGrid<Scalar>::exchange(double seconds, const HairDrag<Scalar>& hair) {
     for (int j = 0; j < shape_.cells; ++j) findExchange(seconds, hair, of_spheres, j, k, places, sampled);
   });
   const WindView<Scalar> w = view();
-  eachFace([&](int axis, int k) { passes_.exchange(w, axis, k); });
+  if (hair.slip[0] != nullptr) {
+    findCentres();
+    eachFace([&](int axis, int k) { passes_.exchangeAmong(w, axis, k); });
+  } else {
+    eachFace([&](int axis, int k) { passes_.exchange(w, axis, k); });
+  }
 }
 
 template <class Scalar>

@@ -20,6 +20,9 @@ struct HairDrag {
   const Scalar* frame = nullptr;  ///< world to its cells, as SplatView::frame
   NodeBox box;                    ///< beyond it nodes are empty
   Scalar rate = 0;  ///< m^3/(kg s): rate at which air takes on the hair's velocity, per density of the hair
+  /// HairGrid::slipNodes(); null: hair holds air back alike along itself and across.
+  const Scalar* slip[2] = {};
+  Scalar less = 0;  ///< 1 - drag along a strand over that across it
 };
 
 /// The wind of the CPU backends.
@@ -53,6 +56,9 @@ class WindGrid : public Wind {
   void diffuse(double seconds, double viscosity) override;
   void exchange(double seconds) override { exchange(seconds, {}); }
   void exchange(double seconds, const HairDrag<Scalar>& hair);
+  /// Room for air that slips along hair (HairDrag::slip). To be called before, for exchange() allocates
+  /// nothing.
+  void expectSlip();
   PressureReport project() override;
 
   Vec3 velocityAt(const Vec3& point) const override;
@@ -75,6 +81,9 @@ class WindGrid : public Wind {
   /// Cells of a row that may be among the hair: the first, and the one behind the last. `at`: of cell 0 in
   /// the hair's grid; `step`: from cell to cell.
   std::pair<int, int> cellsInHair(const HairDrag<Scalar>& hair, const Scalar* at, const Scalar* step) const;
+  /// What hair does to cells `from` .. `from` + count - 1, at `places` of its grid.
+  void findExchangeWithHair(double seconds, const HairDrag<Scalar>& hair, size_t from, size_t count,
+                            const Scalar* places, Scalar* sampled);
   /// What hair and sources do to a row. `places`, `sampled`: room for a row.
   void findExchange(double seconds, const HairDrag<Scalar>& hair, const Scalar* wanted, int j, int k,
                     Scalar* places, Scalar* sampled);
@@ -107,6 +116,7 @@ class WindGrid : public Wind {
   std::vector<Vec3> solid_velocity_;   ///< of the shape
   bool built_ = false;                 ///< the solver
   std::vector<WindSource> drivers_, spheres_;
+  GridArray<Scalar> slip_[6];                       ///< empty until air slips along hair
   GridArray<Scalar> wanted_, wanted_among_solids_;  ///< empty until there is a sphere
   bool wanted_found_ = false;                       ///< of the spheres and the box as they are
   PressureSolver<Scalar> solver_;

@@ -25,6 +25,7 @@ struct GridOptions {
   uint64_t seed = 1;
   std::vector<int> cells{32, 64, 128};
   bool mac_cormack = false;
+  float drag_along = 1;
   PrintOptions print;
 };
 
@@ -105,6 +106,11 @@ GridResult timeGrids(const GridOptions& o, const Scene& scene, const StrandModel
   std::vector<float> changes(4 * count);
   GridResult out{cells, {}};
   const double dt = parameters.time_step;
+  const bool slips = o.drag_along < 1;
+  if (slips) {
+    hair.expectSlip();
+    wind.expectSlip();
+  }
   for (int step = 0; step < o.steps; ++step) {
     PassTimes& t = out.times;
     t.time("splat", [&] {
@@ -126,8 +132,13 @@ GridResult timeGrids(const GridOptions& o, const Scene& scene, const StrandModel
     });
     t.time("advect", [&] { wind.advect(dt, o.mac_cormack); });
     t.time("diffuse", [&] { wind.diffuse(dt, static_cast<double>(parameters.air_viscosity)); });
+    if (slips) t.time("slip", [&] { hair.splatSlip(rest.positions); });
     t.time("drag", [&] {
-      wind.exchange(dt, {&hair.shape(), hair.nodes(), hair.frame(), hair.box(), 30.0f});
+      HairDrag<float> drag{&hair.shape(), hair.nodes(), hair.frame(), hair.box()};
+      drag.rate = 30;
+      drag.less = 1 - o.drag_along;
+      for (size_t part = 0; slips && part < 2; ++part) drag.slip[part] = hair.slipNodes(part);
+      wind.exchange(dt, drag);
     });
     t.time("project", [&] { out.iterations += wind.project().iterations / static_cast<double>(o.steps); });
   }
@@ -141,6 +152,7 @@ Parameters surroundedBy(const GridOptions& o, const Scene& scene, int cells) {
   Parameters parameters = scene.parameters;
   parameters.solver = SolverKind::kRod;
   addAir(parameters, cells, o.mac_cormack);
+  parameters.air_drag_along = o.drag_along;
   return parameters;
 }
 
@@ -237,8 +249,9 @@ int run(const GridOptions& o) {
   const StepTimes steps = timeSteps(o, scene, model);
   Bench bench;
   bench.name = "grid";
-  bench.params = {{"scene", o.scene},       {"strands", o.strands}, {"vertices", o.vertices},
-                  {"substeps", o.substeps}, {"seed", o.seed},       {"mac_cormack", o.mac_cormack}};
+  bench.params = {{"scene", o.scene},          {"strands", o.strands}, {"vertices", o.vertices},
+                  {"substeps", o.substeps},    {"seed", o.seed},       {"mac_cormack", o.mac_cormack},
+                  {"drag_along", o.drag_along}};
   bench.heading = fmt::format(
       "scene {}, {} strands of {} vertices on {} ({}): a step {:.2f} ms, with grids of 32^3 {:.2f} ms, "
       "{:.2f} ms of it "
@@ -327,6 +340,9 @@ std::function<int()> addGridBench(CLI::App& app) {
                     [](const ParameterInfo& info) { return info.name == "grid_cells"; });
   app.add_option("--cells", o->cells, fmt::format("{}: {}; one or more sizes", cells.help, cells.range))
       ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--drag-along", o->drag_along, "air_drag_along: below 1 air slips along hair")
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_flag("--mac-cormack", o->mac_cormack, "advect with MacCormack's correction");
   addPrintOptions(app, o->print);

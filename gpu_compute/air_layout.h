@@ -57,6 +57,13 @@ class AirBlock {
   gl::Buffer buffer_;
 };
 
+/// Hair as the air feels it: what HairPasses gives to WindPasses.
+struct HairOnAir {
+  const gl::Buffer& nodes;      ///< momentum and mass per volume, 4 numbers each
+  const gl::Buffer* slip_sums;  ///< of shaders/hair_slip.comp, and
+  const gl::Buffer* fastest;    ///< what their unit follows from; null: air does not slip along hair
+};
+
 /// `count` numbers of T, 0 at first.
 template <class T>
 gl::Buffer zeros(size_t count) {

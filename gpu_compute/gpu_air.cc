@@ -86,7 +86,7 @@ class GpuWind final : public Wind {
   void exchange(double seconds) override {
     const gl::MakeCurrent current(context_);
     tell(seconds);
-    passes_->findExchange(nullptr);
+    passes_->findExchange({});
     gpu::finishPass();
     passes_->diffuse(seconds, 0, true);
     image_.reset();

@@ -98,6 +98,10 @@ void GpuSurroundings::makeGrids(Passes& our, const StrandModel& model, const Par
   const bool wind_begins = wind != nullptr || (p.wind_grid > 0 && !blows_);
   if (wind) our.wind = std::move(wind);
   if (our.wind) our.wind->ambient().configure(p);
+  if (our.wind && p.air_drag_along < 1) {
+    our.hair->expectSlip();
+    our.wind->expectSlip();
+  }
   if (!wind_begins) return;
   our.wind->ambient().setProgress(progress_);
   static_cast<void>(our.wind->moveTo(Vec3(box_.center()), our.block.settings));
@@ -158,6 +162,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   head_ = input.bones_begin.empty() ? Pose{} : input.bones_begin[0];
   const bool crowds = p.volume_stiffness > 0, rubs = p.hair_friction > 0, forces = crowds || rubs;
   const bool on_grid = p.wind_grid > 0, drags = on_grid && p.air_drag > 0 && p.hairs_per_strand > 0;
+  const bool slips = drags && p.air_drag_along < 1;
   splatted_ = forces || drags;
   blows_ = on_grid;
   Ambient& blown = on_grid ? our.wind->ambient() : *our.free_wind;
@@ -205,6 +210,7 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   finishPass();
   our.timer.passed("displace, solids");
   if (splatted_) hair.findDensity(drags);
+  if (slips) hair.splatSlip(where);
   our.timer.passed("blur");
   if (on_grid) our.wind->advect(mac_cormack);
   finishPass();
@@ -212,13 +218,14 @@ void GpuSurroundings::step(StepInput& input, Backend&) {
   if (crowds) hair.crowd(where);
   our.timer.passed("crowd");
   const bool exchanges = drags || (on_grid && !sources_.empty());
-  if (on_grid && exchanges) our.wind->findExchange(drags ? &hair.dragNodes() : nullptr);
+  if (on_grid && exchanges) our.wind->findExchange(drags ? std::optional(hair.onAir(slips)) : std::nullopt);
   finishPass();
   our.timer.passed("exchange");
   if (forces) hair.findForces(crowds, rubs);
   our.timer.passed("gradient, friction");
-  if (on_grid) our.wind->diffuse(dt, static_cast<double>(p.air_viscosity), exchanges);
+  if (on_grid) our.wind->diffuse(dt, static_cast<double>(p.air_viscosity), exchanges && !slips);
   finishPass();
+  if (slips) our.wind->exchangeSlipping();
   our.timer.passed("diffuse, drag");
   if (on_grid) our.wind->projectAhead(our.timer);
   const bool uniform = !on_grid && sources_.empty() && p.gust == 0 && p.turbulence == 0;

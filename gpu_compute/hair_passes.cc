@@ -200,6 +200,20 @@ void HairPasses::splat(const Strands& strands, bool drags) {
   clean_ = false;
 }
 
+void HairPasses::expectSlip() {
+  if (slip_sums_.bytes() == 0) slip_sums_ = zeros<int32_t>(8 * nodes_count_);
+}
+
+void HairPasses::splatSlip(const Strands& strands) {
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glClearNamedBufferData(slip_sums_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+  bindTiles(strands);
+  if (unevenlyDragged()) drag_edge_masses_.bindStorage(4);
+  slip_sums_.bindStorage(7);
+  slip_of_.get(programs_, "hair_slip.comp", shaders::kHairSlipComp).use();
+  dispatchTiles();
+}
+
 void HairPasses::findDensity(bool drags) {
   density_of_.get(programs_, "hair_density.comp", shaders::kHairDensityComp).use();
   fastest_.bindStorage(6);

@@ -50,8 +50,14 @@ class HairPasses {
   void gather(const Strands& strands, const Needs& needs, const gl::Buffer& centres,
               const gl::Buffer& turbulence, const gl::Buffer& sources, const gl::Buffer& accelerations);
 
-  /// Momentum and mass per volume, of nodes, 4 numbers each, as the air feels it: masses x their DragShares.
-  const gl::Buffer& dragNodes() const { return unevenlyDragged() ? drag_nodes_ : nodes_; }
+  /// Room for splatSlip().
+  void expectSlip();
+  /// Which way hair lies, as the air feels it: after splat().
+  void splatSlip(const Strands& strands);
+  /// With masses x their DragShares. `slips`: after splatSlip().
+  HairOnAir onAir(bool slips) const {
+    return {unevenlyDragged() ? drag_nodes_ : nodes_, slips ? &slip_sums_ : nullptr, &fastest_};
+  }
   double meanDrag() const { return drag_shares_.mean; }  ///< factor of air_drag, of all hair
   std::vector<std::array<float, 4>> downloadNodes() const;
 
@@ -64,7 +70,7 @@ class HairPasses {
   void measureRest(const StrandModel& model, AirBlock& block);
 
   ProgramCache& programs_;
-  LazyProgram splat_, fastest_of_, density_of_, crowd_, rest_of_;
+  LazyProgram splat_, slip_of_, fastest_of_, density_of_, crowd_, rest_of_;
   std::array<LazyProgram, 4> forces_of_;   ///< by crowding and friction
   std::array<LazyProgram, 24> gather_of_;  ///< by what there is to gather
   HairLayout layout_;
@@ -77,7 +83,7 @@ class HairPasses {
   bool rated_ = false;
   bool clean_ = true;  ///< sums are 0
   gl::Buffer sample_tiles_, roots_, order_, edge_masses_, places_, motions_, fastest_, sums_, crowd_sums_,
-      nodes_, densities_, resting_, held_, changes_, rates_;
+      slip_sums_, nodes_, densities_, resting_, held_, changes_, rates_;
   // Where pieces have shares of the drag of their own: the same as the air feels it. Its densities are of no
   // use.
   gl::Buffer drag_edge_masses_, drag_sums_, drag_nodes_, drag_densities_;

@@ -231,13 +231,27 @@ void WindPasses::findSolids(const gl::Buffer& shapes) {
   dispatchCells();
 }
 
-void WindPasses::findExchange(const gl::Buffer* nodes) {
+void WindPasses::expectSlip() {
+  if (slip_.bytes() == 0) slip_ = zeros<std::array<float, 8>>(cubed(cells_));
+}
+
+void WindPasses::findExchange(const std::optional<HairOnAir>& hair) {
+  const bool slips = hair && hair->slip_sums != nullptr;
   bindSources();
-  exchange_.bindStorage(6);
-  if (nodes != nullptr) nodes->bindStorage(9);
-  (nodes != nullptr ? exchange_hair_ : exchange_of_)
+  exchange_.bindStorage(5);
+  if (hair) hair->nodes.bindStorage(9);
+  if (slips) {
+    hair->fastest->bindStorage(6);
+    hair->slip_sums->bindStorage(7);
+    slip_.bindStorage(10);
+  }
+  (slips  ? exchange_slip_
+   : hair ? exchange_hair_
+          : exchange_of_)
       .get(programs_, "wind_exchange.comp", shaders::kWindExchangeComp,
-           nodes != nullptr ? "#define HAIR 1\n" : "#define HAIR 0\n")
+           slips  ? "#define HAIR 2\n"
+           : hair ? "#define HAIR 1\n"
+                  : "#define HAIR 0\n")
       .use();
   dispatchCells();
 }
@@ -253,12 +267,23 @@ void WindPasses::diffuse(double seconds, double viscosity, bool exchanges) {
     glProgramUniform1f(program.id(), 0, static_cast<float>(whole / steps));
     faces().bindStorage(0);
     next().bindStorage(1);
-    exchange_.bindStorage(6);
+    exchange_.bindStorage(5);
     program.use();
     dispatchFaces();
     finishPass();
     advance();
   }
+}
+
+void WindPasses::exchangeSlipping() {
+  faces().bindStorage(0);
+  next().bindStorage(1);
+  exchange_.bindStorage(5);
+  slip_.bindStorage(10);
+  slip_of_.get(programs_, "wind_slip.comp", shaders::kWindSlipComp).use();
+  dispatchFaces();
+  finishPass();
+  advance();
 }
 
 void WindPasses::closeFaces() {

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -54,10 +55,13 @@ class WindPasses {
   void findDisplacements(bool mac_cormack);
   void advect(bool mac_cormack);
   void findSolids(const gl::Buffer& shapes);
-  /// `nodes`: hair as it was splatted; null without.
-  void findExchange(const gl::Buffer* nodes);
+  /// Room for air that slips along hair.
+  void expectSlip();
+  void findExchange(const std::optional<HairOnAir>& hair);
   /// `exchanges`: with what findExchange found, at the end.
   void diffuse(double seconds, double viscosity, bool exchanges);
+  /// What findExchange found where air slips along hair: after diffuse(), which exchanges nothing then.
+  void exchangeSlipping();
   void closeFaces();
   /// Until no cell has more divergence than is promised. Waits.
   PressureReport project();
@@ -111,7 +115,7 @@ class WindPasses {
   std::array<gl::Buffer, 3> faces_;
   size_t now_ = 0;
   std::array<gl::Buffer, 2> pressures_;
-  gl::Buffer centres_, displacements_, onwards_, solids_, exchange_;
+  gl::Buffer centres_, displacements_, onwards_, solids_, exchange_, slip_;
   gl::Buffer turbulence_, sources_, bodies_, body_settings_;
   std::vector<WindSource> on_grid_;  // sources
   bool packed_ = true;               // they are in sources_, as they lie in the box
@@ -122,7 +126,8 @@ class WindPasses {
   PressurePasses pressure_;
   Reports reports_;
   LazyProgram carry_, centres_of_, displace_, displace_both_, advect_, correct_, solids_of_, bent_solids_of_,
-      exchange_of_, exchange_hair_, diffuse_, diffuse_exchange_, close_, close_spheres_, subtract_;
+      exchange_of_, exchange_hair_, exchange_slip_, diffuse_, diffuse_exchange_, slip_of_, close_,
+      close_spheres_, subtract_;
 };
 
 }  // namespace strandcast::gpu

@@ -78,6 +78,25 @@ FN real draggedTo(IN(real) velocity, IN(real) other, IN(real) exchange) {
   return madd(exchange, other, velocity) * inverse(lit(1) + exchange);
 }
 
+// The same in hair that holds air back less along itself (dragNotFelt), which couples the components: `momentum` is exchange x other of all that
+// air is drawn to. Of the exchange `slip` is not there, the mean of less t t' over the directions t of the hair, by its part of the exchange:
+// xx, yy, zz; `slip_across`: yz, xz, xy. Solves (1 + exchange - slip) u = velocity + momentum, by cofactors.
+FN real3 draggedAmong(IN(real3) velocity, IN(real3) momentum, IN(real) exchange, IN(real3) slip, IN(real3) slip_across) {
+  real per_whole = inverse(lit(1) + exchange);
+  real3 right = (velocity + momentum) * per_whole, across = slip_across * (lit(0) - per_whole);
+  real xx = lit(1) - slip.x * per_whole, yy = lit(1) - slip.y * per_whole, zz = lit(1) - slip.z * per_whole;
+  real c_xx = yy * zz - across.x * across.x, c_yy = xx * zz - across.y * across.y, c_zz = xx * yy - across.z * across.z;
+  real c_yz = across.y * across.z - xx * across.x, c_xz = across.x * across.z - yy * across.y, c_xy = across.x * across.y - zz * across.z;
+  real per_determinant = inverse(xx * c_xx + across.z * c_xy + across.y * c_xz);
+  return makeReal3(c_xx * right.x + c_xy * right.y + c_xz * right.z, c_xy * right.x + c_yy * right.y + c_yz * right.z,
+                   c_xz * right.x + c_yz * right.y + c_zz * right.z) * per_determinant;
+}
+
+// Direction of a piece of a strand, from its first vertex to its last; upright where both are at one place.
+FN real3 directionOfPiece(IN(real3) chord) {
+  real3 some = chord + makeReal3(lit(0), lit(1e-12), lit(0));
+  return some * inverse(sqrt(max(dot(some, some), lit(1e-30))));
+}
 // Slender bodies feel less drag along themselves than across (Taylor 1952: about half). What is to be taken from a drag of
 // rate x relative: its part along the strand, `less` = 1 - (along / across). It is found once a step, but what it adds meanwhile the
 // drag itself, in every substep, takes: at any rate no more is left than the speed that it was found from.

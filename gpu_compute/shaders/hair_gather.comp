@@ -71,11 +71,7 @@ Felt feltBy(SampleTile tile, uint root, uint piece, uint sample_) {
 #endif
   felt.local = wind - air.uniform_wind.xyz;
 #if ALONG
-  uint first = root + edgeOf(tile, piece), last = tile.parts > 1u ? first + 1u : root + edgeOf(tile, piece + 1u);
-  vec3 chord = positions[last].xyz - positions[first].xyz;
-  float far = length(chord);
-  vec3 tangent = far > 0.0 ? chord / far : vec3(0);
-  felt.not_felt = dragNotFelt(wind - motion, tangent, 1.0, air.uniform_wind.w);
+  felt.not_felt = dragNotFelt(wind - motion, directionOfPiece(chordOf(tile, root, piece)), 1.0, air.uniform_wind.w);
 #endif
   // Of a strand that went wrong, or left the grid.
   if (!isFinite(felt.pushed + felt.local + felt.not_felt)) felt = Felt(vec3(0), vec3(0), vec3(0));

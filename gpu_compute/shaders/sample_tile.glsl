@@ -66,6 +66,12 @@ Sample sampleOf(SampleTile tile, uint root, uint piece) {
   return Sample(placeAhead(sum.place * per_mass, mean), mean, sum.mass);
 }
 
+// From a piece's first vertex to its last, m. `root`: of its strand.
+vec3 chordOf(SampleTile tile, uint root, uint piece) {
+  uint first = root + edgeOf(tile, piece), last = tile.parts > 1u ? first + 1u : root + edgeOf(tile, piece + 1u);
+  return positions[last].xyz - positions[first].xyz;
+}
+
 uint plane() { return air.tiles * uint(TILE_SAMPLES); }
 vec3 placeOf(uint at) { return vec3(places[at], places[plane() + at], places[2u * plane() + at]); }
 vec3 motionOf(uint at) { return vec3(motions[at], motions[plane() + at], motions[2u * plane() + at]); }

@@ -8,7 +8,7 @@
 #include "gpu_compute/shaders/wind_grid.glsl"
 layout(std430, binding = 0) readonly buffer Faces { float faces[]; };
 layout(std430, binding = 1) writeonly buffer Next { float next[]; };
-layout(std430, binding = 6) readonly buffer Exchange { vec4 exchange[]; };
+layout(std430, binding = 5) readonly buffer Exchange { vec4 exchange[]; };
 layout(location = 0) uniform float coefficient;  // viscosity x time / cell^2
 
 void main() {

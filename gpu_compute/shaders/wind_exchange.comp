@@ -1,20 +1,28 @@
 #version 450
-// variants: HAIR=0 | HAIR=1
+// variants: HAIR=0 | HAIR=1 | HAIR=2
 // Per cell, what air exchanges momentum with over the step: the sum of rates x time, and that times the velocities. HAIR: as
-// it was splatted, and sources.
+// it was splatted, and sources; 2: air slips along hair.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
 #include "gpu_compute/shaders/ambient.glsl"
 #include "gpu_compute/shaders/wind_grid.glsl"
+#if HAIR == 2
+#include "gpu_compute/shaders/hair_samples.glsl"
+layout(std430, binding = 7) readonly buffer SlipSums { ivec4 slip_sums[]; };  // of hair_slip.comp
+layout(std430, binding = 10) writeonly buffer Slip { vec4 slip[]; };          // see wind_diffuse.comp
+#endif
 layout(std430, binding = 9) readonly buffer Nodes { vec4 nodes[]; };
-layout(std430, binding = 6) writeonly buffer Exchange { vec4 exchange[]; };  // velocities x rates; w: rates
+layout(std430, binding = 5) writeonly buffer Exchange { vec4 exchange[]; };  // velocities x rates; w: rates
 
 void main() {
   ivec3 c;
   if (!ownCell(c)) return;
   vec3 x = air.wind_box.xyz + (vec3(c) + 0.5) * air.wind_box.w;
   vec4 sum = vec4(0);
+#if HAIR == 2
+  vec4 slips[2] = vec4[2](vec4(0), vec4(0));
+#endif
 #if HAIR
   vec3 at = transformed(air.hair_frame, x);
   if (all(greaterThan(at, vec3(0))) && all(lessThan(at, vec3(air.cells - 1)))) {
@@ -23,6 +31,18 @@ void main() {
     vec4 v[8] = vec4[8](nodes[first], nodes[first + 1], nodes[first + y], nodes[first + y + 1], nodes[first + z],
                         nodes[first + z + 1], nodes[first + z + y], nodes[first + z + y + 1]);
     sum = interpolated4(v, corner.part) * air.exchange;
+#if HAIR == 2
+    vec4 parts[2];
+    float less = air.uniform_wind.w, per_sum = less * air.exchange * air.per_volume;
+    for (int part = 0; part < 2; ++part) {
+      for (int n = 0; n < 8; ++n) v[n] = vec4(slip_sums[first + part * y * z + nodeAt(cornerOf(n))]);
+      parts[part] = interpolated4(v, corner.part) * (per_sum * inverse(air.mass_scale));
+    }
+    sum.xyz -= parts[0].xyz * (air.mass_scale * inverse(momentumScale()));
+    // Directions are unit vectors: xx, yy and zz are together what hair holds back across.
+    slips[0] = vec4(parts[0].w, parts[1].x, less * sum.w - parts[0].w - parts[1].x, parts[1].y);
+    slips[1].xy = parts[1].zw;
+#endif
   }
 #endif
   for (int i = 0; i < air.sources; ++i) {
@@ -32,4 +52,7 @@ void main() {
   }
   if (air.spheres != 0) sum.w += sphereExchange(wantedOutflow(x), air.courant);
   exchange[nodeAt(c)] = sum;
+#if HAIR == 2
+  for (int part = 0; part < 2; ++part) slip[2 * nodeAt(c) + part] = slips[part];
+#endif
 }

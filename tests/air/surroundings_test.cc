@@ -386,12 +386,13 @@ TEST(Surroundings, StayInTheirPlaceWhenTheOriginFollowsTheHead) {
       const AirSample seen = airFields(follows.surroundings())->at(in_hair),
                       known = airFields(stays.surroundings())->at(in_hair);
       wind_off = std::max<double>(wind_off, (seen.wind - known.wind).norm());
-      density_off = std::max<double>(density_off, std::fabs(seen.density - known.density));
+      // In the mean: now and then the node nearest to a point is another for a rounding.
+      density_off += std::fabs(double{seen.density} - double{known.density}) / 139;
     }
     EXPECT_EQ(origins, 2);
     EXPECT_LT(off, 5e-5) << "m";
     EXPECT_LT(wind_off, 5e-3) << "m/s";
-    EXPECT_LT(density_off, 0.01) << "kg/m^3, of 0.4";
+    EXPECT_LT(density_off, 1e-3) << "kg/m^3, of 0.4";
     if (kSanitized) continue;
     for (int step = 140; step < 840; step += step < 800 ? 8 : 1) {
       follows.setHeadPose({static_cast<float>(std::min(step, 800)) * pace, Quat::Identity()});

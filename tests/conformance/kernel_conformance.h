@@ -46,6 +46,7 @@ enum Kernel {
   kLastTurn,
   kHeldPlace,
   kHeldForce,
+  kDraggedAmong,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

@@ -73,7 +73,8 @@ constexpr const char* kNames[kKernels] = {"solveDistance",
                                           "bentDistance",
                                           "lastTurn",
                                           "heldPlace",
-                                          "heldForce"};
+                                          "heldForce",
+                                          "draggedAmong"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -205,6 +206,9 @@ class InputMaker {
         break;
       case kDragNotFelt:
         vector(v, 10), unit(v + 3, 3), v[6] = number(0, 10), v[7] = number(0, 1);
+        break;
+      case kDraggedAmong:
+        vector(v, 10), vector(v + 3, 10), v[6] = number(0, 20), vector(v + 7, 0.01f), v[10] = number(0, 0.9f);
         break;
       case kHeldCrowding:
         v[0] = number(0, 2), v[1] = number(0.5f, 2), v[2] = number(0.5f, 2), v[3] = number(0, 10);
@@ -347,6 +351,11 @@ Item nasty(int kernel, Item item, size_t way) {
       if (way % 3 == 0) v[2] = v[1];
       if (way % 3 == 1) v[0] = v[5];
       if (way % 3 == 2) v[0] = 0;
+      break;
+    case kDraggedAmong:
+      if (way % 3 == 0) v[6] = 0;                        // nothing to exchange with
+      if (way % 3 == 1) std::fill(v + 7, v + 10, 0.0f);  // a piece without a direction
+      if (way % 3 == 2) v[10] = 0;                       // along as across
       break;
     case kLargestCrowding:  // nothing at rest, and much more than one sample
       v[0] = way % 2 == 0 ? 0.0f : 100 * v[1];

@@ -250,6 +250,20 @@ TEST_F(GpuAir, StrandsFeelWhatTheyFeelOnTheReference) {
     EXPECT_LT((got.beside.wind - truth.beside.wind).norm(), 3e-3f);
     EXPECT_GT((without.beside.wind - truth.beside.wind).norm(), 0.3f);
   }
+  {
+    SCOPED_TRACE("air that slips along hair");
+    Parameters parameters = everything();
+    parameters.hairs_per_strand = 1000;
+    parameters.air_drag_along = 0.1f;
+    parameters.air_viscosity = 0.01f;
+    const Felt got = felt(gpuAir(), *gpu_, tuft, parameters, {fan}, 4),
+               truth = felt(cpuAir("reference"), *reference, tuft, parameters, {fan}, 4);
+    expectSame(got, truth);
+    EXPECT_LT((got.beside.wind - truth.beside.wind).norm(), 2e-3f);
+    parameters.air_drag_along = 1;
+    const Felt alike = felt(cpuAir("reference"), *reference, tuft, parameters, {fan}, 4);
+    EXPECT_GT((alike.beside.wind - truth.beside.wind).norm(), 0.02f);
+  }
   Tuft own = tuft;
   own.model.air_drag_scale.assign(own.model.vertices(), 1);
   for (size_t v = 0; v < own.model.vertices(); v += 2) own.model.air_drag_scale[v] = 0.5f;

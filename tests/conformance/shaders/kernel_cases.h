@@ -184,6 +184,12 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     out3(o, 4, rubs);
   } else if (kernel == 39) {
     out3(o, 0, heldForce(in3(i, 0), in3(i, 3), i.v[12], in3(i, 6), in3(i, 9), i.v[13]));
+  } else if (kernel == 40) {
+    real3 t = directionOfPiece(in3(i, 7));
+    real slip = i.v[10] * i.v[6];
+    out3(o, 0, draggedAmong(in3(i, 0), in3(i, 3), i.v[6], makeReal3(t.x * t.x, t.y * t.y, t.z * t.z) * slip,
+                            makeReal3(t.y * t.z, t.x * t.z, t.x * t.y) * slip));
+    out3(o, 3, t);
   }
   return o;
 }

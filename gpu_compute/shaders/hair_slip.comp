@@ -1,0 +1,40 @@
+#version 450
+// Which way hair lies, by its part of the drag, to the nodes around its samples: HairGrid::slipNodes() of air/hair_grid.h as whole numbers,
+// part after part. After the splat, with the same masses.
+#include "kernels/lanes_glsl.h"
+#include "kernels/grid.h"
+#include "gpu_compute/shaders/air_settings.glsl"
+#include "gpu_compute/shaders/sample_tile.glsl"
+#include "gpu_compute/shaders/hair_samples.glsl"
+layout(std430, binding = 7) buffer Sums { int sums[]; };  // 4 per node
+#define NUMBERS 4u
+#define SUMS sums
+#include "gpu_compute/shaders/hair_spread.glsl"
+
+void main() {
+  if (workgroupNumber() >= air.tiles) return;
+  SampleTile tile = tiles[workgroupNumber()];
+  uint me = gl_LocalInvocationIndex, count = tile.pieces * tile.strands, sample_ = workgroupNumber() * uint(TILE_SAMPLES) + me;
+  float most = fastestSplatted(), scale = momentumScale();
+  vec3 at = me < count ? placeOf(sample_) : vec3(-1);
+  bool counts = isInGrid(at);
+  vec4 parts[2] = vec4[2](vec4(0), vec4(0));
+  if (counts) {
+    uint root = roots[tile.first_strand + (order[sample_] & 0xFFFFu)], piece = tile.first_piece + (order[sample_] >> 16u);
+    vec3 t = directionOfPiece(chordOf(tile, root, piece)), motion = clamp(motionOf(sample_), vec3(-most), vec3(most));
+    float mass = sampleOf(tile, root, piece).mass;
+    parts[0] = mass * vec4(t * (dot(t, motion) * scale), t.x * t.x * air.mass_scale);
+    parts[1] = mass * air.mass_scale * vec4(t.y * t.y, t.y * t.z, t.x * t.z, t.x * t.y);
+  }
+  for (int part = 0; part < 2; ++part) {
+    barrier();
+    if (counts) {
+      put(me, placeAmong(at), parts[part]);
+      spots[me].w = intBitsToFloat(floatBitsToInt(spots[me].w) + part * air.cells * air.cells * air.cells);
+    } else {
+      leaveOut(me);
+    }
+    barrier();
+    spread(count);
+  }
+}
