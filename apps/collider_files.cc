@@ -21,11 +21,6 @@ constexpr size_t kColliderFileValues = 12;  // kind, follows the head, pose, fri
 constexpr double kMostColliderFriction = 10;
 constexpr float kLeastLength = 1e-6f, kMostLength = 1e3f;  // m, of a unit and of a cell
 
-/// m. A field's own frame is so far from that of its collider, and the field back by as much: docs/wire.md
-/// has bodies drawn with fields that lie on them in their own frame, and this one, which comes where it is
-/// told to, is no part of any.
-constexpr float kAside = 16;
-
 bool isOneOf(double value, std::initializer_list<double> values) {
   return std::find(values.begin(), values.end(), value) != values.end();
 }
@@ -42,13 +37,6 @@ std::string notMadeText(uint64_t command, const std::string& why) {
   return Error("the collider was not made", commandText(command), why).what();
 }
 std::string droppedText(uint64_t command) { return notMadeText(command, "it was removed meanwhile"); }
-
-void setAside(ContactPrimitive& shape) {
-  DistanceField field = *shape.field;
-  field.grid.origin[1] += kAside;
-  shape.field = std::make_shared<const DistanceField>(std::move(field));
-  shape.a.y() -= kAside;
-}
 
 }  // namespace
 
@@ -228,6 +216,7 @@ RigidBody ColliderMaker::bodyOf(const Job& job) const {
   primitive.shape.kind = collider.kind;
   primitive.shape.friction = collider.friction;
   primitive.follows_head = collider.follows_head;
+  primitive.name = collider.name;
   primitive.file = job.file;
   primitive.cell = collider.cell;
   primitive.where = job.where;
@@ -243,13 +232,11 @@ RigidBody ColliderMaker::bodyOf(const Job& job) const {
       limits);
   for (const std::string& warning : made.warnings) spdlog::warn("collider {}: {}", collider.name, warning);
   for (const std::string& note : made.notes) spdlog::info("collider {}: {}", collider.name, note);
-  RigidBody body = std::move(made.bodies.front());
-  ContactPrimitive& shape = body.primitives.front();
+  RigidBody body = std::move(made.bodies.front().body);
   if (collider.follows_head) {
-    shape.a = collider.pose.position;
-    shape.rotation = collider.pose.rotation;
+    body.primitives.front().a = collider.pose.position;
+    body.primitives.front().rotation = collider.pose.rotation;
   } else {
-    if (shape.field) setAside(shape);
     body.pose = collider.pose;
   }
   return body;

@@ -13,6 +13,7 @@
 #include "apps/toml.h"
 #include "core/error.h"
 #include "groom/file_bytes.h"
+#include "transport/chunks.h"
 #include "transport/dds.h"
 
 namespace strandcast {
@@ -177,6 +178,16 @@ class Section {
 
 using PathOf = std::function<std::filesystem::path(const std::string&)>;
 
+/// That commands know a body by.
+void readBodyName(Section& section, std::string& into) {
+  section.text("name", [&](const std::string& v) {
+    if (v.empty() || !isSoundName(v))
+      throw Error("a body has no name like this", section.place("name"),
+                  fmt::format("give 1 to {} bytes without control characters", kMaxTextBytes));
+    into = v;
+  });
+}
+
 ScenePrimitive readPrimitive(Section& section, const PathOf& path) {
   ScenePrimitive primitive;
   ContactPrimitive& out = primitive.shape;
@@ -221,7 +232,19 @@ ScenePrimitive readPrimitive(Section& section, const PathOf& path) {
       throw Error("a plane's normal b is zero", section.place("b"), "give a direction");
     out.b.normalize();
   }
-  section.flag("follows_head", [&](bool v) { primitive.follows_head = v; });
+  bool is_told_to_follow = false;
+  section.flag("follows_head", [&](bool v) {
+    primitive.follows_head = v;
+    is_told_to_follow = true;
+  });
+  section.text("joint", [&](const std::string& v) {
+    if (v.empty()) throw Error("a joint has no name", section.place("joint"), "name one, or leave it out");
+    if (is_told_to_follow)
+      throw Error("a primitive goes with its joint", section.place("follows_head"),
+                  "leave follows_head out, or joint");
+    primitive.joint = v;
+  });
+  readBodyName(section, primitive.name);
   section.text("file", [&](const std::string& v) {
     if (!v.empty()) primitive.file = path(v);
   });
@@ -315,6 +338,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   });
   root.section("body", [&](Section& body) {
     body.text("file", [&](const std::string& v) { s.scene.body = path(v); });
+    readBodyName(body, s.scene.body_name);
     body.text("contact",
               [&](const std::string& v) { s.scene.body_contact = bodyContactOf(v, body.place("contact")); });
     const auto skinned = [&]() -> SkinnedMotion& {

@@ -64,15 +64,6 @@ ContactPrimitive commandedShape(const std::vector<double>& values, const std::st
   return shape;
 }
 
-BodyId namedCollider(const std::map<std::string, BodyId>& named, const std::string& name,
-                     const std::string& where) {
-  const auto known = named.find(name);
-  if (known == named.end())
-    throw Error("there is no collider '" + name + "'", where,
-                "only those that were added by command can be moved or removed");
-  return known->second;
-}
-
 /// The one value of a command.
 int wholeNumber(const Command& command, int low, int high, const std::string& where) {
   const bool one = command.values.size() == 1;
@@ -95,6 +86,9 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
     : settings_(settings),
       publisher_(publisher),
       rival_warning_(settings.groom_id),
+      named_(scene.named_bodies),
+      body_name_(scene.body_name),
+      named_parts_(scene.named_parts),
       maker_(settings.collider_folder, scene.mesh_bodies),
       skinned_(scene.skinned),
       motion_(scene.motion),
@@ -129,6 +123,13 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
 }
 
 void Daemon::announce() {
+  const size_t free = placedColliders(simulation_).size();
+  if (free > kMaxPlacedColliders)
+    throw Error(
+        fmt::format("{} bodies do not follow the head", free), status_.groom_name,
+        fmt::format("{} at most are cast: leave out names of [[body.primitives]] that stand, which are "
+                    "then one body",
+                    kMaxPlacedColliders));
   publisher_.announce(groom_, body_);
   announceColliders();
   groom_ = {};
@@ -224,9 +225,20 @@ void Daemon::addColliderFile(const Command& command, const std::string& where) {
   maker_.begin(command, where);
 }
 
+BodyId Daemon::namedCollider(const std::string& name, const std::string& where) const {
+  const auto known = named_.find(name);
+  if (known != named_.end()) return known->second;
+  if (!body_name_.empty() && name == body_name_)
+    throw Error("hair grows on '" + name + "', which commands neither move nor remove", where,
+                skinned_ ? "its clip and the head's motion move its joints" : "move the head");
+  throw Error(
+      "there is no collider '" + name + "'", where,
+      "those can be moved or removed that were added by command or that the configuration file names");
+}
+
 void Daemon::checkColliderName(const std::string& name, const std::string& where) const {
   if (name.empty()) throw Error("a collider has no name", where, "give it one of its own");
-  if (named_.contains(name))
+  if (named_.contains(name) || name == body_name_)
     throw Error("there is a collider '" + name + "'", where, "give it a name of its own");
   if (maker_.makes(name))
     throw Error("a collider '" + name + "' is being made", where, "give it a name of its own");
@@ -273,11 +285,14 @@ void Daemon::dropBodies() {
 }
 
 void Daemon::moveCollider(const Command& command, const std::string& where) {
-  const BodyId id = namedCollider(named_, command.name, where);
+  const BodyId id = namedCollider(command.name, where);
   if (command.values.size() != 7 && command.values.size() != 8)
     throw Error("a collider's pose takes 7 numbers, and seconds", where, "position, rotation x y z w");
   if (simulation_.body(id).follows_head)
     throw Error("collider '" + command.name + "' follows the head", where, "move the head");
+  if (const std::string* joint = skinned_ ? skinned_->jointOf(id) : nullptr)
+    throw Error(fmt::format("collider '{}' goes with the body's joint '{}'", command.name, *joint), where,
+                "the body's clip and the head's motion move it; remove it and add one that stands");
   const double seconds = command.values.size() == 8 ? command.values[7] : kRampSeconds;
   if (!(seconds >= 0 && seconds <= kLongestWay))
     throw Error(fmt::format("a collider takes 0 to {:g} s to move", kLongestWay), where, "");
@@ -287,7 +302,7 @@ void Daemon::moveCollider(const Command& command, const std::string& where) {
 
 void Daemon::removeCollider(const Command& command, const std::string& where) {
   if (maker_.drop(command.name)) return;
-  const BodyId id = namedCollider(named_, command.name, where);
+  const BodyId id = namedCollider(command.name, where);
   simulation_.removeBody(id);
   named_.erase(command.name);
   ways_.erase(id);
@@ -408,6 +423,8 @@ void Daemon::tellParameters() {
   status_.parameters = parameterTable(simulation_.parameters());
   for (const auto& [name, source] : wind_.sources())
     tell(status_.parameters, kToldSource, name, windSourceValues(source));
+  if (named_parts_ > 0)
+    tell(status_.parameters, kToldCollider, body_name_, {0, static_cast<double>(named_parts_)});
   for (const auto& [name, id] : named_)
     tell(status_.parameters, kToldCollider, name, {static_cast<double>(id)});
 }

@@ -66,6 +66,8 @@ class Daemon {
   void setMotion(HeadMotion motion);
   void addCollider(const Command& command, const std::string& where);
   void addColliderFile(const Command& command, const std::string& where);
+  /// One that can be moved or removed by command; else throws Error.
+  BodyId namedCollider(const std::string& name, const std::string& where) const;
   /// Throws Error where the name is taken.
   void checkColliderName(const std::string& name, const std::string& where) const;
   /// Throws Error where there is no room for it.
@@ -100,7 +102,9 @@ class Daemon {
     Pose from, to;
     double start, seconds;  ///< of simulation time
   };
-  std::map<std::string, BodyId> named_;  ///< colliders that commands have added
+  std::map<std::string, BodyId> named_;  ///< colliders that commands have added, or the scene names
+  std::string body_name_;                ///< of the body that hair grows on; may be empty
+  size_t named_parts_;                   ///< colliders that it consists of, the first
   ColliderMaker maker_;                  ///< of those that will be added
   bool waits_for_bodies_ = false;
   std::map<BodyId, Way> ways_;

@@ -296,6 +296,12 @@ std::string shapesText(const Collider& collider) {
   return text;
 }
 
+/// m, of its first shape; of a field, which is in no one place, how far it has come from where it is made.
+Vec3 placeOf(const Collider& collider, const Pose& pose) {
+  const ContactPrimitive& shape = collider.shapes[0];
+  return shape.kind == PrimitiveKind::kField ? pose.position : pose.apply(shape.a);
+}
+
 int listColliders(const CtlOptions& o) {
   const std::unique_ptr<Subscriber> subscriber = subscribe(o.network);
   const Status status = statusOf(o, *subscriber);
@@ -311,8 +317,10 @@ int listColliders(const CtlOptions& o) {
                 fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
                 "does it cast frames?");
   std::map<uint32_t, std::string> names;
-  for (const auto& [name, id] : toldOf(status.parameters, kToldCollider))
-    names[static_cast<uint32_t>(id[0])] = name;
+  for (const auto& [name, ids] : toldOf(status.parameters, kToldCollider))
+    for (const Collider& collider : set->colliders)
+      if (collider.id >= ids[0] && collider.id < ids[0] + (ids.size() > 1 ? ids[1] : 1))
+        names[collider.id] = name;
   nlohmann::json all = nlohmann::json::array();
   for (const Collider& collider : set->colliders) {
     const bool is_named = names.contains(collider.id);
@@ -322,8 +330,9 @@ int listColliders(const CtlOptions& o) {
     std::string where = "with the head, " + vectorText(collider.shapes[0].a) + " at its rest";
     for (const PlacedCollider& placed : frame->colliders) {
       if (placed.id != collider.id) continue;
-      object["position"] = toJson(placed.pose.position);
-      where = "at " + vectorText(placed.pose.position);
+      const Vec3 place = placeOf(collider, placed.pose);
+      object["position"] = toJson(place);
+      where = "at " + vectorText(place);
     }
     if (!o.json)
       fmt::print("  {:<5} {:<16} {:<24} {}\n", collider.id, is_named ? names[collider.id] : "-",
@@ -404,7 +413,7 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
       ->capture_default_str();
   add->callback([o, run] { *run = [o] { return addCollider(*o); }; });
   CLI::App* move = app.add_subcommand("move", "to a pose, smoothly");
-  move->add_option("NAME", o->name, "one that was added")->required();
+  move->add_option("NAME", o->name, "one that was added, or that the configuration file names")->required();
   move->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "m, degrees")
       ->expected(3, 6)
       ->option_text("3 to 6 NUMBERS REQUIRED")
@@ -420,11 +429,10 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
       return sendCommand(*o, CommandKind::kMoveCollider, o->name, values);
     };
   });
-  app.add_subcommand("list", "all there are, those of the scene without a name")->callback([o, run] {
-    *run = [o] { return listColliders(*o); };
-  });
-  CLI::App* remove = app.add_subcommand("remove", "one that was added");
-  remove->add_option("NAME", o->name, "one that was added")->required();
+  app.add_subcommand("list", "all there are, by the names that commands and the configuration file give")
+      ->callback([o, run] { *run = [o] { return listColliders(*o); }; });
+  CLI::App* remove = app.add_subcommand("remove", "one that was added, or that the configuration file names");
+  remove->add_option("NAME", o->name, "its name")->required();
   remove->callback(
       [o, run] { *run = [o] { return sendCommand(*o, CommandKind::kRemoveCollider, o->name, {}); }; });
 }

@@ -174,9 +174,14 @@ void Simulation::addShapes(PlacedBody& body) {
   }
 }
 
+const Simulation::PlacedBody* Simulation::lookUp(BodyId body) const {
+  for (const PlacedBody& placed : bodies_)
+    if (placed.id == body) return &placed;
+  return nullptr;
+}
+bool Simulation::hasBody(BodyId body) const { return lookUp(body) != nullptr; }
 const Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) const {
-  for (const PlacedBody& known : bodies_)
-    if (known.id == body) return known;
+  if (const PlacedBody* placed = lookUp(body)) return *placed;
   throw Error("there is no body " + std::to_string(body), where, "it was never added, or is removed");
 }
 Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) {

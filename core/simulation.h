@@ -77,6 +77,7 @@ class Simulation {
   /// Error on an unknown body.
   void removeBody(BodyId body);
   size_t bodies() const { return bodies_.size(); }
+  bool hasBody(BodyId body) const;
   /// Of all there are, in the order in which they were added.
   std::vector<BodyId> bodyIds() const;
   /// As it was added. Error on an unknown body.
@@ -136,6 +137,7 @@ class Simulation {
 
   void placePrimitives();
   void checkBone(size_t bone, const char* where) const;
+  const PlacedBody* lookUp(BodyId body) const;  ///< null where there is none
   const PlacedBody& find(BodyId body, const char* where) const;
   PlacedBody& find(BodyId body, const char* where);
   /// So that steps need not allocate.

@@ -270,6 +270,8 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
   std::shared_ptr<SkinnedBody> skinned;
   if (options.skinned) {
     skinned = std::make_shared<SkinnedBody>(loadSkinnedMesh(options.body, options.units), *options.skinned);
+    for (const ScenePrimitive& primitive : options.primitives)
+      if (!primitive.joint.empty()) skinned->checkJoint(primitive.joint, primitive.where);
     scene.notes.insert(scene.notes.end(), skinned->notes().begin(), skinned->notes().end());
     scene.body = skinned->skin().mesh;
     scene.head_weights = skinned->jointWeights();
@@ -366,6 +368,19 @@ void checkHair(const SceneOptions& options) {
                 "leave length out (--length): it is for procedural scenes");
 }
 
+void checkNamesAndJoints(const SceneOptions& options) {
+  checkNames(options.primitives, options.body_name);
+  if (!options.body_name.empty() && !options.groom.empty() && options.body.empty())
+    throw Error("there is no body to be called '" + options.body_name + "'", "name of [body]",
+                "give it a file, or leave its name out");
+  for (const ScenePrimitive& primitive : options.primitives)
+    if (!primitive.joint.empty() && !options.skinned)
+      throw Error("the body is not skinned: there is no joint '" + primitive.joint + "' to hang on",
+                  primitive.where,
+                  "give [body] a glTF file with a skin and a clip, or the joint that hair grows on; or leave "
+                  "joint out");
+}
+
 void checkSkinned(const SceneOptions& options) {
   if (!options.skinned) return;
   if (options.groom.empty() || options.body.empty())
@@ -398,7 +413,12 @@ void addPrimitives(const SceneOptions& options, const Progress& progress, Scene&
         return !progress || progress(what, kFrom + part * (kTo - kFrom));
       },
       options.bake_begins);
-  for (RigidBody& body : made.bodies) scene.bodies.push_back(std::move(body));
+  for (PrimitiveBody& made_body : made.bodies) {
+    const BodyId id = scene.bodies.size();
+    if (!made_body.joint.empty()) scene.skinned->hang(id, made_body.joint);
+    if (!made_body.name.empty()) scene.named_bodies[made_body.name] = id;
+    scene.bodies.push_back(std::move(made_body.body));
+  }
   for (std::string& line : made.notes) scene.notes.push_back(std::move(line));
   for (std::string& line : made.warnings) scene.warnings.push_back(std::move(line));
 }
@@ -406,6 +426,7 @@ void addPrimitives(const SceneOptions& options, const Progress& progress, Scene&
 }  // namespace
 
 Scene makeScene(const SceneOptions& options, const Progress& progress) {
+  checkNamesAndJoints(options);
   checkSkinned(options);
   checkHair(options);
   Scene scene =
@@ -416,6 +437,8 @@ Scene makeScene(const SceneOptions& options, const Progress& progress) {
     throw Error("the groom has no strand to simulate", scene.name, "see `strandcast info FILE`");
   for (RigidBody& body : scene.bodies)
     for (ContactPrimitive& shape : body.primitives) shape.friction = options.body_friction;
+  scene.body_name = options.body_name;
+  if (!scene.body_name.empty()) scene.named_parts = scene.bodies.size();
   addPrimitives(options, progress, scene);
   report(progress, "ready", 1);
   return scene;

@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +30,7 @@ struct SceneOptions {
   std::string name = "straight";             ///< one of sceneList(); used when `groom` is empty
   std::vector<std::filesystem::path> groom;  ///< groom files, read into one groom
   std::filesystem::path body;                ///< body mesh; empty = none (or the procedural body)
+  std::string body_name;                     ///< that commands know it by; empty = none
   GroomReadOptions units;                    ///< of groom and body files
   std::string motion;                        ///< see headMotion(); empty = the scene's own
   uint64_t seed = 1;
@@ -59,9 +61,13 @@ struct Scene {
   TriangleMesh body;                ///< may be empty
   std::vector<float> head_weights;  ///< per body vertex, 1 = moves with the head; empty = all do
   std::vector<RigidBody> bodies;
-  Vec3 head_pivot = Vec3::Zero();  ///< m, joint of head and neck, for head motions
-  HeadMotion motion;               ///< of a skinned body with a clip: relative to where the clip has the head
-  std::shared_ptr<const SkinnedBody> skinned;  ///< null unless the body is skinned: moveTo() moves it
+  /// The first of `bodies` are the one that hair grows on, which commands know by a name; 0 and empty = none.
+  size_t named_parts = 0;
+  std::string body_name;
+  std::map<std::string, BodyId> named_bodies;  ///< others with a name; indices into bodies
+  Vec3 head_pivot = Vec3::Zero();              ///< m, joint of head and neck, for head motions
+  HeadMotion motion;  ///< of a skinned body with a clip: relative to where the clip has the head
+  std::shared_ptr<SkinnedBody> skinned;  ///< null unless the body is skinned: moveTo() moves it
   Parameters parameters;
   MeshBodyOptions mesh_bodies;        ///< of bodies that are to be added to it
   std::vector<std::string> notes;     ///< what was found and done while making it, a line each

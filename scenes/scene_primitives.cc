@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
+#include <utility>
 
 #include "core/error.h"
 #include "groom/mesh_file.h"
@@ -12,8 +14,31 @@
 namespace strandcast {
 namespace {
 
-/// The mesh where it stands while the head is at rest. Fields of colliders that do not follow the head are
-/// neither moved nor turned in them (docs/wire.md), so the mesh is, before anything is made of it.
+/// m. A field's own frame is so far from that of its collider, and the field back by as much: docs/wire.md
+/// has bodies drawn with fields that lie on them in their own frame, and this one is no part of any.
+constexpr float kAside = 16;
+
+void setAside(ContactPrimitive& shape) {
+  DistanceField field = *shape.field;
+  field.grid.origin[1] += kAside;
+  shape.field = std::make_shared<const DistanceField>(std::move(field));
+  shape.a.y() -= kAside;
+}
+
+/// Takes the shape to the origin of its body, unturned: the pose brings it back to where it was.
+Pose takePlace(ContactPrimitive& shape) {
+  Pose pose;
+  std::swap(pose.position, shape.a);
+  if (shape.kind == PrimitiveKind::kCapsule || shape.kind == PrimitiveKind::kTaperedCapsule)
+    shape.b -= pose.position;
+  else if (shape.kind != PrimitiveKind::kPlane)
+    std::swap(pose.rotation, shape.rotation);
+  return pose;
+}
+
+/// The mesh where it stands while the head, or the joint, is at rest. Fields of colliders that do not follow
+/// the head are neither moved nor turned in them (docs/wire.md), so the mesh is, before anything is made of
+/// it.
 TriangleMesh placedMesh(const ScenePrimitive& primitive, const MeshUnits& units) {
   GroomReadOptions read = units.read;
   if (read.unit_meters <= 0 && !isGltf(primitive.file)) read.unit_meters = units.obj_meters;
@@ -53,16 +78,40 @@ void warnOfTouching(const TriangleMesh& body, const DistanceField& field, const 
         touching, 1e3 * static_cast<double>(near), name));
 }
 
+/// The one for this primitive, which may be new.
+PrimitiveBody& bodyFor(const ScenePrimitive& primitive, std::vector<PrimitiveBody>& bodies) {
+  const bool follows_head = primitive.joint.empty() && primitive.follows_head;
+  const auto shared = std::find_if(bodies.begin(), bodies.end(), [&](const PrimitiveBody& known) {
+    return known.name.empty() && known.joint == primitive.joint && known.body.follows_head == follows_head;
+  });
+  if (primitive.name.empty() && shared != bodies.end()) return *shared;
+  return bodies.emplace_back(PrimitiveBody{{{}, follows_head}, primitive.joint, primitive.name});
+}
+
 }  // namespace
+
+void checkNames(const std::vector<ScenePrimitive>& primitives, const std::string& body_name) {
+  std::map<std::string, std::string> named{{body_name, "[body]"}};  // where
+  for (const ScenePrimitive& primitive : primitives) {
+    if (primitive.name.empty()) continue;
+    const auto [first, is_new] = named.try_emplace(primitive.name, primitive.where);
+    if (!is_new)
+      throw Error("two bodies are called '" + primitive.name + "'", primitive.where,
+                  fmt::format("give it a name of its own: the other is {}", first->second));
+  }
+}
 
 PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, const MeshBodyOptions& options,
                                 const TriangleMesh& body, const BakeProgress& progress,
                                 const BakeAnnouncement& bake_begins, const BakeLimits& limits) {
   PrimitiveBodies made;
-  RigidBody head{{}, true}, standing;
+  made.bodies = {{{{}, true}, "", ""}, {}};  // the first two, whichever comes first
   for (size_t i = 0; i < primitives.size(); ++i) {
-    const ScenePrimitive& primitive = primitives[i];
+    ScenePrimitive primitive = primitives[i];
     const std::string name = primitive.file.filename().string();
+    const bool stands = primitive.joint.empty() && !primitive.follows_head;
+    const bool is_apart = stands && !primitive.name.empty();
+    const Pose pose = is_apart ? takePlace(primitive.shape) : Pose{};
     ContactPrimitive shape = primitive.shape;
     if (shape.kind == PrimitiveKind::kConvex) {
       shape = convexShape(primitive, placedMesh(primitive, options.units));
@@ -81,13 +130,17 @@ PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, c
       shape = madeOf(primitive, PrimitiveKind::kField);
       shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
       if (!shape.field->hasInside()) made.warnings.push_back(fmt::format("{}: {}", name, kNoInside));
-      if (!primitive.follows_head) warnOfTouching(body, *shape.field, name, made.warnings);
+      if (is_apart || !primitive.joint.empty())
+        setAside(shape);
+      else if (stands)
+        warnOfTouching(body, *shape.field, name, made.warnings);
     }
     checkPrimitive(shape, primitive.where);
-    (primitive.follows_head ? head : standing).primitives.push_back(std::move(shape));
+    RigidBody& of = bodyFor(primitive, made.bodies).body;
+    of.primitives.push_back(std::move(shape));
+    of.pose = pose;
   }
-  for (RigidBody* some : {&head, &standing})
-    if (!some->primitives.empty()) made.bodies.push_back(std::move(*some));
+  std::erase_if(made.bodies, [](const PrimitiveBody& none) { return none.body.primitives.empty(); });
   return made;
 }
 

@@ -15,7 +15,11 @@ namespace strandcast {
 struct ScenePrimitive {
   /// Of kConvex and kField only `a`, `rotation` and `friction`: what they consist of is made of `file`.
   ContactPrimitive shape;
-  bool follows_head = true;  ///< else it stands
+  bool follows_head = true;  ///< else it stands, or goes with `joint`
+  /// Of a skinned body: it goes with it from where it is placed, which is as the body is at rest. Empty =
+  /// none.
+  std::string joint;
+  std::string name;  ///< that commands know it by, as a body of its own; empty = none
   /// Mesh of a convex body or of a field, which is turned by `rotation`, then moved by `a`.
   std::filesystem::path file;
   float cell = 0;     ///< m, of a field; 0 = the body's
@@ -35,11 +39,24 @@ struct MeshBodyOptions {
   std::filesystem::path cache;  ///< folder of baked fields; empty = every time anew
 };
 
+/// A body that is made of one or more primitives.
+struct PrimitiveBody {
+  RigidBody body;
+  std::string joint;  ///< that it goes with; its pose is from where that is at rest
+  std::string name;   ///< of the one that it is made of
+};
+
 /// What is made of the primitives of a scene.
 struct PrimitiveBodies {
-  std::vector<RigidBody> bodies;  ///< one that follows the head, one that stands, where there are such shapes
+  /// Where there are such shapes, one that follows the head, one that stands, and one for each joint; and
+  /// each that has a name. That one, where it stands, has its origin and its axes in its pose: a move takes
+  /// it to where it is told.
+  std::vector<PrimitiveBody> bodies;
   std::vector<std::string> notes, warnings;  ///< a line each
 };
+
+/// Throws Error where two primitives have one name, or one that of the body which hair grows on.
+void checkNames(const std::vector<ScenePrimitive>& primitives, const std::string& body_name);
 
 /// Reads the meshes of `primitives`. `body`: the mesh that is drawn, may be empty.
 /// Throws Error as loadMesh, convexBody, FieldBaker and checkPrimitive do; BakeStopped.

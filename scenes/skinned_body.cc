@@ -31,25 +31,28 @@ std::string meantOf(const std::string& name, const std::vector<std::string>& nam
   return near.empty() ? fmt::format("it has {}", fmt::join(names, ", ")) : near;
 }
 
-/// The joints that carry skin come first in the search for a head: meshes have such names too.
-size_t jointNamed(const SkinnedMesh& skin, const std::string& name) {
-  if (name.empty()) {
-    Skeleton carrying;
-    std::vector<uint32_t> joints;
-    for (const SkinBinding& binding : skin.bindings) {
-      joints.push_back(binding.joint);
-      carrying.joints.push_back({skin.skeleton.joints[binding.joint].name, -1, {}});
-    }
-    const int found = carrying.find("");
-    if (found >= 0) return joints[static_cast<size_t>(found)];
-    throw Error("no joint of the body has 'head' in its name", skin.mesh.name,
-                "name the one that hair grows on (--body-joint)");
-  }
-  const int found = skin.skeleton.find(name);
+size_t jointNamed(const Skeleton& skeleton, const std::string& name, const std::string& where) {
+  const int found = name.empty() ? -1 : skeleton.find(name);
   if (found >= 0) return static_cast<size_t>(found);
   std::vector<std::string> names;
-  for (const SkeletonJoint& joint : skin.skeleton.joints) names.push_back(joint.name);
-  throw Error("the body has no joint '" + name + "'", skin.mesh.name, meantOf(name, names));
+  for (const SkeletonJoint& joint : skeleton.joints) names.push_back(joint.name);
+  throw Error("the body has no joint '" + name + "'", where, meantOf(name, names));
+}
+
+/// The joint of this name; without one that of the head. Joints that carry skin come first in the search for
+/// it: meshes have such names too.
+size_t rootedJoint(const SkinnedMesh& skin, const std::string& name) {
+  if (!name.empty()) return jointNamed(skin.skeleton, name, skin.mesh.name);
+  Skeleton carrying;
+  std::vector<uint32_t> joints;
+  for (const SkinBinding& binding : skin.bindings) {
+    joints.push_back(binding.joint);
+    carrying.joints.push_back({skin.skeleton.joints[binding.joint].name, -1, {}});
+  }
+  const int found = carrying.find("");
+  if (found >= 0) return joints[static_cast<size_t>(found)];
+  throw Error("no joint of the body has 'head' in its name", skin.mesh.name,
+              "name the one that hair grows on (--body-joint)");
 }
 
 SkeletonClip clipNamed(const SkinnedMesh& skin, const std::string& name, std::vector<std::string>& notes) {
@@ -79,7 +82,7 @@ JointTransform between(const JointTransform& a, const JointTransform& b, double 
 }  // namespace
 
 SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion)
-    : skin_(std::move(skin)), joint_(jointNamed(skin_, motion.joint)), parts_(cutSkin(skin_)) {
+    : skin_(std::move(skin)), joint_(rootedJoint(skin_, motion.joint)), parts_(cutSkin(skin_)) {
   clip_ = clipNamed(skin_, motion.clip, notes_);
   skin_.clips.clear();
   rest_locals_ = skin_.skeleton.rest();
@@ -152,6 +155,32 @@ std::vector<Vec3> SkinnedBody::surface(double seconds, const Pose& head) const {
   return skin_.blended(placed(seconds, head));
 }
 
+void SkinnedBody::checkJoint(const std::string& joint, const std::string& where) const {
+  jointNamed(skin_.skeleton, joint, where);
+}
+
+void SkinnedBody::hang(BodyId body, const std::string& joint) {
+  hanging_.emplace_back(body, jointNamed(skin_.skeleton, joint, skin_.mesh.name));
+}
+
+const std::string* SkinnedBody::jointOf(BodyId body) const {
+  for (const auto& [hanging, joint] : hanging_)
+    if (hanging == body) return &nameOf(joint);
+  return nullptr;
+}
+
+std::vector<SkinnedBody::HangingBody> SkinnedBody::placedBodies(double seconds, const Pose& head) const {
+  std::vector<HangingBody> out;
+  if (hanging_.empty()) return out;
+  const std::vector<Placement> world = placed(seconds, head);
+  for (const auto& [body, joint] : hanging_) {
+    Pose pose = rigid(world[joint]) * rigid(rest_[joint]).inverse();
+    pose.rotation.normalize();
+    out.push_back({body, pose});
+  }
+  return out;
+}
+
 void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulation& simulation) {
   if (body == nullptr) return simulation.setHeadPose(head);
   Pose carried = body->carried(seconds) * head;
@@ -163,6 +192,8 @@ void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulatio
     if (simulation.body(id).bends) simulation.setBodyBend(id, part.bend);
     ++id;
   }
+  for (const SkinnedBody::HangingBody& hanging : body->placedBodies(seconds, head))
+    if (simulation.hasBody(hanging.body)) simulation.setBodyPose(hanging.body, hanging.pose);
 }
 
 }  // namespace strandcast

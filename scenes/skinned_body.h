@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/simulation.h"
@@ -29,7 +30,7 @@ class SkinnedBody {
 
   const SkinnedMesh& skin() const { return skin_; }
   const std::vector<SkinPart>& parts() const { return parts_; }
-  const std::string& joint() const { return skin_.skeleton.joints[joint_].name; }
+  const std::string& joint() const { return nameOf(joint_); }
   Vec3 pivot() const;                                 ///< m, where the joint is at rest
   double duration() const { return clip_.duration; }  ///< s, of the clip; 0 without one
   bool hasClip() const { return !clip_.channels.empty(); }
@@ -52,7 +53,22 @@ class SkinnedBody {
   /// The first of the parts' bodies in the simulation; the others follow it.
   BodyId first_body = 0;
 
+  /// Throws Error, naming `where`, on an unknown joint.
+  void checkJoint(const std::string& joint, const std::string& where) const;
+  /// From now on this body of the simulation goes with the joint, from where that is at rest. Throws Error on
+  /// an unknown joint.
+  void hang(BodyId body, const std::string& joint);
+  /// The joint that a body hangs on; null where it hangs on none.
+  const std::string* jointOf(BodyId body) const;
+  struct HangingBody {
+    BodyId body;
+    Pose pose;  ///< of its joint, relative to rest
+  };
+  /// Those that hang on joints, when the head's motion is at `head`.
+  std::vector<HangingBody> placedBodies(double seconds, const Pose& head) const;
+
  private:
+  const std::string& nameOf(size_t joint) const { return skin_.skeleton.joints[joint].name; }
   std::vector<JointTransform> played(double seconds) const;
   std::vector<Placement> placed(double seconds, const Pose& head) const;
 
@@ -63,11 +79,13 @@ class SkinnedBody {
   std::vector<Placement> rest_;
   std::vector<JointTransform> rest_locals_, first_, last_;  ///< at rest, and the clip's ends
   std::vector<SkinPart> parts_;
+  std::vector<std::pair<BodyId, size_t>> hanging_;  ///< bodies, and the joints that they hang on
   std::vector<std::string> notes_;
 };
 
 /// Tells the simulation where head and body are to be at `seconds`, when the head's motion is at `head`.
-/// `body` may be null: then `head` is where the head is.
+/// `body` may be null: then `head` is where the head is. Of bodies that hang on joints the simulation may
+/// have lost some.
 void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulation& simulation);
 
 }  // namespace strandcast

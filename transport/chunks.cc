@@ -225,11 +225,14 @@ void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, u
   }
 }
 
-bool isSound(const Command& command) {
+bool isSoundName(const std::string& name) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-  return command.id != 0 && command.kind <= CommandKind::kAddColliderFile &&
-         command.name.size() <= kMaxTextBytes &&
-         std::none_of(command.name.begin(), command.name.end(), is_control) && command.values.size() <= 64 &&
+  return name.size() <= kMaxTextBytes && std::none_of(name.begin(), name.end(), is_control);
+}
+
+bool isSound(const Command& command) {
+  return command.id != 0 && command.kind <= CommandKind::kAddColliderFile && isSoundName(command.name) &&
+         command.values.size() <= 64 &&
          std::all_of(command.values.begin(), command.values.end(), [](double v) { return std::isfinite(v); });
 }
 

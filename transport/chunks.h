@@ -135,6 +135,8 @@ std::vector<BodyChunk> splitBody(const BodyDescription& body);
 void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, uint32_t index,
                      GuideChunk& chunk);
 
+/// Of kMaxTextBytes at most, without control characters.
+bool isSoundName(const std::string& name);
 /// A command that fits the wire: known kind, id not 0, finite values, at most 64 of them, a short name of one
 /// line.
 bool isSound(const Command& command);

@@ -164,7 +164,8 @@ void checkColliders(const ColliderSet& set, const std::string& where) {
   }
   if (set.colliders.size() > kMaxColliders || shapes > kMaxColliderShapes)
     throw Error("there are too many colliders for the network", where,
-                "cast at most " + std::to_string(kMaxColliderShapes) + " shapes");
+                "cast at most " + std::to_string(kMaxColliders) + ", of " +
+                    std::to_string(kMaxColliderShapes) + " shapes");
 }
 
 std::vector<ColliderChunk> splitColliders(const ColliderSet& set) {

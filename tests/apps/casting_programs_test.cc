@@ -198,9 +198,18 @@ TEST_F(CastingPrograms, CollidersAreMadeOfTheDaemonsFiles) {
   write("open/a cube.obj", kCube);
   write("open/broken.obj", "v 0 0 0\nf 1 2 x\n");
   std::filesystem::create_symlink(outside, folder_ / "open" / "link.obj");
+  const std::filesystem::path named = write("named.toml", R"(scene = "straight"
+[body]
+name = "bust"
+[[body.primitives]]
+name = "a stone"
+radius = 0.02
+follows_head = false
+a = [0, 0.2, 0.9]
+)");
   const std::string network = " --domain " + domain_;
-  const std::vector<std::string> words{daemon_,    "--scene", "straight", "--strands",  "200",
-                                       "--domain", domain_,   "--quiet",  "--duration", "120"};
+  const std::vector<std::string> words{daemon_,    "--config", named.string(), "--strands",  "200",
+                                       "--domain", domain_,    "--quiet",      "--duration", "120"};
   std::vector<std::string> opens = words;
   opens.insert(opens.end(), {"--collider-folder", "open"});
   const pid_t daemon = start(opens, "daemon.txt");
@@ -214,25 +223,30 @@ TEST_F(CastingPrograms, CollidersAreMadeOfTheDaemonsFiles) {
   EXPECT_EQ(run(add + "hat convex 'a cube.obj' --at 0 0.5 0 --head --unit-meters 0.5" + network).exit_code,
             0);
   EXPECT_EQ(run(collider + "move box 0 0.2 0.6 --seconds 0" + network).exit_code, 0);
+  EXPECT_EQ(run(collider + "move 'a stone' 0 0.3 0.9 --seconds 0" + network).exit_code, 0);
   nlohmann::json listed;
   const auto list = [&] {
     listed = nlohmann::json::parse(run(collider + "list --json" + network).out)["colliders"];
     return listed.size();
   };
-  ASSERT_EQ(list(), 5u) << listed;
-  EXPECT_EQ(listed[2]["name"], "box");
-  EXPECT_EQ(listed[2]["shapes"], nlohmann::json::parse("[\"convex\"]"));
-  EXPECT_EQ(listed[2]["position"], nlohmann::json::parse("[0.0, 0.2, 0.6]"));
-  EXPECT_EQ(listed[3]["name"], "a mesh");
-  EXPECT_EQ(listed[3]["shapes"], nlohmann::json::parse("[\"mesh\"]"));
-  EXPECT_EQ(listed[3]["position"], nlohmann::json::parse("[-0.2, 0.1, 0.75]"));
-  EXPECT_EQ(listed[4]["follows_head"], true);
+  ASSERT_EQ(list(), 6u) << listed;
+  for (const size_t part : {0, 1}) EXPECT_EQ(listed[part]["name"], "bust");
+  EXPECT_EQ(listed[2]["name"], "a stone");
+  EXPECT_EQ(listed[2]["position"], nlohmann::json::parse("[0.0, 0.3, 0.9]"));
+  EXPECT_EQ(listed[3]["name"], "box");
+  EXPECT_EQ(listed[3]["shapes"], nlohmann::json::parse("[\"convex\"]"));
+  EXPECT_EQ(listed[3]["position"], nlohmann::json::parse("[0.0, 0.2, 0.6]"));
+  EXPECT_EQ(listed[4]["name"], "a mesh");
+  EXPECT_EQ(listed[4]["shapes"], nlohmann::json::parse("[\"mesh\"]"));
+  EXPECT_EQ(listed[4]["position"], nlohmann::json::parse("[-0.2, 0.1, 0.75]"));
+  EXPECT_EQ(listed[5]["follows_head"], true);
   const auto refusal = [&](const std::string& what) {
     const Outcome r = run(what + network);
     EXPECT_EQ(r.exit_code, 2) << what;
     return r.err;
   };
   const std::pair<std::string, const char*> bad[] = {{"box mesh 'a cube.obj'", "name of its own"},
+                                                     {"bust sphere 0 0 0 1", "name of its own"},
                                                      {"x mesh ../outside.obj", "no name within"},
                                                      {"x convex " + outside.string(), "no name within"},
                                                      {"x convex link.obj", "link out of"},
@@ -262,8 +276,9 @@ TEST_F(CastingPrograms, CollidersAreMadeOfTheDaemonsFiles) {
   std::this_thread::sleep_for(std::chrono::seconds(1));
   EXPECT_GT(frames(), before + 10);
   EXPECT_TRUE(isRunning(waits));
-  EXPECT_EQ(list(), 5u);
+  EXPECT_EQ(list(), 6u);
   EXPECT_EQ(run(collider + "remove box" + network).exit_code, 0);
+  EXPECT_EQ(run(collider + "remove 'a stone'" + network).exit_code, 0);
   EXPECT_EQ(run(collider + "remove 'a mesh'" + network).exit_code, 0);
   EXPECT_EQ(list(), 3u) << listed;
   interrupt(daemon);

@@ -1,5 +1,11 @@
 // A daemon's colliders, over the channel within one process.
+#include <fstream>
+
+#include "groom/file_bytes.h"
 #include "tests/apps/daemon_fixture.h"
+#include "tests/error_of.h"
+#include "tests/groom/scratch_folder.h"
+#include "tests/groom/skinned_arm.h"
 #include "transport/collider_chunks.h"
 #include "transport/parameter_table.h"
 
@@ -116,6 +122,103 @@ TEST_F(DaemonColliders, BadCommandsAreRefused) {
     ++taken;
   EXPECT_GE(taken, kMaxPlacedColliders - scene_bodies_);
   EXPECT_LE(taken, kMaxPlacedColliders) << "as many as a frame has room for";
+}
+
+TEST_F(DaemonColliders, ThoseThatTheSceneNamesAreMovedAndRemoved) {
+  Settings settings = fewStrands();
+  settings.scene.body_contact = BodyContact::kSpheres;
+  ScenePrimitive stone, hat;
+  stone.shape.radius = hat.shape.radius = 0.04f;
+  stone.shape.a = Vec3(0, 0, 0.5f);
+  stone.follows_head = false;
+  stone.name = "a stone";
+  hat.shape.a = Vec3(0, 1, 0);
+  hat.name = "hat";
+  settings.scene.primitives = {stone, hat};
+  settings.scene.body_name = "bust";
+  start(settings, makeScene(settings.scene));
+  cast(1);
+  const std::vector<Collider> all = subscriber_->colliders()->colliders;
+  ASSERT_EQ(all.size(), scene_bodies_ + 2);
+  const uint32_t id = all[scene_bodies_].id;
+  const NamedValues told = toldOf(daemon_->status().parameters, kToldCollider);
+  ASSERT_EQ(told, (NamedValues{{"bust", {0, static_cast<double>(scene_bodies_)}},
+                               {"a stone", {static_cast<double>(id)}},
+                               {"hat", {static_cast<double>(all[scene_bodies_ + 1].id)}}}));
+  const auto place = [&] {
+    for (const PlacedCollider& placed : subscriber_->frame()->colliders)
+      if (placed.id == id) return placed.pose.apply(all[scene_bodies_].shapes[0].a);
+    return Vec3(-1, -1, -1);
+  };
+  EXPECT_EQ(place(), Vec3(0, 0, 0.5f));
+  EXPECT_EQ(order(CommandKind::kMoveCollider, "a stone", {0.1, 0, 0.3, 0, 0, 0, 1, 0}), "");
+  EXPECT_EQ(place(), Vec3(0.1f, 0, 0.3f)) << "its middle is where it is told to be";
+  EXPECT_NE(order(CommandKind::kMoveCollider, "hat", {0, 0, 0, 0, 0, 0, 1}).find("follows the head"),
+            std::string::npos);
+  EXPECT_NE(order(CommandKind::kAddCollider, "hat", ball(0.5)).find("name of its own"), std::string::npos);
+  EXPECT_NE(order(CommandKind::kAddCollider, "bust", ball(0.5)).find("name of its own"), std::string::npos);
+  for (const CommandKind kind : {CommandKind::kMoveCollider, CommandKind::kRemoveCollider})
+    EXPECT_NE(order(kind, "bust", {0, 0, 0, 0, 0, 0, 1}).find("hair grows on 'bust'"), std::string::npos);
+  EXPECT_EQ(order(CommandKind::kRemoveCollider, "hat"), "");
+  EXPECT_EQ(order(CommandKind::kRemoveCollider, "a stone"), "");
+  EXPECT_EQ(subscriber_->colliders()->colliders.size(), scene_bodies_);
+  EXPECT_EQ(order(CommandKind::kAddCollider, "hat", ball(0.5)), "");
+}
+
+TEST_F(DaemonColliders, OnesThatHangOnJointsGoWithThemAndCanOnlyBeRemoved) {
+  const ScratchFolder folder;
+  samples::ArmOptions arm = samples::smallArm();
+  arm.joints = {"neck", "head"};
+  writeFileBytes(folder / "arm.glb", samples::armGlb(arm));
+  std::ofstream(folder / "hair.obj") << "v 0.04 0.2 0\nv 0.06 0.2 0\nv 0.08 0.2 0\nl 1 2 3\n";
+  Settings settings = fewStrands();
+  settings.scene = {};
+  settings.scene.groom = {folder / "hair.obj"};
+  settings.scene.body = folder / "arm.glb";
+  settings.scene.units = {1, UpAxis::kY};
+  settings.scene.skinned = SkinnedMotion{"bend", "neck"};
+  settings.scene.body_cell = 0.01f;
+  ScenePrimitive crown;
+  crown.shape.a = Vec3(0, 0.4f, 0);
+  crown.shape.radius = 0.02f;
+  crown.joint = "head";
+  crown.name = "crown";
+  settings.scene.primitives = {crown};
+  settings.scene.body_name = "walker";
+  start(settings, makeScene(settings.scene));
+  cast(1);
+  const Collider worn = subscriber_->colliders()->colliders.back();
+  const auto place = [&] {
+    const PlacedCollider& last = subscriber_->frame()->colliders.back();
+    EXPECT_EQ(last.id, worn.id);
+    return last.pose.apply(worn.shapes[0].a);
+  };
+  EXPECT_LT((place() - crown.shape.a).norm(), 0.01f) << "the clip begins at rest";
+  cast(60);
+  EXPECT_GT((place() - crown.shape.a).norm(), 0.05f) << "and turns the head";
+  const std::string told = order(CommandKind::kMoveCollider, "crown", {0, 0, 0, 0, 0, 0, 1});
+  EXPECT_NE(told.find("goes with the body's joint 'head'"), std::string::npos) << told;
+  EXPECT_NE(order(CommandKind::kMoveCollider, "walker", {0, 0, 0, 0, 0, 0, 1}).find("move its joints"),
+            std::string::npos);
+  const size_t with = subscriber_->colliders()->colliders.size();
+  EXPECT_EQ(order(CommandKind::kRemoveCollider, "crown"), "");
+  cast(2);
+  EXPECT_EQ(subscriber_->colliders()->colliders.size(), with - 1);
+}
+
+TEST_F(DaemonColliders, MoreThanAFrameTellsOfAreRefusedBeforeTheFirst) {
+  Settings settings = fewStrands();
+  settings.scene.body_contact = BodyContact::kSpheres;
+  for (size_t i = 0; i <= kMaxPlacedColliders; ++i) {
+    ScenePrimitive ball;
+    ball.shape.radius = 0.01f;
+    ball.shape.a = Vec3(0, 5, 0);
+    ball.follows_head = false;
+    ball.name = std::to_string(i);
+    settings.scene.primitives.push_back(std::move(ball));
+  }
+  const std::string told = errorOf([&] { start(settings, makeScene(settings.scene)); });
+  EXPECT_NE(told.find("bodies do not follow the head"), std::string::npos) << told;
 }
 
 TEST_F(DaemonColliders, OneThatIsRefusedChangesNothing) {

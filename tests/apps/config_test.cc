@@ -31,6 +31,7 @@ cell = 0.003
 friction = 0.1
 clip = "Walk.BVH"
 joint = "Head"
+name = "the bust"
 fitted_spheres = 12
 [[body.primitives]]
 kind = "capsule"
@@ -118,6 +119,7 @@ TEST(Config, ReadsEveryKey) {
   ASSERT_TRUE(s.scene.skinned);
   EXPECT_EQ(s.scene.skinned->clip, "some/Walk.BVH");
   EXPECT_EQ(s.scene.skinned->joint, "Head");
+  EXPECT_EQ(s.scene.body_name, "the bust");
   EXPECT_FLOAT_EQ(s.scene.body_friction, 0.1f);
   ASSERT_EQ(s.scene.primitives.size(), 4u);
   const ScenePrimitive &capsule = s.scene.primitives[0], &ellipsoid = s.scene.primitives[1];
@@ -135,7 +137,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_FLOAT_EQ(mesh.shape.a.z(), -1);
   EXPECT_FLOAT_EQ(mesh.cell, 0.005f);
   EXPECT_FALSE(mesh.follows_head);
-  EXPECT_EQ(mesh.where, "some/hair.toml line 29");
+  EXPECT_EQ(mesh.where, "some/hair.toml line 30");
   EXPECT_EQ(s.scene.primitives[3].shape.kind, PrimitiveKind::kConvex);
   EXPECT_EQ(s.scene.primitives[3].file, "some/hat.obj");
   ASSERT_EQ(s.scene.materials.size(), 2u);
@@ -164,6 +166,25 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_FLOAT_EQ(s.codec.max_error, 5e-5f);
   EXPECT_EQ(s.codec.key_interval, 20u);
   ASSERT_EQ(s.parameters.size(), 2u);
+}
+
+TEST(Config, APrimitiveHasAJointOrANameOrBoth) {
+  const std::string ball = "[[body.primitives]]\nradius = 0.1\n";
+  Settings settings;
+  readConfigText(ball + "joint = \"LeftHand\"\nname = \"a ring\"\n" + ball, "hair.toml", settings);
+  ASSERT_EQ(settings.scene.primitives.size(), 2u);
+  EXPECT_EQ(settings.scene.primitives[0].joint, "LeftHand");
+  EXPECT_EQ(settings.scene.primitives[0].name, "a ring");
+  EXPECT_EQ(settings.scene.primitives[1].joint, "");
+  EXPECT_EQ(settings.scene.primitives[1].name, "");
+  EXPECT_EQ(errorOf(ball + "joint = \"\""),
+            "a joint has no name: hair.toml line 3; name one, or leave it out");
+  EXPECT_EQ(errorOf(ball + "joint = \"LeftHand\"\nfollows_head = false"),
+            "a primitive goes with its joint: hair.toml line 4; leave follows_head out, or joint");
+  for (const std::string& name : {std::string(), std::string("a\\nb"), std::string(256, 'n')})
+    EXPECT_NE(errorOf(ball + "name = \"" + name + "\"").find("hair.toml line 3; give 1 to 255 bytes"),
+              std::string::npos)
+        << name;
 }
 
 TEST(Config, SourcesOfWindAreReadAndChecked) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <numbers>
 
 #include "scenes/scene.h"
@@ -91,6 +92,75 @@ TEST_F(ScenePrimitives, ThoseThatFollowTheHeadAreOneBodyAndThoseThatStandAnother
   EXPECT_FALSE(scene.bodies[1].follows_head);
   ASSERT_EQ(scene.bodies[1].primitives.size(), 1u);
   EXPECT_EQ(scene.bodies[1].primitives[0].friction, 0);
+}
+
+TEST_F(ScenePrimitives, OneWithANameIsABodyOfItsOwn) {
+  ScenePrimitive ball = of(PrimitiveKind::kSphere, {}, Vec3(0, 1, 0));
+  ball.shape.radius = 0.1f;
+  options_.primitives = {ball, ball, ball, ball};
+  options_.primitives[0].name = "hat";
+  options_.primitives[1].name = "a stone";
+  options_.primitives[1].follows_head = false;
+  const Scene scene = makeScene(options_);
+  ASSERT_EQ(scene.bodies.size(), 3u);
+  EXPECT_EQ(scene.bodies[0].primitives.size(), 2u) << "those without a name";
+  EXPECT_EQ(scene.named_bodies, (std::map<std::string, BodyId>{{"hat", 1}, {"a stone", 2}}));
+  EXPECT_TRUE(scene.bodies[1].follows_head);
+  EXPECT_EQ(scene.bodies[1].primitives.at(0).a, Vec3(0, 1, 0)) << "where the head is at rest";
+  EXPECT_FALSE(scene.bodies[2].follows_head);
+  options_.primitives[3].name = "hat";
+  options_.primitives[3].where = "hair.toml line 20";
+  EXPECT_EQ(error(),
+            "two bodies are called 'hat': hair.toml line 20; give it a name of its own: the other is "
+            "hair.toml line 9");
+  options_.primitives[3].name = "bust";
+  options_.body_name = "bust";
+  EXPECT_NE(error().find("'bust': hair.toml line 20; give it a name of its own: the other is [body]"),
+            std::string::npos);
+  options_.primitives.clear();
+  EXPECT_NE(error().find("there is no body to be called 'bust'"), std::string::npos);
+}
+
+TEST_F(ScenePrimitives, OneWithANameThatStandsIsPlacedByItsPose) {
+  const std::filesystem::path box = write("box.obj", shapes::box(Vec3(0.1f, 0.02f, 0.05f)));
+  const Quat turn(Eigen::AngleAxisf(0.7f, Eigen::Vector3f(1, 2, 2).normalized()));
+  for (const PrimitiveKind kind :
+       {PrimitiveKind::kSphere, PrimitiveKind::kCapsule, PrimitiveKind::kTaperedCapsule,
+        PrimitiveKind::kPlane, PrimitiveKind::kEllipsoid, PrimitiveKind::kBox, PrimitiveKind::kConvex,
+        PrimitiveKind::kField}) {
+    const bool has_file = kind == PrimitiveKind::kConvex || kind == PrimitiveKind::kField;
+    ScenePrimitive primitive = of(kind, has_file ? box : "", Vec3(0.1f, 0.5f, -0.2f));
+    primitive.follows_head = false;
+    primitive.shape.b = kind == PrimitiveKind::kPlane ? Vec3(Vec3(1, 2, 0).normalized()) : Vec3(0, 0.6f, 0);
+    primitive.shape.radius = 0.03f;
+    primitive.shape.radius_b = 0.02f;
+    primitive.shape.extent = Vec3(0.1f, 0.02f, 0.05f);
+    primitive.shape.rotation = turn;
+    primitive.cell = kind == PrimitiveKind::kField ? 0.004f : 0;
+    options_.primitives = {primitive};
+    const ContactPrimitive plain = makeScene(options_).bodies.at(0).primitives.at(0);
+    options_.primitives[0].name = "it";
+    const RigidBody named = makeScene(options_).bodies.at(0);
+    EXPECT_EQ(named.pose.position, primitive.shape.a);
+    const bool turns = kind >= PrimitiveKind::kEllipsoid;
+    if (turns) {
+      EXPECT_LT(named.pose.rotation.angularDistance(turn), 1e-6f);
+    }
+    const Pose back = named.pose.inverse();
+    for (const Vec3& p : {Vec3(0.1f, 0.52f, -0.2f), Vec3(0.16f, 0.5f, -0.17f), Vec3(0.1f, 0.5f, -0.26f)})
+      EXPECT_NEAR(distance(named.primitives.at(0), back.apply(p)), distance(plain, p), 4e-4f)
+          << static_cast<int>(kind);
+  }
+}
+
+TEST_F(ScenePrimitives, WithoutASkinThereIsNoJointToHangOn) {
+  ScenePrimitive ball = of(PrimitiveKind::kSphere, {}, Vec3(0, 1, 0));
+  ball.shape.radius = 0.1f;
+  ball.joint = "hand";
+  options_.primitives = {ball};
+  const std::string told = error();
+  EXPECT_NE(told.find("the body is not skinned: there is no joint 'hand'"), std::string::npos) << told;
+  EXPECT_NE(told.find("hair.toml line 9; give [body]"), std::string::npos) << told;
 }
 
 TEST_F(ScenePrimitives, TheBodysFrictionIsItsOwn) {

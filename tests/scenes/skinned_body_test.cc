@@ -258,6 +258,159 @@ TEST(SkinnedScene, AWalkingFigureOf600StepsLeavesAllHairFinite) {
   EXPECT_LT(worst.max_penetration, 1e-3);
 }
 
+/// An arm along -X that bends down, hair that falls on it, and what hangs on its joints.
+class HangingBodies : public ::testing::Test {
+ protected:
+  HangingBodies() {
+    options_.groom = {folder_ / "hair.obj"};
+    options_.body = folder_ / "arm.glb";
+    options_.units = {1, UpAxis::kX};
+    options_.skinned = SkinnedMotion{"bend", "upper"};
+    options_.body_cell = 0.005f;
+    options_.field_cache = folder_ / "fields";
+    writeFileBytes(folder_ / "arm.glb", samples::armGlb());
+    std::vector<std::vector<Vec3>> strands;
+    for (int s = 0; s < 24; ++s) {
+      std::vector<Vec3>& strand = strands.emplace_back();
+      for (int i = 0; i < 25; ++i)  // the file's axes: X up, Y to the left
+        strand.emplace_back(0.06f, 0.25f + 0.01f * static_cast<float>(s),
+                            -0.08f + 0.01f * static_cast<float>(i));
+    }
+    writeStrands(folder_ / "hair.obj", strands);
+  }
+  static ScenePrimitive ball(const std::string& joint, const Vec3& at, float radius = 0.03f) {
+    ScenePrimitive ball;
+    ball.shape.a = at;
+    ball.shape.radius = radius;
+    ball.joint = joint;
+    ball.where = "arm.toml line 7";
+    return ball;
+  }
+  static void moveTo(const Scene& scene, double seconds, Simulation& simulation) {
+    strandcast::moveTo(scene.skinned.get(), seconds, scene.motion(seconds), simulation);
+  }
+  /// The shape that hangs on it, as the next step of a simulation at `seconds` has it.
+  static MovingPrimitive onTheWay(const Scene& scene, double seconds) {
+    Simulation simulation = simulated(scene);
+    moveTo(scene, seconds, simulation);
+    simulation.step();
+    moveTo(scene, seconds + static_cast<double>(simulation.parameters().time_step), simulation);
+    return simulation.nextInput().primitives.back();
+  }
+
+  const ScratchFolder folder_;
+  SceneOptions options_;
+};
+
+TEST_F(HangingBodies, AreOneForEachJointAndGoWithIt) {
+  options_.motion = "nod+turn";
+  options_.skinned->joint = "lower";
+  options_.primitives = {ball("lower", Vec3(-0.4f, 0.1f, 0)), ball("upper", Vec3(-0.1f, 0.1f, 0)),
+                         ball("lower", Vec3(-0.5f, 0, 0.1f)), ball("lower", Vec3(-0.5f, 0, 0))};
+  options_.primitives[3].name = "watch";
+  const Scene scene = makeScene(options_);
+  const size_t parts = scene.skinned->parts().size();
+  ASSERT_EQ(scene.bodies.size(), parts + 3);
+  EXPECT_EQ(scene.bodies[parts].primitives.size(), 2u);
+  for (size_t i = parts; i < parts + 3; ++i) EXPECT_FALSE(scene.bodies[i].follows_head);
+  EXPECT_EQ(scene.named_bodies.at("watch"), parts + 2);
+  EXPECT_EQ(*scene.skinned->jointOf(parts), "lower");
+  EXPECT_EQ(*scene.skinned->jointOf(parts + 1), "upper");
+  EXPECT_EQ(scene.skinned->jointOf(0), nullptr);
+  // A vertex that hangs on the joint alone goes where what hangs on it does.
+  const std::vector<float> lower = scene.skinned->jointWeights();
+  Simulation simulation = simulated(scene);
+  for (const double t : {0.0, 0.3, 0.9, 1.4, 2.2}) {
+    moveTo(scene, t, simulation);
+    simulation.step();
+    const std::vector<Vec3> skin = scene.skinned->surface(t, scene.motion(t));
+    float farthest = 0;
+    for (size_t v = 0; v < skin.size(); ++v) {
+      const Vec3& rest = scene.body.positions[v];
+      if (lower[v] == 1) {
+        EXPECT_LT((simulation.bodyPose(parts).apply(rest) - skin[v]).norm(), 2e-6f) << t;
+      } else if (lower[v] == 0) {
+        EXPECT_LT((simulation.bodyPose(parts + 1).apply(rest) - skin[v]).norm(), 2e-6f) << t;
+      }
+      farthest = std::max(farthest, (skin[v] - rest).norm());
+    }
+    if (t > 0) {
+      EXPECT_GT(farthest, 0.05f) << t;
+    }
+    EXPECT_EQ(simulation.bodyPose(parts + 2).position, simulation.bodyPose(parts).position);
+  }
+}
+
+TEST_F(HangingBodies, MoveWithTheVelocityOfTheirJoint) {
+  options_.primitives = {ball("lower", Vec3(-0.4f, 0.1f, 0))};
+  const Scene scene = makeScene(options_);
+  const MovingPrimitive moving = onTheWay(scene, 0.8);  // in the middle of the way down
+  const Vec3 begin(moving.a_begin[0], moving.a_begin[1], moving.a_begin[2]),
+      end(moving.a_end[0], moving.a_end[1], moving.a_end[2]),
+      spin(moving.angular_velocity[0], moving.angular_velocity[1], moving.angular_velocity[2]);
+  const float turn = 60 * 3.14159265f / 180;  // rad/s, about the elbow
+  EXPECT_NEAR(spin.norm(), turn, 1e-3f * turn);
+  EXPECT_NEAR(std::fabs(spin.z()), turn, 1e-3f * turn);
+  const Vec3 elbow(-0.25f, 0, 0);
+  EXPECT_NEAR((begin - elbow).norm(), std::hypot(0.15f, 0.1f), 1e-5f);
+  const Vec3 velocity = (end - begin) / scene.parameters.time_step;
+  EXPECT_LT((velocity - spin.cross(0.5f * (begin + end) - elbow)).norm(), 1e-3f) << velocity.transpose();
+}
+
+TEST_F(HangingBodies, KeepHairOut) {
+  options_.primitives = {ball("lower", Vec3(-0.36f, 0.03f, 0), 0.025f)};
+  options_.primitives[0].name = "ball";
+  const Scene scene = makeScene(options_);
+  const BodyId id = scene.named_bodies.at("ball");
+  Simulation simulation = simulated(scene);
+  float nearest = 1, least = 1;
+  for (int step = 1; step <= 100; ++step) {
+    moveTo(scene, simulation.time() + static_cast<double>(simulation.parameters().time_step), simulation);
+    simulation.step();
+    const Vec3 middle = simulation.bodyPose(id).apply(Vec3(-0.36f, 0.03f, 0));
+    for (const Vec3& p : simulation.guides()) nearest = std::min(nearest, (p - middle).norm() - 0.025f);
+    least = std::min(least, middle.y());
+  }
+  EXPECT_LT(least, 0) << "the forearm goes down";
+  EXPECT_GT(nearest, -2e-4f) << "m, into it";
+  EXPECT_LT(nearest, 1e-3f) << "hair lies on it";
+  simulation.removeBody(id);
+  moveTo(scene, simulation.time() + static_cast<double>(simulation.parameters().time_step), simulation);
+  simulation.step();
+  EXPECT_FALSE(simulation.hasBody(id)) << "the others go on without it";
+}
+
+TEST_F(HangingBodies, AMeshIsNoPartOfTheSkin) {
+  std::ofstream(folder_ / "corner.obj")
+      << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  options_.primitives = {ball("lower", Vec3(-0.4f, 0, 0))};
+  options_.primitives[0].shape.kind = PrimitiveKind::kField;
+  options_.primitives[0].file = folder_ / "corner.obj";
+  options_.primitives[0].cell = 0.02f;
+  const Scene scene = makeScene(options_);
+  const ContactPrimitive& shape = scene.bodies.back().primitives.at(0);
+  EXPECT_GT(shape.a.norm(), 1) << "docs/wire.md: its own frame is not that of the skin";
+  ShapeData data;
+  const uint32_t at = data.add(shape);
+  for (const double t : {0.0, 1.0}) {
+    const Pose pose = scene.skinned->placedBodies(t, {}).at(0).pose;
+    EXPECT_EQ(pose.position.norm() > 0.1f, t > 0) << "bent";
+    const auto distance = [&](const Vec3& p) {
+      return signedDistance(moved(shape, pose, pose, 1, at), pose.apply(p), data.words);
+    };
+    EXPECT_NEAR(distance(Vec3(-0.39f, 0.2f, 0.2f)), 0.01f, 1e-3f) << t;
+    EXPECT_NEAR(distance(Vec3(-0.41f, 0.2f, 0.2f)), -0.01f, 1e-3f) << t;
+  }
+}
+
+TEST_F(HangingBodies, AnUnknownJointIsRefused) {
+  options_.primitives = {ball("louver", Vec3(-0.4f, 0.1f, 0))};
+  expectError([&] { makeScene(options_); },
+              {"the body has no joint 'louver': arm.toml line 7; did you mean 'lower'?"});
+  options_.primitives[0].joint = "tentacle";
+  expectError([&] { makeScene(options_); }, {"no joint 'tentacle': arm.toml line 7; it has", "upper, lower"});
+}
+
 TEST(SkinnedScene, WhatCannotBeSkinnedIsRefused) {
   SceneOptions options;
   options.skinned = SkinnedMotion{};
