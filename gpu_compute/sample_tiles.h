@@ -18,7 +18,7 @@ struct SampleTile {
   uint32_t margin;                          ///< pieces before the first that its vertices also need
 };
 
-constexpr uint32_t kTileSamples = 896;  ///< of a tile at most, with its margin: an invocation each
+constexpr uint32_t kTileSamples = 320;  ///< of a tile at most, with its margin: an invocation each
 
 /// All samples, in tiles. Tile t has the places from t kTileSamples on in arrays of samples; neighbours at
 /// rest are neighbours there.

@@ -16,16 +16,24 @@ void main() {
   SampleTile tile = tiles[workgroupNumber()];
   uint me = gl_LocalInvocationIndex, count = tile.pieces * tile.strands, sample_ = workgroupNumber() * uint(TILE_SAMPLES) + me;
   float most = fastestSplatted(), scale = momentumScale();
-  vec3 at = me < count ? placeOf(sample_) : vec3(-1);
-  bool counts = isInGrid(at);
-  vec4 parts[2] = vec4[2](vec4(0), vec4(0));
-  if (counts) {
-    uint root = roots[tile.first_strand + (order[sample_] & 0xFFFFu)], piece = tile.first_piece + (order[sample_] >> 16u);
-    vec3 t = directionOfPiece(chordOf(tile, root, piece)), motion = clamp(motionOf(sample_), vec3(-most), vec3(most));
-    float mass = sampleOf(tile, root, piece).mass;
-    parts[0] = mass * vec4(t * (dot(t, motion) * scale), t.x * t.x * air.mass_scale);
-    parts[1] = mass * air.mass_scale * vec4(t.y * t.y, t.y * t.z, t.x * t.z, t.x * t.y);
+  if (me < count) {
+    uvec2 of = divided(me, tile.pieces);  // strand and piece
+    uint root = roots[tile.first_strand + of.x], piece = tile.first_piece + of.y;
+    vec3 t = directionOfPiece(chordOf(tile, root, piece));
+    spots[me] = vec4(t, sampleOf(tile, root, piece).mass);
   }
+  barrier();
+  // From the order along strands to that in which they are neighbours.
+  vec3 at = vec3(-1);
+  vec4 parts[2] = vec4[2](vec4(0), vec4(0));
+  if (me < count) {
+    at = placeOf(sample_);
+    vec4 found = spots[(order[sample_] & 0xFFFFu) * tile.pieces + (order[sample_] >> 16u)];
+    vec3 t = found.xyz, motion = clamp(motionOf(sample_), vec3(-most), vec3(most));
+    parts[0] = found.w * vec4(t * (dot(t, motion) * scale), t.x * t.x * air.mass_scale);
+    parts[1] = found.w * air.mass_scale * vec4(t.y * t.y, t.y * t.z, t.x * t.z, t.x * t.y);
+  }
+  bool counts = isInGrid(at);
   for (int part = 0; part < 2; ++part) {
     barrier();
     if (counts) {

@@ -1,7 +1,7 @@
 // The samples of a workgroup (gpu_compute/sample_tiles.h), which stand for the pieces of strands on the grid
 // (air/strand_samples.h), and where they are. In memory vertices follow each other along a strand, in the grid the neighbour
 // of a sample is the same piece of the next strand. Needs air_settings.glsl.
-#define TILE_SAMPLES 896  // kTileSamples
+#define TILE_SAMPLES 320  // kTileSamples
 layout(local_size_x = TILE_SAMPLES) in;
 layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    // m, world
 layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // m/s
