@@ -21,13 +21,15 @@ constexpr uint32_t kPerThread = 4, kFewerPerThread = 2;
 
 // A group's key: invocations per strand with kPerThread edges each, and what its strands let the shader do
 // without.
-constexpr uint32_t kGeneral = 64;    // lengths differ along the strand
+constexpr uint32_t kGeneral = 64;    // anything may differ along the strand
 constexpr uint32_t kPinned = 128;    // more than the root is pinned
 constexpr uint32_t kGroomed = 256;   // StrandModel::hasFactors
 constexpr uint32_t kStraight = 512;  // straight at rest, and nothing but the root is pinned
 constexpr uint32_t kTapered = 1024;  // lengths do not, but masses, or joints where all is straight, do
 constexpr uint32_t kCurved = 2048;   // groomed, and factors of damping and friction differ along strands
-constexpr uint32_t kKeys = 4096;
+constexpr uint32_t kUneven =
+    4096;  // lengths differ, but twist is in one ratio to bend, and only the root is pinned
+constexpr uint32_t kKeys = 8192;
 uint32_t threadsOf(uint32_t key) { return key & 63; }
 constexpr uint32_t kAnything = kGeneral | kPinned, kGrooming = kGroomed | kCurved;
 
@@ -110,14 +112,18 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
           static_cast<float>(traits)};
 }
 
-/// Of shaders/rod_strand.glsl.
-std::vector<Vec4> packEdges(const StrandModel& model) {
-  std::vector<Vec4> edges(model.vertices());
+/// Rows of one, two or four numbers per vertex, of shaders/rod_strand.glsl.
+std::vector<float> packEdges(const StrandModel& model, size_t row) {
+  std::vector<float> edges(row * model.vertices());
   for (uint32_t s = 0; s < model.strands(); ++s) {
     for (uint32_t v = model.offsets[s]; v + 1 < model.offsets[s + 1]; ++v) {
       const bool pinned = model.isPinned(s, v + 1);
-      edges[v] = {restLength(model, v), model.twist[v], pinned ? kPinnedMass : model.mass[v + 1],
-                  pinned ? 0.0f : 1 / model.mass[v + 1]};
+      const Vec4 all = {restLength(model, v), model.twist[v], pinned ? kPinnedMass : model.mass[v + 1],
+                        pinned ? 0.0f : 1 / model.mass[v + 1]};
+      float* own = edges.data() + row * v;
+      if (row == 4) std::copy(all.begin(), all.end(), own);
+      if (row == 2) own[0] = all[0];
+      own[row - 1] = all[3];
     }
   }
   return edges;
@@ -131,7 +137,7 @@ bool isStraight(const StrandModel& model, uint32_t strand) {
                      [](const Vec3& strain) { return strain.norm() < kStraightStrain; });
 }
 
-// kGeneral, kTapered or 0. `straight`: then its joints are to be alike, too.
+// kGeneral, kUneven, kTapered or 0. `straight`: then its joints are to be alike, too.
 uint32_t unevennessOf(const StrandModel& model, uint32_t strand, bool straight) {
   const StrandRest rest = strandRest(model, strand);
   const float tolerance = evenTolerance(model, strand);
@@ -139,11 +145,11 @@ uint32_t unevennessOf(const StrandModel& model, uint32_t strand, bool straight) 
   const uint32_t first = model.offsets[strand], tip = model.offsets[strand + 1] - 1;
   uint32_t found = 0;
   for (uint32_t e = first; e < tip; ++e) {
-    if (!equal(restLength(model, e), rest.edge_length) ||
-        !equal(model.twist[e], rest.twist_per_bend * model.bend[e]))
-      return kGeneral;
-    if (!equal(model.mass[e + 1], e + 1 < tip ? 1.0f : 0.5f) ||
-        (straight && e > first && !equal(model.bend[e], rest.bend)))
+    if (!equal(model.twist[e], rest.twist_per_bend * model.bend[e])) return kGeneral;
+    if (!equal(restLength(model, e), rest.edge_length))
+      found = kUneven;
+    else if (found == 0 && (!equal(model.mass[e + 1], e + 1 < tip ? 1.0f : 0.5f) ||
+                            (straight && e > first && !equal(model.bend[e], rest.bend))))
       found = kTapered;
   }
   return found;
@@ -154,9 +160,8 @@ uint32_t keyOf(const StrandModel& model, uint32_t strand) {
   const bool pinned = isPinned(model, strand);
   const bool straight = !pinned && isStraight(model, strand);
   const bool groomed = model.hasFactors(strand), curved = groomed && !model.friction_along.empty();
-  return threads | (pinned || groomed ? kGeneral : unevennessOf(model, strand, straight)) |
-         (pinned ? kPinned : 0) | (groomed ? kGroomed : 0) | (curved ? kCurved : 0) |
-         (straight ? kStraight : 0);
+  return threads | (pinned ? kGeneral : unevennessOf(model, strand, straight)) | (pinned ? kPinned : 0) |
+         (groomed ? kGroomed : 0) | (curved ? kCurved : 0) | (straight ? kStraight : 0);
 }
 
 std::vector<uint32_t> keysOf(const StrandModel& model, bool compiles_slowly) {
@@ -173,6 +178,12 @@ std::vector<uint32_t> keysOf(const StrandModel& model, bool compiles_slowly) {
           (compiles_slowly ? kWorkgroup | grooming : sharedThreads(threadsOf(key)) | (key & kGrooming));
   }
   return keys;
+}
+
+// UNIFORM of shaders/rod.comp.
+int uniformOf(uint32_t key, bool goal) {
+  if ((key & kGeneral) != 0) return 0;
+  return (key & kUneven) != 0 ? 1 : goal || (key & (kTapered | kGroomed)) != 0 ? 2 : 3;
 }
 
 // A dispatch of listed strands when there are none yet: see shaders/rod_strand.glsl.
@@ -264,8 +275,13 @@ void RodStrands::findFrames(ProgramCache& programs) {
 }
 
 void RodStrands::expect(bool goal, bool bodies) {
-  if (edges_.bytes() > 0 || !(goal || bodies || anyGroup(kGeneral | kTapered | kGroomed))) return;
-  edges_ = gl::Buffer(std::span<const Vec4>(packEdges(model_)));
+  const uint32_t row = bodies || anyGroup(kGeneral)            ? 4
+                       : anyGroup(kUneven)                     ? 2
+                       : goal || anyGroup(kTapered | kGroomed) ? 1
+                                                               : 0;
+  if (row <= edge_row_) return;
+  edge_row_ = row;
+  edges_ = gl::Buffer(std::span<const float>(packEdges(model_, row)));
 }
 
 const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray, const Needs& needs,
@@ -277,7 +293,6 @@ const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray,
   const bool pinned = (key & kPinned) != 0, shared = compiles_slowly_ && (key & kAnything) == kAnything;
   const bool stiff = shared || isStiff(needs) || (pinned && between_pins_);
   const bool straight = (key & kStraight) != 0 && !needs.bodies;
-  const int uniform = (key & kGeneral) != 0 || groomed ? 0 : (key & kTapered) != 0 ? 1 : 2;
   const Spread spread = spreadOf(key, bodies);
   return programs.get(
       "rod.comp", shaders::kRodComp,
@@ -286,9 +301,9 @@ const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray,
                   "#define CLEAR {:d}\n#define BODIES {:d}\n#define TURNING {}\n"
                   "#define GROOMED {}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define STIFF {:d}\n"
                   "#define ASTRAY {:d}\n#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
-                  spread.per_thread, spread.threads, edges_of_[group], uniform, pinned, straight, clear,
-                  bodies, astray ? needs.turning : 0, curved ? 2 : int{groomed}, needs.damping, violent,
-                  violent && stiff, astray, shuffled_, needs.accelerated));
+                  spread.per_thread, spread.threads, edges_of_[group], uniformOf(key, needs.goal), pinned,
+                  straight, clear, bodies, astray ? needs.turning : 0, curved ? 2 : int{groomed},
+                  needs.damping, violent, violent && stiff, astray, shuffled_, needs.accelerated));
 }
 
 RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& programs) const {
@@ -377,7 +392,7 @@ void RodStrands::doClear(const Needs& needs, int substeps, ProgramCache& program
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   for (size_t g = 0; g < groups.size(); ++g) {
-    placeWork(*mine[g], false, g, listed(List::kClear, g), listed(List::kNear, g), 0, substeps);
+    placeWork(*mine[g], needs, false, g, listed(List::kClear, g), listed(List::kNear, g), 0, substeps);
     dispatch(*mine[g], groups[g].count, kWorkgroup / spreadOf(groups[g].key, false).threads);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
@@ -389,7 +404,7 @@ void RodStrands::solve(const Programs& programs, const Needs& needs, int first, 
   for (size_t g = 0; g < groups.size(); ++g) {
     const gl::Program& program = few ? *programs.violent[g] : *programs.calm[g];
     const Strands own = sortsOutClear(needs) ? listed(List::kNear, g) : wholeGroup(g);
-    placeWork(program, needs.bodies, g, own, listed(List::kViolent, g, first), first, end);
+    placeWork(program, needs, needs.bodies, g, own, listed(List::kViolent, g, first), first, end);
     dispatch(program, groups[g].count, kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
   }
   if (few) return;
@@ -399,7 +414,7 @@ void RodStrands::solve(const Programs& programs, const Needs& needs, int first, 
     for (size_t g = 0; g < groups.size(); ++g) {
       if (left[g] == nullptr) continue;
       const Strands own = listed(list, g, first);
-      placeWork(*left[g], needs.bodies, g, own, own, first, end);
+      placeWork(*left[g], needs, needs.bodies, g, own, own, first, end);
       left[g]->use();
       glDispatchComputeIndirect(static_cast<GLintptr>((own.count - 3) * sizeof(uint32_t)));
     }
@@ -430,8 +445,8 @@ RodStrands::Strands RodStrands::wholeGroup(size_t group) const {
   return {kWholeGroup, groups_.groups()[group].first};
 }
 
-void RodStrands::placeWork(const gl::Program& program, bool bodies, size_t group, Strands own, Strands left,
-                           int first, int end) const {
+void RodStrands::placeWork(const gl::Program& program, const Needs& needs, bool bodies, size_t group,
+                           Strands own, Strands left, int first, int end) const {
   glProgramUniform1ui(program.id(), 0, own.count);
   glProgramUniform1ui(program.id(), 1, own.list);
   glProgramUniform1ui(program.id(), 2, left.count);
@@ -439,6 +454,8 @@ void RodStrands::placeWork(const gl::Program& program, bool bodies, size_t group
   glProgramUniform1i(program.id(), 4, first);
   glProgramUniform1i(program.id(), 5, end);
   glProgramUniform1ui(program.id(), 10, groups_.groups()[group].count);
+  const int uniform = uniformOf(groups_.groups()[group].key, needs.goal);
+  if (!bodies && (uniform == 1 || uniform == 2)) glProgramUniform1ui(program.id(), 11, edge_row_);
   if (!bodies) return;
   const List to = doesAstrayApart(groups_.groups()[group]) ? List::kAstray : List::kViolent;
   const Strands astray = areFew(true) ? own : listed(to, group, first);

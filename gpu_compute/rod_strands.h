@@ -79,9 +79,9 @@ class RodStrands {
   Strands listed(List list, size_t group, int substep = 0) const;
   Strands wholeGroup(size_t group) const;
   /// Tells the program which strands of a group to do, where to leave those that it cannot, and in which
-  /// substeps.
-  void placeWork(const gl::Program& program, bool bodies, size_t group, Strands own, Strands left, int first,
-                 int end) const;
+  /// substeps. `bodies`: it heeds them.
+  void placeWork(const gl::Program& program, const Needs& needs, bool bodies, size_t group, Strands own,
+                 Strands left, int first, int end) const;
 
   const StrandModel& model_;
   StrandGroups groups_;             ///< key: see rod_strands.cc
@@ -89,7 +89,8 @@ class RodStrands {
   float stiffest_ = 0;              ///< the greatest StrandRest::stiffest
   bool between_pins_ = false;       ///< some strand hangs between two pins, and may be taut there
   gl::Buffer work_, joints_, strands_;
-  gl::Buffer edges_;  ///< empty until a step needs it: programs of uniform strands do without
+  gl::Buffer edges_;       ///< empty until a step needs it: programs of uniform strands do without
+  uint32_t edge_row_ = 0;  ///< numbers of one of its rows
   const size_t few_;
   const bool compiles_slowly_;
   const bool shuffled_;

@@ -7,7 +7,16 @@ layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         //
 layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
 layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // of the edge that starts at the vertex
 layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // rest strain, bend
+#if (UNIFORM == 1 || UNIFORM == 2) && !BODIES
+layout(std430, binding = 11) readonly buffer Edges { float edge_rest[]; };    // rows of the weight; of length and weight; or as below
+layout(location = 11) uniform uint edge_row;                                  // numbers of a row
+float restLengthAt(uint at) { return edge_rest[at * edge_row]; }
+float weightAt(uint at) { return edge_rest[at * edge_row + edge_row - 1u]; }
+#else
 layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };     // length, twist; mass, weight of its end
+float restLengthAt(uint at) { return edge_rest[at].x; }
+float weightAt(uint at) { return edge_rest[at].w; }
+#endif
 // Places in work[]: of the strands that are to be done, and of those that are left to another program.
 layout(location = 0) uniform uint own_count;
 layout(location = 1) uniform uint own_list;
@@ -92,8 +101,10 @@ vec2 strand_grooming;                // factors of friction and damping time
 #define KEEP_IN keep_in
 #define DAMPING_TIME (settings.damping_time * strand_grooming.y)
 
-float goalStiffnessOf(uint at, vec4 edge) {
-  return edge.w > 0.0 ? goalStiffness(edge.z, goalRateOf(at + 1u), settings.time2) : 0.0;
+// Of the vertex at the end of the edge that starts at `at`, whose mass is `own` at rest; pinned ones have none.
+float goalStiffnessOf(uint at, float own) { return goalStiffness(own, goalRateOf(at + 1u), settings.time2); }
+float groomedMass(uint at, float own) {
+  return madd(own, settings.time2 / time2Of(at + 1u), goalStiffnessOf(at, own));
 }
 #else
 #define KEEP(p) settings.keep
@@ -113,28 +124,28 @@ float damping_times[PER_THREAD];
 // The greatest of the strand's edges, see stiffnessOf().
 float kappa() { return rest.stiffest * settings.time2; }
 
+#if UNIFORM == 0
 // Length, twist; mass, weight of the vertex at the end of the edge that starts at `at`.
 vec4 edgeRest(uint at) {
   vec4 edge = edge_rest[at];
 #if GROOMED
   if (edge.w > 0.0) {
-    edge.z = madd(edge.z, settings.time2 / time2Of(at + 1u), goalStiffnessOf(at, edge));
+    edge.z = groomedMass(at, edge.z);
     edge.w = 1.0 / edge.z;
   }
 #endif
   return edge;
 }
-
-#if UNIFORM
-// One length along the strand; twist in one ratio to bend.
-float restLength(int p) { return isEdge(p) ? rest.edge_length : 0.0; }
-float inverseLength(int p) { return rest.inverse_length; }
-float twist(int p) { return bends[p] * rest.twist_per_bend; }
-#if UNIFORM == 1
-float weights[PER_THREAD], weight_in;
-float mass(int p) { return 1.0 / weights[p]; }
-float weight(int p) { return weights[p]; }
+vec4 edge[PER_THREAD];  // length, twist; mass, weight of the vertex
+float weight_in;        // of the vertex before slot 0
+float restLength(int p) { return edge[p].x; }
+float twist(int p) { return edge[p].y; }
+float mass(int p) { return edge[p].z; }
+float weight(int p) { return edge[p].w; }
 #else
+// Twist in one ratio to bend.
+float twist(int p) { return bends[p] * rest.twist_per_bend; }
+#if UNIFORM == 3
 // Masses 1, at the tip 1/2.
 const float weight_in = 1.0;
 #if EDGES > 0
@@ -146,20 +157,33 @@ float weight(int p) { return p == kTip ? tip_weight : 1.0; }
 float mass(int p) { return isTip(p) ? 0.5 : 1.0; }
 float weight(int p) { return isTip(p) ? 2.0 : 1.0; }
 #endif
+#else
+#if GROOMED
+float ownWeight(uint at) { return 1.0 / groomedMass(at, 1.0 / weightAt(at)); }
+#else
+float ownWeight(uint at) { return weightAt(at); }
 #endif
+float weights[PER_THREAD], weight_in;
+float mass(int p) { return 1.0 / weights[p]; }
+float weight(int p) { return weights[p]; }
+#endif
+#endif
+
+#if UNIFORM >= 2
+// One length along the strand.
+float restLength(int p) { return isEdge(p) ? rest.edge_length : 0.0; }
+float inverseLength(int p) { return rest.inverse_length; }
 float inverseLengthIn() { return rest.inverse_length; }
 float inverseLengthOut() { return rest.inverse_length; }
 #else
-vec4 edge[PER_THREAD];           // length, twist; mass, weight of the vertex
+#if UNIFORM == 1
+float lengths[PER_THREAD];
+float restLength(int p) { return lengths[p]; }
+#endif
 float inverse_lengths[PER_THREAD];
-float weight_in, inverse_length_in;  // of the edge and vertex before slot 0
-float inverse_length_out;                       // of the edge after the last slot
+float inverse_length_in, inverse_length_out;  // of the edges before slot 0 and after the last
 float boundedInverse(float edge_length) { return 1.0 / max(edge_length, rest.shortest); }
-float restLength(int p) { return edge[p].x; }
 float inverseLength(int p) { return inverse_lengths[p]; }
-float twist(int p) { return edge[p].y; }
-float mass(int p) { return edge[p].z; }
-float weight(int p) { return edge[p].w; }
 float inverseLengthIn() { return inverse_length_in; }
 float inverseLengthOut() { return inverse_length_out; }
 #endif
@@ -210,7 +234,7 @@ void loadStrand(uint list, uint first, uint count) {
 #if EDGES == 0
   edges = int(offsets[strand + 1u] - root_vertex) - 1;
 #endif
-#if UNIFORM == 2 && EDGES > 0
+#if UNIFORM == 3 && EDGES > 0
   tip_mass = isTip(kTip) ? 0.5 : 1.0;
   tip_weight = isTip(kTip) ? 2.0 : 1.0;
 #endif
@@ -224,40 +248,50 @@ void loadStrand(uint list, uint first, uint count) {
     frame[p] = frames[at];
     rest_strain[p] = joints[at].xyz;
 #endif
-#if STRAIGHT && UNIFORM == 2
+#if STRAIGHT && UNIFORM == 3
     bends[p] = isEdge(p) ? rest.bend : 0.0;
 #else
     bends[p] = isEdge(p) ? joints[at].w : 0.0;
 #endif
-#if UNIFORM == 1
-    weights[p] = edge_rest[at].w;
-#elif !UNIFORM
+#if UNIFORM == 0
     edge[p] = edgeRest(at);
     inverse_lengths[p] = boundedInverse(edge[p].x);
     if (!isEdge(p)) edge[p].x = edge[p].y = 0.0;
+#elif UNIFORM < 3
+    weights[p] = ownWeight(at);
+#endif
+#if UNIFORM == 1
+    const float own_length = restLengthAt(at);
+    inverse_lengths[p] = boundedInverse(own_length);
+    lengths[p] = isEdge(p) ? own_length : 0.0;
 #endif
 #if GROOMED
     keeps[p] = keepOf(at + 1u);
     time2s[p] = time2Of(at + 1u);
-    goal_stiffness[p] = goalStiffnessOf(at, edge_rest[at]);
+    goal_stiffness[p] = weightAt(at) > 0.0 ? goalStiffnessOf(at, 1.0 / weightAt(at)) : 0.0;
 #endif
 #if GROOMED == 2 && DAMPED
     damping_times[p] = settings.damping_time * frictionAndDampingOf(at).y;
 #endif
   }
-#if STRAIGHT && UNIFORM == 2
+#if STRAIGHT && UNIFORM == 3
   bends[0] = select(rank > 0, bends[0], rest.root_bend);
 #endif
   uint at = root_vertex + uint(min(rank * PER_THREAD, edges));
   x_in = positions[at].xyz;
   v_in = velocities[at].xyz;
-#if UNIFORM == 1
-  weight_in = rank > 0 ? edge_rest[max(at, root_vertex + 1u) - 1u].w : 0.0;
-#elif !UNIFORM
-  vec4 edge_in = edgeRest(max(at, root_vertex + 1u) - 1u);
-  weight_in = rank > 0 ? edge_in.w : 0.0;
-  inverse_length_in = boundedInverse(edge_in.x);
-  inverse_length_out = boundedInverse(edge_rest[root_vertex + uint(min((rank + 1) * PER_THREAD, edges - 1))].x);
+#if UNIFORM < 3
+  const uint before_slots = max(at, root_vertex + 1u) - 1u;  // its edge
+#if UNIFORM == 0
+  const float own_weight = edgeRest(before_slots).w;
+#else
+  const float own_weight = ownWeight(before_slots);
+#endif
+  weight_in = rank > 0 ? own_weight : 0.0;
+#endif
+#if UNIFORM < 2
+  inverse_length_in = boundedInverse(restLengthAt(before_slots));
+  inverse_length_out = boundedInverse(restLengthAt(root_vertex + uint(min((rank + 1) * PER_THREAD, edges - 1))));
 #endif
 #if GROOMED
   keep_in = keepOf(at);
