@@ -49,11 +49,11 @@ BoneKey keyOf(const TiedRoot& root, float cell) {
   return key;
 }
 
-/// m: the edge of the smallest cells, in halves or whole millimetres and on, of which there are no more than
-/// `most`; 0 where every root may have a bone.
+/// m: the edge of the smallest cells, each size a fifth larger than the one before, of which there are no
+/// more than `most`; 0 where every root may have a bone.
 float cellOf(const std::vector<TiedRoot>& roots, const BoneKey& head, size_t most) {
-  constexpr float kFinest = 5e-4f;
-  for (float cell = 0;; cell = cell > 0 ? 2 * cell : kFinest) {
+  constexpr float kFinest = 5e-4f, kLarger = 1.2f;
+  for (float cell = 0;; cell = cell > 0 ? kLarger * cell : kFinest) {
     std::set<BoneKey> keys;
     for (const TiedRoot& root : roots) keys.insert(keyOf(root, cell));
     keys.erase(head);
@@ -95,7 +95,7 @@ SkinRoots::SkinRoots(const SkinnedMesh& skin, const std::vector<bool>& rigid, ui
                                  roots.size(), strands.strands(), on_head, name));
   if (cell > 0)
     notes_.push_back(
-        fmt::format("there are more roots than bones: those within {:g} mm of each other share one of {}",
+        fmt::format("there are more roots than bones: those within {:.2g} mm of each other share one of {}",
                     1e3f * cell, points_.size()));
   if (const size_t far = strands.strands() - roots.size(); far > 0)
     notes_.push_back(fmt::format("{} of {} roots are farther than {:g} mm from the skin: they go with '{}'",

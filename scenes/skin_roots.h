@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -27,7 +28,8 @@ class SkinRoots {
  public:
   /// `rigid`: per joint, whether it never stretches what hangs on it. `joint`: the one that hair grows on,
   /// whose bone is the head. More than `most` bones beside it there are not: where roots would need them,
-  /// those that lie within a cell of space and hang on the same joint most share one.
+  /// those that lie within a cell of space and hang on the same joint most share one. Error where even so
+  /// there are too few.
   SkinRoots(const SkinnedMesh& skin, const std::vector<bool>& rigid, uint32_t joint, const StrandSet& strands,
             size_t most = std::numeric_limits<uint16_t>::max());
 
