@@ -348,6 +348,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
       skinned().clip = lowerExtension(v) == ".bvh" ? path(v).string() : v;
     });
     body.text("joint", [&](const std::string& v) { skinned().joint = v; });
+    body.text("roots", [&](const std::string& v) { skinned().roots = bodyRootsOf(v, body.place("roots")); });
     body.number("cell", 1e-6, 1e3, [&](double v) { s.scene.body_cell = static_cast<float>(v); });
     body.wholeNumber("fitted_spheres", 0, 64,
                      [&](double v) { s.scene.body_primitives = static_cast<int>(v); });

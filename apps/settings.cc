@@ -116,6 +116,12 @@ BodyContact bodyContactOf(const std::string& name, const std::string& where) {
   throw Error("unknown contact '" + name + "'", where, "choose one of field, spheres");
 }
 
+BodyRoots bodyRootsOf(const std::string& name, const std::string& where) {
+  if (name == "skin") return BodyRoots::kSkin;
+  if (name == "joint") return BodyRoots::kJoint;
+  throw Error("roots do not go with '" + name + "'", where, "choose one of skin, joint");
+}
+
 void addNetworkOptions(CLI::App& app, Settings& settings) {
   app.add_option(
          "--transport", settings.transport,
@@ -176,6 +182,11 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   scene->add_option("--body-joint", body_joint_,
                     "the joint of a skinned body that the hair grows on and --motion turns; the first with "
                     "'head' in its name if not given. Without --body-clip the rest stands");
+  scene
+      ->add_option("--body-roots", body_roots_,
+                   "what roots on a skinned body move with: the skin under each of them (default), or that "
+                   "joint, all as a whole")
+      ->check(CLI::IsMember({"skin", "joint"}));
   scene
       ->add_option("--body-cell", given_.scene.body_cell,
                    "edge of a cell of the distance field, m; see `strandcast bake`")
@@ -320,10 +331,11 @@ Settings SettingsOptions::over(Settings out) const {
   }
   lay("--body", out.scene.body, given_.scene.body);
   if (!body_contact_.empty()) out.scene.body_contact = bodyContactOf(body_contact_);
-  if (!body_clip_.empty() || !body_joint_.empty()) {
+  if (!body_clip_.empty() || !body_joint_.empty() || !body_roots_.empty()) {
     if (!out.scene.skinned) out.scene.skinned.emplace();
     if (!body_clip_.empty()) out.scene.skinned->clip = body_clip_;
     if (!body_joint_.empty()) out.scene.skinned->joint = body_joint_;
+    if (!body_roots_.empty()) out.scene.skinned->roots = bodyRootsOf(body_roots_);
   }
   lay("--body-cell", out.scene.body_cell, given_.scene.body_cell);
   lay("--unit-meters", out.scene.units.unit_meters, given_.scene.units.unit_meters);

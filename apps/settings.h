@@ -80,7 +80,7 @@ class SettingsOptions {
   const CLI::App *scene_ = nullptr, *simulation_ = nullptr;  ///< groups of its options
   std::filesystem::path config_;
   Settings given_;
-  std::string up_, solver_, codec_, body_contact_, body_clip_, body_joint_;
+  std::string up_, solver_, codec_, body_contact_, body_clip_, body_joint_, body_roots_;
   double codec_error_mm_ = 0;
   bool sag_free_ = true;
   std::vector<std::string> groom_, material_, set_;
@@ -91,6 +91,8 @@ UpAxis upAxisOf(const std::string& name, const std::string& where = "--up");
 
 /// "field" or "spheres"; Error otherwise, naming `where`.
 BodyContact bodyContactOf(const std::string& name, const std::string& where = "--body-contact");
+/// "skin" or "joint"; Error otherwise, naming `where`.
+BodyRoots bodyRootsOf(const std::string& name, const std::string& where = "--body-roots");
 
 /// Adds --transport, --profile, --keys, --peers, --discovery-server, --lcm-url, --domain and --groom-id,
 /// which every program that joins a network has.

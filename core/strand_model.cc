@@ -289,16 +289,25 @@ void checkModel(const StrandModel& model, const std::string& where) {
   check("pin_bones", model.pin_bones, vertices, true, is_bone);
 }
 
-void pinToBone(StrandModel& model, size_t strand, float from, float to, const std::string& bone) {
-  const std::string where = fmt::format("bone '{}', strand {}", bone, strand);
+uint16_t addBone(StrandModel& model, const std::string& bone) {
+  const auto known = std::find(model.bones.begin(), model.bones.end(), bone);
+  const size_t index = static_cast<size_t>(known - model.bones.begin());
+  if (index > UINT16_MAX)
+    throw Error("there are too many bones", fmt::format("bone '{}'", bone), "use 65,535 at most");
+  if (known == model.bones.end()) model.bones.push_back(bone);
+  return static_cast<uint16_t>(index);
+}
+
+void pinToBone(StrandModel& model, size_t strand, float from, float to, uint16_t bone) {
+  const std::string name = bone < model.bones.size() ? model.bones[bone] : std::to_string(bone);
+  const std::string where = fmt::format("bone '{}', strand {}", name, strand);
+  if (bone >= model.bones.size())
+    throw Error("there is no such bone", where, fmt::format("the model has {}", model.bones.size()));
   if (strand >= model.strands())
     throw Error("there is no such strand", where, fmt::format("the model has {}", model.strands()));
   if (!(from >= 0 && from <= to && to <= 1))
     throw Error(fmt::format("{:g} to {:g} is no part of a strand", from, to), where,
                 "give 0 (root) to 1 (tip), in order");
-  const auto known = std::find(model.bones.begin(), model.bones.end(), bone);
-  const size_t index = static_cast<size_t>(known - model.bones.begin());
-  if (index > UINT16_MAX) throw Error("there are too many bones", where, "use 65,535 at most");
 
   constexpr float kRounding = 1e-4f;  // of the strand's length: a limit at a vertex takes it
   const uint32_t first = model.offsets[strand], end = model.offsets[strand + 1];
@@ -312,14 +321,28 @@ void pinToBone(StrandModel& model, size_t strand, float from, float to, const st
   if (pinned.empty())
     throw Error(fmt::format("no vertex lies from {:g} to {:g} of a strand", from, to), where,
                 "give a wider range");
-  if (known == model.bones.end()) model.bones.push_back(bone);
   model.root_bones.resize(model.strands(), 0);
-  model.pin_bones.resize(model.vertices(), 0);
+  if (model.pin_bones.empty()) {
+    model.pin_bones.reserve(model.vertices());
+    for (size_t s = 0; s < model.strands(); ++s)
+      model.pin_bones.resize(model.offsets[s + 1], model.root_bones[s]);
+  }
   for (const uint32_t v : pinned) {
     pin(model, v);
-    model.pin_bones[v] = static_cast<uint16_t>(index);
+    model.pin_bones[v] = bone;
   }
-  if (pinned.front() == first) model.root_bones[strand] = static_cast<uint16_t>(index);
+  if (pinned.front() == first) model.root_bones[strand] = bone;
+}
+
+void pinToBone(StrandModel& model, size_t strand, float from, float to, const std::string& bone) {
+  const size_t bones = model.bones.size();
+  const uint16_t index = addBone(model, bone);
+  try {
+    pinToBone(model, strand, from, to, index);
+  } catch (const Error&) {
+    model.bones.resize(bones);
+    throw;
+  }
 }
 
 Box restBox(const StrandModel& model) {

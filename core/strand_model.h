@@ -127,10 +127,15 @@ StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& 
 /// makeStrandModel() gives passes, but where bend or twist comes out above kStiffestJoint.
 void checkModel(const StrandModel& model, const std::string& where);
 
+/// The bone of this name, which is added where there is none. Throws Error, naming it, on more than 65,535
+/// beside the head.
+uint16_t addBone(StrandModel& model, const std::string& bone);
+
 /// Pins to a bone what of a strand lies from `from` to `to`, parts of its arc length from the root (0) to the
-/// tip (1); at 0 its root frame too. A bone of a new name is added. Throws Error, naming the bone, on an
-/// unknown strand, a range that is none, or in which no vertex lies, and on more than 65,535 bones. To be
-/// called before makeSagFree.
+/// tip (1); at 0 its root frame too. Throws Error, naming the bone, on an unknown bone or strand, a range
+/// that is none, or in which no vertex lies. To be called before makeSagFree.
+void pinToBone(StrandModel& model, size_t strand, float from, float to, uint16_t bone);
+/// The same with addBone().
 void pinToBone(StrandModel& model, size_t strand, float from, float to, const std::string& bone);
 
 /// The rest shape carried rigidly by its roots (one per strand, else Error), at rest.

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "render/hair_growth.h"
 #include "render/scene_block.h"
 #include "render/shaders.h"
 
@@ -39,12 +38,7 @@ void GuideNodes::setGroom(const StrandSet& guides) {
   for (size_t g = 0; g < guides.strands(); ++g) {
     const auto points = guides.strand(g);
     appendKnots(points, knots);
-    const Vec3 normal = rootFrame(points).normal;
-    described[g] = {guides.offsets[g],
-                    static_cast<uint32_t>(points.size()),
-                    0,
-                    0,
-                    {normal.x(), normal.y(), normal.z(), 0}};
+    described[g] = {guides.offsets[g], static_cast<uint32_t>(points.size()), 0, 0, {}};
   }
   const size_t node_bytes = guides.strands() * (segments_ + 1) * 3 * sizeof(float[4]);
   GLint64 largest = 0;
@@ -55,6 +49,7 @@ void GuideNodes::setGroom(const StrandSet& guides) {
                     " bytes, the device allows " + std::to_string(largest),
                 "publish fewer guides or render with fewer segments");
   guides_ = std::move(described);
+  roots_.setGroom(guides);
   vertices_ = guides.vertices();
   position_buffer_ = gl::Buffer(vertices_ * sizeof(Vec3), nullptr, GL_DYNAMIC_STORAGE_BIT);
   knot_buffer_ = gl::Buffer(std::span<const float>(knots));
@@ -75,17 +70,26 @@ size_t GuideNodes::check(std::span<const Vec3> positions) {
   return unusable;
 }
 
-size_t GuideNodes::update(std::span<const Vec3> positions, const Pose& head) {
+size_t GuideNodes::update(std::span<const Vec3> positions, const Pose& head,
+                          std::span<const PlacedCollider> colliders) {
   if (guides_.empty() || positions.size() != vertices_) return 0;
   const size_t unusable = check(positions);
   position_buffer_.write(positions);
-  guide_buffer_.write(std::span<const Guide>(guides_));
-  bind();
   Eigen::Matrix4f rotation = Eigen::Matrix4f::Identity();
   const Quat turn = head.rotation.coeffs().allFinite() && head.rotation.norm() > 1e-6f
                         ? head.rotation.normalized()
                         : Quat::Identity();
   rotation.topLeftCorner<3, 3>() = turn.toRotationMatrix();
+  roots_.place(colliders);
+  for (size_t g = 0; g < guides_.size(); ++g) {
+    Guide& guide = guides_[g];
+    guide.carried = guide.usable != 0 && roots_.carries(g);
+    const Vec3 normal = guide.carried != 0 ? roots_.normal(g, positions[guide.first], {head.position, turn})
+                                           : roots_.restNormal(g);
+    std::copy(normal.begin(), normal.end(), guide.root_normal);
+  }
+  guide_buffer_.write(std::span<const Guide>(guides_));
+  bind();
   program_.set("head_rotation", rotation);
   program_.set("guide_count", static_cast<unsigned>(guides_.size()));
   program_.set("segments", static_cast<unsigned>(segments_));

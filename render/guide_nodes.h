@@ -4,6 +4,7 @@
 
 #include "gl/buffer.h"
 #include "gl/program.h"
+#include "render/guide_roots.h"
 #include "transport/messages.h"
 
 namespace strandcast {
@@ -18,13 +19,16 @@ class GuideNodes {
   explicit GuideNodes(int segments);
 
   void setGroom(const StrandSet& guides);
+  /// Among which the parts of a skinned body carry the roots on them (GuideRoots).
+  void setObstacles(std::span<const HairObstacle> obstacles) { roots_.setObstacles(obstacles); }
   size_t guides() const { return guides_.size(); }
   size_t vertices() const { return vertices_; }
   int segments() const { return segments_; }
 
   /// `positions` has vertices() entries, world. Not finite ones switch their guide off; returns how many are
   /// off.
-  size_t update(std::span<const Vec3> positions, const Pose& head);
+  size_t update(std::span<const Vec3> positions, const Pose& head,
+                std::span<const PlacedCollider> colliders = {});
   /// Only says how many would be off.
   size_t check(std::span<const Vec3> positions);
   void bind() const;
@@ -32,13 +36,16 @@ class GuideNodes {
 
  private:
   struct Guide {
-    uint32_t first, count, usable, unused;
-    float rest_normal[4];  ///< at the root, perpendicular to the rest tangent, groom frame
+    uint32_t first, count, usable;
+    uint32_t carried;  ///< GuideRoots does
+    /// At the root: perpendicular to the rest tangent, in the groom's frame; carried, of any length, world.
+    float root_normal[4];
   };
 
   int segments_;
   size_t vertices_ = 0;
   std::vector<Guide> guides_;
+  GuideRoots roots_;
   gl::Program program_;
   gl::Buffer position_buffer_, knot_buffer_, guide_buffer_, node_buffer_;
 };

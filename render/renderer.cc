@@ -150,7 +150,10 @@ struct Renderer::Impl {
       next_hair->bodies().setObstacles(obstacles);
     }
     std::unique_ptr<GuideNodes> next_nodes;
-    if (other_nodes) next_nodes = std::make_unique<GuideNodes>(next.segments);
+    if (other_nodes) {
+      next_nodes = std::make_unique<GuideNodes>(next.segments);
+      next_nodes->setObstacles(obstacles);
+    }
     if (other_lights && !other_hair) hair->setLights(counts);
     if (first || other_lights) body.setLights(counts);
 
@@ -399,7 +402,7 @@ struct Renderer::Impl {
     switch (pass) {
       case RenderPass::kGuides:
         statistics.guides_unusable = shadow_detail.hairs > 0 || settings.marks.any()
-                                         ? nodes->update(guides, head)
+                                         ? nodes->update(guides, head, colliders)
                                          : nodes->check(guides);
         return;
       case RenderPass::kGrowth:
@@ -539,6 +542,7 @@ void Renderer::setBody(const BodyDescription& body) { impl_->body.setBody(body);
 void Renderer::setObstacles(std::vector<HairObstacle> obstacles) {
   impl_->hair->bodies().setObstacles(obstacles);
   impl_->body.setObstacles(obstacles);
+  impl_->nodes->setObstacles(obstacles);
   impl_->obstacles = std::move(obstacles);
 }
 

@@ -10,13 +10,12 @@ void pinParts(StrandModel& model, const std::vector<PinRule>& rules,
   for (const PinRule& rule : rules) {
     std::vector<bool> chosen(part_names.size(), rule.parts.empty());
     for (const std::string& part : rule.parts) chosen[partOf(part, part_names, rule.where)] = true;
-    for (size_t s = 0; s < model.strands(); ++s) {
-      if (!chosen[strand_parts.empty() ? 0 : strand_parts[s]]) continue;
-      try {
-        pinToBone(model, s, rule.from, rule.to, rule.bone);
-      } catch (const Error& error) {
-        throw Error(error.what(), rule.where, "");
-      }
+    try {
+      const uint16_t bone = addBone(model, rule.bone);
+      for (size_t s = 0; s < model.strands(); ++s)
+        if (chosen[strand_parts.empty() ? 0 : strand_parts[s]]) pinToBone(model, s, rule.from, rule.to, bone);
+    } catch (const Error& error) {
+      throw Error(error.what(), rule.where, "");
     }
   }
 }

@@ -298,6 +298,14 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
     fillBody(options, progress, scene);
 }
 
+/// Of a model's bones, which are 65,535 beside the head, `pinned` are left for pins.
+void growOnSkin(const StrandSet& strands, size_t pinned, Scene& scene) {
+  constexpr size_t kMostBones = std::numeric_limits<uint16_t>::max();
+  scene.skinned->growOnSkin(strands, kMostBones - std::min(pinned, kMostBones));
+  const std::vector<std::string>& found = scene.skinned->roots()->notes();
+  scene.notes.insert(scene.notes.end(), found.begin(), found.end());
+}
+
 Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   Scene scene;
   scene.parameters.damping_time = kHairDamping;
@@ -327,6 +335,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   noteHairInBody(strands, scene.bodies, scene.notes);
 
   if (scene.skinned) {
+    if (options.skinned->roots == BodyRoots::kSkin) growOnSkin(strands, options.pins.size(), scene);
     scene.head_pivot = scene.skinned->pivot();
   } else {
     // The joint of head and neck is about 8 cm below the middle of the roots.
@@ -352,6 +361,7 @@ const std::vector<SceneInfo>& sceneList() {
 
 StrandModel sceneModel(const Scene& scene) {
   StrandModel model = makeStrandModel(scene.groom.strands, scene.materials);
+  if (scene.skinned && scene.skinned->roots() != nullptr) scene.skinned->roots()->addTo(model);
   pinParts(model, scene.pins, scene.part_names, scene.groom.strands.parts);
   return model;
 }
@@ -384,7 +394,7 @@ void checkNamesAndJoints(const SceneOptions& options) {
 void checkSkinned(const SceneOptions& options) {
   if (!options.skinned) return;
   if (options.groom.empty() || options.body.empty())
-    throw Error("there is no body that could be skinned", "clip or joint of the body",
+    throw Error("there is no body that could be skinned", "clip, joint or roots of the body",
                 "name groom and body files (--groom, --body)");
   if (options.body_contact != BodyContact::kField)
     throw Error("spheres do not stand for a skinned body", options.body.string(),

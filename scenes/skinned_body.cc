@@ -155,6 +155,32 @@ std::vector<Vec3> SkinnedBody::surface(double seconds, const Pose& head) const {
   return skin_.blended(placed(seconds, head));
 }
 
+/// Per joint, whether neither it nor what it hangs on ever stretches what hangs on it.
+std::vector<bool> SkinnedBody::rigidJoints() const {
+  constexpr float kRounding = 1e-5f;
+  std::vector<bool> rigid(skin_.skeleton.joints.size(), true);
+  for (const ClipChannel& channel : clip_.channels)
+    if (channel.path == ClipPath::kScale) rigid[channel.joint] = false;
+  for (size_t j = 0; j < rigid.size(); ++j) {
+    const SkeletonJoint& joint = skin_.skeleton.joints[j];
+    const Vec3 size = joint.rest.scale.cwiseAbs();
+    if (size.maxCoeff() - size.minCoeff() > kRounding * size.maxCoeff() ||
+        (joint.parent >= 0 && !rigid[static_cast<size_t>(joint.parent)]))
+      rigid[j] = false;
+  }
+  return rigid;
+}
+
+void SkinnedBody::growOnSkin(const StrandSet& strands, size_t most_bones) {
+  roots_.emplace(skin_, rigidJoints(), static_cast<uint32_t>(joint_), strands, most_bones);
+}
+
+std::vector<Pose> SkinnedBody::placedRoots(double seconds, const Pose& head) const {
+  std::vector<Pose> poses(roots_ ? roots_->bones() : 0);
+  if (!poses.empty()) roots_->place(skin_.bindingsAt(placed(seconds, head)), poses);
+  return poses;
+}
+
 void SkinnedBody::checkJoint(const std::string& joint, const std::string& where) const {
   jointNamed(skin_.skeleton, joint, where);
 }
@@ -186,6 +212,8 @@ void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulatio
   Pose carried = body->carried(seconds) * head;
   carried.rotation.normalize();
   simulation.setHeadPose(carried);
+  const std::vector<Pose> roots = body->placedRoots(seconds, head);
+  for (size_t bone = 0; bone < roots.size(); ++bone) simulation.setBonePose(bone + 1, roots[bone]);
   BodyId id = body->first_body;
   for (const SkinnedBody::PlacedPart& part : body->placedParts(seconds, head)) {
     simulation.setBodyPose(id, part.pose);

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "core/simulation.h"
 #include "groom/skinned_mesh.h"
 #include "scenes/skin_parts.h"
+#include "scenes/skin_roots.h"
 
 namespace strandcast {
 
@@ -18,6 +20,7 @@ struct SkinnedMotion {
   /// The joint that hair grows on and that the head's motion turns, with all that hangs on it; empty = the
   /// first with "head" in its name.
   std::string joint;
+  BodyRoots roots = BodyRoots::kSkin;
 };
 
 /// A body whose skin is blended from its joints, and its parts, which follow it. A clip starts from rest
@@ -50,6 +53,13 @@ class SkinnedBody {
   std::vector<PlacedPart> placedParts(double seconds, const Pose& head) const;
   std::vector<Vec3> surface(double seconds, const Pose& head) const;
 
+  /// From now on these strands grow on the skin, by `most_bones` at most. A Simulation is then to be made of
+  /// a model that knows it (sceneModel).
+  void growOnSkin(const StrandSet& strands, size_t most_bones);
+  const SkinRoots* roots() const { return roots_ ? &*roots_ : nullptr; }  ///< null = all go with the joint
+  /// Of the bones of roots(), when the head's motion is at `head`.
+  std::vector<Pose> placedRoots(double seconds, const Pose& head) const;
+
   /// The first of the parts' bodies in the simulation; the others follow it.
   BodyId first_body = 0;
 
@@ -71,6 +81,7 @@ class SkinnedBody {
   const std::string& nameOf(size_t joint) const { return skin_.skeleton.joints[joint].name; }
   std::vector<JointTransform> played(double seconds) const;
   std::vector<Placement> placed(double seconds, const Pose& head) const;
+  std::vector<bool> rigidJoints() const;
 
   SkinnedMesh skin_;
   SkeletonClip clip_;
@@ -80,12 +91,13 @@ class SkinnedBody {
   std::vector<JointTransform> rest_locals_, first_, last_;  ///< at rest, and the clip's ends
   std::vector<SkinPart> parts_;
   std::vector<std::pair<BodyId, size_t>> hanging_;  ///< bodies, and the joints that they hang on
+  std::optional<SkinRoots> roots_;
   std::vector<std::string> notes_;
 };
 
-/// Tells the simulation where head and body are to be at `seconds`, when the head's motion is at `head`.
-/// `body` may be null: then `head` is where the head is. Of bodies that hang on joints the simulation may
-/// have lost some.
+/// Tells the simulation where head, roots and body are to be at `seconds`, when the head's motion is at
+/// `head`. `body` may be null: then `head` is where the head is. Of bodies that hang on joints the simulation
+/// may have lost some.
 void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulation& simulation);
 
 }  // namespace strandcast

@@ -108,7 +108,8 @@ struct PlayoutStatistics {
 };
 
 /// Moves hair that was simulated on one head pose rigidly to another, newer one ("late latching"): a renderer
-/// that tracks the head itself then shows no delay of the head, only of the sway of the hair.
+/// that tracks the head itself then shows no delay of the head, only of the sway of the hair. Not for hair
+/// whose roots stay on a skinned body, which is not the head's.
 void moveToHead(GuideFrame& frame, const Pose& head);
 /// A frame between two of one revision, at a time between theirs: positions go straight relative to the head,
 /// the head and colliders from pose to pose. All else is the later one's.

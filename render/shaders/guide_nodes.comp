@@ -6,8 +6,8 @@ layout(local_size_x = 32) in;
 #include "kernels/hair.h"
 
 struct Guide {
-  uint first, count, usable, unused;
-  vec4 rest_normal;
+  uint first, count, usable, carried;
+  vec4 root_normal;
 };
 layout(std430, binding = 0) readonly buffer GuidePositions { float positions[]; };
 layout(std430, binding = 1) readonly buffer GuideKnots { float knots[]; };
@@ -59,7 +59,8 @@ void main() {
     return;
   }
   vec3 last_position = vertexAt(guide.first), last_tangent = unitOr(tangentAt(guide, 0u), vec3(0, -1, 0));
-  vec3 normal = mat3(head_rotation) * guide.rest_normal.xyz;
+  vec3 normal = guide.root_normal.xyz;
+  if (guide.carried == 0u) normal = mat3(head_rotation) * normal;
   for (uint i = 0u; i <= segments; ++i) {
     float u = float(i) / float(segments);
     uint k = edgeAt(guide, u);

@@ -196,6 +196,8 @@ TEST_F(DaemonColliders, OnesThatHangOnJointsGoWithThemAndCanOnlyBeRemoved) {
   EXPECT_LT((place() - crown.shape.a).norm(), 0.01f) << "the clip begins at rest";
   cast(60);
   EXPECT_GT((place() - crown.shape.a).norm(), 0.05f) << "and turns the head";
+  EXPECT_GT((subscriber_->frame()->positions[0] - Vec3(0.04f, 0.2f, 0)).norm(), 5e-3f)
+      << "hair on the neck stays on its skin, which the head takes along";
   const std::string told = order(CommandKind::kMoveCollider, "crown", {0, 0, 0, 0, 0, 0, 1});
   EXPECT_NE(told.find("goes with the body's joint 'head'"), std::string::npos) << told;
   EXPECT_NE(order(CommandKind::kMoveCollider, "walker", {0, 0, 0, 0, 0, 0, 1}).find("move its joints"),

@@ -31,6 +31,7 @@ cell = 0.003
 friction = 0.1
 clip = "Walk.BVH"
 joint = "Head"
+roots = "joint"
 name = "the bust"
 fitted_spheres = 12
 [[body.primitives]]
@@ -119,6 +120,7 @@ TEST(Config, ReadsEveryKey) {
   ASSERT_TRUE(s.scene.skinned);
   EXPECT_EQ(s.scene.skinned->clip, "some/Walk.BVH");
   EXPECT_EQ(s.scene.skinned->joint, "Head");
+  EXPECT_EQ(s.scene.skinned->roots, BodyRoots::kJoint);
   EXPECT_EQ(s.scene.body_name, "the bust");
   EXPECT_FLOAT_EQ(s.scene.body_friction, 0.1f);
   ASSERT_EQ(s.scene.primitives.size(), 4u);
@@ -137,7 +139,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_FLOAT_EQ(mesh.shape.a.z(), -1);
   EXPECT_FLOAT_EQ(mesh.cell, 0.005f);
   EXPECT_FALSE(mesh.follows_head);
-  EXPECT_EQ(mesh.where, "some/hair.toml line 30");
+  EXPECT_EQ(mesh.where, "some/hair.toml line 31");
   EXPECT_EQ(s.scene.primitives[3].shape.kind, PrimitiveKind::kConvex);
   EXPECT_EQ(s.scene.primitives[3].file, "some/hat.obj");
   ASSERT_EQ(s.scene.materials.size(), 2u);

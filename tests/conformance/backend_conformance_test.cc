@@ -656,6 +656,28 @@ TEST_P(Conformance, PinnedVerticesRideOnTheirRoot) {
   EXPECT_GT(pinned, model.strands());
 }
 
+TEST_P(Conformance, EachRootRidesOnItsOwnOfAsManyBonesAsThereMayBe) {
+  constexpr size_t kBones = 65536, kApart = 1900;
+  StrandModel model = awkwardModel(33, 65);
+  model.bones.resize(kBones, "skin");
+  std::vector<Pose> bones_end(kBones);
+  for (size_t s = 0; s < model.strands(); ++s) {
+    const size_t bone = kBones - 1 - kApart * s;
+    model.root_bones.push_back(static_cast<uint16_t>(bone));
+    bones_end[bone] = movedBones()[s % 3];
+    bones_end[bone].position.y() += 1e-4f * static_cast<float>(s);
+  }
+  const Parameters parameters = parameters_;
+  const StrandState after = stepped(model, disturbedState(model, 66), {&parameters, {}, bones_end});
+  for (size_t s = 0; s < model.strands(); ++s)
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
+      if (model.isPinned(s, v)) {
+        const Vec3 place = bones_end[model.rootBone(s)].apply(model.restPosition(s, v));
+        EXPECT_LT((after.positions[v] - place).norm(), 1e-6f) << "strand " << s;
+      }
+  EXPECT_EQ(nonFinite(after), 0u);
+}
+
 TEST_P(Conformance, TiedVerticesGoWithTheirBone) {
   StrandModel model = awkwardModel(33, 63);
   tieToBones(model);

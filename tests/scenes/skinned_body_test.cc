@@ -8,13 +8,11 @@
 #include <fstream>
 
 #include "collision/mesh_query.h"
-#include "collision/tree_broad_phase.h"
 #include "groom/file_bytes.h"
-#include "scenes/scene.h"
-#include "simd/simd_backend.h"
 #include "tests/groom/expect_error.h"
 #include "tests/groom/scratch_folder.h"
 #include "tests/groom/skinned_arm.h"
+#include "tests/scenes/furry_arm.h"
 
 namespace strandcast {
 namespace {
@@ -122,25 +120,6 @@ TEST(SkinnedBody, WhatItDoesNotHaveIsRefused) {
   expectError([] { arm({"bend", "louver"}); }, {"no joint 'louver'", "arm.glb", "lower"});
   expectError([] { arm({"bend", ""}); }, {"'head' in its name", "arm.glb", "--body-joint"});
   expectError([] { arm({"/nowhere/walk.bvh", "lower"}); }, {"the file cannot be found", "/nowhere/walk.bvh"});
-}
-
-void writeStrands(const std::filesystem::path& file, const std::vector<std::vector<Vec3>>& strands) {
-  std::ofstream out(file);
-  size_t first = 1;
-  for (const std::vector<Vec3>& strand : strands) {
-    for (const Vec3& p : strand) out << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
-    out << 'l';
-    for (size_t i = 0; i < strand.size(); ++i) out << ' ' << first + i;
-    out << '\n';
-    first += strand.size();
-  }
-}
-
-Simulation simulated(const Scene& scene) {
-  Parameters parameters = scene.parameters;
-  parameters.solver = SolverKind::kRod;
-  return Simulation(sceneModel(scene), scene.bodies, parameters, makeSimdBackend(), nullptr,
-                    makeTreeBroadPhase());
 }
 
 /// The arm lies along -X (its file has X up) and its forearm bends down or up about Z; hair from behind lies

@@ -74,6 +74,33 @@ TEST(StepAllocation, WhatChangesWhileItRunsAllocatesBeforeTheStep) {
   }
 }
 
+TEST(StepAllocation, ABoneForEachRootAllocatesNothing) {
+  std::vector<std::unique_ptr<Backend>> backends;
+  backends.push_back(makeReferenceBackend());
+  backends.push_back(makeSimdBackend(2));
+  for (std::unique_ptr<Backend>& backend : backends) {
+    StrandModel model = awkwardModel(257, 91);
+    for (size_t s = 0; s < model.strands(); ++s) {
+      model.bones.push_back("skin");
+      model.root_bones.push_back(static_cast<uint16_t>(s + 1));
+    }
+    RigidBody ball{{{PrimitiveKind::kSphere, Vec3(0, -0.1f, 0), Vec3::UnitY(), 0.09f, 0.3f}}};
+    Parameters parameters;
+    parameters.solver = SolverKind::kRod;
+    Simulation simulation(std::move(model), {ball}, parameters, std::move(backend), nullptr,
+                          makeTreeBroadPhase());
+    simulation.step();
+    const size_t before = allocations();
+    for (int i = 1; i <= 10; ++i) {
+      for (size_t bone = 1; bone < simulation.model().bones.size(); ++bone)
+        simulation.setBonePose(
+            bone, {Vec3(0, 1e-5f * static_cast<float>(bone) * static_cast<float>(i), 0), Quat::Identity()});
+      simulation.step();
+    }
+    EXPECT_EQ(allocations() - before, 0u) << simulation.backend().name();
+  }
+}
+
 TEST(StepAllocation, TheCounterCounts) {
   const size_t before = allocations();
   auto number = std::make_unique<int>(3);

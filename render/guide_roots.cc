@@ -1,0 +1,34 @@
+#include "render/guide_roots.h"
+
+#include "render/hair_growth.h"
+
+namespace strandcast {
+
+void GuideRoots::setGroom(const StrandSet& guides) {
+  rest_.clear();
+  normals_.clear();
+  for (size_t g = 0; g < guides.strands(); ++g) {
+    const std::span<const Vec3> points = guides.strand(g);
+    rest_.push_back(points.empty() ? Vec3(Vec3::Zero()) : points.front());
+    normals_.push_back(rootFrame(points).normal);
+  }
+  binding_ = BodyBinding(rest_, obstacles_);
+}
+
+void GuideRoots::setObstacles(std::span<const HairObstacle> obstacles) {
+  obstacles_.assign(obstacles.begin(), obstacles.end());
+  binding_ = BodyBinding(rest_, obstacles_);
+}
+
+Vec3 GuideRoots::normal(size_t guide, const Vec3& root, const Pose& head) const {
+  constexpr float kSame = 1e-8f;  // m^2: where both have the root so near to where it is, it goes with parts
+  const Vec3 &rest = rest_[guide], with_head = head.rotate(normals_[guide]);
+  const Vec3 with_parts = binding_.normal(guide, rest, normals_[guide]);
+  const float off_head = (root - head.apply(rest)).squaredNorm(),
+              off_parts = (root - binding_.position(guide, rest)).squaredNorm();
+  const float share = (off_head + kSame) / (off_head + off_parts + kSame);
+  const Vec3 normal = with_head + share * (with_parts - with_head);
+  return normal.allFinite() ? normal : with_head;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,60 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+#include "collision/tree_broad_phase.h"
+#include "scenes/scene.h"
+#include "simd/simd_backend.h"
+
+namespace strandcast {
+
+inline void writeStrands(const std::filesystem::path& file, const std::vector<std::vector<Vec3>>& strands) {
+  std::ofstream out(file);
+  size_t first = 1;
+  for (const std::vector<Vec3>& strand : strands) {
+    for (const Vec3& p : strand) out << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+    out << 'l';
+    for (size_t i = 0; i < strand.size(); ++i) out << ' ' << first + i;
+    out << '\n';
+    first += strand.size();
+  }
+}
+
+/// Of a scene, by the rod.
+inline Simulation simulated(const Scene& scene, std::unique_ptr<Backend> backend = makeSimdBackend()) {
+  Parameters parameters = scene.parameters;
+  parameters.solver = SolverKind::kRod;
+  return Simulation(sceneModel(scene), scene.bodies, parameters, std::move(backend), nullptr,
+                    makeTreeBroadPhase());
+}
+
+/// A step to where clip and motion are at its end.
+inline void stepWith(const Scene& scene, Simulation& simulation) {
+  const double end = simulation.time() + static_cast<double>(simulation.parameters().time_step);
+  moveTo(scene.skinned.get(), end, scene.motion(end), simulation);
+  simulation.step();
+}
+
+/// `count` strands of `length` (m) that stand out all round an arm along Y (samples::ArmOptions), from `from`
+/// to `to` (m) along it; their roots are on a cylinder of `radius`.
+inline std::vector<std::vector<Vec3>> fur(int count, float from, float to, float radius, float length,
+                                          int vertices = 8) {
+  std::vector<std::vector<Vec3>> strands;
+  for (int s = 0; s < count; ++s) {
+    const float turn = 2.399963f * static_cast<float>(s);  // the golden angle
+    const float y = from + (to - from) * (static_cast<float>(s) + 0.5f) / static_cast<float>(count);
+    std::vector<Vec3>& strand = strands.emplace_back();
+    for (int i = 0; i < vertices; ++i) {
+      const float out = radius + length * static_cast<float>(i) / static_cast<float>(vertices - 1);
+      strand.emplace_back(out * std::cos(turn), y, -out * std::sin(turn));
+    }
+  }
+  return strands;
+}
+
+}  // namespace strandcast
