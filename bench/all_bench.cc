@@ -74,13 +74,15 @@ std::vector<Job> jobsOf(const AllOptions& o) {
     jobs.push_back({"render", fmt::format("render --growth-only --hairs {} --pictures 10",
                                           gl == Graphics::kHardware ? "10000,100000" : "2000,10000")});
   }
-  if (gl == Graphics::kHardware)
+  if (gl == Graphics::kHardware) {
+    jobs.push_back({"gpu_grid", "grid --backend gpu --strands 100000 --cells 64 --steps 100"});
     for (const auto& [size, strands] : {std::pair{"100k", 100000}, {"4k", 4000}}) {
       const std::string step = fmt::format(
           "step --backend gpu --strands {} --substeps 6 --scene curly --shake 2 --steps 300", strands);
       jobs.push_back({fmt::format("gpu_{}_alone", size), step});
       jobs.push_back({fmt::format("gpu_{}_all", size), step + " --bodies mesh --air 64"});
     }
+  }
   if (o.only.empty()) return jobs;
   std::vector<std::string> names;
   for (const Job& job : jobs) names.push_back(job.name);

@@ -110,6 +110,15 @@ void tellGpu(Collector& out) {
     out.add("of it the air, " + rows[0]["device"].get<std::string>(), fmt::format("{:.3f} ms", ms),
             fmt::format("<= {:g} ms", kAirGoal), ms <= kAirGoal);
   });
+  out.of("gpu_grid", [&](const std::vector<nlohmann::json>& rows) {
+    for (const nlohmann::json& row : rows) {
+      if (row.value("pass", "") != "all") continue;
+      const double ms = number(row, "ms");
+      out.add(fmt::format("grids of {}^3 of {} by themselves, {}", row["cells"].dump(), sizeOf(row),
+                          row["device"].get<std::string>()),
+              fmt::format("{:.3f} ms", ms), fmt::format("<= {:g} ms", kAirGoal), ms <= kAirGoal);
+    }
+  });
 }
 
 void tellScaling(Collector& out, const std::vector<nlohmann::json>& rows) {

@@ -201,6 +201,10 @@ const std::vector<Column> kLatencyColumns{{"rate_hz", "Hz"},
                                           {"hairs", "hairs"},
                                           {"grown_on", "grown on"}};
 
+const std::vector<Column> kGridColumns{{"device", "device"},   {"strands", "strands"},
+                                       {"cells", "cells"},     {"pass", "pass"},
+                                       {"ms", "ms", "{:.3f}"}, {"of_strand_step", "of a step", "{:.2f}"}};
+
 const std::vector<Section>& sections() {
   static const std::vector<Section> list{
       {"step", "A step on every backend", "", kStepColumns},
@@ -297,15 +301,9 @@ const std::vector<Section>& sections() {
         {"allocations", "allocs"},
         {"max_stretch", "max stretch", "{:.1e}"},
         {"max_penetration_m", "depth m", "{:.1e}"}}},
-      {"grid",
-       "Air and hair on grids",
-       "",
-       {{"device", "device"},
-        {"strands", "strands"},
-        {"cells", "cells"},
-        {"pass", "pass"},
-        {"ms", "ms", "{:.3f}"},
-        {"of_strand_step", "of a step", "{:.2f}"}}},
+      {"grid", "Air and hair on grids", "", kGridColumns},
+      {"gpu_grid", "Air and hair on the GPU's grids", "Each pass by itself; `all` as they run in a step.",
+       kGridColumns},
       {"render",
        "Growth of hair",
        "",

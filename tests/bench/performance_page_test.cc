@@ -83,6 +83,9 @@ TEST(Headlines, SayWhetherAGoalIsMet) {
   results.write("grid.csv",
                 "# h\nstrands,vertices,cells,pass,of_strand_step,of_strand_step_cpu\n"
                 "10000,32,32,splat,,\n10000,32,32,all,0.4,0.2\n10000,32,64,all,2,1\n");
+  results.write(
+      "gpu_grid.csv",
+      "# m\ndevice,strands,vertices,cells,pass,ms\nG,100000,32,64,splat,0.1\nG,100000,32,64,all,0.2\n");
   results.write("render.csv", "# i\ndevice,hairs,vertices,growth_ms\nG,10000,64,0.1\nG,100000,64,0.4\n");
   results.write("gpu_4k_alone.csv",
                 "# j\ncase,device,scene,bodies,air_cells,strands,vertices,bytes_per_vertex\n"
@@ -96,6 +99,7 @@ TEST(Headlines, SayWhetherAGoalIsMet) {
                 "no body,S,straight,2000,32,155,\nmesh and five primitives,S,straight,2000,32,201,1.2\n");
   const std::vector<Headline> lines = headlinesOf(readResults(results.root / "machine"));
   EXPECT_EQ(lineOf(lines, "grids of 32^3").holds, true) << "by processor time where it is known";
+  EXPECT_EQ(lineOf(lines, "grids of 64^3 of 100000 x 32 by themselves, G").holds, true);
   EXPECT_EQ(lineOf(lines, "growth of 100000").holds, false);
   EXPECT_EQ(lineOf(lines, "of it the air").holds, false);
   EXPECT_EQ(lineOf(lines, "measured peak").holds, false);
