@@ -31,7 +31,8 @@ class SkinRootsOfAnArm : public ::testing::Test {
     options_.units = {1, UpAxis::kY};
     options_.skinned = SkinnedMotion{"bend", "upper"};
     options_.body_cell = 0.005f;
-    options_.field_cache = folder_ / "fields";
+    static const ScratchFolder baked;  // the arm's fields, once for all tests
+    options_.field_cache = baked / "fields";
   }
   Scene furry(int strands = 300, float radius = 0.0395f, float length = 0.05f) {
     writeStrands(folder_ / "fur.obj", fur(strands, 0.02f, 0.48f, radius, length));

@@ -246,7 +246,8 @@ class HangingBodies : public ::testing::Test {
     options_.units = {1, UpAxis::kX};
     options_.skinned = SkinnedMotion{"bend", "upper"};
     options_.body_cell = 0.005f;
-    options_.field_cache = folder_ / "fields";
+    static const ScratchFolder baked;  // the arm's fields, once for all tests
+    options_.field_cache = baked / "fields";
     writeFileBytes(folder_ / "arm.glb", samples::armGlb());
     std::vector<std::vector<Vec3>> strands;
     for (int s = 0; s < 24; ++s) {
