@@ -12,9 +12,11 @@
 #include "apps/channel.h"
 #include "apps/resimulation.h"
 #include "core/error.h"
+#include "groom/file_bytes.h"
 #include "groom/groom_file.h"
 #include "tests/error_of.h"
 #include "tests/groom/scratch_folder.h"
+#include "tests/groom/skinned_arm.h"
 #include "tests/transport/moving_hair.h"
 #include "transport/command_queue.h"
 #include "transport/in_process.h"
@@ -207,6 +209,38 @@ TEST_F(ReplayTest, ARunIsRepeatedWhoseFilesHaveNamesInNoUtf8) {
   Recording recording(run);
   const ResimulationReport report = resimulate(recording, "run.rec", stop_, [](uint64_t, Simulation&) {});
   EXPECT_EQ(report.frames, 3u);
+  EXPECT_EQ(report.different, 0u);
+}
+
+// Roots on the blended skin of a bending arm, and a ball that hangs on its forearm.
+TEST_F(ReplayTest, ARunOnASkinnedBodyIsRepeated) {
+  writeFileBytes(folder_ / "arm.glb", samples::armGlb());
+  std::ofstream(folder_ / "hair.obj") << "v 0.04 0.24 0\nv 0.06 0.24 0\nv 0.08 0.24 0\nl 1 2 3\n"
+                                      << "v 0.04 0.27 0\nv 0.06 0.27 0\nv 0.08 0.27 0\nl 4 5 6\n";
+  const std::filesystem::path config = folder_ / "arm.toml", run = folder_ / "arm.rec";
+  std::ofstream(config) << "[groom]\nfiles = [\"hair.obj\"]\nunit_meters = 1\nup = \"y\"\n"
+                           "[body]\nfile = \"arm.glb\"\nclip = \"bend\"\njoint = \"upper\"\ncell = 0.01\n"
+                           "[[body.primitives]]\njoint = \"lower\"\nname = \"ball\"\na = [0.09, 0.3, 0]\n"
+                           "radius = 0.03\n[daemon]\nbackend = \"reference\"\n";
+  const std::vector<std::string> words{"--config", config.string()};
+  CLI::App app;
+  const SettingsOptions options(app);
+  app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  auto channel = makeInProcessChannel(1);
+  {
+    RecordingPublisher publisher(std::move(channel.first), false);
+    const Settings settings = options.resolve();
+    Daemon daemon(settings, makeSceneAloud(settings.scene), publisher, 77);
+    publisher.open(run, {1, {Codec::kFloat32}, simulationSource(words, options, "reference", "")});
+    daemon.announce();
+    for (int i = 0; i < 40; ++i) daemon.castFrame(stop_);
+    EXPECT_EQ(publisher.close(), "");
+  }
+  const std::vector<Vec3>& last = channel.second->frame()->positions;
+  EXPECT_GT((last[0] - Vec3(0.04f, 0.24f, 0)).norm(), 1e-3f) << "the elbow bends";
+  Recording recording(run);
+  const ResimulationReport report = resimulate(recording, "arm.rec", stop_, [](uint64_t, Simulation&) {});
+  EXPECT_EQ(report.frames, 40u);
   EXPECT_EQ(report.different, 0u);
 }
 
