@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <ctime>
 #include <fstream>
+#include <functional>
 #include <set>
 #include <thread>
 
@@ -187,25 +189,35 @@ TEST_F(ReplayTest, NothingToReplayIsSaid) {
             std::string::npos);
 }
 
+/// Records so many frames of a daemon on the reference backend that was started with `words`; gives the last
+/// one's positions. `before_frame` may send commands.
+std::vector<Vec3> recordRun(
+    const std::filesystem::path& run, const std::vector<std::string>& words, int frames,
+    const std::function<void(int frame, Subscriber&)>& before_frame = [](int, Subscriber&) {}) {
+  CLI::App app;
+  const SettingsOptions options(app);
+  app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  auto [channel, subscriber] = makeInProcessChannel(1);
+  RecordingPublisher publisher(std::move(channel), false);
+  const Settings settings = options.resolve();
+  Daemon daemon(settings, makeSceneAloud(settings.scene), publisher, 77);
+  publisher.open(run, {1, {Codec::kFloat32}, simulationSource(words, options, "reference", "")});
+  daemon.announce();
+  const std::atomic<bool> stop{false};
+  for (int frame = 0; frame < frames; ++frame) {
+    before_frame(frame, *subscriber);
+    daemon.castFrame(stop);
+  }
+  EXPECT_EQ(publisher.close(), "");
+  return subscriber->frame()->positions;
+}
+
 TEST_F(ReplayTest, ARunIsRepeatedWhoseFilesHaveNamesInNoUtf8) {
   StrandSet hair;
   hair.append(std::vector<Vec3>{Vec3(0, 0.1f, 0), Vec3(0, 0.14f, 0), Vec3(0, 0.16f, 0.03f)});
   const std::filesystem::path groom = folder_ / "fris\xe9.tfx", run = folder_ / "run.rec";
   writeGroom(groom, hair);
-  const std::vector<std::string> words{"--groom", groom.string(), "--unit-meters",
-                                       "1",       "--backend",    "reference"};
-  CLI::App app;
-  const SettingsOptions options(app);
-  app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-  {
-    RecordingPublisher publisher(makeInProcessChannel(1).first, false);
-    const Settings settings = options.resolve();
-    Daemon daemon(settings, makeSceneAloud(settings.scene), publisher, 77);
-    publisher.open(run, {1, {Codec::kFloat32}, simulationSource(words, options, "reference", "")});
-    daemon.announce();
-    for (int i = 0; i < 3; ++i) daemon.castFrame(stop_);
-    EXPECT_EQ(publisher.close(), "");
-  }
+  recordRun(run, {"--groom", groom.string(), "--unit-meters", "1", "--backend", "reference"}, 3);
   Recording recording(run);
   const ResimulationReport report = resimulate(recording, "run.rec", stop_, [](uint64_t, Simulation&) {});
   EXPECT_EQ(report.frames, 3u);
@@ -222,21 +234,7 @@ TEST_F(ReplayTest, ARunOnASkinnedBodyIsRepeated) {
                            "[body]\nfile = \"arm.glb\"\nclip = \"bend\"\njoint = \"upper\"\ncell = 0.01\n"
                            "[[body.primitives]]\njoint = \"lower\"\nname = \"ball\"\na = [0.09, 0.3, 0]\n"
                            "radius = 0.03\n[daemon]\nbackend = \"reference\"\n";
-  const std::vector<std::string> words{"--config", config.string()};
-  CLI::App app;
-  const SettingsOptions options(app);
-  app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-  auto channel = makeInProcessChannel(1);
-  {
-    RecordingPublisher publisher(std::move(channel.first), false);
-    const Settings settings = options.resolve();
-    Daemon daemon(settings, makeSceneAloud(settings.scene), publisher, 77);
-    publisher.open(run, {1, {Codec::kFloat32}, simulationSource(words, options, "reference", "")});
-    daemon.announce();
-    for (int i = 0; i < 40; ++i) daemon.castFrame(stop_);
-    EXPECT_EQ(publisher.close(), "");
-  }
-  const std::vector<Vec3>& last = channel.second->frame()->positions;
+  const std::vector<Vec3> last = recordRun(run, {"--config", config.string()}, 40);
   EXPECT_GT((last[0] - Vec3(0.04f, 0.24f, 0)).norm(), 1e-3f) << "the elbow bends";
   Recording recording(run);
   const ResimulationReport report = resimulate(recording, "arm.rec", stop_, [](uint64_t, Simulation&) {});
@@ -256,27 +254,18 @@ TEST_F(ReplayTest, ARunWhoseFansWereSteeredIsRepeated) {
     SCOPED_TRACE(grid);
     const std::filesystem::path run = folder_ / ("wind" + grid + ".rec");
     const std::vector<std::string> words{"--config", config.string(), "--set", "wind_grid=" + grid};
-    CLI::App app;
-    const SettingsOptions options(app);
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
     std::vector<Vec3> moved, left_alone;
     for (const bool steered : {false, true}) {
-      auto channel = makeInProcessChannel(1);
-      RecordingPublisher publisher(std::move(channel.first), false);
-      const Settings settings = options.resolve();
-      Daemon daemon(settings, makeSceneAloud(settings.scene), publisher, 77);
-      publisher.open(run, {1, {Codec::kFloat32}, simulationSource(words, options, "reference", "")});
-      daemon.announce();
       uint64_t id = 0;
-      const auto order = [&](CommandKind kind, const std::string& name, std::vector<double> values) {
-        if (!steered) return;
-        channel.second->send({.id = ++id, .kind = kind, .name = name, .values = std::move(values)});
-      };
       WindSource fan;
       fan.position = Vec3(0, 0.2f, 0.4f);
       fan.direction = Vec3(0.1f, 0, -1);
       fan.length = 1;
-      for (int frame = 0; frame < 30; ++frame) {
+      const auto steer = [&](int frame, Subscriber& subscriber) {
+        const auto order = [&](CommandKind kind, const std::string& name, std::vector<double> values) {
+          if (!steered) return;
+          subscriber.send({.id = ++id, .kind = kind, .name = name, .values = std::move(values)});
+        };
         if (frame == 3) order(CommandKind::kAddWindSource, "spot", windSourceValues(fan));
         fan.position.x() = 0.3f;
         fan.direction = Vec3(-0.5f, 0, -1);
@@ -284,10 +273,8 @@ TEST_F(ReplayTest, ARunWhoseFansWereSteeredIsRepeated) {
         if (frame == 5) order(CommandKind::kMoveWindSource, "spot", windMoveValues(fan, 1 + 2 + 32, 0.3));
         if (frame == 9) order(CommandKind::kMoveWindSource, "left", windMoveValues(fan, 32, 0.1));
         if (frame == 25) order(CommandKind::kRemoveWindSource, "left", {});
-        daemon.castFrame(stop_);
-      }
-      EXPECT_EQ(publisher.close(), "");
-      (steered ? moved : left_alone) = channel.second->frame()->positions;
+      };
+      (steered ? moved : left_alone) = recordRun(run, words, 30, steer);
     }
     EXPECT_NE(moved, left_alone);
     Recording recording(run);

@@ -8,8 +8,11 @@
 #include <vector>
 
 #include "collision/tree_broad_phase.h"
+#include "groom/file_bytes.h"
 #include "scenes/scene.h"
 #include "simd/simd_backend.h"
+#include "tests/groom/scratch_folder.h"
+#include "tests/groom/skinned_arm.h"
 
 namespace strandcast {
 
@@ -23,6 +26,21 @@ inline void writeStrands(const std::filesystem::path& file, const std::vector<st
     out << '\n';
     first += strand.size();
   }
+}
+
+/// Hair (hair.obj, to be written) on an arm that is written into `folder` and whose clip bends it by 60
+/// degrees within a second; hair grows on the upper joint. Its fields are baked once for all tests.
+inline SceneOptions bendingArm(const ScratchFolder& folder, UpAxis up) {
+  static const ScratchFolder baked;
+  writeFileBytes(folder / "arm.glb", samples::armGlb());
+  SceneOptions options;
+  options.groom = {folder / "hair.obj"};
+  options.body = folder / "arm.glb";
+  options.units = {1, up};
+  options.skinned = SkinnedMotion{"bend", "upper"};
+  options.body_cell = 0.005f;
+  options.field_cache = baked / "fields";
+  return options;
 }
 
 /// Of a scene, by the rod.

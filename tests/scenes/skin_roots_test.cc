@@ -24,18 +24,8 @@ constexpr float kDegree = 3.14159265f / 180;
 /// An arm along Y whose forearm bends by 60 degrees within a second, with fur all over it.
 class SkinRootsOfAnArm : public ::testing::Test {
  protected:
-  SkinRootsOfAnArm() {
-    writeFileBytes(folder_ / "arm.glb", samples::armGlb());
-    options_.groom = {folder_ / "fur.obj"};
-    options_.body = folder_ / "arm.glb";
-    options_.units = {1, UpAxis::kY};
-    options_.skinned = SkinnedMotion{"bend", "upper"};
-    options_.body_cell = 0.005f;
-    static const ScratchFolder baked;  // the arm's fields, once for all tests
-    options_.field_cache = baked / "fields";
-  }
   Scene furry(int strands = 300, float radius = 0.0395f, float length = 0.05f) {
-    writeStrands(folder_ / "fur.obj", fur(strands, 0.02f, 0.48f, radius, length));
+    writeStrands(folder_ / "hair.obj", fur(strands, 0.02f, 0.48f, radius, length));
     return makeScene(options_);
   }
   static std::vector<Pose> rootsAt(const Scene& scene, double seconds, Simulation& simulation) {
@@ -51,7 +41,7 @@ class SkinRootsOfAnArm : public ::testing::Test {
   }
 
   const ScratchFolder folder_;
-  SceneOptions options_;
+  SceneOptions options_ = bendingArm(folder_, UpAxis::kY);
 };
 
 /// A place on a triangle of the skin, and how much of the skin there hangs on the forearm.
@@ -190,7 +180,7 @@ TEST_F(SkinRootsOfAnArm, FarFromTheSkinGoWithTheJoint) {
   for (std::vector<Vec3>& strand : far)
     for (Vec3& p : strand) p += 0.006f * Vec3(p.x(), 0, p.z()).normalized();
   strands.insert(strands.end(), far.begin(), far.end());
-  writeStrands(folder_ / "fur.obj", strands);
+  writeStrands(folder_ / "hair.obj", strands);
   const Scene scene = makeScene(options_);
   EXPECT_TRUE(hasNote(scene, "20 of 40 roots are farther than 20 mm from the skin: they go with 'upper'"));
   Simulation simulation = simulated(scene);

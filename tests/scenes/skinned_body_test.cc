@@ -241,14 +241,6 @@ TEST(SkinnedScene, AWalkingFigureOf600StepsLeavesAllHairFinite) {
 class HangingBodies : public ::testing::Test {
  protected:
   HangingBodies() {
-    options_.groom = {folder_ / "hair.obj"};
-    options_.body = folder_ / "arm.glb";
-    options_.units = {1, UpAxis::kX};
-    options_.skinned = SkinnedMotion{"bend", "upper"};
-    options_.body_cell = 0.005f;
-    static const ScratchFolder baked;  // the arm's fields, once for all tests
-    options_.field_cache = baked / "fields";
-    writeFileBytes(folder_ / "arm.glb", samples::armGlb());
     std::vector<std::vector<Vec3>> strands;
     for (int s = 0; s < 24; ++s) {
       std::vector<Vec3>& strand = strands.emplace_back();
@@ -279,7 +271,7 @@ class HangingBodies : public ::testing::Test {
   }
 
   const ScratchFolder folder_;
-  SceneOptions options_;
+  SceneOptions options_ = bendingArm(folder_, UpAxis::kX);
 };
 
 TEST_F(HangingBodies, AreOneForEachJointAndGoWithIt) {
