@@ -205,7 +205,7 @@ void noteFollowing(Scene& scene) {
   float below = 0, above = 0;
   for (int look = 1; look <= kLooks; ++look) {
     const double seconds = kStartSeconds + skinned.duration() * look / kLooks;
-    std::vector<SkinnedBody::PlacedPart> parts = skinned.placedParts(seconds, Pose{});
+    std::vector<SkinnedBody::PlacedPart> parts = skinned.placedParts(skinned.at(seconds, Pose{}));
     for (SkinnedBody::PlacedPart& part : parts) part.pose = part.pose.inverse();
     for (const Vec3& p : skinned.surface(seconds, Pose{})) {
       float distance = std::numeric_limits<float>::max();

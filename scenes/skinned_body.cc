@@ -132,27 +132,27 @@ Pose SkinnedBody::carried(double seconds) const {
   return rigid(skin_.skeleton.place(played(seconds))[joint_]) * rigid(rest_[joint_]).inverse();
 }
 
-std::vector<Placement> SkinnedBody::placed(double seconds, const Pose& head) const {
-  std::vector<Placement> world = skin_.skeleton.place(played(seconds));
-  const Pose carried = rigid(world[joint_]) * rigid(rest_[joint_]).inverse();
+SkinnedBody::Moment SkinnedBody::at(double seconds, const Pose& head) const {
+  std::vector<Placement> joints = skin_.skeleton.place(played(seconds));
+  const Pose carried = rigid(joints[joint_]) * rigid(rest_[joint_]).inverse();
   const Placement turn = placementOf(carried * head * carried.inverse());
-  for (size_t j = 0; j < world.size(); ++j)
-    if (below_[j]) world[j] = turn * world[j];
-  return world;
+  for (size_t j = 0; j < joints.size(); ++j)
+    if (below_[j]) joints[j] = turn * joints[j];
+  std::vector<Placement> bindings = skin_.bindingsAt(joints);
+  return {carried, std::move(joints), std::move(bindings)};
 }
 
-std::vector<SkinnedBody::PlacedPart> SkinnedBody::placedParts(double seconds, const Pose& head) const {
-  const std::vector<Placement> bindings = skin_.bindingsAt(placed(seconds, head));
+std::vector<SkinnedBody::PlacedPart> SkinnedBody::placedParts(const Moment& moment) const {
   std::vector<PlacedPart> out;
   for (const SkinPart& part : parts_) {
-    const Pose pose = partPose(part, bindings);
-    out.push_back({pose, partBend(part, bindings, pose)});
+    const Pose pose = partPose(part, moment.bindings);
+    out.push_back({pose, partBend(part, moment.bindings, pose)});
   }
   return out;
 }
 
 std::vector<Vec3> SkinnedBody::surface(double seconds, const Pose& head) const {
-  return skin_.blended(placed(seconds, head));
+  return skin_.blended(at(seconds, head).joints);
 }
 
 /// Per joint, whether neither it nor what it hangs on ever stretches what hangs on it.
@@ -175,9 +175,9 @@ void SkinnedBody::growOnSkin(const StrandSet& strands, size_t most_bones) {
   roots_.emplace(skin_, rigidJoints(), static_cast<uint32_t>(joint_), strands, most_bones);
 }
 
-std::vector<Pose> SkinnedBody::placedRoots(double seconds, const Pose& head) const {
+std::vector<Pose> SkinnedBody::placedRoots(const Moment& moment) const {
   std::vector<Pose> poses(roots_ ? roots_->bones() : 0);
-  if (!poses.empty()) roots_->place(skin_.bindingsAt(placed(seconds, head)), poses);
+  if (!poses.empty()) roots_->place(moment.bindings, poses);
   return poses;
 }
 
@@ -195,12 +195,10 @@ const std::string* SkinnedBody::jointOf(BodyId body) const {
   return nullptr;
 }
 
-std::vector<SkinnedBody::HangingBody> SkinnedBody::placedBodies(double seconds, const Pose& head) const {
+std::vector<SkinnedBody::HangingBody> SkinnedBody::placedBodies(const Moment& moment) const {
   std::vector<HangingBody> out;
-  if (hanging_.empty()) return out;
-  const std::vector<Placement> world = placed(seconds, head);
   for (const auto& [body, joint] : hanging_) {
-    Pose pose = rigid(world[joint]) * rigid(rest_[joint]).inverse();
+    Pose pose = rigid(moment.joints[joint]) * rigid(rest_[joint]).inverse();
     pose.rotation.normalize();
     out.push_back({body, pose});
   }
@@ -209,18 +207,19 @@ std::vector<SkinnedBody::HangingBody> SkinnedBody::placedBodies(double seconds, 
 
 void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulation& simulation) {
   if (body == nullptr) return simulation.setHeadPose(head);
-  Pose carried = body->carried(seconds) * head;
+  const SkinnedBody::Moment moment = body->at(seconds, head);
+  Pose carried = moment.carried * head;
   carried.rotation.normalize();
   simulation.setHeadPose(carried);
-  const std::vector<Pose> roots = body->placedRoots(seconds, head);
+  const std::vector<Pose> roots = body->placedRoots(moment);
   for (size_t bone = 0; bone < roots.size(); ++bone) simulation.setBonePose(bone + 1, roots[bone]);
   BodyId id = body->first_body;
-  for (const SkinnedBody::PlacedPart& part : body->placedParts(seconds, head)) {
+  for (const SkinnedBody::PlacedPart& part : body->placedParts(moment)) {
     simulation.setBodyPose(id, part.pose);
     if (simulation.body(id).bends) simulation.setBodyBend(id, part.bend);
     ++id;
   }
-  for (const SkinnedBody::HangingBody& hanging : body->placedBodies(seconds, head))
+  for (const SkinnedBody::HangingBody& hanging : body->placedBodies(moment))
     if (simulation.hasBody(hanging.body)) simulation.setBodyPose(hanging.body, hanging.pose);
 }
 

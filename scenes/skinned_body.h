@@ -44,21 +44,28 @@ class SkinnedBody {
 
   /// Where the clip has the joint, relative to rest.
   Pose carried(double seconds) const;
+  /// Where the skeleton is at a time of the clip, when the head's motion is at `head`.
+  struct Moment {
+    Pose carried;                     ///< see carried()
+    std::vector<Placement> joints;    ///< m
+    std::vector<Placement> bindings;  ///< SkinnedMesh::bindingsAt
+  };
+  Moment at(double seconds, const Pose& head) const;
   /// Where a part is, relative to rest, and how it is bent there.
   struct PlacedPart {
     Pose pose;
     SurfaceBend bend;
   };
-  /// The parts, and the skin, m, when the head's motion is at `head`.
-  std::vector<PlacedPart> placedParts(double seconds, const Pose& head) const;
+  std::vector<PlacedPart> placedParts(const Moment& moment) const;
+  /// The skin, m, when the head's motion is at `head`.
   std::vector<Vec3> surface(double seconds, const Pose& head) const;
 
   /// From now on these strands grow on the skin, by `most_bones` at most. A Simulation is then to be made of
   /// a model that knows it (sceneModel).
   void growOnSkin(const StrandSet& strands, size_t most_bones);
   const SkinRoots* roots() const { return roots_ ? &*roots_ : nullptr; }  ///< null = all go with the joint
-  /// Of the bones of roots(), when the head's motion is at `head`.
-  std::vector<Pose> placedRoots(double seconds, const Pose& head) const;
+  /// Of the bones of roots().
+  std::vector<Pose> placedRoots(const Moment& moment) const;
 
   /// The first of the parts' bodies in the simulation; the others follow it.
   BodyId first_body = 0;
@@ -74,13 +81,12 @@ class SkinnedBody {
     BodyId body;
     Pose pose;  ///< of its joint, relative to rest
   };
-  /// Those that hang on joints, when the head's motion is at `head`.
-  std::vector<HangingBody> placedBodies(double seconds, const Pose& head) const;
+  /// Those that hang on joints.
+  std::vector<HangingBody> placedBodies(const Moment& moment) const;
 
  private:
   const std::string& nameOf(size_t joint) const { return skin_.skeleton.joints[joint].name; }
   std::vector<JointTransform> played(double seconds) const;
-  std::vector<Placement> placed(double seconds, const Pose& head) const;
   std::vector<bool> rigidJoints() const;
 
   SkinnedMesh skin_;

@@ -255,7 +255,7 @@ TEST_F(SkinRootsOfAnArm, OfAJointThatAClipStretchesAreStretchedAlong) {
   skin.clips = {clip};
   SkinnedBody body(skin, {"grow", "lower"});
   body.growOnSkin(scene.groom.strands, 65535);
-  const std::vector<Pose> poses = body.placedRoots(0.7, {});
+  const std::vector<Pose> poses = body.placedRoots(body.at(0.7, {}));
   const std::vector<Vec3> now = body.surface(0.7, {});
   EXPECT_GT((now.back() - skin.mesh.positions.back()).norm(), 0.02f);
   size_t on_forearm = 0;

@@ -106,7 +106,8 @@ TEST(SkinnedBody, AMirroredSkeletonMovesAsTheMirrorImage) {
       const Pose a = plain.carried(t), b = other.carried(t);
       for (const Vec3& p : {Vec3(0, 0.5f, 0), Vec3(0.1f, 0, 0.2f)})
         EXPECT_LT((image(a.apply(p)) - b.apply(image(p))).norm(), 1e-5f) << clip << " at " << t;
-      const auto parts = plain.placedParts(t, head), other_parts = other.placedParts(t, head);
+      const auto parts = plain.placedParts(plain.at(t, head)),
+                 other_parts = other.placedParts(other.at(t, head));
       for (size_t i = 0; i < parts.size(); ++i) {
         const Vec3 p = plain.pivot();
         EXPECT_LT((image(parts[i].pose.apply(p)) - other_parts[i].pose.apply(p)).norm(), 1e-5f);
@@ -365,7 +366,7 @@ TEST_F(HangingBodies, AMeshIsNoPartOfTheSkin) {
   ShapeData data;
   const uint32_t at = data.add(shape);
   for (const double t : {0.0, 1.0}) {
-    const Pose pose = scene.skinned->placedBodies(t, {}).at(0).pose;
+    const Pose pose = scene.skinned->placedBodies(scene.skinned->at(t, {})).at(0).pose;
     EXPECT_EQ(pose.position.norm() > 0.1f, t > 0) << "bent";
     const auto distance = [&](const Vec3& p) {
       return signedDistance(moved(shape, pose, pose, 1, at), pose.apply(p), data.words);
