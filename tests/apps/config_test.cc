@@ -9,9 +9,9 @@
 namespace strandcast {
 namespace {
 
-std::string errorOf(const std::string& text) {
+std::string configErrorOf(const std::string& text) {
   Settings settings;
-  return strandcast::errorOf([&] { readConfigText(text, "hair.toml", settings); });
+  return errorOf([&] { readConfigText(text, "hair.toml", settings); });
 }
 
 constexpr const char* kFull = R"(
@@ -179,12 +179,12 @@ TEST(Config, APrimitiveHasAJointOrANameOrBoth) {
   EXPECT_EQ(settings.scene.primitives[0].name, "a ring");
   EXPECT_EQ(settings.scene.primitives[1].joint, "");
   EXPECT_EQ(settings.scene.primitives[1].name, "");
-  EXPECT_EQ(errorOf(ball + "joint = \"\""),
+  EXPECT_EQ(configErrorOf(ball + "joint = \"\""),
             "a joint has no name: hair.toml line 3; name one, or leave it out");
-  EXPECT_EQ(errorOf(ball + "joint = \"LeftHand\"\nfollows_head = false"),
+  EXPECT_EQ(configErrorOf(ball + "joint = \"LeftHand\"\nfollows_head = false"),
             "a primitive goes with its joint: hair.toml line 4; leave follows_head out, or joint");
   for (const std::string& name : {std::string(), std::string("a\\nb"), std::string(256, 'n')})
-    EXPECT_NE(errorOf(ball + "name = \"" + name + "\"").find("hair.toml line 3; give 1 to 255 bytes"),
+    EXPECT_NE(configErrorOf(ball + "name = \"" + name + "\"").find("hair.toml line 3; give 1 to 255 bytes"),
               std::string::npos)
         << name;
 }
@@ -199,22 +199,22 @@ TEST(Config, SourcesOfWindAreReadAndChecked) {
   EXPECT_EQ(source.position, Vec3(0, 1.5f, 0.5f));
   EXPECT_NEAR(source.angle, 0.5236, 1e-4);
   EXPECT_EQ(source.swirl, 2);
-  EXPECT_NE(errorOf("[[wind]]\nkind = \"storm\"").find("cone, sphere, turbine"), std::string::npos);
-  EXPECT_NE(errorOf("[[wind]]\ndirection = [0, 0, 0]").find("hair.toml line 1"), std::string::npos);
-  EXPECT_NE(errorOf("[[wind]]\nspeed = 1e9").find("wind.speed"), std::string::npos);
-  EXPECT_NE(errorOf("[[wind]]\nname = \"a fan\"").find("without spaces"), std::string::npos);
-  EXPECT_NE(errorOf("[[wind]]\nname = \"wind2\"\n[[wind]]").find("two sources"), std::string::npos);
+  EXPECT_NE(configErrorOf("[[wind]]\nkind = \"storm\"").find("cone, sphere, turbine"), std::string::npos);
+  EXPECT_NE(configErrorOf("[[wind]]\ndirection = [0, 0, 0]").find("hair.toml line 1"), std::string::npos);
+  EXPECT_NE(configErrorOf("[[wind]]\nspeed = 1e9").find("wind.speed"), std::string::npos);
+  EXPECT_NE(configErrorOf("[[wind]]\nname = \"a fan\"").find("without spaces"), std::string::npos);
+  EXPECT_NE(configErrorOf("[[wind]]\nname = \"wind2\"\n[[wind]]").find("two sources"), std::string::npos);
 }
 
 TEST(Config, UnknownKeysAreRefusedWithTheirLine) {
-  EXPECT_NE(errorOf("seed = 1\ncolour = 3\n").find("hair.toml line 2"), std::string::npos);
-  EXPECT_NE(errorOf("[groom]\nfile = \"a.tfx\"\n").find("'groom.file'"), std::string::npos);
-  const std::string typo = errorOf("[parameters]\nair_darg = 1\n");
+  EXPECT_NE(configErrorOf("seed = 1\ncolour = 3\n").find("hair.toml line 2"), std::string::npos);
+  EXPECT_NE(configErrorOf("[groom]\nfile = \"a.tfx\"\n").find("'groom.file'"), std::string::npos);
+  const std::string typo = configErrorOf("[parameters]\nair_darg = 1\n");
   EXPECT_NE(typo.find("air_drag"), std::string::npos) << typo;
   EXPECT_NE(typo.find("line 2"), std::string::npos) << typo;
-  EXPECT_EQ(errorOf("[[material]]\npart = 0\nraduis = 1e-5\n"),
+  EXPECT_EQ(configErrorOf("[[material]]\npart = 0\nraduis = 1e-5\n"),
             "unknown material setting 'raduis': hair.toml line 3; did you mean 'radius'?");
-  EXPECT_EQ(errorOf("[[material]]\nradius = 1\n"),
+  EXPECT_EQ(configErrorOf("[[material]]\nradius = 1\n"),
             "'radius' = 1 is out of range: hair.toml line 2; give 1e-06 to 0.005 m");
 }
 
@@ -273,14 +273,14 @@ TEST(Config, WrongTypesAndRangesAreRefused) {
                            "= 3",
                            "[groom",
                            "seed = 1\nseed = 2"}) {
-    const std::string error = errorOf(text);
+    const std::string error = configErrorOf(text);
     EXPECT_NE(error.find("hair.toml"), std::string::npos) << text << ": " << error;
     EXPECT_EQ(error.find('\n'), std::string::npos) << "one line: " << error;
   }
   EXPECT_EQ(
-      errorOf("[transport]\ngroom_id = 1.5"),
+      configErrorOf("[transport]\ngroom_id = 1.5"),
       "'transport.groom_id' has a wrong value: hair.toml line 2; give a whole number from 1 to 4294967295");
-  EXPECT_EQ(errorOf("seed = 7.0"), "") << "it is whole";
+  EXPECT_EQ(configErrorOf("seed = 7.0"), "") << "it is whole";
 }
 
 TEST(Config, OtherThanAsciiIsForStringsAndComments) {
@@ -298,8 +298,10 @@ TEST(Config, OtherThanAsciiIsForStringsAndComments) {
        {"\nseed = [1\xc3\xa4]", "\nseed = 1 \xe2\x80\x83", "\n\xc3\xa4 = 1", "\nfiles = M\xc3\xbcller",
         "\nseed = --!-'\xef\xbb\x9f'", "\nseed = 1..\"\"\"\xef\xb9\xbf\"\"\"",
         "\n\"\"\"\xef\xb9\xbf\"\"\" = 1", "\n\"\"\"\\\xef\xb9\xbf\"\"\" = 1"}) {
-    EXPECT_NE(errorOf(text).find("not valid TOML"), std::string::npos) << text << ": " << errorOf(text);
-    EXPECT_NE(errorOf(text).find("hair.toml line 2"), std::string::npos) << text << ": " << errorOf(text);
+    EXPECT_NE(configErrorOf(text).find("not valid TOML"), std::string::npos)
+        << text << ": " << configErrorOf(text);
+    EXPECT_NE(configErrorOf(text).find("hair.toml line 2"), std::string::npos)
+        << text << ": " << configErrorOf(text);
   }
 }
 
@@ -312,10 +314,11 @@ TEST(Config, KeysOfVeryManyPartsAreRefused) {
   // The first of these ran out of stack.
   for (const std::string& text : {parts(100000, "a") + "=1", "[" + parts(65, "a") + "]",
                                   "[[" + parts(65, "'a'") + "]]", "a = {" + parts(65, "\"a\"") + " = 1}"})
-    EXPECT_NE(errorOf("\n" + text).find("more than 64 parts: hair.toml line 2"), std::string::npos) << text;
-  EXPECT_EQ(errorOf("[" + parts(64, "a") + "]").find("parts"), std::string::npos);
-  EXPECT_EQ(errorOf("motion = \"" + parts(100, "a") + "\"  # " + parts(100, "a")), "");
-  EXPECT_EQ(errorOf("[parameters]\nwind = [" + parts(1, "1.5") + ", 0.0, 1.5]"), "");
+    EXPECT_NE(configErrorOf("\n" + text).find("more than 64 parts: hair.toml line 2"), std::string::npos)
+        << text;
+  EXPECT_EQ(configErrorOf("[" + parts(64, "a") + "]").find("parts"), std::string::npos);
+  EXPECT_EQ(configErrorOf("motion = \"" + parts(100, "a") + "\"  # " + parts(100, "a")), "");
+  EXPECT_EQ(configErrorOf("[parameters]\nwind = [" + parts(1, "1.5") + ", 0.0, 1.5]"), "");
 }
 
 TEST(Config, AFileThatCannotBeReadSaysSo) {

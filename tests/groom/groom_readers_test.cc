@@ -37,7 +37,7 @@ void expectTfxError(const Bytes& bytes, const std::string& place) {
 void expectHairError(const Bytes& bytes, const std::string& place) {
   expectError([&] { readHair(bytes, "wig.hair"); }, {"wig.hair", place});
 }
-void expectObjError(const std::string& text, const std::string& place) {
+void expectObjStrandsError(const std::string& text, const std::string& place) {
   expectError([&] { readObjStrands(samples::fromText(text), "wig.obj"); }, {"wig.obj", place});
 }
 
@@ -232,20 +232,20 @@ TEST(ObjStrands, AMarkOfUtf8BeforeTheFirstLineIsNoPartOfIt) {
 }
 
 TEST(ObjStrands, BadLinesAreRefusedWithTheirNumber) {
-  expectObjError("", "line 1");
-  expectObjError("# nothing\n", "no polylines");
-  expectObjError("v 0 0 0\nv 1 2\nl 1 2\n", "line 2");
-  expectObjError("v 0 0 0\n\nv 1 x 2\n", "line 3");
-  expectObjError("v 0 0 nan\n", "line 1");
-  expectObjError("v 0 0 1e40\n", "line 1");
-  expectObjError("v 0 inf 1\n", "line 1");
-  expectObjError("v 0 0 0\nl\n", "line 2");
-  expectObjError("v 0 0 0\nv 0 1 0\nl 1 0\n", "line 3");
-  expectObjError("v 0 0 0\nv 0 1 0\nl 1 3\n", "line 3");
-  expectObjError("v 0 0 0\nv 0 1 0\nl 1 -3\n", "line 3");
-  expectObjError("v 0 0 0\nv 0 1 0\nl 1 2.5\n", "line 3");
-  expectObjError("v 0 0 0\nl 1 99999999999999999999\n", "line 2");
-  expectObjError("v 0 0 0\nl 1 4294967296\n", "line 2");
+  expectObjStrandsError("", "line 1");
+  expectObjStrandsError("# nothing\n", "no polylines");
+  expectObjStrandsError("v 0 0 0\nv 1 2\nl 1 2\n", "line 2");
+  expectObjStrandsError("v 0 0 0\n\nv 1 x 2\n", "line 3");
+  expectObjStrandsError("v 0 0 nan\n", "line 1");
+  expectObjStrandsError("v 0 0 1e40\n", "line 1");
+  expectObjStrandsError("v 0 inf 1\n", "line 1");
+  expectObjStrandsError("v 0 0 0\nl\n", "line 2");
+  expectObjStrandsError("v 0 0 0\nv 0 1 0\nl 1 0\n", "line 3");
+  expectObjStrandsError("v 0 0 0\nv 0 1 0\nl 1 3\n", "line 3");
+  expectObjStrandsError("v 0 0 0\nv 0 1 0\nl 1 -3\n", "line 3");
+  expectObjStrandsError("v 0 0 0\nv 0 1 0\nl 1 2.5\n", "line 3");
+  expectObjStrandsError("v 0 0 0\nl 1 99999999999999999999\n", "line 2");
+  expectObjStrandsError("v 0 0 0\nl 1 4294967296\n", "line 2");
 }
 
 TEST(GroomFile, WhatIsNoReadableFileIsRefusedWithItsName) {

@@ -26,7 +26,7 @@ double sixVolumes(const TriangleMesh& mesh) {
   return sum;
 }
 
-void expectObjError(const std::string& text, const std::string& place) {
+void expectObjMeshError(const std::string& text, const std::string& place) {
   expectError([&] { readObjMesh(fromText(text), "body.obj"); }, {"body.obj", place});
 }
 
@@ -60,15 +60,15 @@ TEST(ObjMesh, WithoutSkippedGroupsEveryFaceIsThere) {
 
 TEST(ObjMesh, BadLinesAreRefusedWithTheirNumber) {
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  expectObjError("", "line 1");
-  expectObjError(triangle, "no faces");
-  expectObjError(triangle + "f 1 2\n", "line 4");
-  expectObjError(triangle + "f 1 2 4\n", "line 4");
-  expectObjError(triangle + "f 1 2 -4\n", "line 4");
-  expectObjError(triangle + "f 1 2 0\n", "line 4");
-  expectObjError(triangle + "f 1 2 /3\n", "line 4");
-  expectObjError(triangle + "f 1 2 3\nv 0 0 nan\n", "line 5");
-  expectObjError(triangle + "f 1 1 1\n", "no faces");
+  expectObjMeshError("", "line 1");
+  expectObjMeshError(triangle, "no faces");
+  expectObjMeshError(triangle + "f 1 2\n", "line 4");
+  expectObjMeshError(triangle + "f 1 2 4\n", "line 4");
+  expectObjMeshError(triangle + "f 1 2 -4\n", "line 4");
+  expectObjMeshError(triangle + "f 1 2 0\n", "line 4");
+  expectObjMeshError(triangle + "f 1 2 /3\n", "line 4");
+  expectObjMeshError(triangle + "f 1 2 3\nv 0 0 nan\n", "line 5");
+  expectObjMeshError(triangle + "f 1 1 1\n", "no faces");
 }
 
 TEST(ObjMesh, NumbersTooSmallForADoubleAreZero) {
@@ -76,8 +76,8 @@ TEST(ObjMesh, NumbersTooSmallForADoubleAreZero) {
   const TriangleMesh mesh = readObjMesh(samples::fromText(small + "v 1 0 0\nv 0 1 0\nf 1 2 3\n"), "body.obj");
   EXPECT_EQ(mesh.positions[0], Vec3(0, 0, 0));
   for (const char* large : {"1e400", "-12e+999", "1e-400x", "1e39"})
-    expectObjError(std::string("v 0 0 ") + large + "\n", "line 1");
-  expectObjError("v 0 0 1" + std::string(400, '0') + "e-5\n", "line 1");
+    expectObjMeshError(std::string("v 0 0 ") + large + "\n", "line 1");
+  expectObjMeshError("v 0 0 1" + std::string(400, '0') + "e-5\n", "line 1");
 }
 
 TEST(GltfMesh, NodesPlaceTheirMeshes) {
