@@ -132,24 +132,24 @@ TEST(Concealment, CollidersOfAnotherSessionWaitForTheirGroom) {
 
 /// Numbers that pass the checks of chunks and yet are out of all bounds.
 void damage(std::minstd_rand& random, GuideFrame& frame) {
-  const float far = random() % 2 == 0 ? 3e38f : -1e25f;
   const auto any = [&](size_t count) { return random() % count; };
+  const float far = std::array{3e38f, -3e38f, 1e25f}[any(3)];
+  const auto axis = static_cast<int>(any(3));
   switch (random() % 6) {
     case 0:
-      frame.positions[any(frame.positions.size())][0] = far;
+      frame.positions[any(frame.positions.size())][axis] = far;
       break;
     case 1:
-      for (Vec3& position : frame.positions) position[1] = far;
+      for (Vec3& position : frame.positions) position[axis] = far;
       break;
     case 2:
-      frame.head.position[2] = far;
+      frame.head.position[axis] = far;
       break;
     case 3:
-      frame.colliders[0].pose.position[0] = far;
+      if (!frame.colliders.empty()) frame.colliders[0].pose.position[axis] = far;
       break;
     case 4:
-      frame.colliders[0].id = static_cast<uint32_t>(any(10));
-      frame.colliders.resize(any(3), frame.colliders[0]);
+      frame.colliders.resize(any(4), {static_cast<uint32_t>(any(10)), frame.head, {}});
       break;
     default:
       frame.simulation_time += std::array{1e300, -1e300, 1e-300, 0.0, 1.0}[any(5)];
@@ -167,7 +167,7 @@ TEST(Concealment, DamagedFramesNeverBreakIt) {
         reader.assembler.setColliders(shared(
             limbs(random() % 2 == 0 ? std::vector<Collider>{limb()} : std::vector{limb(3), limb(5, 0.03f)})));
       GuideFrame frame = limbFrame(*reader.groom, number);
-      if (random() % 3 == 0) damage(random, frame);
+      for (size_t times = random() % 6; times > 3; --times) damage(random, frame);
       for (const GuideChunk& chunk : splitFrame(*reader.groom, frame)) {
         if (number > 1 && random() % 4 == 0) continue;
         for (const auto& out : {reader.assembler.add(chunk), reader.assembler.concealOverdue()}) {
