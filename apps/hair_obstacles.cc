@@ -8,7 +8,6 @@
 #include "apps/console.h"
 #include "apps/interrupt.h"
 #include "core/error.h"
-#include "render/body_binding.h"
 #include "scenes/field_cache.h"
 
 namespace strandcast {

@@ -87,7 +87,7 @@ void BodyPass::setBody(const BodyDescription& body) {
 }
 
 void BodyPass::setObstacles(std::span<const HairObstacle> obstacles) {
-  obstacles_.assign(obstacles.begin(), obstacles.end());
+  parts_ = bodyParts(obstacles);
   const bool was_carried = !binding_.empty();
   bind();
   if (!was_carried || !binding_.empty()) return;
@@ -98,7 +98,7 @@ void BodyPass::setObstacles(std::span<const HairObstacle> obstacles) {
 void BodyPass::bind() {
   std::vector<Vec3> positions;
   for (const Vertex& vertex : rest_) positions.emplace_back(vertex.position);
-  binding_ = BodyBinding(positions, obstacles_);
+  binding_ = BodyBinding(positions, parts_);
 }
 
 void BodyPass::findBounds(std::span<const Vertex> vertices) {

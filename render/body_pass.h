@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gl/program.h"
-#include "render/body_binding.h"
+#include "render/hair_bodies.h"
 #include "render/light.h"
 #include "render/scene_block.h"
 #include "transport/messages.h"
@@ -50,7 +50,7 @@ class BodyPass {
   GLsizei index_count_ = 0;
   std::vector<Vertex> rest_;  ///< of the body as it was given
   std::vector<std::array<uint32_t, 3>> triangles_;
-  std::vector<HairObstacle> obstacles_;
+  std::vector<BodyPart> parts_;
   BodyBinding binding_;
   Box bounds_;
 };

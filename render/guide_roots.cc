@@ -12,12 +12,12 @@ void GuideRoots::setGroom(const StrandSet& guides) {
     rest_.push_back(points.empty() ? Vec3(Vec3::Zero()) : points.front());
     normals_.push_back(rootFrame(points).normal);
   }
-  binding_ = BodyBinding(rest_, obstacles_);
+  binding_ = BodyBinding(rest_, parts_);
 }
 
 void GuideRoots::setObstacles(std::span<const HairObstacle> obstacles) {
-  obstacles_.assign(obstacles.begin(), obstacles.end());
-  binding_ = BodyBinding(rest_, obstacles_);
+  parts_ = bodyParts(obstacles);
+  binding_ = BodyBinding(rest_, parts_);
 }
 
 Vec3 GuideRoots::normal(size_t guide, const Vec3& root, const Pose& head) const {

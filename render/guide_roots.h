@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/strand_set.h"
-#include "render/body_binding.h"
+#include "render/hair_bodies.h"
 
 namespace strandcast {
 
@@ -26,7 +26,7 @@ class GuideRoots {
  private:
   std::vector<Vec3> rest_;     ///< m, roots of guides that have vertices
   std::vector<Vec3> normals_;  ///< at rest
-  std::vector<HairObstacle> obstacles_;
+  std::vector<BodyPart> parts_;
   BodyBinding binding_;
 };
 

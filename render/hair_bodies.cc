@@ -14,6 +14,14 @@ constexpr float kMostStretch = 1e6f;   // of a bend that is heeded: from there o
 
 }  // namespace
 
+std::vector<BodyPart> bodyParts(std::span<const HairObstacle> obstacles) {
+  std::vector<BodyPart> parts;
+  for (const HairObstacle& obstacle : obstacles)
+    if (obstacle.canBend() && isBodyPart(obstacle.shape))
+      parts.push_back({obstacle.collider, obstacle.shape.field});
+  return parts;
+}
+
 HairBodies::HairBodies() : program_("hair bodies", {{GL_COMPUTE_SHADER, shaders::kHairBodiesComp}}) {
   hair_buffer_ = gl::Buffer(0, nullptr, 0);
   setObstacles({});

@@ -5,7 +5,7 @@
 #include "core/contact_primitive.h"
 #include "gl/buffer.h"
 #include "gl/program.h"
-#include "transport/messages.h"
+#include "transport/body_binding.h"
 
 namespace strandcast {
 
@@ -23,6 +23,9 @@ struct HairObstacle {
   /// Whether place() may move, and bend, it.
   bool canBend() const { return !follows_head && collider != kNoCollider && shape.field; }
 };
+
+/// Those of a skinned body.
+std::vector<BodyPart> bodyParts(std::span<const HairObstacle> obstacles);
 
 /// Keeps grown hair out of bodies as guides are already. A hair that would go into one leaves its three
 /// guides for one before, more so the deeper it would go (kernels/hair.h, closingAsked), and what is still

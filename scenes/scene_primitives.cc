@@ -65,7 +65,7 @@ ContactPrimitive convexShape(const ScenePrimitive& primitive, const TriangleMesh
 }
 
 /// A renderer draws the vertices of the body that lie on a field which does not follow the head where that is
-/// (render/body_binding.h), as parts of a skinned body.
+/// (transport/body_binding.h), as parts of a skinned body.
 void warnOfTouching(const TriangleMesh& body, const DistanceField& field, const std::string& name,
                     std::vector<std::string>& warnings) {
   const float near = 4 * field.grid.cell;

@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +12,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/nearest_rotation.h"
 
 namespace strandcast {
 namespace {
@@ -276,24 +276,6 @@ class Cutter {
 };
 
 }  // namespace
-
-Quat nearestRotation(const Eigen::Matrix3d& matrix) {
-  // Newton's iteration (Higham 1986) for what is nearly a multiple of one, which takes a tenth of the time.
-  constexpr double kNear = 0.2, kRounding = 1e-8;  // the determinant, of matrices as large as a rotation
-  constexpr int kMostRounds = 20;
-  Eigen::Matrix3d near = matrix * (std::sqrt(3.0) / matrix.norm());
-  double change = near.determinant() > kNear ? 1 : 0;
-  for (int round = 0; round < kMostRounds && change > 0; ++round) {
-    const Eigen::Matrix3d next = 0.5 * (near + near.inverse().transpose());
-    change = (next - near).cwiseAbs().maxCoeff();
-    near = next;
-    if (change < kRounding) return Eigen::Quaterniond(near).normalized().cast<float>();
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
-  return Eigen::Quaterniond(u * svd.matrixV().transpose()).normalized().cast<float>();
-}
 
 Quat turnOf(const Placement& joint) {
   const Eigen::Matrix3d linear = joint.linear();

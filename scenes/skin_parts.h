@@ -45,8 +45,6 @@ Pose partPose(const SkinPart& part, std::span<const Placement> bindings);
 /// partPose(). None where that is less than 10 um.
 SurfaceBend partBend(const SkinPart& part, std::span<const Placement> bindings, const Pose& pose);
 
-/// The rotation nearest to a matrix.
-Quat nearestRotation(const Eigen::Matrix3d& matrix);
 /// How a joint is turned; where it is a mirror image, how the image through its middle is. From one such to
 /// another the rotation is the joint's own.
 Quat turnOf(const Placement& joint);

@@ -11,6 +11,7 @@
 
 #include "collision/mesh_query.h"
 #include "core/error.h"
+#include "core/nearest_rotation.h"
 #include "core/pose_check.h"
 #include "scenes/skin_parts.h"
 

@@ -252,8 +252,14 @@ void GuideAssembler::setGroom(std::shared_ptr<const GroomDescription> groom) {
   groom_ = std::move(groom);
   decoder_.setGroom(groom_->guides);
   if (conceals_) concealment_.setGroom(groom_->guides);
-  newest_colliders_.clear();
+  if (colliders_) setColliders(std::move(colliders_));
   beginAnew();
+}
+
+void GuideAssembler::setColliders(std::shared_ptr<const ColliderSet> colliders) {
+  if (!conceals_) return;
+  colliders_ = std::move(colliders);
+  if (groom_ && groom_->session == colliders_->session) concealment_.setColliders(*colliders_);
 }
 
 void GuideAssembler::beginAnew() {
@@ -301,7 +307,6 @@ GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
   pending.header.head_rotation = chunk.head_rotation;
   pending.frame = pool_.take();
   pending.frame->positions.resize(groom_->guides.vertices());
-  pending.frame->colliders = newest_colliders_;  // of the frame before, where chunk 0 gets lost
   pending.runs.resize(chunk.chunk_count);
   return &pending;
 }
@@ -394,7 +399,6 @@ std::shared_ptr<const GuideFrame> GuideAssembler::release(std::list<Pending>::it
   }
   if (sequence_.newest() != 0) statistics_.frames_lost += frame.frame - sequence_.newest() - 1;
   sequence_.take(frame.frame);
-  newest_colliders_ = frame.colliders;
   ++statistics_.frames_received;
   statistics_.payload_bytes += pending->bytes;
   statistics_.strands_concealed += frame.strands_concealed;

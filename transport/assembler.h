@@ -49,6 +49,9 @@ class GuideAssembler {
   /// `groom` as an assembler or a checked announcement made it. Frames under way are dropped and the count of
   /// lost frames starts anew with the first complete frame.
   void setGroom(std::shared_ptr<const GroomDescription> groom);
+  /// By which concealOverdue() knows what carries strands. `colliders` as an assembler made them; those of
+  /// another session than the groom's are kept until there is one of theirs.
+  void setColliders(std::shared_ptr<const ColliderSet> colliders);
   /// The next frame may have any number: who reads a file goes where it likes. Frames under way are dropped.
   void beginAnew();
   /// The frame that this chunk completed, or null. Its number is less than those before it where the stream
@@ -80,14 +83,14 @@ class GuideAssembler {
 
   const bool conceals_;
   std::shared_ptr<const GroomDescription> groom_;
+  std::shared_ptr<const ColliderSet> colliders_;
   Concealment concealment_;
   FramePool pool_;
   GuideDecoder decoder_;
-  std::vector<Vec3> decoded_;                     // of the chunk under way
-  std::list<Pending> pending_;                    // fed last first; at most kFramesUnderWay
-  uint64_t begun_ = 0;                            // frames of which a chunk came
-  FrameSequence sequence_;                        // of the complete frames of this groom
-  std::vector<PlacedCollider> newest_colliders_;  // of the newest of them
+  std::vector<Vec3> decoded_;   // of the chunk under way
+  std::list<Pending> pending_;  // fed last first; at most kFramesUnderWay
+  uint64_t begun_ = 0;          // frames of which a chunk came
+  FrameSequence sequence_;      // of the complete frames of this groom
   ReceiveStatistics statistics_;
 };
 

@@ -1,8 +1,11 @@
 #include "transport/concealment.h"
 
 #include <algorithm>
+#include <utility>
 
-#include "transport/codec/guide_payload.h"
+#include "core/nearest_rotation.h"
+#include "transport/body_binding.h"
+#include "transport/carried_on.h"
 
 namespace strandcast {
 
@@ -10,30 +13,139 @@ void Concealment::setGroom(const StrandSet& guides) {
   offsets_ = guides.offsets;
   last_.assign(guides.vertices(), Vec3::Zero());
   before_.assign(guides.vertices(), Vec3::Zero());
-  times_.assign(guides.strands(), {});
+  strands_.assign(guides.strands(), {});
+  roots_.clear();
+  for (size_t s = 0; s < guides.strands(); ++s) roots_.push_back(guides.strand(s).front());
+  parts_.clear();
+  places_.assign(1, HeadFrame(Pose{}));
+  sums_.assign(1, {});
+  colliders_.clear();
 }
 
-void Concealment::learn(const GuideFrame& frame, std::span<const StrandRun> received) {
-  const HeadFrame head(frame.head);
+void Concealment::setColliders(const ColliderSet& set) {
+  const std::vector<BodyPart> parts = bodyParts(set);
+  const auto placeOf = [](const std::vector<uint32_t>& ids, uint32_t id) {
+    return 1 + static_cast<uint32_t>(std::find(ids.begin(), ids.end(), id) - ids.begin());
+  };
+  std::vector<uint32_t> ids;
+  for (const BodyPart& part : parts)
+    if (placeOf(ids, part.collider) > ids.size()) ids.push_back(part.collider);
+  if (ids == parts_) return;  // what came or went is no part: an id is never given to another collider
+  const BodyBinding binding(roots_, parts);
+  const std::vector<uint32_t> old_parts = std::exchange(parts_, std::move(ids));
+  const std::vector<HeadFrame> old_places = places_;
+  places_.resize(1, old_places[0]);
+  for (const uint32_t id : parts_) {
+    const uint32_t old = placeOf(old_parts, id);
+    places_.push_back(old < old_places.size() ? old_places[old] : HeadFrame(Pose{}));
+  }
+  sums_.assign(places_.size(), {});
+  for (uint32_t s = 0; s < strands_.size(); ++s) {
+    Strand& strand = strands_[s];
+    strand.part = binding.holds(s) ? placeOf(parts_, binding.mainCollider(s)) : 0;
+    const uint32_t was = std::exchange(strand.carrier, 0);
+    if (was == 0) continue;
+    if (strand.part != 0 && parts_[strand.part - 1] == old_parts[was - 1])
+      strand.carrier = strand.part;
+    else
+      hangOnHead(s, old_places[was]);
+  }
+}
+
+void Concealment::place(const GuideFrame& frame) {
+  places_[0] = HeadFrame(frame.head);
+  for (size_t i = 0; i < parts_.size(); ++i)
+    for (const PlacedCollider& placed : frame.colliders)
+      if (placed.id == parts_[i]) places_[1 + i] = HeadFrame(placed.pose);
+}
+
+/// Where no chunk tells of colliders, the roots that came tell where the parts are that carry them.
+void Concealment::fitParts(GuideFrame& frame, std::span<const StrandRun> received) {
+  // m^2: roots turn a part as they are turned where they are spread by more, else it goes on turning as it
+  // did.
+  constexpr double kSpread = 1e-6;
+  std::fill(sums_.begin(), sums_.end(), RootSums{});
   for (const StrandRun& run : received) {
     for (uint32_t s = run.first_strand; s < run.first_strand + run.strand_count; ++s) {
-      Times& times = times_[s];
-      times = {frame.simulation_time, times.last, times.count + 1, frame.frame};
+      if (strands_[s].carrier == 0) continue;
+      // Not as it was in the last frame: from one guess to the next, parts would creep away.
+      const Eigen::Vector3d local = strands_[s].root.cast<double>(),
+                            world = frame.positions[offsets_[s]].cast<double>();
+      RootSums& sums = sums_[strands_[s].carrier];
+      ++sums.count;
+      sums.local += local;
+      sums.world += world;
+      sums.products += world * local.transpose();
     }
-    for (uint32_t v = run.first_vertex; v < run.first_vertex + run.vertex_count; ++v) {
-      before_[v] = last_[v];
-      last_[v] = head.toHead(frame.positions[v]);
+  }
+  for (PlacedCollider& placed : frame.colliders) {
+    const auto part = std::find(parts_.begin(), parts_.end(), placed.id);
+    if (part == parts_.end()) continue;
+    const RootSums& sums = sums_[1 + static_cast<size_t>(part - parts_.begin())];
+    if (sums.count == 0) continue;
+    const Eigen::Vector3d local = sums.local / sums.count, world = sums.world / sums.count;
+    const Eigen::Matrix3d moments = sums.products / sums.count - world * local.transpose() +
+                                    kSpread * placed.pose.rotation.cast<double>().toRotationMatrix();
+    const Quat rotation = nearestRotation(moments);  // Kabsch 1976
+    const Vec3 position = (world - rotation.cast<double>() * local).cast<float>();
+    if (rotation.coeffs().allFinite() && position.allFinite()) placed.pose = {position, rotation};
+  }
+}
+
+/// As if what is at `from` had carried it until now.
+void Concealment::hangOnHead(uint32_t strand, const HeadFrame& from) {
+  for (uint32_t v = offsets_[strand]; v < offsets_[strand + 1]; ++v)
+    last_[v] = places_[0].toHead(from.toWorld(last_[v]));
+  strands_[strand].carrier = 0;
+  strands_[strand].count = std::min(strands_[strand].count, 1u);
+}
+
+void Concealment::chooseCarrier(uint32_t strand, const Vec3& root) {
+  constexpr float kFar = 1e-6f, kClearly = 4;  // m^2; of squares, so that it does not go to and fro
+  const uint32_t part = strands_[strand].part, now = strands_[strand].carrier;
+  if (part == 0) return;
+  const auto off = [&](uint32_t carrier) {
+    return (places_[carrier].toWorld(roots_[strand]) - root).squaredNorm();
+  };
+  const uint32_t other = now == 0 ? part : 0;
+  const float off_now = off(now);
+  if (!(off_now > kFar && off_now > kClearly * off(other))) return;
+  strands_[strand].carrier = other;
+  strands_[strand].count = 0;  // its motion was relative to the other one
+}
+
+void Concealment::learn(GuideFrame& frame, std::span<const StrandRun> received) {
+  const bool is_told = received.front().strand_count > 0;
+  if (is_told) {
+    colliders_.learn(frame.colliders, frame.simulation_time);
+  } else {
+    colliders_.carryOn(frame.simulation_time, frame.colliders);
+    fitParts(frame, received);
+  }
+  place(frame);
+  for (const StrandRun& run : received) {
+    for (uint32_t s = run.first_strand; s < run.first_strand + run.strand_count; ++s) {
+      const Vec3& root = frame.positions[offsets_[s]];
+      if (is_told) chooseCarrier(s, root);
+      Strand& strand = strands_[s];
+      strand.before = strand.last;
+      strand.last = frame.simulation_time;
+      ++strand.count;
+      strand.frame = frame.frame;
+      const HeadFrame carrier = places_[strand.carrier];
+      if (is_told && strand.carrier != 0) strand.root = carrier.toHead(root);
+      for (uint32_t v = offsets_[s]; v < offsets_[s + 1]; ++v) {
+        before_[v] = last_[v];
+        last_[v] = carrier.toHead(frame.positions[v]);
+      }
     }
   }
 }
 
 void Concealment::extrapolate(uint32_t strand, double time, std::span<Vec3> out) const {
-  const Times& times = times_[strand];
+  const Strand& known = strands_[strand];
   const uint32_t first = offsets_[strand];
-  const double between = times.last - times.before;
-  const bool has_motion = times.count >= 2 && between > 0 && between <= kMaxExtrapolation;
-  const auto ahead =
-      static_cast<float>(has_motion ? std::clamp(time - times.last, 0.0, kMaxExtrapolation) / between : 0.0);
+  const auto ahead = static_cast<float>(known.count >= 2 ? carriedOn(known.before, known.last, time) : 0.0);
   for (size_t i = 0; i < out.size(); ++i) {
     const Vec3& last = last_[first + i];
     Vec3 moved = last + ahead * (last - before_[first + i]);
@@ -52,14 +164,17 @@ void Concealment::extrapolate(uint32_t strand, double time, std::span<Vec3> out)
 }
 
 bool Concealment::conceal(GuideFrame& frame) {
-  const HeadFrame head(frame.head);
   frame.strands_concealed = 0;
-  for (uint32_t s = 0; s < times_.size(); ++s) {
-    if (times_[s].count == 0) return false;
-    if (times_[s].frame == frame.frame) continue;
+  for (uint32_t s = 0; s < strands_.size(); ++s) {
+    const Strand& known = strands_[s];
+    if (known.count == 0) return false;
+    if (known.frame == frame.frame) continue;
     const std::span<Vec3> strand(frame.positions.data() + offsets_[s], offsets_[s + 1] - offsets_[s]);
     extrapolate(s, frame.simulation_time, strand);
-    for (Vec3& position : strand) position = head.toWorld(position);
+    for (Vec3& position : strand) {
+      position = places_[known.carrier].toWorld(position);
+      if (!position.allFinite()) return false;
+    }
     ++frame.strands_concealed;
   }
   return true;

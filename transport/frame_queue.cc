@@ -44,12 +44,13 @@ void FrameQueue::setBody(std::shared_ptr<const BodyDescription> body) {
   changed_.notify_all();
 }
 
-void FrameQueue::setColliders(std::shared_ptr<const ColliderSet> colliders) {
+bool FrameQueue::setColliders(std::shared_ptr<const ColliderSet> colliders) {
   const std::lock_guard lock(mutex_);
   if (colliders_ && colliders_->session == colliders->session && colliders->revision <= colliders_->revision)
-    return;
+    return false;
   colliders_ = std::move(colliders);
   changed_.notify_all();
+  return true;
 }
 
 void FrameQueue::keep(size_t count) {

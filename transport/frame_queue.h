@@ -39,7 +39,8 @@ class FrameQueue {
   /// go. Returns whether it is now in force.
   bool setGroom(std::shared_ptr<const GroomDescription> groom);
   void setBody(std::shared_ptr<const BodyDescription> body);
-  void setColliders(std::shared_ptr<const ColliderSet> colliders);
+  /// As setGroom(), but frames stay.
+  bool setColliders(std::shared_ptr<const ColliderSet> colliders);
   /// As Subscriber::keepFrames().
   void keep(size_t count);
   /// Ignores a frame that does not fit groom(); one that is no newer than the newest begins the count anew.

@@ -70,7 +70,8 @@ struct GuideFrame {
   std::vector<PlacedCollider> colliders;  ///< that do not follow the head; kMaxPlacedColliders at most
   // Of the receiver:
   uint64_t arrival_time = 0;       ///< ns, steady clock of the receiver, when it was complete
-  uint32_t strands_concealed = 0;  ///< that were lost on the way and are put where they probably are
+  uint32_t strands_concealed = 0;  ///< that were lost on the way and are put where they probably are, as
+                                   ///< colliders are whose chunk was lost
 };
 
 enum class CommandKind : uint32_t {

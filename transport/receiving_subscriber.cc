@@ -34,7 +34,8 @@ void ReceivingSubscriber::receive(BodyChunk chunk) {
 
 void ReceivingSubscriber::receive(ColliderChunk chunk) {
   const std::lock_guard lock(mutex_);
-  if (auto complete = colliders_.add(std::move(chunk))) queue_.setColliders(std::move(complete));
+  const auto complete = colliders_.add(std::move(chunk));
+  if (complete && queue_.setColliders(complete)) frames_.setColliders(complete);
 }
 
 void ReceivingSubscriber::receiveGuideChunk() {

@@ -1,5 +1,5 @@
 // A body whose parts are colliders is drawn where they are.
-#include "render/body_binding.h"
+#include "transport/body_binding.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "collision/field_bake.h"
+#include "render/hair_bodies.h"
 #include "scenes/skin_parts.h"
 #include "tests/collision/shapes.h"
 #include "tests/groom/skinned_arm.h"
@@ -31,7 +32,7 @@ TEST(BodyBinding, VerticesMoveWithTheCollidersOnWhoseSurfacesTheyLie) {
   const Vec3 left(-0.02f, 0, 0), right(0.02f, 0, 0);  // the balls meet in a circle about x = 0
   const float meet = std::sqrt(0.03f * 0.03f - 0.02f * 0.02f);
   const std::vector<Vec3> rest{Vec3(-0.05f, 0, 0), Vec3(0.05f, 0, 0), Vec3(0, meet, 0), Vec3(0, 1, 0)};
-  BodyBinding binding(rest, std::vector<HairObstacle>{ballAt(left, 7), ballAt(right, 9)});
+  BodyBinding binding(rest, bodyParts(std::vector<HairObstacle>{ballAt(left, 7), ballAt(right, 9)}));
   for (size_t v = 0; v < 3; ++v) {
     ASSERT_TRUE(binding.holds(v));
     EXPECT_LT((binding.position(v, rest[v]) - rest[v]).norm(), 1e-7f);
@@ -50,7 +51,7 @@ TEST(BodyBinding, VerticesMoveWithTheCollidersOnWhoseSurfacesTheyLie) {
 
 TEST(BodyBinding, VerticesGoWhereABendTakesThem) {
   const std::vector<Vec3> rest{Vec3(0.03f, 0, 0)};
-  BodyBinding binding(rest, std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)});
+  BodyBinding binding(rest, bodyParts(std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)}));
   PlacedCollider bent{4, {Vec3(0, 1, 0), Quat::Identity()}, {}};
   // What is at p was 0.1 p.x lower at rest: a shear, which leans the normal of the ball's side back.
   bent.bend.terms[1] = Vec3(0, -0.1f, 0);
@@ -83,7 +84,7 @@ Off offTheBlendedSkin(bool with_bends) {
     const Pose pose = partPose(part, bindings);
     placed.push_back({id, pose, with_bends ? partBend(part, bindings, pose) : SurfaceBend()});
   }
-  BodyBinding binding(skin.mesh.positions, obstacles);
+  BodyBinding binding(skin.mesh.positions, bodyParts(obstacles));
   binding.place(placed);
   const std::vector<Vec3> blended = skin.blended(world);
   Off off;
@@ -110,10 +111,11 @@ TEST(BodyBinding, WhatFollowsTheHeadOrIsNoColliderCarriesNothing) {
   HairObstacle head = ballAt(Vec3::Zero(), 1);
   head.follows_head = true;
   const std::vector<Vec3> rest{Vec3(0.03f, 0, 0)};
-  EXPECT_TRUE(BodyBinding(rest, std::vector<HairObstacle>{head, ballAt(Vec3::Zero(), kNoCollider)}).empty());
+  EXPECT_TRUE(BodyBinding(rest, bodyParts(std::vector<HairObstacle>{head, ballAt(Vec3::Zero(), kNoCollider)}))
+                  .empty());
   HairObstacle aside = ballAt(Vec3(0, 16, 0), 2);
   aside.shape.a = Vec3(0, -16, 0);  // so that it is about the vertex, too
-  EXPECT_TRUE(BodyBinding(rest, std::vector<HairObstacle>{aside}).empty());
+  EXPECT_TRUE(BodyBinding(rest, bodyParts(std::vector<HairObstacle>{aside})).empty());
   EXPECT_FALSE(BodyBinding().holds(0));
 }
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <random>
 
+#include "limb.h"
 #include "transport/assembler.h"
 
 namespace strandcast {
@@ -175,7 +176,10 @@ size_t fuzzChunks(const uint8_t* data, size_t size) {
   GroomAssembler grooms(1);
   BodyAssembler bodies(1);
   ColliderAssembler colliders(1);
-  GuideAssembler frames;
+  GuideAssembler frames, concealing(true);
+  ColliderSet parts = limbs({limb(0), limb(1)});  // that the ids of frames may be of
+  parts.session = 1;
+  concealing.setColliders(std::make_shared<ColliderSet>(std::move(parts)));
   size_t completed = 0, vertices = 0;
   uint64_t newest = 0;
   while (!bytes.empty()) {
@@ -184,6 +188,7 @@ size_t fuzzChunks(const uint8_t* data, size_t size) {
         if (const auto groom = grooms.add(readGroomChunk(bytes))) {
           checkGroom(*groom);
           frames.setGroom(groom);
+          concealing.setGroom(groom);
           vertices = groom->guides.vertices();
           newest = 0;
           ++completed;
@@ -198,16 +203,21 @@ size_t fuzzChunks(const uint8_t* data, size_t size) {
       case 2:
         if (const auto set = colliders.add(readColliderChunk(bytes))) {
           checkColliderSet(*set);
+          concealing.setColliders(set);
           ++completed;
         }
         break;
-      default:
-        if (const auto frame = frames.add(readGuideChunk(bytes))) {
-          require(frame->positions.size() == vertices && frame->frame > newest);
-          for (const Vec3& position : frame->positions) require(position.allFinite());
+      default: {
+        const GuideChunk chunk = readGuideChunk(bytes);
+        for (const auto& frame : {concealing.add(chunk), concealing.concealOverdue()})
+          if (frame) require(isSound(*frame, vertices));
+        if (const auto frame = frames.add(chunk)) {
+          require(isSound(*frame, vertices));
+          require(frame->frame > newest);
           newest = frame->frame;
           ++completed;
         }
+      }
     }
   }
   return completed;

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "dds_domain.h"
+#include "limb.h"
 #include "lossy_link.h"
 #include "moving_hair.h"
 #include "steering.h"
@@ -325,6 +326,40 @@ TEST_P(LcmLosses, OnlyTheStrandsOfLostChunksAreConcealed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Drops, LcmLosses, testing::Values(0.01, 0.05));
+
+/// The head rests and a limb swings: lost strands, and the limb itself where its chunk is lost, are on it.
+TEST(Lcm, HairOfALimbStaysOnItThroughLosses) {
+  const auto link = std::make_shared<LossyLink>();
+  const auto publisher = makeLcmPublisher(link, options(11, Codec::kFloat32));
+  const auto subscriber = makeLcmSubscriber(link, options(0));
+  const GroomDescription groom = limbGroom(1800, 32);
+  publisher->announce(groom, sampleBody(10));
+  publisher->announceColliders(limbs({limb()}));
+  ASSERT_TRUE(subscriber->waitForGroom(kPatience));
+  ASSERT_TRUE(becomesTrue([&] { return subscriber->colliders() != nullptr; }));
+  constexpr uint64_t kFrames = kSanitized ? 40 : 80;
+  uint64_t newest = 0, concealed = 0;
+  float worst = 0, limb_off = 0;
+  for (uint64_t number = 1; number <= kFrames; ++number) {
+    if (number == 4) link->setLosses({0.3, 0.05, 0.05, 7});
+    publisher->publish(limbFrame(groom, number));
+    link->drain();
+    while (const auto frame = subscriber->waitForFrame(newest, milliseconds(0))) {
+      newest = frame->frame;
+      concealed += frame->strands_concealed;
+      const GuideFrame sent = limbFrame(groom, newest);
+      for (size_t v = 0; v < sent.positions.size(); ++v)
+        worst = std::max(worst, (frame->positions[v] - sent.positions[v]).norm());
+      limb_off = std::max(limb_off, limbOff(*frame, sent));
+    }
+  }
+  EXPECT_GT(concealed, 1000u);
+  EXPECT_LT(worst, 1e-3f) << "m, from where the strands really are";
+  EXPECT_LT(limb_off, 1e-3f);
+  std::printf("30 %% of messages lost: %llu strands concealed, worst %.2f mm, the limb %.2f mm\n",
+              static_cast<unsigned long long>(concealed), 1e3 * static_cast<double>(worst),
+              1e3 * static_cast<double>(limb_off));
+}
 
 TEST(Lcm, CommandsAreObeyedOnceAndAnsweredThroughLosses) {
   const auto link = std::make_shared<LossyLink>(Losses{0.3, 0.2, 0.2, 3});

@@ -1,16 +1,26 @@
-#include "render/body_binding.h"
+#include "transport/body_binding.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace strandcast {
 
-BodyBinding::BodyBinding(std::span<const Vec3> positions, std::span<const HairObstacle> obstacles) {
+std::vector<BodyPart> bodyParts(const ColliderSet& set) {
+  std::vector<BodyPart> parts;
+  for (const Collider& collider : set.colliders) {
+    if (collider.follows_head) continue;
+    for (const ContactPrimitive& shape : collider.shapes)
+      if (isBodyPart(shape)) parts.push_back({collider.id, shape.field});
+  }
+  return parts;
+}
+
+BodyBinding::BodyBinding(std::span<const Vec3> positions, std::span<const BodyPart> parts) {
   std::vector<const DistanceField*> fields;
-  for (const HairObstacle& obstacle : obstacles) {
-    if (!obstacle.canBend() || obstacle.shape.a != Vec3(Vec3::Zero())) continue;
-    colliders_.push_back(obstacle.collider);
-    fields.push_back(obstacle.shape.field.get());
+  for (const BodyPart& part : parts.first(std::min(parts.size(), kMaxPlacedColliders))) {
+    colliders_.push_back(part.collider);
+    fields.push_back(part.field.get());
   }
   if (fields.empty()) return;
   poses_.resize(fields.size());
@@ -46,6 +56,14 @@ void BodyBinding::place(std::span<const PlacedCollider> colliders) {
       poses_[i] = placed.pose;
       bends_[i] = placed.bend;
     }
+}
+
+uint32_t BodyBinding::mainCollider(size_t vertex) const {
+  const auto begin = shares_.begin() + static_cast<ptrdiff_t>(offsets_[vertex]),
+             end = shares_.begin() + static_cast<ptrdiff_t>(offsets_[vertex + 1]);
+  const auto most =
+      std::max_element(begin, end, [](const Share& a, const Share& b) { return a.weight < b.weight; });
+  return colliders_[most->collider];
 }
 
 Vec3 BodyBinding::position(size_t vertex, const Vec3& rest) const {

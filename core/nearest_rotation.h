@@ -1,0 +1,9 @@
+#pragma once
+#include "core/geometry.h"
+
+namespace strandcast {
+
+/// The rotation nearest to a matrix of finite numbers.
+Quat nearestRotation(const Eigen::Matrix3d& matrix);
+
+}  // namespace strandcast
