@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace strandcast {
@@ -34,7 +35,7 @@ class Refiner {
   }
 
   FineSkin run() {
-    constexpr int kMostRounds = 4;       // to a sixteenth of an edge
+    constexpr int kMostRounds = 5;       // to a thirty-second of an edge
     constexpr size_t kEnough = 100'000;  // triangles, which a round makes four times as many at most
     for (int round = 0; round < kMostRounds && fine_.triangles.size() < kEnough; ++round)
       if (!splitOnce()) break;
@@ -77,16 +78,33 @@ class Refiner {
     return static_cast<uint32_t>(fine_.positions.size() - 1);
   }
 
-  /// Halves every edge along which too much changes. An edge is halved for what its ends are, so that the
-  /// triangles on both sides of it still meet.
+  double lengthOf(const std::pair<uint32_t, uint32_t>& edge) const {
+    return static_cast<double>((fine_.positions[edge.first] - fine_.positions[edge.second]).norm());
+  }
+
+  /// Halves every edge along which too much changes, and those that lead far away from where it does. An edge
+  /// is halved for what its ends are, so that the triangles on both sides of it still meet.
   bool splitOnce() {
-    std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
+    // Over how long a way at each vertex so much changes, m, at least.
+    std::vector<double> ways(fine_.positions.size(), std::numeric_limits<double>::max());
+    std::map<std::pair<uint32_t, uint32_t>, double> changes;
     for (const auto& t : fine_.triangles)
       for (size_t c = 0; c < 3; ++c) {
         const std::pair<uint32_t, uint32_t> edge = std::minmax(t[c], t[(c + 1) % 3]);
-        if (middles.contains(edge) || change(edge.first, edge.second) <= kMostChange) continue;
-        middles[edge] = middleOf(edge.first, edge.second);
+        const auto [known, is_new] = changes.try_emplace(edge, 0.0);
+        if (!is_new) continue;
+        known->second = change(edge.first, edge.second);
+        if (!(known->second > 0)) continue;
+        for (const uint32_t v : {edge.first, edge.second})
+          ways[v] = std::min(ways[v], kMostChange / known->second * lengthOf(edge));
       }
+    const auto isSplit = [&](const std::pair<uint32_t, uint32_t>& edge, double changed) {
+      const auto [less, more] = std::minmax(ways[edge.first], ways[edge.second]);
+      return changed > kMostChange || (more > 2 * less && lengthOf(edge) > 2 * less);
+    };
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
+    for (const auto& [edge, changed] : changes)
+      if (isSplit(edge, changed)) middles[edge] = middleOf(edge.first, edge.second);
     std::vector<std::array<uint32_t, 3>> triangles;
     const auto middle = [&](uint32_t a, uint32_t b) {
       const auto found = middles.find(std::minmax(a, b));
@@ -136,8 +154,8 @@ class Refiner {
   }
 
   static constexpr uint32_t kNone = ~0u;
-  // Half of a part between joints: what it reaches into its neighbours by is less.
-  static constexpr double kMostChange = 0.1;
+  // Less than half of a part between joints, which reaches so far into its neighbours.
+  static constexpr double kMostChange = 0.08;
   const SkinnedMesh& skin_;
   FineSkin fine_;
 };

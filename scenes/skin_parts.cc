@@ -89,7 +89,8 @@ class Cutter {
   }
 
  private:
-  static constexpr float kOwn = 0.02f;  // share of another joint in a joint's own part, which is rigid
+  static constexpr float kOwn = 0.02f;   // share of another joint in a joint's own part, which is rigid
+  static constexpr float kReach = 0.3f;  // share of the joint, of a rigid part beside another
 
   std::string nameOf(uint32_t joint) const { return skin_.skeleton.joints[joint].name; }
   double areaOf(const std::array<uint32_t, 3>& t) const {
@@ -106,6 +107,10 @@ class Cutter {
     const float done = (place.share - kOwn) / (1 - 2 * kOwn);
     if (done < 0 || done >= 1) return ownOf(place);
     return {place.a, place.b, 1 + static_cast<uint32_t>(done * static_cast<float>(between))};
+  }
+  static float shareOf(uint32_t joint, const Place& place) {
+    return (joint == place.a ? 1 - place.share : 0) +
+           (joint == place.b && place.b != place.a ? place.share : 0);
   }
   /// One part fewer between the two joints whose parts are the smallest; none only after all have but one.
   /// False where there are none.
@@ -142,14 +147,15 @@ class Cutter {
     part.mesh.name = fmt::format("{}, part {}", skin_.mesh.name, part.name);
     std::set<uint32_t> own;
     for (const size_t t : core) own.insert(fine_.triangles[t].begin(), fine_.triangles[t].end());
-    // Its own and a ring about them of its kind, so that nothing opens between parts; but a rigid part would
-    // stand out of one that bends, and that out of large triangles which do not.
+    // Its own and a ring about them, so that nothing opens between parts; but a rigid part would stand out of
+    // one that bends. Where nothing bends between them, rigid parts reach farther.
     std::vector<std::array<uint32_t, 3>> triangles;
     for (size_t t = 0; t < places_.size(); ++t) {
+      if (key[2] == 0 && bends_[t]) continue;
       const std::array<uint32_t, 3>& triangle = fine_.triangles[t];
-      const bool beside =
-          std::any_of(triangle.begin(), triangle.end(), [&](uint32_t v) { return own.contains(v); });
-      if (beside && (key[2] != 0) == bends_[t]) triangles.push_back(triangle);
+      if (std::any_of(triangle.begin(), triangle.end(), [&](uint32_t v) { return own.contains(v); }) ||
+          (key[2] == 0 && shareOf(key[0], places_[t]) > kReach))
+        triangles.push_back(triangle);
     }
     if (key[2] != 0) sample(triangles, part);
     part.mesh = closed(std::move(triangles), part.mesh.name);

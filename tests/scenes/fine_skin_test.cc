@@ -37,7 +37,7 @@ TEST(FineSkin, OverEachTriangleWeightsChangeLittleAndNothingOpens) {
       edges[std::minmax(from, to)] += from < to ? 1 : -1;
       for (const uint32_t binding : {0u, 1u})
         EXPECT_LE(std::fabs(weightOf(fine.shares[from], binding) - weightOf(fine.shares[to], binding)),
-                  0.1 + 1e-9);
+                  0.08 + 1e-9);
     }
   for (const auto& [edge, count] : edges) EXPECT_EQ(count, 0);
 }

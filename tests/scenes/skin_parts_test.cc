@@ -124,7 +124,7 @@ TEST(SkinParts, AJointsOwnPartGoesWithIt) {
 }
 
 // docs/architecture.md, "Skinned bodies", has these numbers. In the first of them at 60 degrees the skin
-// itself is nearly folded.
+// itself folds.
 TEST(SkinParts, FollowABentArm) {
   for (const float blend : {0.03f, 0.06f, 0.1f}) {
     const SkinnedMesh skin = readGltfSkin(samples::armGlb(broadArm(blend)), "arm.glb");
@@ -139,10 +139,9 @@ TEST(SkinParts, FollowABentArm) {
             2e3 * static_cast<double>(blend), parts.size(), degrees, 1e3 * a.mean, 1e3 * a.most_below,
             1e3 * a.most_above);
         if (between == 0) continue;
-        const bool folds = blend == 0.03f && degrees == 60;
         EXPECT_LT(a.mean, 1e-4);
-        EXPECT_LT(a.most_below, folds ? 2e-3 : 1.3e-3);
-        EXPECT_LT(a.most_above, folds ? 3.5e-3 : 2e-3);
+        EXPECT_LT(a.most_below, 1.3e-3);
+        EXPECT_LT(a.most_above, 2e-3);
       }
     }
   }
@@ -162,7 +161,7 @@ TEST(SkinParts, FollowABentArmOfFewTriangles) {
     std::printf("%zu triangles, %zu parts, bent by %2.0f degrees: mean %.2f mm, %.1f below, %.1f above\n",
                 skin.mesh.triangles.size(), parts.size(), degrees, 1e3 * a.mean, 1e3 * a.most_below,
                 1e3 * a.most_above);
-    EXPECT_LT(a.mean, 1e-4);
+    EXPECT_LT(a.mean, 1.5e-4);
     EXPECT_LT(a.most_below, 1.3e-3);
     EXPECT_LT(a.most_above, 2e-3);
   }
