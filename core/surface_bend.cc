@@ -1,5 +1,6 @@
 #include "core/surface_bend.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -79,8 +80,35 @@ Vec3 SurfaceBend::shift(const Vec3& p) const {
 }
 
 Vec3 SurfaceBend::placed(const Vec3& rest) const {
-  const real3 from_middle = toKernel(rest - middle);
-  return middle + fromKernel(kernels::f32::placedByBend(kernelBend(terms), from_middle, from_middle));
+  constexpr int kMostRounds = 8, kMostHalvings = 4;
+  constexpr float kNear = 1e-6f;  // m
+  const kernels::f32::Bend bend = kernelBend(terms);
+  const Vec3 from_middle = rest - middle;
+  const auto offAt = [&](const Vec3& x) {
+    return Vec3(x + fromKernel(kernels::f32::bendShift(bend, toKernel(x))) - from_middle);
+  };
+  // The fixed point x = rest - w(x) runs away where skin is pressed together and w changes by more than the
+  // way; Newton's steps, halved while they lead off, come no farther from what is sought than they began.
+  Vec3 x = from_middle, off = offAt(x);
+  for (int round = 0; round < kMostRounds && off.norm() > kNear; ++round) {
+    real3 by_x, by_y, by_z;
+    kernels::f32::bendRates(bend, toKernel(x), by_x, by_y, by_z);
+    Eigen::Matrix3f rates = Eigen::Matrix3f::Identity();
+    rates.col(0) += fromKernel(by_x);
+    rates.col(1) += fromKernel(by_y);
+    rates.col(2) += fromKernel(by_z);
+    Vec3 step = -(rates.inverse() * off);
+    Vec3 next = x + step, next_off = offAt(next);
+    for (int half = 0; half < kMostHalvings && !(next_off.norm() < off.norm()); ++half) {
+      step *= 0.5f;
+      next = x + step;
+      next_off = offAt(next);
+    }
+    if (!(next_off.norm() < off.norm())) break;
+    x = next;
+    off = next_off;
+  }
+  return middle + x;
 }
 
 Vec3 SurfaceBend::normal(const Vec3& p, const Vec3& rest) const {

@@ -15,7 +15,7 @@ struct SurfaceBend {
 
   bool isNone() const;
   Vec3 shift(const Vec3& p) const;  ///< w(p), m
-  /// Where what is at `rest` at rest is, m.
+  /// Where what is at `rest` at rest is, m; where nothing is, as near as is found.
   Vec3 placed(const Vec3& rest) const;
   /// The normal at p, of any length, of a surface that had the unit normal `rest` there at rest.
   Vec3 normal(const Vec3& p, const Vec3& rest) const;

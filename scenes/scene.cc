@@ -196,6 +196,14 @@ void bakeParts(const SceneOptions& options, const Progress& progress, Scene& sce
   scene.skinned = std::move(skinned);
 }
 
+/// The point of a field's grid that is nearest to a place.
+Vec3 nearestOf(const FieldGrid& grid, const Vec3& place) {
+  const Vec3 low(grid.origin[0], grid.origin[1], grid.origin[2]);
+  Vec3 size;
+  for (int c = 0; c < 3; ++c) size[c] = grid.cell * static_cast<float>(kBrickCells * grid.bricks[c]);
+  return place.cwiseMax(low).cwiseMin(low + size);
+}
+
 /// How far the parts' fields are from the blended skin in the course of the clip.
 void noteFollowing(Scene& scene) {
   constexpr int kLooks = 8;
@@ -212,7 +220,9 @@ void noteFollowing(Scene& scene) {
       for (size_t i = 0; i < parts.size(); ++i) {
         const ContactPrimitive& shape = scene.bodies[skinned.first_body + i].primitives[0];
         const Vec3 place = parts[i].pose.apply(p);
-        distance = std::min(distance, shape.field->at(place + parts[i].bend.shift(place)).distance);
+        // As contact has it (kernels/surface_bend.h): beyond the grid skin is shifted as at its edge.
+        const Vec3 shift = parts[i].bend.shift(nearestOf(shape.field->grid, place));
+        distance = std::min(distance, shape.field->at(place + shift).distance);
       }
       sum += static_cast<double>(std::fabs(distance));
       below = std::max(below, distance);

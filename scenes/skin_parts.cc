@@ -24,20 +24,20 @@ struct Place {
 };
 using PartKey = std::array<uint32_t, 3>;  ///< a joint, another or itself, and which part between them
 
-/// Vertices that lie on one another are one: files have several where normals or textures break.
-std::vector<uint32_t> welded(const std::vector<Vec3>& positions) {
-  std::map<std::array<float, 3>, uint32_t> first;
-  std::vector<uint32_t> out;
-  for (const Vec3& p : positions)
-    out.push_back(first.try_emplace({p.x(), p.y(), p.z()}, static_cast<uint32_t>(out.size())).first->second);
-  return out;
-}
+/// What is between two joints.
+struct Pair {
+  int between;      ///< parts
+  double area = 0;  ///< m^2, of triangles that these two carry most of
+  /// Of pairs, whose part is missed least.
+  std::pair<bool, double> rank() const { return {between == 1, area / between}; }
+};
 
-Place placeOf(const SkinnedMesh& skin, const std::array<uint32_t, 3>& triangle) {
+Place placeOf(const FineSkin& fine, std::span<const SkinBinding> bindings,
+              const std::array<uint32_t, 3>& triangle) {
   std::map<uint32_t, float> weights;
   for (const uint32_t v : triangle)
-    for (const auto& [binding, weight] : skin.influences[v])
-      if (weight > 0) weights[skin.bindings[binding].joint] += weight;
+    for (const SkinShare& share : fine.shares[v])
+      weights[bindings[share.binding].joint] += static_cast<float>(share.weight());
   std::pair<uint32_t, float> most{0, -1}, next{0, -1};
   for (const auto& joint : weights) {
     if (joint.second > most.second) {
@@ -55,9 +55,14 @@ Place placeOf(const SkinnedMesh& skin, const std::array<uint32_t, 3>& triangle) 
 
 class Cutter {
  public:
-  Cutter(const SkinnedMesh& skin, int between)
-      : skin_(skin), between_(between), weld_(welded(skin.mesh.positions)) {
-    for (const auto& triangle : skin.mesh.triangles) places_.push_back(placeOf(skin, triangle));
+  Cutter(const SkinnedMesh& skin, int between) : skin_(skin), fine_(fineSkin(skin)) {
+    for (const auto& triangle : fine_.triangles) {
+      places_.push_back(placeOf(fine_, skin.bindings, triangle));
+      const Place& place = places_.back();
+      if (place.a == place.b) continue;
+      Pair& pair = pairs_.try_emplace({place.a, place.b}, Pair{between}).first->second;
+      pair.area += areaOf(triangle);
+    }
     const std::vector<Placement> world = skin.skeleton.place(skin.skeleton.rest());
     const std::vector<Placement> rest = skin.bindingsAt(world);
     for (size_t b = 0; b < rest.size(); ++b) {
@@ -71,10 +76,10 @@ class Cutter {
   }
 
   std::vector<SkinPart> run() {
-    for (;; --between_) {
-      assign();
-      if (cores_.size() <= kMostSkinParts) break;
-      if (between_ == 0)
+    for (assign(); cores_.size() > kMostSkinParts; assign()) {
+      bool less = false;
+      for (size_t over = cores_.size() - kMostSkinParts; over > 0 && lessBetween(); --over) less = true;
+      if (!less)
         throw Error(fmt::format("{} joints carry the mesh", cores_.size()), skin_.mesh.name,
                     fmt::format("export it with {} at most", kMostSkinParts));
     }
@@ -84,37 +89,50 @@ class Cutter {
   }
 
  private:
-  static constexpr float kOwn = 0.03f;  // share of another joint in a joint's own part, which is rigid
+  static constexpr float kOwn = 0.02f;   // share of another joint in a joint's own part, which is rigid
+  static constexpr float kReach = 0.3f;  // share of the joint, of a rigid part beside another
 
   std::string nameOf(uint32_t joint) const { return skin_.skeleton.joints[joint].name; }
-  int bins() const { return between_ + 2; }
-  PartKey keyOf(const Place& place, int bin) const {
-    if (bin <= 0) return {place.a, place.a, 0};
-    if (bin >= bins() - 1) return {place.b, place.b, 0};
-    return {place.a, place.b, static_cast<uint32_t>(bin)};
+  double areaOf(const std::array<uint32_t, 3>& t) const {
+    const Vec3 &a = fine_.positions[t[0]], &b = fine_.positions[t[1]], &c = fine_.positions[t[2]];
+    return 0.5 * static_cast<double>((b - a).cross(c - a).norm());
   }
-  /// Where a part between joints begins, by the share of the second.
-  float beginOf(int bin) const {
-    return kOwn + (1 - 2 * kOwn) * static_cast<float>(bin - 1) / static_cast<float>(between_);
+  static PartKey ownOf(const Place& place) {
+    const uint32_t joint = place.share < 0.5f ? place.a : place.b;
+    return {joint, joint, 0};
   }
-  int binOf(const Place& place) const {
-    if (between_ == 0) return place.share < 0.5f ? 0 : 1;
-    int bin = 0;
-    while (bin < bins() - 1 && place.share >= beginOf(bin + 1)) ++bin;
-    return bin;
+  PartKey keyOf(const Place& place) const {
+    const int between = place.a == place.b ? 0 : pairs_.at({place.a, place.b}).between;
+    if (between == 0) return ownOf(place);
+    const float done = (place.share - kOwn) / (1 - 2 * kOwn);
+    if (done < 0 || done >= 1) return ownOf(place);
+    return {place.a, place.b, 1 + static_cast<uint32_t>(done * static_cast<float>(between))};
+  }
+  static float shareOf(uint32_t joint, const Place& place) {
+    return (joint == place.a ? 1 - place.share : 0) +
+           (joint == place.b && place.b != place.a ? place.share : 0);
+  }
+  /// One part fewer between the two joints whose parts are the smallest; none only after all have but one.
+  /// False where there are none.
+  bool lessBetween() {
+    Pair* smallest = nullptr;
+    for (auto& [joints, pair] : pairs_)
+      if (pair.between > 0 && (smallest == nullptr || pair.rank() < smallest->rank())) smallest = &pair;
+    if (smallest == nullptr) return false;
+    --smallest->between;
+    return true;
   }
 
   void assign() {
     constexpr size_t kFewest = 8;  // triangles of a part between joints
     cores_.clear();
-    for (size_t t = 0; t < places_.size(); ++t) cores_[keyOf(places_[t], binOf(places_[t]))].push_back(t);
+    for (size_t t = 0; t < places_.size(); ++t) cores_[keyOf(places_[t])].push_back(t);
     for (auto core = cores_.begin(); core != cores_.end();) {
       if (core->first[2] == 0 || core->second.size() >= kFewest) {
         ++core;
         continue;
       }
-      for (const size_t t : core->second)
-        cores_[places_[t].share < 0.5f ? keyOf(places_[t], 0) : keyOf(places_[t], bins())].push_back(t);
+      for (const size_t t : core->second) cores_[ownOf(places_[t])].push_back(t);
       core = cores_.erase(core);
     }
     bends_.assign(places_.size(), false);
@@ -128,17 +146,16 @@ class Cutter {
         key[2] == 0 ? nameOf(key[0]) : fmt::format("{}-{} {}", nameOf(key[0]), nameOf(key[1]), key[2]);
     part.mesh.name = fmt::format("{}, part {}", skin_.mesh.name, part.name);
     std::set<uint32_t> own;
-    for (const size_t t : core)
-      for (const uint32_t v : skin_.mesh.triangles[t]) own.insert(weld_[v]);
+    for (const size_t t : core) own.insert(fine_.triangles[t].begin(), fine_.triangles[t].end());
     // Its own and a ring about them, so that nothing opens between parts; but a rigid part would stand out of
-    // one that bends.
+    // one that bends. Where nothing bends between them, rigid parts reach farther.
     std::vector<std::array<uint32_t, 3>> triangles;
     for (size_t t = 0; t < places_.size(); ++t) {
-      std::array<uint32_t, 3> triangle = skin_.mesh.triangles[t];
-      for (uint32_t& v : triangle) v = weld_[v];
-      const bool beside =
-          std::any_of(triangle.begin(), triangle.end(), [&](uint32_t v) { return own.contains(v); });
-      if (beside && (key[2] != 0 || !bends_[t])) triangles.push_back(triangle);
+      if (key[2] == 0 && bends_[t]) continue;
+      const std::array<uint32_t, 3>& triangle = fine_.triangles[t];
+      if (std::any_of(triangle.begin(), triangle.end(), [&](uint32_t v) { return own.contains(v); }) ||
+          (key[2] == 0 && shareOf(key[0], places_[t]) > kReach))
+        triangles.push_back(triangle);
     }
     if (key[2] != 0) sample(triangles, part);
     part.mesh = closed(std::move(triangles), part.mesh.name);
@@ -157,10 +174,9 @@ class Cutter {
       const auto farthest = std::max_element(
           away.begin(), away.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
       const uint32_t next = farthest->first;
-      part.samples.push_back(
-          {skin_.mesh.positions[next], skin_.mesh.normals[next], skin_.stored[next], skin_.influences[next]});
+      part.samples.push_back({fine_.positions[next], fine_.normals[next], fine_.shares[next]});
       for (auto& [v, distance] : away)
-        distance = std::min(distance, (skin_.mesh.positions[v] - skin_.mesh.positions[next]).squaredNorm());
+        distance = std::min(distance, (fine_.positions[v] - fine_.positions[next]).squaredNorm());
     }
   }
 
@@ -185,7 +201,7 @@ class Cutter {
     std::map<uint32_t, std::pair<Vec3, float>> middles;  // ring -> sum of places, length
     for (const auto& [edge, count] : edges) {
       if (count == 0) continue;
-      const Vec3 &a = skin_.mesh.positions[edge.first], &b = skin_.mesh.positions[edge.second];
+      const Vec3 &a = fine_.positions[edge.first], &b = fine_.positions[edge.second];
       auto& [sum, length] = middles.try_emplace(find(edge.first), Vec3::Zero(), 0.0f).first->second;
       sum += 0.5f * (b - a).norm() * (a + b);
       length += (b - a).norm();
@@ -195,7 +211,7 @@ class Cutter {
     std::map<uint32_t, uint32_t> vertex;
     const auto add = [&](uint32_t v) {
       const auto [known, is_new] = vertex.try_emplace(v, static_cast<uint32_t>(out.positions.size()));
-      if (is_new) out.positions.push_back(skin_.mesh.positions[v]);
+      if (is_new) out.positions.push_back(fine_.positions[v]);
       return known->second;
     };
     for (const auto& t : triangles) out.triangles.push_back({add(t[0]), add(t[1]), add(t[2])});
@@ -214,20 +230,20 @@ class Cutter {
   }
 
   void fit(const PartKey& key, const std::vector<size_t>& core, SkinPart& part) const {
-    constexpr float kWhole = 0.999f;
+    constexpr double kWhole = 0.999;
     constexpr double kLean = 1e-3;  // on the joints' own rotations, where vertices lie on a line
     const auto wholly = [&](uint32_t v) {
-      float weight = 0;
-      for (const auto& [binding, w] : skin_.influences[v])
-        if (w > 0 && skin_.bindings[binding].joint == key[0]) weight += w;
+      double weight = 0;
+      for (const SkinShare& share : fine_.shares[v])
+        if (skin_.bindings[share.binding].joint == key[0]) weight += share.weight();
       return weight > kWhole;
     };
     std::map<uint32_t, double> areas;
     double whole_area = 0, area = 0;
     for (const size_t t : core) {
-      const auto& corners = skin_.mesh.triangles[t];
-      const Vec3 &a = skin_.mesh.positions[corners[0]], &b = skin_.mesh.positions[corners[1]],
-                 &c = skin_.mesh.positions[corners[2]];
+      const auto& corners = fine_.triangles[t];
+      const Vec3 &a = fine_.positions[corners[0]], &b = fine_.positions[corners[1]],
+                 &c = fine_.positions[corners[2]];
       const double third = static_cast<double>((b - a).cross(c - a).norm()) / 6 + 1e-12;
       for (const uint32_t v : corners) {
         areas[v] += third;
@@ -241,25 +257,23 @@ class Cutter {
     double sum = 0;
     part.middle.setZero();
     for (const auto& [v, weight] : areas) {
-      part.middle += weight * skin_.mesh.positions[v].cast<double>();
+      part.middle += weight * fine_.positions[v].cast<double>();
       sum += weight;
     }
     part.middle /= sum;
     double spread = 0;
     for (const auto& [v, weight] : areas)
-      spread += weight / sum * (skin_.mesh.positions[v].cast<double>() - part.middle).squaredNorm();
+      spread += weight / sum * (fine_.positions[v].cast<double>() - part.middle).squaredNorm();
     std::map<uint32_t, SkinPart::Moment> moments;
     for (const auto& [v, weight] : areas) {
-      const Eigen::Vector4d stored = skin_.stored[v].cast<double>().homogeneous();
-      const Eigen::Vector3d from_middle = skin_.mesh.positions[v].cast<double>() - part.middle;
-      for (const auto& [binding, w] : skin_.influences[v]) {
-        if (!(w > 0)) continue;
+      const Eigen::Vector3d from_middle = fine_.positions[v].cast<double>() - part.middle;
+      for (const auto& [binding, stored] : fine_.shares[v]) {
         auto& moment = moments[binding];
-        const double own = weight / sum * static_cast<double>(w);
+        const double own = weight / sum;
         if (moment.middle.isZero())
           moment = {binding, decltype(moment.spread)::Zero(), decltype(moment.middle)::Zero()};
         moment.spread += own * stored * from_middle.transpose();
-        moment.spread.topRows<3>() += kLean * (spread + 1e-12) * own * back_[binding];
+        moment.spread.topRows<3>() += kLean * (spread + 1e-12) * own * stored[3] * back_[binding];
         moment.middle += own * stored;
       }
     }
@@ -267,8 +281,8 @@ class Cutter {
   }
 
   const SkinnedMesh& skin_;
-  int between_;
-  std::vector<uint32_t> weld_;
+  const FineSkin fine_;
+  std::map<std::pair<uint32_t, uint32_t>, Pair> pairs_;
   std::vector<Place> places_;          ///< per triangle
   std::vector<bool> bends_;            ///< per triangle: it is of a part between joints
   std::vector<Eigen::Matrix3d> back_;  ///< per binding
@@ -311,11 +325,7 @@ SurfaceBend partBend(const SkinPart& part, std::span<const Placement> bindings, 
   Eigen::Matrix<double, 10, 3> rights = Eigen::Matrix<double, 10, 3>::Zero();
   double farthest = 0;
   for (const SkinPart::Sample& sample : part.samples) {
-    Eigen::Vector3d blended = Eigen::Vector3d::Zero();
-    for (const auto& [binding, weight] : sample.influences)
-      if (weight > 0)
-        blended += static_cast<double>(weight) * (bindings[binding] * sample.stored.cast<double>());
-    const Eigen::Vector3d now = back * (blended - pose.position.cast<double>());
+    const Eigen::Vector3d now = back * (blended(sample.shares, bindings) - pose.position.cast<double>());
     const Eigen::Vector3d shift = sample.rest.cast<double>() - now, q = (now - middle) / size;
     Products products;
     products << 1, q, q.cwiseAbs2(), q.x() * q.y(), q.y() * q.z(), q.z() * q.x();

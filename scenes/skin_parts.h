@@ -5,6 +5,7 @@
 
 #include "core/surface_bend.h"
 #include "groom/skinned_mesh.h"
+#include "scenes/fine_skin.h"
 
 namespace strandcast {
 
@@ -20,19 +21,19 @@ struct SkinPart {
   };
   std::vector<Moment> moments;
   Eigen::Matrix<double, 3, 1, Eigen::DontAlign> middle;  ///< at rest, m
-  /// Vertices all over a part between joints, by which its bend is found.
+  /// Points all over a part between joints, by which its bend is found.
   struct Sample {
-    Vec3 rest, normal, stored;  ///< m, at rest; as SkinnedMesh::stored
-    SkinInfluences influences;
+    Vec3 rest, normal;  ///< m, at rest
+    std::vector<SkinShare> shares;
   };
   std::vector<Sample> samples;
 };
 
-/// Cuts a skinned mesh into closed parts, at most kMostSkinParts: where there would be more, with fewer
-/// between joints. A triangle belongs to the two joints with the largest sum of weights over its corners, and
-/// to the part for their shares: a joint's own, which is rigid, or one of `between`, 0 or more, parts where
-/// their weights go over from one to the other, which bend. Throws Error on a joint that has no inverse at
-/// rest, and on too many joints.
+/// Cuts a skinned mesh, as FineSkin has it, into closed parts, at most kMostSkinParts: where there would be
+/// more, with fewer between the joints that have the smallest. A triangle belongs to the two joints with the
+/// largest sum of weights over its corners, and to the part for their shares: a joint's own, which is rigid,
+/// or one of `between`, 0 or more, parts where their weights go over from one to the other, which bend.
+/// Throws Error on a joint that has no inverse at rest, and on too many joints.
 std::vector<SkinPart> cutSkin(const SkinnedMesh& skin, int between = 5);
 inline constexpr size_t kMostSkinParts = 100;
 

@@ -61,6 +61,24 @@ TEST(BodyBinding, VerticesGoWhereABendTakesThem) {
   EXPECT_LT((binding.normal(0, rest[0], Vec3::UnitY()) - Vec3(-0.1f, 1, 0).normalized()).norm(), 1e-6f);
 }
 
+// Inside of a sharp bend skin is pressed together, and no fixed point finds what is at rest where it is.
+TEST(BodyBinding, PressedSkinIsDrawnWhereItIs) {
+  const std::vector<Vec3> rest{Vec3(0.03f, 0, 0)};
+  BodyBinding binding(rest, std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)});
+  PlacedCollider pressed{4, {Vec3::Zero(), Quat::Identity()}, {}};
+  pressed.bend.terms[1] = Vec3(3, 0, 0);  // to a quarter
+  pressed.bend.terms[4] = Vec3(0, 2, 0);  // and what was at y = 0 went to -2 x^2
+  binding.place(std::vector<PlacedCollider>{pressed});
+  EXPECT_LT((binding.position(0, rest[0]) - Vec3(0.0075f, -2 * 0.0075f * 0.0075f, 0)).norm(), 2e-6f);
+  // Where nothing goes there it is drawn as near as what is.
+  pressed.bend.terms[1] = Vec3::Zero();
+  pressed.bend.terms[4] = Vec3(20, 0, 0);  // nothing is at rest where x < -1 / 80
+  const std::vector<Vec3> beyond{Vec3(-0.03f, 0, 0)};
+  BodyBinding folded(beyond, std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)});
+  folded.place(std::vector<PlacedCollider>{pressed});
+  EXPECT_LT((folded.position(0, beyond[0]) - Vec3(-0.025f, 0, 0)).norm(), 3e-3f);
+}
+
 /// m, from where an arm's skin is blended to where it is drawn: the mean over its vertices, and the most.
 struct Off {
   double mean = 0, most = 0;

@@ -320,7 +320,7 @@ Worst worstOfFur(const Scene& scene) {
   return worst;
 }
 
-// The parts are up to 1.1 mm under the skin of this arm, and 3 mm above it in the crease (SkinParts).
+// The parts are up to 0.9 mm under the skin of this arm, and 1.1 mm above it in the crease (SkinParts).
 TEST_F(SkinRootsOfAnArm, HairOnTheWholeArmKeepsItsLengthAndStaysOutOfIt) {
   const Worst on_skin = worstOfFur(furry(300));
   options_.skinned->roots = BodyRoots::kJoint;
