@@ -64,7 +64,7 @@ TEST(BodyBinding, VerticesGoWhereABendTakesThem) {
 // Inside of a sharp bend skin is pressed together, and no fixed point finds what is at rest where it is.
 TEST(BodyBinding, PressedSkinIsDrawnWhereItIs) {
   const std::vector<Vec3> rest{Vec3(0.03f, 0, 0)};
-  BodyBinding binding(rest, std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)});
+  BodyBinding binding(rest, bodyParts(std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)}));
   PlacedCollider pressed{4, {Vec3::Zero(), Quat::Identity()}, {}};
   pressed.bend.terms[1] = Vec3(3, 0, 0);  // to a quarter
   pressed.bend.terms[4] = Vec3(0, 2, 0);  // and what was at y = 0 went to -2 x^2
@@ -74,7 +74,7 @@ TEST(BodyBinding, PressedSkinIsDrawnWhereItIs) {
   pressed.bend.terms[1] = Vec3::Zero();
   pressed.bend.terms[4] = Vec3(20, 0, 0);  // nothing is at rest where x < -1 / 80
   const std::vector<Vec3> beyond{Vec3(-0.03f, 0, 0)};
-  BodyBinding folded(beyond, std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)});
+  BodyBinding folded(beyond, bodyParts(std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)}));
   folded.place(std::vector<PlacedCollider>{pressed});
   EXPECT_LT((folded.position(0, beyond[0]) - Vec3(-0.025f, 0, 0)).norm(), 3e-3f);
 }
