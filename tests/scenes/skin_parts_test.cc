@@ -14,6 +14,7 @@
 #include "tests/groom/skinned_arm.h"
 #include "tests/real_data.h"
 #include "tests/sanitized.h"
+#include "tests/thorough.h"
 
 namespace strandcast {
 namespace {
@@ -169,18 +170,19 @@ TEST(SkinParts, FollowABentArmOfFewTriangles) {
 
 // docs/architecture.md, "Skinned bodies", has these numbers.
 TEST(SkinParts, FollowARealFox) {
+  if (!thorough()) GTEST_SKIP() << kLeftToThorough;
   const auto file = dataFolder() / "motion" / "Fox.glb";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << " (set STRANDCAST_DATA)";
   const SkinnedMesh skin = loadSkinnedMesh(file, {0.01f, UpAxis::kAuto});
   const std::vector<SkinPart> parts = cutSkin(skin);
   EXPECT_LE(parts.size(), kMostSkinParts);
-  const int looks = kSanitized ? 1 : 8;
+  constexpr int kLooks = 8;
   for (size_t clip = 0; clip < skin.clips.size(); ++clip) {
     Apart all;
-    for (int look = 0; look < looks; ++look) {
-      const double seconds = skin.clips[clip].duration * look / looks;
+    for (int look = 0; look < kLooks; ++look) {
+      const double seconds = skin.clips[clip].duration * look / kLooks;
       const Apart a = apart(blendedAt(skin, parts, seconds, clip), parts);
-      all.mean += a.mean / looks;
+      all.mean += a.mean / kLooks;
       all.most_below = std::max(all.most_below, a.most_below);
       all.most_above = std::max(all.most_above, a.most_above);
     }
