@@ -3,6 +3,7 @@
 #include <memory>
 #include <random>
 
+#include "moving_hair.h"
 #include "sample_messages.h"
 
 namespace strandcast {
@@ -58,19 +59,12 @@ inline GroomDescription limbGroom(size_t strands, size_t vertices) {
 /// Frame `number` at 60 Hz: the limb swings by 30 degrees about a joint 30 cm above it, twice a second, and
 /// takes its hair along; or the head does both.
 inline GuideFrame limbFrame(const GroomDescription& groom, uint64_t number, bool is_head = false) {
-  const double time = static_cast<double>(number) / 60;
-  const auto angle = static_cast<float>(0.5 * std::sin(12 * time));
+  GuideFrame frame = frameOf(groom, number);
+  const auto angle = static_cast<float>(0.5 * std::sin(12 * frame.simulation_time));
   const Vec3 joint(0, 0.3f, 0);
   Pose swing;
   swing.rotation = Quat(Eigen::AngleAxisf(angle, Eigen::Vector3f(0.6f, 0, 0.8f)));
   swing.position = joint - swing.rotate(joint);
-  GuideFrame frame;
-  frame.groom_id = groom.groom_id;
-  frame.session = groom.session;
-  frame.revision = groom.revision;
-  frame.frame = number;
-  frame.simulation_time = time;
-  frame.publish_time = systemTime();
   if (is_head) frame.head = swing;
   frame.colliders = {{kLimb, swing, {}}};
   for (const Vec3& point : groom.guides.positions) frame.positions.push_back(swing.apply(point));

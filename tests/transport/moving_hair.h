@@ -49,16 +49,21 @@ GroomDescription hairGroom(size_t strands, VerticesOf vertices, float length) {
   return groom;
 }
 
-/// Frame `number` at 60 Hz.
-inline GuideFrame hairFrame(const GroomDescription& groom, uint64_t number, float length = 0.25f) {
-  const double time = static_cast<double>(number) / 60;
+/// Frame `number` at 60 Hz, without hair as yet.
+inline GuideFrame frameOf(const GroomDescription& groom, uint64_t number) {
   GuideFrame frame;
   frame.groom_id = groom.groom_id;
   frame.session = groom.session;
   frame.revision = groom.revision;
   frame.frame = number;
-  frame.simulation_time = time;
+  frame.simulation_time = static_cast<double>(number) / 60;
   frame.publish_time = systemTime();
+  return frame;
+}
+
+inline GuideFrame hairFrame(const GroomDescription& groom, uint64_t number, float length = 0.25f) {
+  GuideFrame frame = frameOf(groom, number);
+  const double time = frame.simulation_time;
   const auto turn = static_cast<float>(0.8 * std::sin(3 * time));
   frame.head.rotation = Quat(Eigen::AngleAxisf(turn, Eigen::Vector3f::UnitY()) *
                              Eigen::AngleAxisf(0.3f * turn, Eigen::Vector3f::UnitX()));
