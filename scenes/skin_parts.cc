@@ -242,9 +242,7 @@ class Cutter {
     double whole_area = 0, area = 0;
     for (const size_t t : core) {
       const auto& corners = fine_.triangles[t];
-      const Vec3 &a = fine_.positions[corners[0]], &b = fine_.positions[corners[1]],
-                 &c = fine_.positions[corners[2]];
-      const double third = static_cast<double>((b - a).cross(c - a).norm()) / 6 + 1e-12;
+      const double third = areaOf(corners) / 3 + 1e-12;
       for (const uint32_t v : corners) {
         areas[v] += third;
         area += third;
