@@ -176,11 +176,11 @@ void addGrowth(std::vector<PictureSetting>& list) {
                         AT(settings.growth.curl_radius)));
   list.push_back(number(group, "curl-pitch", "m", 0.001, 100, "length of hair in a turn of a curl",
                         AT(settings.growth.curl_pitch)));
-  list.push_back(
-      file(group, "curl-example",
-           "groom file (.tfx, .hair, .obj, .usda) with a strand whose curl is laid on the hair: how it leaves "
-           "its smoothed axis, in proportion to the length, turned another way in each lock",
-           &PictureOptions::curl_example));
+  list.push_back(file(
+      group, "curl-example",
+      "groom file (.tfx, .hair, .obj, .usda) with a strand whose curl is laid on the hair: how it leaves "
+      "its smoothed axis, in proportion to the length, turned another way in each lock",
+      &PictureOptions::curl_example));
   list.push_back(number(group, "curl-strand", "", 0, 1e9, "which strand of the curl-example, from 0 on",
                         AT(curl_strand)));
   list.push_back(flag(group, "keep-out",

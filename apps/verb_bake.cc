@@ -122,7 +122,12 @@ int bake(BakeOptions o) {
   checkWritable(o.out);
   std::optional<OutputFolder> slices;
   if (!o.slices.empty()) slices.emplace(o.slices);
-  const TriangleMesh mesh = loadMesh(o.file, read);
+  const ReadMesh body = loadMesh(o.file, read);
+  if (!body.report.left_out.empty())
+    fmt::print(stderr, "note: {}: read {}\n", o.file, body.report.leftOutLine());
+  for (const std::string& warning : body.report.warnings)
+    fmt::print(stderr, "warning: {}: {}\n", o.file, warning);
+  const TriangleMesh& mesh = body.mesh;
   try {
     ProgressBar bar;
     const BakeProgress progress = [&](const std::string& what, double part) {

@@ -38,7 +38,7 @@ int convert(const ConvertOptions& o) {
   StrandSet strands;
   UpAxis up = UpAxis::kY;
   float unit_meters = 1;
-  std::vector<std::string> unread;
+  FileReport report;
   if (o.clean || o.unit_meters > 0 || o.up != "auto") {
     GroomReadOptions read;
     read.unit_meters = o.unit_meters;
@@ -46,14 +46,14 @@ int convert(const ConvertOptions& o) {
     read.keep_pins = true;
     Groom groom = loadGroom({o.in}, read);
     for (const std::string& line : groom.report.lines()) spdlog::warn("{}: {}", o.out, line);
+    for (const std::string& line : groom.report.warnings) spdlog::warn("{}", line);
     strands = std::move(groom.strands);
-    unread = std::move(groom.report.unread);
   } else {
     RawGroom raw = readRawGroom(o.in);
     strands = std::move(raw.strands);
     up = raw.native_up;
     unit_meters = raw.unit_meters;
-    unread = std::move(raw.unread);
+    report = std::move(raw.report);
   }
   if (o.vertices > 0) {
     strands = resample(strands, o.vertices);
@@ -66,7 +66,9 @@ int convert(const ConvertOptions& o) {
   const std::vector<std::string> left_out = leftOutOf(o.out, strands);
   if (!left_out.empty())
     spdlog::warn("{}: this format has no {}; {} has", o.out, fmt::join(left_out, " and no "), o.in);
-  if (!unread.empty()) spdlog::warn("{}: without the {} of {}", o.out, fmt::join(unread, ", "), o.in);
+  if (!report.left_out.empty())
+    spdlog::warn("{}: without the {} of {}", o.out, fmt::join(report.left_out, ", "), o.in);
+  for (const std::string& line : report.warnings) spdlog::warn("{}: {}", o.in, line);
   fmt::print("{}: {} strands, {} vertices\n", o.out, strands.strands(), strands.vertices());
   return 0;
 }

@@ -80,6 +80,7 @@ int printGroom(const InfoOptions& options) {
                                  {"length_max", s.max_length},
                                  {"degenerate_strands", s.degenerate_strands},
                                  {"bytes_per_frame", cast ? nlohmann::json(*cast) : nlohmann::json()},
+                                 {"left_out", groom.report.left_out},
                                  {"warnings", groom.report.warnings}}));
     return 0;
   }
@@ -104,6 +105,8 @@ int printGroom(const InfoOptions& options) {
     out.add("bytes_per_frame", "cast, at rest",
             fmt::format("{} bytes per frame as {} ({:.2f} per vertex)", *cast, nameOf(CodecOptions().codec),
                         static_cast<double>(*cast) / static_cast<double>(groom.strands.vertices())));
+  if (!groom.report.left_out.empty())
+    out.add("left_out", "left out", fmt::format("{}", fmt::join(groom.report.left_out, ", ")));
   for (const std::string& warning : groom.report.warnings) out.add("warning", "warning", warning);
   out.print(false);
   return 0;

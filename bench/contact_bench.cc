@@ -63,7 +63,7 @@ int run(const ContactOptions& o) {
     GroomReadOptions read;
     read.unit_meters = o.unit_meters;
     ContactPrimitive given;
-    bakes.push_back(bakeField(loadMesh(o.body, read), o.cell, o.threads, given));
+    bakes.push_back(bakeField(loadMesh(o.body, read).mesh, o.cell, o.threads, given));
     bakes.back().mesh = std::filesystem::path(o.body).filename().string();
   }
 

@@ -37,8 +37,8 @@ TriangleMesh placedByNodes(const GltfDocument& document, const std::vector<GltfN
 
 }  // namespace
 
-TriangleMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
-                          const std::optional<std::filesystem::path>& folder) {
+ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
+                      const std::optional<std::filesystem::path>& folder) {
   const GltfDocument document(bytes, name, folder);
   const std::vector<GltfNode> nodes = sceneNodes(document);
   const bool skinned = std::any_of(nodes.begin(), nodes.end(), [&](const GltfNode& visit) {
@@ -48,10 +48,10 @@ TriangleMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& n
   TriangleMesh mesh = skinned ? skinAtRest(document) : placedByNodes(document, nodes);
   mesh.name = name;
   computeNormals(mesh);
-  return mesh;
+  return {std::move(mesh), {}};
 }
 
-TriangleMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name) {
+ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name) {
   return readGltfMesh(bytes, name, std::nullopt);
 }
 

@@ -6,13 +6,14 @@
 
 #include "core/triangle_mesh.h"
 #include "groom/gltf_document.h"
+#include "groom/mesh_file.h"
 #include "groom/skinned_mesh.h"
 
 namespace strandcast {
 
 /// readGltfMesh() of mesh_file.h that also reads the external buffers of a .gltf out of `folder`.
-TriangleMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
-                          const std::optional<std::filesystem::path>& folder);
+ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
+                      const std::optional<std::filesystem::path>& folder);
 /// The same of readGltfSkin() of skinned_mesh.h.
 SkinnedMesh readGltfSkin(std::span<const std::byte> bytes, const std::string& name,
                          const std::optional<std::filesystem::path>& folder);

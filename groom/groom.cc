@@ -19,7 +19,7 @@ std::vector<std::string> GroomReport::lines() const {
   add(reversed, "strands turned round: their tip was at the scalp");
   add(both_ends_pinned, "strands are pinned at both ends");
   add(resampled, "strands resampled");
-  out.insert(out.end(), warnings.begin(), warnings.end());
+  if (!left_out.empty()) out.push_back(fmt::format("read without {}", fmt::join(left_out, ", ")));
   return out;
 }
 

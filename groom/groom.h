@@ -17,9 +17,9 @@ struct GroomReport {
   float unit_meters =
       0;  ///< metres per unit of the files, given or guessed; a body of the same origin has it too
   std::vector<std::string> warnings;  ///< one line each, e.g. that the unit was guessed, and from what
-  std::vector<std::string> unread;    ///< what else the files have (RawGroom)
+  std::vector<std::string> left_out;  ///< what else the files have (FileReport), each once
 
-  std::vector<std::string> lines() const;  ///< what to tell of it, warnings last
+  std::vector<std::string> lines() const;  ///< what to tell of it but for warnings
 };
 
 /// Rest strands in metres, Y up, with what was found while loading them.

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "groom/file_report.h"
 #include "groom/groom.h"
 
 namespace strandcast {
@@ -29,9 +30,9 @@ struct GroomReadOptions {
 struct RawGroom {
   StrandSet strands;
   UpAxis native_up = UpAxis::kY;
-  float unit_meters = 0;            ///< metres per unit, where the file says it (.usda); else 0
-  std::string format;               ///< "tfx3", "tfx4", "hair", "obj", "usda"
-  std::vector<std::string> unread;  ///< what else the file has, e.g. "colours": nothing here has it
+  float unit_meters = 0;  ///< metres per unit, where the file says it (.usda); else 0
+  std::string format;     ///< "tfx3", "tfx4", "hair", "obj", "usda"
+  FileReport report;
 };
 
 /// Reads .tfx (versions 3 and 4), .hair, .obj polylines or .usda curves by content and extension. Throws

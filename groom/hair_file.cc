@@ -97,17 +97,17 @@ void readThickness(const ByteReader& reader, const HairHeader& header, StrandSet
 }
 
 /// Defaults stand for arrays that the file has not.
-std::vector<std::string> unreadOf(const ByteReader& reader, const HairHeader& header) {
-  std::vector<std::string> out;
+FileReport reportOn(const ByteReader& reader, const HairHeader& header) {
+  FileReport out;
   const auto has = [&](uint32_t bit) { return (header.arrays & bit) != 0; };
   const auto differs = [&](uint64_t at, float from) { return reader.at<float>(at) != from; };
-  if (has(kTransparency)) out.emplace_back("transparency");
-  if (has(kColours)) out.emplace_back("colours");
-  if (!has(kThickness) && differs(20, kDefaultThickness)) out.emplace_back("default thickness");
-  if (!has(kTransparency) && differs(24, kDefaultTransparency)) out.emplace_back("default transparency");
+  if (has(kTransparency)) out.leaveOut("transparency");
+  if (has(kColours)) out.leaveOut("colours");
+  if (!has(kThickness) && differs(20, kDefaultThickness)) out.leaveOut("default thickness");
+  if (!has(kTransparency) && differs(24, kDefaultTransparency)) out.leaveOut("default transparency");
   if (!has(kColours) &&
       (differs(28, kDefaultColour) || differs(32, kDefaultColour) || differs(36, kDefaultColour)))
-    out.emplace_back("default colour");
+    out.leaveOut("default colour");
   return out;
 }
 
@@ -123,7 +123,7 @@ RawGroom readHair(std::span<const std::byte> bytes, const std::string& name) {
   readOffsets(reader, header, groom.strands);
   readPoints(reader, header, groom.strands);
   readThickness(reader, header, groom.strands);
-  groom.unread = unreadOf(reader, header);
+  groom.report = reportOn(reader, header);
   return groom;
 }
 

@@ -37,7 +37,7 @@ class GroomMerger {
  public:
   explicit GroomMerger(Groom& groom) : groom_(groom) {}
 
-  void add(const RawGroom& raw, size_t file) {
+  void add(const RawGroom& raw, size_t file, const std::string& name) {
     const StrandSet& part = raw.strands;
     StrandSet& all = groom_.strands;
     if (all.vertices() + part.vertices() > std::numeric_limits<uint32_t>::max())
@@ -51,9 +51,7 @@ class GroomMerger {
     all.radii.insert(all.radii.end(), part.radii.begin(), part.radii.end());
     all.uvs.insert(all.uvs.end(), part.uvs.begin(), part.uvs.end());
     all.parts.insert(all.parts.end(), part.strands(), static_cast<uint16_t>(file));
-    std::vector<std::string>& unread = groom_.report.unread;
-    for (const std::string& what : raw.unread)
-      if (std::find(unread.begin(), unread.end(), what) == unread.end()) unread.push_back(what);
+    report(raw.report, name);
   }
 
   void finish() {
@@ -71,6 +69,14 @@ class GroomMerger {
   }
 
  private:
+  void report(const FileReport& found, const std::string& name) {
+    std::vector<std::string>& left_out = groom_.report.left_out;
+    for (const std::string& what : found.left_out)
+      if (std::find(left_out.begin(), left_out.end(), what) == left_out.end()) left_out.push_back(what);
+    for (const std::string& warning : found.warnings)
+      groom_.report.warnings.push_back(fmt::format("{}: {}", name, warning));
+  }
+
   void appendPins(const StrandSet& part) {
     std::vector<uint8_t>& pins = groom_.strands.pinned;
     const size_t before = pins.size();
@@ -165,7 +171,7 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
       throw Error("the files do not say the same unit", files[f].string(), "give their unit (--unit-meters)");
     said = raw.unit_meters;
     if (!options.keep_pins) freeSecondVertices(raw.strands);
-    merger.add(raw, f);
+    merger.add(raw, f, files[f].string());
     if (f > 0) groom.name += '+';
     groom.name += files[f].stem().string();
   }

@@ -12,21 +12,22 @@ bool isGltf(const std::filesystem::path& file) {
   return extension == ".glb" || extension == ".gltf";
 }
 
-TriangleMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
-                      const std::vector<std::string>& skip_groups) {
+ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
+                  const std::vector<std::string>& skip_groups) {
   checkUnit(options.unit_meters);
   const bool is_gltf = isGltf(file);
   if (!is_gltf && lowerExtension(file) != ".obj")
     throw Error("this is no known mesh format", file.string() + ", byte 0", "use .obj, .gltf or .glb");
   const std::vector<std::byte> bytes = readFileBytes(file);
-  TriangleMesh mesh = is_gltf ? readGltfMesh(bytes, file.string(), file.parent_path())
-                              : readObjMesh(bytes, file.string(), skip_groups);
+  ReadMesh read = is_gltf ? readGltfMesh(bytes, file.string(), file.parent_path())
+                          : readObjMesh(bytes, file.string(), skip_groups);
+  TriangleMesh& mesh = read.mesh;
   turnYUp(mesh.positions, options.up);
   float unit = options.unit_meters;
   if (unit == 0) unit = is_gltf ? 1.0f : guessUnit(mesh.bounds());
   scaleToMeters(mesh.positions, unit, file.string());
   computeNormals(mesh);
-  return mesh;
+  return read;
 }
 
 }  // namespace strandcast

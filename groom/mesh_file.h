@@ -8,6 +8,12 @@
 
 namespace strandcast {
 
+/// A triangle mesh of a file, with what its reader has to say of it.
+struct ReadMesh {
+  TriangleMesh mesh;
+  FileReport report;
+};
+
 /// Whether a file is glTF 2.0 by its extension: .gltf or .glb.
 bool isGltf(const std::filesystem::path& file);
 
@@ -16,8 +22,8 @@ bool isGltf(const std::filesystem::path& file);
 /// in metres, as its specification says, and the unit of an .obj file is guessed as a groom's is: pass
 /// GroomReport::unit_meters to give an .obj body the scale of its hair. The buffers that a .gltf names are
 /// read from its own folder and nowhere else.
-TriangleMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
-                      const std::vector<std::string>& skip_groups = {"helper-", "joint-"});
+ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
+                  const std::vector<std::string>& skip_groups = {"helper-", "joint-"});
 
 /// The same from memory, in the file's units and axes; `name` stands for the file in errors and names the
 /// mesh. The fuzzers' entry points. Triangles with a corner twice are left out; there is at least one
@@ -25,11 +31,11 @@ TriangleMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions&
 ///
 /// OBJ: polygons are fanned from their first corner. Faces under a `g` or `o` name that starts with one of
 /// `skip_groups` are left out, and so are vertices that no triangle uses.
-TriangleMesh readObjMesh(std::span<const std::byte> bytes, const std::string& name,
-                         const std::vector<std::string>& skip_groups = {});
+ReadMesh readObjMesh(std::span<const std::byte> bytes, const std::string& name,
+                     const std::vector<std::string>& skip_groups = {});
 /// glTF: all triangle lists, strips and fans of the default scene, placed by their nodes, or, where there is
 /// a skin, by the joints at rest (as readGltfSkin(), whose demands they must meet, but for clips). External
 /// buffers, sparse accessors and compressed meshes are refused; images are never opened.
-TriangleMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name);
+ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace strandcast

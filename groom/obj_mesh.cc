@@ -85,8 +85,8 @@ struct ObjMeshReader {
 
 }  // namespace
 
-TriangleMesh readObjMesh(std::span<const std::byte> bytes, const std::string& name,
-                         const std::vector<std::string>& skip_groups) {
+ReadMesh readObjMesh(std::span<const std::byte> bytes, const std::string& name,
+                     const std::vector<std::string>& skip_groups) {
   ObjMeshReader reader{ObjLines(bytes, name), skip_groups, {}, {}, false, false};
   if (bytes.empty()) reader.lines.fail("the file is empty", 1);
   reader.read();
@@ -97,7 +97,7 @@ TriangleMesh readObjMesh(std::span<const std::byte> bytes, const std::string& na
   reader.dropUnusedVertices();
   reader.mesh.name = name;
   computeNormals(reader.mesh);
-  return std::move(reader.mesh);
+  return {std::move(reader.mesh), {}};
 }
 
 }  // namespace strandcast

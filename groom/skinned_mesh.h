@@ -33,6 +33,7 @@ struct SkinnedMesh {
   std::vector<SkinBinding> bindings;
   Skeleton skeleton;  ///< all nodes of the file's scene; its root holds units and axes
   std::vector<SkeletonClip> clips;
+  FileReport report;
 
   /// What each binding does to stored vertices when the joints are at `world`.
   std::vector<Placement> bindingsAt(std::span<const Placement> world) const;

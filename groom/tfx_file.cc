@@ -23,9 +23,9 @@ struct TfxHeader {
   uint32_t strands = 0;
   uint32_t vertices_per_strand = 0;
   bool both_ends_immovable = false;
-  uint32_t positions = 0;           ///< byte offset
-  uint32_t strand_uvs = 0;          ///< byte offset, 0 = none
-  std::vector<std::string> unread;  ///< as RawGroom's
+  uint32_t positions = 0;   ///< byte offset
+  uint32_t strand_uvs = 0;  ///< byte offset, 0 = none
+  FileReport report;        ///< as RawGroom's
   uint64_t vertices() const { return uint64_t{strands} * vertices_per_strand; }
 };
 
@@ -57,13 +57,12 @@ TfxHeader readHeader(const ByteReader& reader) {
     uint32_t others = 0;
     for (uint64_t field : {148, 156, 160, 164}) others |= offsetField(reader, field, kHeaderBytes3);
     header.strand_uvs = offsetField(reader, 152, kHeaderBytes3);
-    if (others != 0) header.unread.emplace_back("vertex UVs, thickness or colours");
+    if (others != 0) header.report.leaveOut("vertex UVs, thickness or colours");
   } else {
     header.positions = offsetField(reader, 12, kHeaderBytes4);
     header.strand_uvs = offsetField(reader, 16, kHeaderBytes4);
     for (const auto& [field, what] : {std::pair{20, "vertex UVs"}, {24, "thickness"}, {28, "colours"}})
-      if (offsetField(reader, static_cast<uint64_t>(field), kHeaderBytes4) != 0)
-        header.unread.emplace_back(what);
+      if (offsetField(reader, static_cast<uint64_t>(field), kHeaderBytes4) != 0) header.report.leaveOut(what);
   }
   return header;
 }
@@ -150,7 +149,7 @@ RawGroom readTfx(std::span<const std::byte> bytes, const std::string& name) {
     readPositions4(reader, header, strands);
   }
   readStrandUvs(reader, header, strands);
-  groom.unread = header.unread;
+  groom.report = header.report;
   return groom;
 }
 

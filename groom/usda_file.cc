@@ -182,7 +182,7 @@ RawGroom readUsda(std::span<const std::byte> bytes, const std::string& name) {
   groom.native_up = stage.up == 'X' ? UpAxis::kX : stage.up == 'Z' ? UpAxis::kZ : UpAxis::kY;
   groom.unit_meters = static_cast<float>(stage.meters_per_unit);
   const auto note = [&](bool is, const char* what) {
-    if (is) stage.leaveOut(what);
+    if (is) stage.report.leaveOut(what);
   };
   bool widths = false, uvs = false;
   for (const UsdaPrim& prim : stage.prims) {
@@ -206,7 +206,7 @@ RawGroom readUsda(std::span<const std::byte> bytes, const std::string& name) {
   if (strands.uvs.size() != strands.strands()) strands.uvs.clear();
   note(widths && strands.radii.empty(), "widths");
   note(uvs && strands.uvs.empty(), "UVs");
-  groom.unread = std::move(stage.unread);
+  groom.report = std::move(stage.report);
   return groom;
 }
 

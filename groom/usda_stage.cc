@@ -74,7 +74,7 @@ class StageReader {
       stage_.up = up[0][0];
       return true;
     }
-    if (key == "subLayers") stage_.leaveOut("sublayers");
+    if (key == "subLayers") stage_.report.leaveOut("sublayers");
     return false;
   }
 
@@ -95,7 +95,7 @@ class StageReader {
         if (key == "active") {
           active = !(text_.isWord("false") || text_.text() == "0");
         } else if (key == "references" || key == "payload" || key == "inherits" || key == "specializes") {
-          stage_.leaveOut("references");
+          stage_.report.leaveOut("references");
         }
         return false;
       });
@@ -111,7 +111,7 @@ class StageReader {
 
   bool readVariants() {
     if (!text_.takeWord("variantSet")) return false;
-    stage_.leaveOut("variants");
+    stage_.report.leaveOut("variants");
     text_.takeString();
     text_.expectMark('=');
     text_.skipValue();
@@ -143,7 +143,7 @@ class StageReader {
                        (prim.type == wanted_ && holds(wanted_properties_, name)));
     UsdaProperty* property = nullptr;
     if (text_.takeMark('=')) {
-      if (kept && sampled) stage_.leaveOut("time samples");
+      if (kept && sampled) stage_.report.leaveOut("time samples");
       if (!kept || (sampled && prim.properties.contains(name)))
         text_.skipValue();
       else
@@ -257,10 +257,6 @@ class StageReader {
 };
 
 }  // namespace
-
-void UsdaStage::leaveOut(const std::string& what) {
-  if (!holds(unread, what)) unread.push_back(what);
-}
 
 UsdaStage readUsdaStage(UsdaText& text, std::string_view wanted, const std::vector<std::string>& properties) {
   return StageReader(text, wanted, properties).read();

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "groom/file_report.h"
 #include "groom/usda_text.h"
 
 namespace strandcast {
@@ -29,10 +30,8 @@ struct UsdaPrim {
 struct UsdaStage {
   double meters_per_unit = 0;  ///< 0 where it is not said
   char up = 'Y';
-  std::vector<UsdaPrim> prims;      ///< those above before those below
-  std::vector<std::string> unread;  ///< what else is in it that may bear on hair: "references", "variants"
-  /// Adds to what is unread, once.
-  void leaveOut(const std::string& what);
+  std::vector<UsdaPrim> prims;  ///< those above before those below
+  FileReport report;            ///< what else is in it that may bear on hair: "references", "variants"
 };
 
 /// Parses the text. Of the properties only transforms are kept, and of prims of type `wanted` those that are

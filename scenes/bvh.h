@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "groom/file_report.h"
 
 namespace strandcast {
 
@@ -27,6 +28,7 @@ struct BvhClip {
   size_t frames = 0;             ///< 1 or more
   double frame_time = 0;         ///< s
   std::vector<float> values;     ///< frames x channels
+  FileReport report;
 
   /// Index of the joint called `name`; with an empty name the first whose name contains "head" in any case;
   /// -1 if none.

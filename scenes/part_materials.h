@@ -18,8 +18,8 @@ struct MaterialRule {
   std::string where;  ///< of `parts`
 };
 
-/// The number of a part given by name or, where none is called so, by number. Throws Error, naming `where` and
-/// the parts there are, and where several are called so.
+/// The number of a part given by name or, where none is called so, by number. Throws Error, naming `where`
+/// and the parts there are, and where several are called so.
 size_t partOf(const std::string& part, const std::vector<std::string>& names, const std::string& where);
 
 /// Throws Error on a setting that no material could take, whatever the groom is.

@@ -282,11 +282,14 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
     skinned = std::make_shared<SkinnedBody>(loadSkinnedMesh(options.body, options.units), *options.skinned);
     for (const ScenePrimitive& primitive : options.primitives)
       if (!primitive.joint.empty()) skinned->checkJoint(primitive.joint, primitive.where);
+    tell(options.body, skinned->skin().report, scene.notes, scene.warnings);
     scene.notes.insert(scene.notes.end(), skinned->notes().begin(), skinned->notes().end());
     scene.body = skinned->skin().mesh;
     scene.head_weights = skinned->jointWeights();
   } else {
-    scene.body = loadMesh(options.body, options.units);
+    ReadMesh body = loadMesh(options.body, options.units);
+    tell(options.body, body.report, scene.notes, scene.warnings);
+    scene.body = std::move(body.mesh);
   }
   report(progress, "binding roots to the body", 0.4);
   const auto query = std::make_shared<MeshQuery>(scene.body);
@@ -340,6 +343,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
     cleanStrands(scene.groom);
   }
   for (std::string& line : scene.groom.report.lines()) scene.notes.push_back(std::move(line));
+  for (const std::string& line : scene.groom.report.warnings) scene.warnings.push_back(line);
   if (!strands.radii.empty())
     scene.notes.push_back("the radii of the groom's files are not simulated: those of [[material]] are");
   noteHairInBody(strands, scene.bodies, scene.notes);

@@ -55,10 +55,11 @@ size_t rootedJoint(const SkinnedMesh& skin, const std::string& name) {
               "name the one that hair grows on (--body-joint)");
 }
 
-SkeletonClip clipNamed(const SkinnedMesh& skin, const std::string& name, std::vector<std::string>& notes) {
+SkeletonClip clipNamed(SkinnedMesh& skin, const std::string& name, std::vector<std::string>& notes) {
   if (name.empty()) return {};
   if (lowerExtension(name) == ".bvh") {
     const BvhClip bvh = readBvh(std::filesystem::path(name));
+    tell(name, bvh.report, notes, skin.report.warnings);
     BvhOnSkeleton found = onSkeleton(bvh, skin.skeleton, 0, name);
     notes.push_back(fmt::format("{} of {} joints of the body are moved by {}", found.joints,
                                 skin.skeleton.joints.size(), name));

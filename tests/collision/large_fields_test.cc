@@ -18,7 +18,7 @@ TEST(LargeFields, ThePonytailBodyAtTwoMillimetresIsSmallAndRight) {
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << "; set STRANDCAST_DATA";
   FieldOptions options;
   options.cell = 0.002f;
-  FieldBaker baker(loadMesh(file, {0.0025f, UpAxis::kAuto}), options);
+  FieldBaker baker(loadMesh(file, {0.0025f, UpAxis::kAuto}).mesh, options);
   const DistanceField field = baker.bake();
   EXPECT_LE(field.bytes(), 64'000'000u);
   EXPECT_GT(field.storedBricks(), 1000u);

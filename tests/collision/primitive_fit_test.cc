@@ -128,7 +128,7 @@ TEST_P(FitRealMesh, StaysInsideAndCovers) {
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << " (set STRANDCAST_DATA)";
   GroomReadOptions read;
   read.unit_meters = given.unit_meters;
-  const TriangleMesh mesh = loadMesh(file, read);
+  const TriangleMesh mesh = loadMesh(file, read).mesh;
   const auto start = std::chrono::steady_clock::now();
   const auto fitted = fitSpheres(mesh, {});
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

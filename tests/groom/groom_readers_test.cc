@@ -150,16 +150,16 @@ TEST(Hair, HasItsCountsPointsAndHalfItsThicknessAsRadius) {
 
 TEST(Hair, WhatIsNotReadIsNamed) {
   using Names = std::vector<std::string>;
-  EXPECT_EQ(readHair(samples::hair(), "wig.hair").unread, (Names{"transparency", "colours"}));
+  EXPECT_EQ(readHair(samples::hair(), "wig.hair").report.left_out, (Names{"transparency", "colours"}));
   Bytes plain = encodeHair(readHair(samples::hair(), "wig.hair").strands, "wig.hair");
-  EXPECT_EQ(readHair(plain, "wig.hair").unread, Names());
+  EXPECT_EQ(readHair(plain, "wig.hair").report.left_out, Names());
   overwrite(plain, 24, 0.25f);
   overwrite(plain, 36, 1.0f);
-  EXPECT_EQ(readHair(plain, "wig.hair").unread, (Names{"default transparency", "default colour"}));
+  EXPECT_EQ(readHair(plain, "wig.hair").report.left_out, (Names{"default transparency", "default colour"}));
   Bytes tfx = samples::tfx4();
-  EXPECT_EQ(readTfx(tfx, "wig.tfx").unread, Names());
+  EXPECT_EQ(readTfx(tfx, "wig.tfx").report.left_out, Names());
   overwrite(tfx, 28, uint32_t{160});
-  EXPECT_EQ(readTfx(tfx, "wig.tfx").unread, Names{"colours"});
+  EXPECT_EQ(readTfx(tfx, "wig.tfx").report.left_out, Names{"colours"});
 }
 
 TEST(Hair, DefaultSegmentsGiveEveryStrandTheSameCount) {

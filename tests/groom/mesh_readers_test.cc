@@ -44,7 +44,7 @@ void expectGltfError(const Bytes& bytes, const std::string& place) {
 }
 
 TEST(ObjMesh, PolygonsAreFannedAndSkippedGroupsLeaveNothingBehind) {
-  const TriangleMesh cube = readObjMesh(samples::objMesh(), "body.obj", {"helper-", "joint-"});
+  const TriangleMesh cube = readObjMesh(samples::objMesh(), "body.obj", {"helper-", "joint-"}).mesh;
   EXPECT_EQ(cube.positions.size(), 8u);
   EXPECT_EQ(cube.triangles.size(), 12u);
   EXPECT_EQ(cube.normals.size(), 8u);
@@ -53,7 +53,7 @@ TEST(ObjMesh, PolygonsAreFannedAndSkippedGroupsLeaveNothingBehind) {
 }
 
 TEST(ObjMesh, WithoutSkippedGroupsEveryFaceIsThere) {
-  const TriangleMesh mesh = readObjMesh(samples::objMesh(), "body.obj");
+  const TriangleMesh mesh = readObjMesh(samples::objMesh(), "body.obj").mesh;
   EXPECT_EQ(mesh.triangles.size(), 13u);
   EXPECT_EQ(mesh.positions.size(), 11u);
 }
@@ -73,7 +73,8 @@ TEST(ObjMesh, BadLinesAreRefusedWithTheirNumber) {
 
 TEST(ObjMesh, NumbersTooSmallForADoubleAreZero) {
   const std::string small = "v 1e-400 -0.00012e-999 +0." + std::string(400, '0') + "1\n";
-  const TriangleMesh mesh = readObjMesh(samples::fromText(small + "v 1 0 0\nv 0 1 0\nf 1 2 3\n"), "body.obj");
+  const TriangleMesh mesh =
+      readObjMesh(samples::fromText(small + "v 1 0 0\nv 0 1 0\nf 1 2 3\n"), "body.obj").mesh;
   EXPECT_EQ(mesh.positions[0], Vec3(0, 0, 0));
   for (const char* large : {"1e400", "-12e+999", "1e-400x", "1e39"})
     expectObjMeshError(std::string("v 0 0 ") + large + "\n", "line 1");
@@ -82,7 +83,7 @@ TEST(ObjMesh, NumbersTooSmallForADoubleAreZero) {
 
 TEST(GltfMesh, NodesPlaceTheirMeshes) {
   for (const Bytes& bytes : {samples::glb(), samples::gltf()}) {
-    const TriangleMesh mesh = readGltfMesh(bytes, "body.glb");
+    const TriangleMesh mesh = readGltfMesh(bytes, "body.glb").mesh;
     ASSERT_EQ(mesh.positions.size(), 8u);
     ASSERT_EQ(mesh.triangles.size(), 4u);
     // The child is scaled by 2, turned a quarter round y (x -> -z), moved by 1 along z.
@@ -93,18 +94,19 @@ TEST(GltfMesh, NodesPlaceTheirMeshes) {
 }
 
 TEST(GltfMesh, AMirroringNodeKeepsTheOutsideOut) {
-  const TriangleMesh mesh = readGltfMesh(gltfWith(R"("scale":[2,2,2])", R"("scale":[-2,2,2])"), "body.gltf");
+  const TriangleMesh mesh =
+      readGltfMesh(gltfWith(R"("scale":[2,2,2])", R"("scale":[-2,2,2])"), "body.gltf").mesh;
   const Vec3 turned_quad_normal(1, 0, 0);  // a mirrored quad still faces the way its plane was turned
   EXPECT_LT((mesh.normals[5] - turned_quad_normal).norm(), 1e-4f);
 }
 
 TEST(GltfMesh, StripsAndFansAndPlainListsAreRead) {
   const Bytes strip = gltfWith(R"("indices":1)", R"("mode":5)");
-  EXPECT_EQ(readGltfMesh(strip, "body.gltf").triangles.size(), 4u);
+  EXPECT_EQ(readGltfMesh(strip, "body.gltf").mesh.triangles.size(), 4u);
   const Bytes fan = gltfWith(R"("indices":1)", R"("mode":6)");
-  EXPECT_EQ(readGltfMesh(fan, "body.gltf").triangles[1], (std::array<uint32_t, 3>{0, 2, 3}));
+  EXPECT_EQ(readGltfMesh(fan, "body.gltf").mesh.triangles[1], (std::array<uint32_t, 3>{0, 2, 3}));
   const Bytes list = gltfWith(R"(,"indices":1)", "");
-  EXPECT_EQ(readGltfMesh(list, "body.gltf").triangles.size(), 2u);
+  EXPECT_EQ(readGltfMesh(list, "body.gltf").mesh.triangles.size(), 2u);
   expectGltfError(gltfWith(R"("indices":1)", R"("indices":1,"mode":1)"), "no triangles");
 }
 
@@ -189,12 +191,12 @@ TEST(GltfMesh, ASmallFileThatRepeatsItsMeshForEverIsRefused) {
 TEST(LoadMesh, UnitsAxesAndBuffersBesideTheFile) {
   const ScratchFolder folder;
   writeFileBytes(folder / "cube.obj", samples::objMesh());
-  const TriangleMesh cube = loadMesh(folder / "cube.obj", {0.1f, UpAxis::kZ});
+  const TriangleMesh cube = loadMesh(folder / "cube.obj", {0.1f, UpAxis::kZ}).mesh;
   EXPECT_FLOAT_EQ(cube.bounds().max().x(), 0.1f);
   EXPECT_FLOAT_EQ(cube.bounds().min().z(), -0.1f);
   EXPECT_FLOAT_EQ(cube.bounds().max().z(), 0);
   EXPECT_GT(sixVolumes(cube), 0);
-  EXPECT_GT(sixVolumes(loadMesh(folder / "cube.obj", {0.1f, UpAxis::kX})), 0);
+  EXPECT_GT(sixVolumes(loadMesh(folder / "cube.obj", {0.1f, UpAxis::kX}).mesh), 0);
 
   const Bytes whole = samples::gltf();
   std::string text(reinterpret_cast<const char*>(whole.data()), whole.size());
@@ -202,7 +204,7 @@ TEST(LoadMesh, UnitsAxesAndBuffersBesideTheFile) {
   writeFileBytes(folder / "quad.gltf", fromText(text));
   const Bytes glb = samples::glb();
   writeFileBytes(folder / "quad .bin", std::span(glb).last(60));
-  EXPECT_FLOAT_EQ(loadMesh(folder / "quad.gltf", {}).bounds().max().y(), 2);
+  EXPECT_FLOAT_EQ(loadMesh(folder / "quad.gltf", {}).mesh.bounds().max().y(), 2);
 }
 
 TEST(LoadMesh, WhatCannotBeReadIsRefusedWithItsName) {

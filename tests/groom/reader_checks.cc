@@ -164,11 +164,11 @@ bool checkUsdaReader(std::span<const std::byte> bytes) {
 }
 
 bool checkObjMeshReader(std::span<const std::byte> bytes) {
-  return accepts([&] { checkMesh(readObjMesh(bytes, kName, {"helper-"})); });
+  return accepts([&] { checkMesh(readObjMesh(bytes, kName, {"helper-"}).mesh); });
 }
 
 bool checkGltfReader(std::span<const std::byte> bytes) {
-  return accepts([&] { checkMesh(readGltfMesh(bytes, kName)); });
+  return accepts([&] { checkMesh(readGltfMesh(bytes, kName).mesh); });
 }
 
 bool checkGltfSkinReader(std::span<const std::byte> bytes) {

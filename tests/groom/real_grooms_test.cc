@@ -136,7 +136,7 @@ TEST_F(RealGrooms, BodiesLoadWithAllTheirTriangles) {
         Body{"ponytail/ponytail_body.obj", 0.0025f, 11744, 17894},
         Body{"sintel/sintel-collider.obj", 1, 341, 678}, Body{"sintel/sintel.obj", 1, 3046, 5952},
         Body{"makehuman/base.obj", 0.1f, 13380, 26756}}) {
-    const TriangleMesh mesh = loadMesh(data_ / body.file, {body.unit, UpAxis::kAuto});
+    const TriangleMesh mesh = loadMesh(data_ / body.file, {body.unit, UpAxis::kAuto}).mesh;
     EXPECT_EQ(mesh.positions.size(), body.vertices) << body.file;
     EXPECT_EQ(mesh.triangles.size(), body.triangles) << body.file;
     EXPECT_EQ(mesh.normals.size(), mesh.positions.size());
@@ -144,7 +144,7 @@ TEST_F(RealGrooms, BodiesLoadWithAllTheirTriangles) {
 }
 
 TEST_F(RealGrooms, FoxLoadsFromGlb) {
-  const TriangleMesh fox = loadMesh(data_ / "motion" / "Fox.glb", {0.01f, UpAxis::kAuto});
+  const TriangleMesh fox = loadMesh(data_ / "motion" / "Fox.glb", {0.01f, UpAxis::kAuto}).mesh;
   EXPECT_EQ(fox.triangles.size(), 576u);
   EXPECT_EQ(fox.positions.size(), 1728u);
   EXPECT_GT(fox.bounds().sizes().z(), 1.0f);

@@ -37,7 +37,7 @@ TEST(Usda, CurvesOfASceneStandWhereItsTransformsPlaceThem) {
   ASSERT_EQ(strands.radii.size(), 11u);
   for (const float radius : strands.radii) EXPECT_FLOAT_EQ(radius, 0.01f);
   EXPECT_EQ(strands.uvs, (std::vector<Vec2>{{0.25f, 0.5f}, {0.75f, 0.5f}, {0, 0}}));
-  EXPECT_EQ(groom.unread, (std::vector<std::string>{"time samples", "variants"}));
+  EXPECT_EQ(groom.report.left_out, (std::vector<std::string>{"time samples", "variants"}));
 }
 
 TEST(Usda, CubicCurvesGiveThePointsThatTheyGoThrough) {

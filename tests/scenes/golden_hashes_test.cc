@@ -21,8 +21,8 @@ const Golden& goldenHashes() {
   static const Golden table = {
       {{"straight", "rod"}, 12164754414526500347ull}, {{"straight", "gauss_seidel"}, 7103694705039075236ull},
       {{"wavy", "rod"}, 8344408203616958258ull},      {{"wavy", "gauss_seidel"}, 12063307036479198475ull},
-      {{"curly", "rod"}, 5555431453430724462ull},    {{"curly", "gauss_seidel"}, 14465357970474829017ull},
-      {{"ponytail", "rod"}, 5174762016745500400ull}, {{"ponytail", "gauss_seidel"}, 7318235554445229329ull},
+      {{"curly", "rod"}, 5555431453430724462ull},     {{"curly", "gauss_seidel"}, 14465357970474829017ull},
+      {{"ponytail", "rod"}, 5174762016745500400ull},  {{"ponytail", "gauss_seidel"}, 7318235554445229329ull},
   };
   return table;
 }

@@ -232,7 +232,7 @@ void writeHair(const std::filesystem::path& file, const Vec3& root) {
 
 TEST_F(BallScene, AGltfBodyIsInMetresWhateverTheUnitOfItsHair) {
   writeFileBytes(folder_ / "quad.glb", samples::glb());
-  const TriangleMesh quad = loadMesh(folder_ / "quad.glb", {});
+  const TriangleMesh quad = loadMesh(folder_ / "quad.glb", {}).mesh;
   options_.body = folder_ / "quad.glb";
   options_.body_cell = 0.05f;
   options_.units.unit_meters = 0;
