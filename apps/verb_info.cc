@@ -12,6 +12,7 @@
 #include "apps/settings.h"
 #include "apps/verbs.h"
 #include "core/error.h"
+#include "gpu_compute/gpu_backend.h"
 #include "groom/axes_and_units.h"
 #include "groom/groom_file.h"
 #include "transport/codec/codec.h"
@@ -27,11 +28,30 @@ struct InfoOptions {
   bool backends = false, json = false;
 };
 
+void printGpus(const std::vector<GpuListing>& gpus) {
+  fmt::print("STRANDCAST_GPU names one of these OpenGL devices:\n");
+  for (const GpuListing& gpu : gpus)
+    fmt::print("  {:<10} {}{}\n", gpu.number, gpu.device, gpu.uuid.empty() ? "" : "  GPU-" + gpu.uuid);
+}
+
+/// With the GPUs that there are to choose among where another was named.
+std::vector<BackendInfo> backendsOr(const std::vector<GpuListing>& gpus) {
+  try {
+    return knownBackends();
+  } catch (const Error&) {
+    printGpus(gpus);
+    throw;
+  }
+}
+
 int printBackends(bool json) {
-  nlohmann::json list = nlohmann::json::array();
+  nlohmann::json list = nlohmann::json::array(), devices = nlohmann::json::array();
   std::string why_no_dds, why_no_lcm;
   const bool dds = ddsAvailable(&why_no_dds), lcm = lcmAvailable(&why_no_lcm);
-  for (const BackendInfo& info : knownBackends()) {
+  const std::vector<GpuListing> gpus = gpuList();
+  for (const GpuListing& gpu : gpus)
+    devices.push_back({{"number", gpu.number}, {"device", gpu.device}, {"uuid", gpu.uuid}});
+  for (const BackendInfo& info : backendsOr(gpus)) {
     list.push_back({{"name", info.name},
                     {"available", info.available},
                     {"score", info.score},
@@ -41,11 +61,12 @@ int printBackends(bool json) {
                  info.reason);
   }
   if (json) {
-    fmt::print("{}\n", jsonText({{"backends", list}, {"dds", dds}, {"lcm", lcm}}));
+    fmt::print("{}\n", jsonText({{"backends", list}, {"gpus", devices}, {"dds", dds}, {"lcm", lcm}}));
     return 0;
   }
   fmt::print("  {:<10} {:<4}            {}\n", "dds", dds ? "yes" : "no", dds ? "Fast DDS" : why_no_dds);
   fmt::print("  {:<10} {:<4}            {}\n", "lcm", lcm ? "yes" : "no", lcm ? "UDP multicast" : why_no_lcm);
+  if (gpus.size() > 1) printGpus(gpus);
   return 0;
 }
 
@@ -121,7 +142,9 @@ Verb addInfo(CLI::App& app) {
                  "metres per unit of the file; as the file says or guessed if not given")
       ->check(finiteRange(1e-6, 1000.0));
   app.add_option("--up", o->up, "up axis of the file")->check(CLI::IsMember({"auto", "x", "y", "z"}));
-  app.add_flag("--backends", o->backends, "list the backends, whether they run here, and why not");
+  app.add_flag("--backends", o->backends,
+               "list the backends, whether they run here, and why not; and the GPUs that STRANDCAST_GPU "
+               "chooses among");
   app.add_flag("--json", o->json, "print one JSON object");
   return [o] {
     if (o->backends) return printBackends(o->json);

@@ -3,28 +3,92 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
-#include <vector>
 
 #include "core/error.h"
+#include "gl/current.h"
 
 namespace strandcast::gl {
 namespace {
 
-bool isSoftware(const std::string& renderer) {
-  for (const char* name : {"llvmpipe", "softpipe", "swrast", "Software"})
-    if (renderer.find(name) != std::string::npos) return true;
-  return false;
-}
+constexpr int kMostDevices = 16;
 
 bool hasClientExtension(const char* name) {
   const char* list = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
   return list != nullptr && std::strstr(list, name) != nullptr;
 }
 
+std::vector<EGLDeviceEXT> eglDevices() {
+  std::vector<EGLDeviceEXT> devices(kMostDevices);
+  EGLint count = 0;
+  if (!hasClientExtension("EGL_EXT_device_base") || !hasClientExtension("EGL_EXT_platform_device") ||
+      !eglQueryDevicesEXT(kMostDevices, devices.data(), &count))
+    count = 0;
+  devices.resize(static_cast<size_t>(count));
+  return devices;
+}
+
+/// Mesa's software device says so. Null strings are usual: those of NVIDIA's devices have been seen to be.
+bool isSoftwareDevice(EGLDeviceEXT device) {
+  const char* extensions = eglQueryDeviceStringEXT(device, EGL_EXTENSIONS);
+  return extensions != nullptr && std::strstr(extensions, "EGL_MESA_device_software") != nullptr;
+}
+
+EGLDisplay displayOf(EGLDeviceEXT device) {
+  return eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
+}
+
+std::string labelOf(size_t number) { return "EGL device " + std::to_string(number); }
+
+/// Of the device of the current context; empty where the driver has none.
+std::string currentUuid() {
+  if (!epoxy_has_gl_extension("GL_EXT_memory_object")) return {};
+  std::array<GLubyte, GL_UUID_SIZE_EXT> bytes{};
+  glGetUnsignedBytei_vEXT(GL_DEVICE_UUID_EXT, 0, bytes.data());
+  if (glGetError() != GL_NO_ERROR) return {};
+  constexpr const char* kDigits = "0123456789abcdef";
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    if (i == 4 || i == 6 || i == 8 || i == 10) text += '-';
+    text += kDigits[bytes[i] >> 4];
+    text += kDigits[bytes[i] & 15];
+  }
+  return text;
+}
+
 }  // namespace
+
+bool isSoftwareRenderer(const std::string& renderer) {
+  std::string lower = renderer;
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* name : {"llvmpipe", "softpipe", "swrast", "software", "microsoft basic render"})
+    if (lower.find(name) != std::string::npos) return true;
+  return false;
+}
+
+bool currentIsSoftware() {
+  const GLubyte* const renderer = glGetString(GL_RENDERER);
+  return renderer != nullptr && isSoftwareRenderer(reinterpret_cast<const char*>(renderer));
+}
+
+std::optional<int> chosenDevice() {
+  const char* const text = std::getenv(kDeviceVariable);
+  if (text == nullptr || *text == '\0') return std::nullopt;
+  const char* const end = text + std::strlen(text);
+  int number = -1;
+  const auto [rest, failure] = std::from_chars(text, end, number);
+  if (rest != end || failure != std::errc() || number < 0 || number >= kMostDevices)
+    throw Error("not the number of an EGL device", std::string(kDeviceVariable) + "=" + text,
+                "give one that `strandcast info --backends` lists");
+  return number;
+}
 
 struct HeadlessContext::Impl {
   EGLDisplay display = EGL_NO_DISPLAY;
@@ -81,26 +145,25 @@ struct HeadlessContext::Impl {
   }
 };
 
-HeadlessContext::HeadlessContext() : impl_(std::make_unique<Impl>()) {
+HeadlessContext::HeadlessContext(std::optional<int> device) : impl_(std::make_unique<Impl>()) {
   std::string tried;
-  if (hasClientExtension("EGL_EXT_device_base") && hasClientExtension("EGL_EXT_platform_device")) {
-    std::vector<EGLDeviceEXT> devices(16);
-    EGLint count = 0;
-    if (eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count)) {
-      // Hardware drivers announce a DRM or vendor device; Mesa's software device says
-      // EGL_MESA_device_software.
-      for (const bool software : {false, true}) {
-        for (EGLint i = 0; i < count; ++i) {
-          const char* extensions = eglQueryDeviceStringEXT(devices[i], EGL_EXTENSIONS);
-          const bool is_software =
-              extensions != nullptr && std::strstr(extensions, "EGL_MESA_device_software");
-          if (is_software != software) continue;
-          EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr);
-          if (impl_->create(display, "EGL device " + std::to_string(i), tried)) return;
-        }
-      }
-    }
+  const std::vector<EGLDeviceEXT> devices = eglDevices();
+  if (device) {
+    const auto number = static_cast<size_t>(*device);
+    const std::string count = std::to_string(devices.size());
+    if (number >= devices.size())
+      throw Error("there is no " + labelOf(number),
+                  std::string(kDeviceVariable) + "=" + std::to_string(number),
+                  "EGL lists " + count + ", counted from 0: see `strandcast info --backends`");
+    if (impl_->create(displayOf(devices[number]), labelOf(number), tried)) return;
+    throw Error("no OpenGL 4.5 without a display on the device that was asked for",
+                tried.substr(0, tried.size() - 2),
+                std::string("unset ") + kDeviceVariable + " or name another");
   }
+  for (const bool software : {false, true})
+    for (size_t i = 0; i < devices.size(); ++i)
+      if (isSoftwareDevice(devices[i]) == software && impl_->create(displayOf(devices[i]), labelOf(i), tried))
+        return;
   if (hasClientExtension("EGL_MESA_platform_surfaceless")) {
     EGLDisplay display =
         eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
@@ -125,7 +188,23 @@ void HeadlessContext::release() {
 }
 
 const std::string& HeadlessContext::renderer() const { return impl_->renderer; }
-bool HeadlessContext::software() const { return isSoftware(impl_->renderer); }
+bool HeadlessContext::software() const { return isSoftwareRenderer(impl_->renderer); }
+
+std::vector<DeviceInfo> headlessDevices() {
+  const RestoreCurrent restore;
+  std::vector<DeviceInfo> out(eglDevices().size());
+  for (size_t i = 0; i < out.size(); ++i) {
+    out[i].number = static_cast<int>(i);
+    try {
+      const HeadlessContext context(out[i].number);
+      out[i].renderer = context.renderer();
+      out[i].uuid = currentUuid();
+    } catch (const Error& error) {
+      out[i].renderer = error.what();
+    }
+  }
+  return out;
+}
 
 bool headlessAvailable(std::string* device) {
   static std::once_flag once;

@@ -1,6 +1,9 @@
 #include "gpu_compute/gpu_backend.h"
 
+#include <utility>
+
 #include "core/error.h"
+#include "gpu_compute/driver_faults.h"
 #include "gpu_compute/gpu_device.h"
 
 namespace strandcast {
@@ -88,7 +91,12 @@ const Probe& probe() {
     try {
       const gl::HeadlessContext context;
       found = {true, context.software(), context.renderer()};
+      const auto* const version = glGetString(GL_VERSION);
+      const std::string fault =
+          gpu::faultOfDriver(found.text, version != nullptr ? reinterpret_cast<const char*>(version) : "");
+      if (!fault.empty()) found = {false, false, fault};
     } catch (const Error& error) {
+      if (gl::chosenDevice()) throw;  // what was asked for by its number is not replaced silently
       found.text = error.what();
     }
     return found;
@@ -111,6 +119,13 @@ BackendInfo gpuBackendInfo() {
           probe().software ? 2 : 100,
           [](int) { return makeGpuBackend(); },
           {SolverKind::kGaussSeidel, SolverKind::kRod}};
+}
+
+std::vector<GpuListing> gpuList() {
+  std::vector<GpuListing> out;
+  for (gl::DeviceInfo& device : gl::headlessDevices())
+    out.push_back({device.number, std::move(device.renderer), std::move(device.uuid)});
+  return out;
 }
 
 }  // namespace strandcast

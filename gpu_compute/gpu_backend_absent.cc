@@ -19,6 +19,8 @@ BackendInfo gpuBackendInfo() {
   return {"gpu", false, kReason, 0, [](int) { return makeGpuBackend(); }};
 }
 
+std::vector<GpuListing> gpuList() { return {}; }
+
 AirMaker gpuAir() { throw Error("no gpu backend", kReason, "install them and build again"); }
 
 }  // namespace strandcast

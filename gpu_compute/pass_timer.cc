@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "gl/context.h"
+
 namespace strandcast::gpu {
 namespace {
 
@@ -9,11 +11,6 @@ constexpr const char* kBegin = "";
 constexpr const char* kWhole = "all";
 constexpr size_t kMostPasses = 16;  // of a frame, its beginning among them
 constexpr size_t kQueriesAtOnce = 16;
-
-bool isSoftware() {
-  const char* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  return renderer != nullptr && (std::strstr(renderer, "llvmpipe") || std::strstr(renderer, "softpipe"));
-}
 
 }  // namespace
 
@@ -25,7 +22,7 @@ PassTimer::~PassTimer() {
 void PassTimer::measure(bool each, size_t frames) {
   on_ = true;
   each_ = each;
-  by_clock_ = isSoftware();
+  by_clock_ = gl::currentIsSoftware();
   marks_.reserve(frames * (each ? kMostPasses : 2));
   free_.reserve(kQueriesAtOnce);
 }

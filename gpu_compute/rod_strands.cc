@@ -8,6 +8,7 @@
 
 #include "core/strand_block.h"
 #include "gpu_compute/shaders.h"
+#include "gpu_compute/subgroups.h"
 #include "kernels/scalar_float.h"
 
 namespace strandcast::gpu {
@@ -197,17 +198,6 @@ constexpr uint32_t kFindingFrames = 32;  // of a workgroup of shaders/straight_f
 // Workgroups that go through a list as long as it is; so many keep every GPU busy.
 constexpr uint32_t kMostKeptOut = 2048;
 
-// Whether a workgroup is one subgroup whose invocations can read each other's registers.
-bool canShuffle() {
-  if (!epoxy_has_gl_extension("GL_KHR_shader_subgroup")) return false;
-  GLint size = 0, stages = 0, features = 0;
-  glGetIntegerv(GL_SUBGROUP_SIZE_KHR, &size);
-  glGetIntegerv(GL_SUBGROUP_SUPPORTED_STAGES_KHR, &stages);
-  glGetIntegerv(GL_SUBGROUP_SUPPORTED_FEATURES_KHR, &features);
-  return size >= static_cast<GLint>(kWorkgroup) && (stages & GL_COMPUTE_SHADER_BIT) != 0 &&
-         (features & GL_SUBGROUP_FEATURE_SHUFFLE_BIT_KHR) != 0;
-}
-
 }  // namespace
 
 RodStrands::RodStrands(const StrandModel& model, size_t few, bool compiles_slowly)
@@ -215,7 +205,7 @@ RodStrands::RodStrands(const StrandModel& model, size_t few, bool compiles_slowl
       groups_(keysOf(model, compiles_slowly)),
       few_(few),
       compiles_slowly_(compiles_slowly),
-      shuffled_(canShuffle()) {
+      shuffled_(isOneSubgroup(subgroupsOfDevice(), static_cast<int>(kWorkgroup))) {
   std::vector<Vec4> joints(model.vertices());
   std::vector<StrandRest> strands(model.strands());
   for (uint32_t s = 0; s < model.strands(); ++s) {

@@ -20,7 +20,7 @@
 // strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
 // again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
 // STIFF: some strand is (isStiff in kernels/rod.h), or may be taut between pins; the pulls of such a one may be found by elimination.
-// SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers.
+// SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers (gpu_compute/subgroups.h).
 // What differs between invocations is chosen by select(), not by if.
 #define WORKGROUP 32
 // Calm strands have a program of their own only where they are many.

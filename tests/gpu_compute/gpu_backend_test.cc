@@ -8,8 +8,13 @@
 #include "core/strand_order.h"
 #include "tests/conformance/conformance_model.h"
 #ifdef STRANDCAST_TEST_GL
+#include <cstdlib>
+
 #include "gl/context.h"
 #include "gl/current.h"
+#include "gpu_compute/driver_faults.h"
+#include "gpu_compute/subgroups.h"
+#include "tests/error_of.h"
 #endif
 
 namespace strandcast {
@@ -30,6 +35,106 @@ TEST(GpuBackendInfo, SaysTheDeviceOrTheReason) {
 }
 
 #ifdef STRANDCAST_TEST_GL
+
+TEST(Subgroups, AreUsedOnlyWhereAWorkgroupIsCertainlyOne) {
+  constexpr int kWorkgroup = 32;
+  EXPECT_TRUE(gpu::isOneSubgroup({"NVIDIA Corporation", 32, true}, kWorkgroup));
+  EXPECT_FALSE(gpu::isOneSubgroup({"NVIDIA Corporation", 32, false}, kWorkgroup)) << "without shuffles";
+  EXPECT_FALSE(gpu::isOneSubgroup({"NVIDIA Corporation", 0, false}, kWorkgroup)) << "without the extension";
+  EXPECT_FALSE(gpu::isOneSubgroup({"AMD", 64, true}, kWorkgroup)) << "half of each wave would be idle";
+  EXPECT_FALSE(gpu::isOneSubgroup({"Intel", 32, true}, kWorkgroup)) << "may be compiled for 8 or 16";
+  EXPECT_FALSE(gpu::isOneSubgroup({"Mesa", 32, true}, kWorkgroup)) << "zink, over a device of any size";
+  EXPECT_FALSE(gpu::isOneSubgroup({"Mesa/X.org", 8, true}, kWorkgroup)) << "llvmpipe";
+}
+
+TEST(DriverFaults, OldZinkIsRefusedAndSaysWhatToDo) {
+  const std::string lavapipe = "zink (llvmpipe (LLVM 15.0.6, 256 bits))";
+  const std::string fault = gpu::faultOfDriver(lavapipe, "4.6 (Core Profile) Mesa 22.3.6");
+  EXPECT_NE(fault.find("Mesa 22.3.6"), std::string::npos) << fault;
+  EXPECT_NE(fault.find(gpu::kUntestedVariable), std::string::npos) << fault;
+  EXPECT_NE(gpu::faultOfDriver("zink Vulkan 1.3(AMD Radeon RX 6800 (RADV NAVI21))",
+                               "4.6 (Core Profile) Mesa 24.2.1"),
+            "");
+  EXPECT_NE(gpu::faultOfDriver("zink (NVIDIA GeForce)", "4.6"), "") << "of a version that it does not say";
+  setenv(gpu::kUntestedVariable, "1", 1);
+  EXPECT_EQ(gpu::faultOfDriver(lavapipe, "4.6 (Core Profile) Mesa 22.3.6"), "");
+  unsetenv(gpu::kUntestedVariable);
+}
+
+TEST(DriverFaults, OtherDriversAreTaken) {
+  EXPECT_EQ(gpu::faultOfDriver("zink Vulkan 1.4(llvmpipe (LLVM 15.0.6, 256 bits) (MESA_LLVMPIPE))",
+                               "4.6 (Core Profile) Mesa 25.0.7-2~bpo12+1"),
+            "");
+  EXPECT_EQ(gpu::faultOfDriver("llvmpipe (LLVM 15.0.6, 256 bits)", "4.5 (Core Profile) Mesa 22.3.6"), "");
+  EXPECT_EQ(gpu::faultOfDriver("AMD Radeon RX 6800 (radeonsi, navi21)", "4.6 (Core Profile) Mesa 22.3.6"),
+            "");
+  EXPECT_EQ(gpu::faultOfDriver("NVIDIA H200/PCIe/SSE2", "4.6.0 NVIDIA 580.159.04"), "");
+}
+
+TEST(HeadlessContext, KnowsDriversThatDrawOnTheProcessor) {
+  for (const char* renderer : {"llvmpipe (LLVM 15.0.6, 256 bits)", "zink (llvmpipe (LLVM 15.0.6, 256 bits))",
+                               "softpipe", "virgl (LLVMPIPE (LLVM 15.0.6, 256 bits))",
+                               "D3D12 (Microsoft Basic Render Driver)", "Apple Software Renderer"})
+    EXPECT_TRUE(gl::isSoftwareRenderer(renderer)) << renderer;
+  for (const char* renderer : {"NVIDIA H200/PCIe/SSE2", "AMD Radeon RX 6800 (radeonsi, navi21)",
+                               "Mesa Intel(R) Arc(tm) A770 Graphics (DG2)", "virgl (AMD Radeon)"})
+    EXPECT_FALSE(gl::isSoftwareRenderer(renderer)) << renderer;
+}
+
+class ChosenDevice : public testing::Test {
+ protected:
+  void SetUp() override {
+    const char* const set = std::getenv(gl::kDeviceVariable);
+    if (set != nullptr) before_ = set;
+    unsetenv(gl::kDeviceVariable);
+  }
+  void TearDown() override {
+    if (before_.empty())
+      unsetenv(gl::kDeviceVariable);
+    else
+      setenv(gl::kDeviceVariable, before_.c_str(), 1);
+  }
+  static void choose(const std::string& text) { setenv(gl::kDeviceVariable, text.c_str(), 1); }
+  std::string before_;
+};
+
+TEST_F(ChosenDevice, IsANumber) {
+  EXPECT_EQ(gl::chosenDevice(), std::nullopt);
+  choose("");
+  EXPECT_EQ(gl::chosenDevice(), std::nullopt);
+  choose("0");
+  EXPECT_EQ(gl::chosenDevice(), 0);
+  choose("15");
+  EXPECT_EQ(gl::chosenDevice(), 15);
+  for (const char* text : {"-1", "16", "1.5", "1 ", "one", "0x1", "99999999999"}) {
+    choose(text);
+    const std::string error = errorOf([] { gl::chosenDevice(); });
+    EXPECT_NE(error.find(std::string("STRANDCAST_GPU=") + text), std::string::npos) << error;
+  }
+}
+
+TEST_F(ChosenDevice, EveryOneThatIsListedIsTakenAndNoOther) {
+  if (!gl::headlessAvailable(nullptr)) GTEST_SKIP() << "no OpenGL here";
+  const std::vector<gl::DeviceInfo> devices = gl::headlessDevices();
+  EXPECT_EQ(eglGetCurrentContext(), EGL_NO_CONTEXT) << "listing leaves no context behind";
+  size_t taken = 0;
+  for (size_t i = 0; i < devices.size(); ++i) {
+    EXPECT_EQ(devices[i].number, static_cast<int>(i));
+    choose(std::to_string(i));
+    const std::string error = errorOf([&] {
+      const gl::HeadlessContext context;
+      EXPECT_EQ(context.renderer(), devices[i].renderer);
+      ++taken;
+    });
+    if (error.empty()) continue;
+    EXPECT_EQ(error, devices[i].renderer) << "the reason is told, and none else is taken";
+  }
+  EXPECT_EQ(devices.empty(), taken == 0);
+  choose(std::to_string(devices.size()));
+  const std::string error = errorOf([] { gl::HeadlessContext(); });
+  EXPECT_NE(error.find("there is no EGL device " + std::to_string(devices.size())), std::string::npos)
+      << error;
+}
 
 class GpuBackend : public testing::Test {
  protected:
@@ -112,6 +217,15 @@ TEST_F(GpuBackend, TakesMoreBodiesThanBefore) {
   step(movingBodies(parameters_.time_step));
   backend_->download(few);
   EXPECT_EQ(stateHash(many), stateHash(few)) << "bodies far away change nothing";
+}
+
+// llvmpipe measures no time of a dispatch: its GL_TIME_ELAPSED is 0.
+TEST_F(GpuBackend, ATimeThatTheDriverDoesNotMeasureIsNoneAndNotZero) {
+  for (int i = 0; i < 6; ++i) {
+    step();
+    EXPECT_EQ(backend_->guides().size(), model_.vertices());
+  }
+  EXPECT_GT(backend_->gpuSeconds().value_or(1), 1e-6);
 }
 
 TEST_F(GpuBackend, LoadsOneModelAfterAnother) {
