@@ -38,7 +38,7 @@ void main() {
     barrier();
     if (counts) {
       put(me, placeAmong(at), parts[part]);
-      spots[me].w = intBitsToFloat(floatBitsToInt(spots[me].w) + part * air.cells * air.cells * air.cells);
+      first_nodes[me] += part * air.cells * air.cells * air.cells;
     } else {
       leaveOut(me);
     }

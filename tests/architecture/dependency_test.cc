@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -176,6 +177,57 @@ TEST(Dependencies, NoTwoHeadersDefineAClassOfOneName) {
   EXPECT_GT(header_of.size(), 100u);
   EXPECT_EQ(classesOf("namespace a::b {\nclass C;\nstruct D : E {\n  struct F {};\n};\n"),
             std::vector<std::string>{"a::b::D"});
+}
+
+// What devices and libraries do differently (docs/devices-and-libraries.md): a word that begins like this,
+// and why no source has it.
+const std::vector<std::pair<std::string, std::string>> kDifferent = {
+    {"intBitsToFloat(", "a whole number kept as bits of a float may be flushed: small ones are denormals"},
+    {"GL_EXT_shader_atomic_float", "sums of floats by atomics differ from run to run"},
+    {"GL_NV_shader_atomic_float", "sums of floats by atomics differ from run to run"},
+    {"floor(gl_TessCoord", "coordinates are rounded to a grid: add a half"},
+    {"GL_LINE_SMOOTH", "nothing is smoothed under multisampling"},
+    {"image2D", "some devices have eight image units only: take buffers"},
+    {"image3D", "some devices have eight image units only: take buffers"},
+    {"imageBuffer", "some devices have eight image units only: take buffers"},
+    {"GL_ARB_fragment_shader_interlock", "llvmpipe has none"},
+    {"GL_NV_shader_atomic_int64", "llvmpipe has no 64-bit atomics"},
+    {"time_based_filter(", "Fast DDS takes a time filter and ignores it"},
+    {"KEEP_ALL_HISTORY_QOS", "a slow reader would hold its writer up"},
+};
+
+// Whether code, comments aside, has a word that begins like this.
+bool hasWord(const std::string& text, const std::string& word) {
+  for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+    const bool begins =
+        at == 0 || (std::isalnum(static_cast<unsigned char>(text[at - 1])) == 0 && text[at - 1] != '_');
+    const size_t line = text.rfind('\n', at) + 1;
+    if (begins && text.substr(line, at - line).find("//") == std::string::npos) return true;
+  }
+  return false;
+}
+
+std::vector<std::string> differences(const std::string& text) {
+  std::vector<std::string> found;
+  for (const auto& [word, why] : kDifferent)
+    if (hasWord(text, word)) found.push_back(word + ": " + why);
+  return found;
+}
+
+TEST(Sources, UseNothingThatDevicesAndLibrariesDoDifferently) {
+  const fs::path root = STRANDCAST_SOURCE_DIR;
+  size_t files = 0;
+  for (const char* folder : {"gl", "gpu_compute", "render", "transport", "apps/viewer"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      if (!entry.is_regular_file() || !isSource(entry.path())) continue;
+      std::ifstream file(entry.path());
+      for (const std::string& why : differences({std::istreambuf_iterator<char>(file), {}}))
+        ADD_FAILURE() << entry.path().lexically_relative(root).generic_string() << ": " << why;
+      ++files;
+    }
+  EXPECT_GT(files, 100u);
+  EXPECT_EQ(differences("float f = intBitsToFloat(n);\nlayout(r32f) uniform image2D grid;\n").size(), 2u);
+  EXPECT_EQ(differences("float f = uintBitsToFloat(n);  // not intBitsToFloat(n)\n").size(), 0u);
 }
 
 // The test of the test.
