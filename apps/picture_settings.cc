@@ -96,7 +96,10 @@ void addPicture(std::vector<PictureSetting>& list) {
              "per pixel (multisampling); the device may have another number, which the summary tells",
              AT(settings.samples)));
   list.push_back(choice<HairCoverage>(
-      group, "coverage", "of hairs thinner than a pixel: other samples for each hair, or alpha to coverage",
+      group, "coverage",
+      "of hairs thinner than a pixel: other samples for each hair, or alpha to coverage, with which hair "
+      "that "
+      "overlaps comes out too thin",
       {{"stochastic", HairCoverage::kStochastic}, {"alpha", HairCoverage::kAlphaToCoverage}},
       AT(settings.coverage)));
   list.push_back(number(group, "supersampling", "", 1, 4, "for stills: so many times as many pixels a side",

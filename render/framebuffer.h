@@ -51,7 +51,7 @@ class Framebuffer {
 /// Where pictures are drawn: multisampled sRGB colour and depth, and the resolved picture.
 class PictureBuffer {
  public:
-  /// `samples` falls to what the device has; samples() says what it became.
+  /// `samples` becomes what the device has, fewer or more (llvmpipe: 4 for 2); samples() says what it became.
   PictureBuffer(int width, int height, int samples);
   ~PictureBuffer();
   PictureBuffer(const PictureBuffer&) = delete;

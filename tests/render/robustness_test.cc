@@ -1,12 +1,66 @@
+#include <algorithm>
+#include <chrono>
 #include <limits>
 
 #include "core/error.h"
+#include "gl/context.h"
+#include "gl/program.h"
 #include "offscreen.h"
+#include "render/framebuffer.h"
+#include "render/pass_clock.h"
 
 namespace strandcast {
 namespace {
 
 using RendererInput = OffscreenTest;
+using PassTimes = OffscreenTest;
+
+// llvmpipe's own stamps have the time of the last tile alone, here an eighth or less.
+TEST_F(PassTimes, OfASoftwareRendererAreWholeAndOfThePassThatTookThem) {
+  if (!gl::currentIsSoftware()) GTEST_SKIP() << "of a GPU the processor's clock tells too much";
+  const gl::Program slow(
+      "slow", {{GL_VERTEX_SHADER,
+                "#version 450\nvoid main() {"
+                " gl_Position = vec4(4.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1.0, 0.0, 1.0); }"},
+               {GL_FRAGMENT_SHADER,
+                "#version 450\nout vec4 color; void main() { float s = gl_FragCoord.x;"
+                " for (int i = 0; i < 50; ++i) s = fract(s * 1.37 + 0.1); color = vec4(s); }"}});
+  const PictureBuffer picture(512, 512, 1);  // 64 tiles
+  picture.bindForDrawing();
+  GLuint no_vertices = 0;
+  glCreateVertexArrays(1, &no_vertices);
+  glBindVertexArray(no_vertices);
+  slow.use();
+  PassClock clock;
+  std::chrono::steady_clock::time_point begin;
+  for (int again = 0; again < 2; ++again) {  // the first compiles
+    glFinish();
+    begin = std::chrono::steady_clock::now();
+    clock.restart();
+    clock.stamp();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    clock.stamp();
+    clock.stamp();
+  }
+  glFinish();
+  const std::chrono::duration<double, std::milli> all = std::chrono::steady_clock::now() - begin;
+  EXPECT_GT(clock.milliseconds(0), 0.5 * all.count());
+  EXPECT_LT(clock.milliseconds(1), 0.5 * all.count());
+  EXPECT_EQ(clock.milliseconds(2), 0) << "there is no third";
+  glDeleteVertexArrays(1, &no_vertices);
+}
+
+// llvmpipe gives four to who asks for two or three.
+TEST_F(RendererInput, HoweverManySamplesAreAskedForThoseOfTheDeviceAreTold) {
+  for (const int wanted : {0, 1, 2, 3, 4, 8, 1000}) {
+    const PictureBuffer picture(8, 8, wanted);
+    picture.bindForDrawing();
+    GLint given = -1;
+    glGetIntegerv(GL_SAMPLES, &given);
+    EXPECT_EQ(picture.samples(), std::max(given, 1)) << wanted << " asked for";
+    EXPECT_TRUE(wanted > 1 || given <= 1) << given;
+  }
+}
 
 TEST_F(RendererInput, EmptyGroomAndEmptyBodyGiveABackground) {
   Renderer renderer(smallPicture());
