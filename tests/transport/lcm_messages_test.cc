@@ -14,6 +14,7 @@
 #include "strandcast_v6/reader_t.hpp"
 #include "strandcast_v6/status_t.hpp"
 #include "transport/collider_chunks.h"
+#include "transport/lcm/lcm_channels.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
@@ -98,6 +99,16 @@ TEST(LcmMessages, AreThoseOfTheSchema) {
   EXPECT_EQ(wire.parameter_components, status.parameters.components);
   EXPECT_EQ(wire.parameter_values, status.parameters.values);
   EXPECT_EQ(namedValues(status_back.parameters), namedValues(status.parameters));
+}
+
+TEST(LcmMessages, ChannelsOfEveryGroomHaveNamesThatLcmTakes) {
+  constexpr size_t kLongest = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH; longer ones are not sent
+  for (const uint32_t groom : {0u, 1u, 1000000u, 0xFFFFFFFFu}) {
+    const LcmChannels channels(groom);
+    for (const std::string& name : {channels.groom, channels.bodies, channels.colliders, channels.guides,
+                                    channels.command, channels.reader, channels.status})
+      EXPECT_LE(name.size(), kLongest) << name;
+  }
 }
 
 TEST(LcmMessages, DamagedOnesAreRefusedOrHarmless) {
