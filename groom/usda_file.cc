@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "groom/groom_file.h"
-#include "groom/usda_primvar.h"
 #include "groom/usda_stage.h"
+#include "groom/usda_values.h"
 
 namespace strandcast {
 namespace {
@@ -20,24 +20,10 @@ using Control = Eigen::Vector4d;  // position and width
 
 constexpr float kUnitOfUsd = 0.01f;  // metres, without metersPerUnit: UsdGeomLinearUnits
 
-/// Names of UVs, the more usual first: OpenUSD's own, then those of Blender, Maya, Unreal and Houdini.
-const std::vector<std::string> kUvs = {"primvars:st",
-                                       "primvars:uv",
-                                       "primvars:st0",
-                                       "primvars:uv0",
-                                       "primvars:UVMap",
-                                       "primvars:map1",
-                                       "primvars:groom_root_uv",
-                                       "primvars:root_uv",
-                                       "primvars:rootuv",
-                                       "primvars:surface_uv_coordinate"};
-/// `primvars:widths` goes before `widths`.
-const std::vector<std::string> kWidths = {"primvars:widths", "widths"};
-
 std::vector<std::string> wantedProperties() {
   std::vector<std::string> wanted = {"points", "curveVertexCounts", "type", "basis", "wrap"};
-  wanted.insert(wanted.end(), kWidths.begin(), kWidths.end());
-  wanted.insert(wanted.end(), kUvs.begin(), kUvs.end());
+  for (const std::vector<std::string>* names : {&usdaWidthNames(), &usdaUvNames()})
+    wanted.insert(wanted.end(), names->begin(), names->end());
   return wanted;
 }
 
@@ -60,96 +46,13 @@ class Tally {
   std::vector<std::string> places_;
 };
 
-/// The values of a primvar over the curves of a prim. A value that cannot be used is mended.
-template <class Value>
-struct SharedValues {
-  std::optional<Interpolation> how;  // none where there are none
-  std::vector<Value> values;         // one, or one a curve, a varying or a point
-  bool guessed = false;
-  size_t mended = 0;
-  std::string fault;  // why none of them can be used
-
-  /// At a point of a curve; of varying values, which points do not have, nothing.
-  Value ofControl(size_t curve, size_t point, const Value& nothing) const {
-    if (!how || how == Interpolation::kVarying) return nothing;
-    return values[how == Interpolation::kConstant ? 0 : how == Interpolation::kUniform ? curve : point];
-  }
-  /// Of varying values, that at a vertex of the curve whose first is `first`.
-  Value varying(size_t first, const UsdaCurves::Vertex& vertex) const {
-    const Value& before = values[first + vertex.segment];
-    if (vertex.fraction == 0) return before;
-    return (1 - vertex.fraction) * before + vertex.fraction * values[first + vertex.segment + 1];
-  }
-};
-using WidthValues = SharedValues<double>;
-using UvValues = SharedValues<Eigen::Vector2d>;
-
-/// The first of `names` that can be used. `valueOf` makes a value of numbers, or none where it cannot be
-/// used; `mend(good values)` gives what stands for such.
-template <class Value, class ValueOf, class Mend>
-SharedValues<Value> sharedValues(const UsdaStage& stage, size_t prim, const UsdaCurves& curves,
-                                 const std::vector<std::string>& names, Interpolation otherwise,
-                                 const Value& nothing, const ValueOf& valueOf, const Mend& mend) {
-  SharedValues<Value> out;
-  for (const std::string& name : names) try {
-      const std::optional<UsdaPrimvar> primvar = UsdaPrimvar::of(stage, prim, name, curves, otherwise);
-      if (!primvar) continue;
-      std::vector<Value> good, all;
-      std::vector<size_t> bad;
-      for (size_t i = 0; i < primvar->elements(); ++i) {
-        const std::span<const double> numbers = primvar->at(i);
-        const std::optional<Value> value = numbers.empty() ? std::nullopt : valueOf(name, numbers);
-        all.push_back(value ? *value : nothing);
-        if (value)
-          good.push_back(*value);
-        else
-          bad.push_back(i);
-      }
-      if (good.empty()) throw UsdaFault{fmt::format("{} has no value that can be used", name), 0};
-      if (!bad.empty()) {
-        const Value instead = mend(good);
-        for (const size_t i : bad) all[i] = instead;
-      }
-      out = {primvar->interpolation(), std::move(all), primvar->guessed(), bad.size(), {}};
-      return out;
-    } catch (const UsdaFault& fault) {
-      if (out.fault.empty()) out.fault = fault.what;
-    }
-  return out;
-}
-
-WidthValues widthsOf(const UsdaStage& stage, size_t prim, const UsdaCurves& curves) {
-  return sharedValues<double>(
-      stage, prim, curves, kWidths, Interpolation::kVertex, 0.0,
-      [](const std::string& name, std::span<const double> v) -> std::optional<double> {
-        if (v.size() != 1) throw UsdaFault{fmt::format("{} has {} numbers a value", name, v.size()), 0};
-        return v[0] >= 0 && std::isfinite(v[0]) ? std::optional(v[0]) : std::nullopt;
-      },
-      [](const std::vector<double>& good) {
-        double sum = 0;
-        for (const double width : good) sum += width / static_cast<double>(good.size());
-        return sum;
-      });
-}
-
-UvValues uvsOf(const UsdaStage& stage, size_t prim, const UsdaCurves& curves) {
-  return sharedValues<Eigen::Vector2d>(
-      stage, prim, curves, kUvs, Interpolation::kConstant, Eigen::Vector2d::Zero(),
-      [](const std::string& name, std::span<const double> v) -> std::optional<Eigen::Vector2d> {
-        if (v.size() < 2) throw UsdaFault{fmt::format("{} has one number a value, no pair", name), 0};
-        const Eigen::Vector2d uv(v[0], v[1]);
-        return uv.cast<float>().allFinite() ? std::optional(uv) : std::nullopt;
-      },
-      [](const std::vector<Eigen::Vector2d>&) -> Eigen::Vector2d { return Eigen::Vector2d::Zero(); });
-}
-
 /// What becomes of widths or UVs, which a groom has for all strands or for none.
 struct Coverage {
   size_t prims = 0;  // that have them
   Tally without, unusable, guessed, mended;
 
   template <class Value, class Place>
-  void add(const SharedValues<Value>& values, const Place& place) {
+  void add(const UsdaValues<Value>& values, const Place& place) {
     if (values.how)
       ++prims;
     else if (values.fault.empty())
@@ -243,8 +146,8 @@ class HairReader {
     const UsdaPrim& prim = stage_.prims[index];
     StrandSet& out = groom_.strands;
     const size_t before = out.strands();
-    const WidthValues widths = widthsOf(stage_, index, curves);
-    const UvValues uvs = uvsOf(stage_, index, curves);
+    const UsdaWidths widths = usdaWidthsOf(stage_, index, curves);
+    const UsdaUvs uvs = usdaUvsOf(stage_, index, curves);
     for (size_t c = 0; c < curves.curves(); ++c) {
       if (!curves.isWhole(c)) {
         leaveOutShort(index, curves, c);
@@ -279,7 +182,7 @@ class HairReader {
   }
 
   /// False, and nothing is added, where a vertex is out of range.
-  bool addCurve(const UsdaPrim& prim, const UsdaCurves& curves, size_t c, const WidthValues& widths) {
+  bool addCurve(const UsdaPrim& prim, const UsdaCurves& curves, size_t c, const UsdaWidths& widths) {
     StrandSet& out = groom_.strands;
     const std::vector<double>& points = prim.find("points")->numbers;
     const bool moved = !prim.to_world.isApprox(Eigen::Affine3d::Identity(), 0);
@@ -313,7 +216,7 @@ class HairReader {
   }
 
   /// The UV where the strand begins, which is all that a groom keeps.
-  Vec2 rootUv(size_t index, const UsdaCurves& curves, size_t c, const UvValues& uvs) {
+  Vec2 rootUv(size_t index, const UsdaCurves& curves, size_t c, const UsdaUvs& uvs) {
     if (!uvs.how) return Vec2::Zero();
     const bool varying = uvs.how == Interpolation::kVarying;
     if (!varying && uvs.how != Interpolation::kVertex)

@@ -52,23 +52,18 @@ std::optional<UsdaPrimvar> UsdaPrimvar::of(const UsdaStage& stage, size_t prim, 
   UsdaPrimvar out;
   const double element = property->element_size;
   if (!(element >= 1 && element <= 1024) || element != std::floor(element))
-    throw UsdaFault{fmt::format("{} has an elementSize of {}", name, element), property->line};
+    throw UsdaFault{fmt::format("has an elementSize of {}", element), property->line};
   out.components_ = numbersOf(property->type) * static_cast<size_t>(element);
   out.values_ = property->numbers;
   if (!property->strings.empty() || out.values_.size() % out.components_ != 0)
-    throw UsdaFault{fmt::format("{} has {} numbers, which are no values of {}", name, out.values_.size(),
-                                out.components_),
-                    property->line};
+    throw UsdaFault{
+        fmt::format("has {} numbers, which are no values of {}", out.values_.size(), out.components_),
+        property->line};
   out.unauthored_ = property->unauthored_index;
   const UsdaProperty* indices = owner->find(name + ":indices");
   out.indexed_ = indices != nullptr && indices->has_value;
   if (out.indexed_) out.indices_ = indices->numbers;
-  try {
-    out.choose(*property, curves, otherwise);
-  } catch (UsdaFault& fault) {
-    fault.what = fmt::format("{} {}", name, fault.what);
-    throw;
-  }
+  out.choose(*property, curves, otherwise);
   return out;
 }
 

@@ -11,7 +11,7 @@
 namespace strandcast {
 namespace {
 
-constexpr std::string_view kSamples = ".timeSamples", kIndices = ":indices", kPrimvars = "primvars:";
+constexpr std::string_view kSamples = ".timeSamples", kIndicesSuffix = ":indices", kPrimvars = "primvars:";
 constexpr size_t kDeepest = 1000;  // prims in prims
 constexpr size_t kMostNamed = 3;   // in a report
 
@@ -254,11 +254,11 @@ class StageReader {
     if (name.starts_with("xformOp:")) return name.find('.') == std::string_view::npos;
     if (name == "xformOpOrder" || name == "visibility" || name == "purpose") return true;
     const bool primvar = name.starts_with(kPrimvars);
-    if (primvar && name.ends_with(kIndices)) name.remove_suffix(kIndices.size());
+    if (primvar && name.ends_with(kIndicesSuffix)) name.remove_suffix(kIndicesSuffix.size());
     return (primvar || prim.type == wanted_) && holds(wanted_properties_, name);
   }
   void noteOther(UsdaPrim& prim, std::string_view name) const {
-    if (prim.type != wanted_ || !name.starts_with(kPrimvars) || name.ends_with(kIndices)) return;
+    if (prim.type != wanted_ || !name.starts_with(kPrimvars) || name.ends_with(kIndicesSuffix)) return;
     if (name.find('.') != std::string_view::npos || holds(wanted_properties_, name)) return;
     std::string other(name.substr(kPrimvars.size()));
     if (!holds(prim.other_primvars, other)) prim.other_primvars.push_back(std::move(other));
@@ -283,6 +283,7 @@ class StageReader {
   /// Keeps the earliest that is no `None`.
   void readSamples(UsdaProperty& property, size_t line) {
     const bool has_default = property.has_value && !property.sampled;
+    property.has_samples = true;
     text_.expectMark('{');
     while (!text_.takeMark('}')) {
       if (text_.kind() == UsdaText::Kind::kEnd) text_.fail("the file ends within time samples");
@@ -331,7 +332,7 @@ class StageReader {
       prim.fault_line = above->fault_line;
     }
     for (const auto& [name, property] : prim.properties)
-      prim.is_sampled = prim.is_sampled || (property.has_value && property.sampled);
+      prim.is_sampled = prim.is_sampled || property.has_samples;
     if (!prim.is_there || !prim.fault.empty()) return;
     if (prim.type == "Scope") {  // it is no UsdGeomXformable
       if (prim.find("xformOpOrder") != nullptr)
@@ -354,7 +355,7 @@ class StageReader {
     if (above != nullptr) prim.constant_primvars = above->constant_primvars;
     std::map<std::string, size_t, std::less<>> own;
     for (const auto& [name, property] : prim.properties)
-      if (name.starts_with(kPrimvars) && !name.ends_with(kIndices) && property.has_value &&
+      if (name.starts_with(kPrimvars) && !name.ends_with(kIndicesSuffix) && property.has_value &&
           (property.interpolation.empty() || property.interpolation == "constant"))
         own[name] = index;
     if (own.empty()) return;

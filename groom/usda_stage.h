@@ -13,13 +13,14 @@
 namespace strandcast {
 
 /// A property of a prim. Its value is its default, or the earliest of its time samples where it has no
-/// default. Which of the two it is, `sampled` says.
+/// default.
 struct UsdaProperty {
   std::string type;             ///< as declared, without brackets: "float2", "token"
   std::vector<double> numbers;  ///< of all values, flat; infinite ones and NaN as the text has them
   std::vector<std::string> strings;
-  bool has_value = false;  ///< false where it is only declared, or blocked by `None`
-  bool sampled = false;
+  bool has_value = false;     ///< false where it is only declared, or blocked by `None`
+  bool sampled = false;       ///< the value is a time sample
+  bool has_samples = false;   ///< there are time samples, whether or not a default goes before them
   bool weak = false;          ///< comes from a variant, which is weaker than the prim itself
   double time = 0;            ///< of the sample
   std::string interpolation;  ///< as its metadata names it, or empty
@@ -43,7 +44,7 @@ struct UsdaPrim {
   bool is_prototype = false;  ///< of a PointInstancer: it does not show where it stands
   bool is_visible = true;     ///< computed visibility
   std::string purpose;        ///< computed purpose: "default", "render", "proxy" or "guide"
-  bool is_sampled = false;    ///< a property that is kept has time samples only
+  bool is_sampled = false;    ///< it, or a prim above, has time samples of what is kept
   /// Constant primvars by name, each with the index of the prim that has it. Empty pointer: none.
   std::shared_ptr<const std::map<std::string, size_t, std::less<>>> constant_primvars;
   Eigen::Affine3d to_world = Eigen::Affine3d::Identity();

@@ -309,6 +309,19 @@ TEST(UsdaStages, OtherFilesThatAStageNeedsAreNamed) {
               {"no BasisCurves", "sublayers (@hair.usda@, @b.usda@)", "usdcat --flatten"});
 }
 
+TEST(UsdaStages, ADefaultGoesBeforeTimeSamplesAndTheyAreSaidToBeLost) {
+  const std::string samples = "point3f[] points.timeSamples = { 1: [(5, 0, 0), (5, 4, 0)] }";
+  std::string left_out;
+  EXPECT_EQ(shown(lockPrim("a", samples, 1), &left_out), (std::vector<float>{1, 9}));
+  EXPECT_EQ(left_out, "without time samples");
+  EXPECT_EQ(
+      shown("def BasisCurves \"a\" {\n uniform token type = \"linear\"\n int[] curveVertexCounts = [2]\n" +
+                samples + "\n}\n",
+            &left_out),
+      (std::vector<float>{5, 9}));
+  EXPECT_EQ(left_out, "without time samples");
+}
+
 TEST(UsdaCurves, CurvesThatFitNoSegmentAreLeftOutAndCounted) {
   const auto read = [](const std::string& kind, const std::string& counts, size_t points) {
     std::string all;
