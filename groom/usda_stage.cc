@@ -260,8 +260,7 @@ class StageReader {
   void noteOther(UsdaPrim& prim, std::string_view name) const {
     if (prim.type != wanted_ || !name.starts_with(kPrimvars) || name.ends_with(kIndicesSuffix)) return;
     if (name.find('.') != std::string_view::npos || holds(wanted_properties_, name)) return;
-    std::string other(name.substr(kPrimvars.size()));
-    if (!holds(prim.other_primvars, other)) prim.other_primvars.push_back(std::move(other));
+    prim.other_primvars.emplace(name.substr(kPrimvars.size()));
   }
   bool readOfProperty(UsdaProperty& property, std::string_view key) {
     if (key == "interpolation") {

@@ -3,6 +3,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,7 +38,7 @@ struct UsdaPrim {
   size_t line = 0;
   size_t parent = kNoParent;  ///< index into UsdaStage::prims, less than the prim's own
   std::map<std::string, UsdaProperty, std::less<>> properties;
-  std::vector<std::string> other_primvars;  ///< names of primvars that have a value and are not wanted
+  std::set<std::string> other_primvars;  ///< names of primvars that have a value and are not wanted
 
   // Inherited from the prims above.
   bool is_there = true;       ///< defined and active, and not abstract

@@ -252,6 +252,13 @@ TEST(UsdaPrimvars, WhatDoesNotFitIsLeftOutWithTheReason) {
             "without colours, 1 other primvar (hairId)");
 }
 
+TEST(UsdaPrimvars, ManyOthersAreCountedInNoTime) {
+  std::string more;
+  for (int i = 0; i < 20000; ++i) more += "float primvars:q" + std::to_string(i) + " = 1\n";
+  EXPECT_EQ(readPrims(twoCurves(kKinds[0], more)).report.leftOutLine(),
+            "without 20000 other primvars (q0, q1, q10, ...)");
+}
+
 TEST(UsdaPrimvars, UvsThatChangeAlongAStrandAreSaidToBeLost) {
   const std::string st = "texCoord2f[] primvars:st = [(0, 0), (0, 0.5), (0, 1), (1, 0), (1, 1)] ";
   const RawGroom groom = readPrims(twoCurves(kKinds[0], st + "(interpolation = \"vertex\")\n"));
