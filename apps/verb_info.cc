@@ -113,6 +113,7 @@ int printGroom(const InfoOptions& options) {
   out.add("unit", "unit",
           fmt::format("{:g} m{}", unit,
                       options.unit_meters > 0 ? ""
+                      : raw.unit_is_default   ? ", as its format has it"
                       : raw.unit_meters > 0   ? ", as the file says"
                                               : ", guessed"));
   const Eigen::Vector3f low = s.bounds.min(), high = s.bounds.max();

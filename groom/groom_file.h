@@ -30,8 +30,9 @@ struct GroomReadOptions {
 struct RawGroom {
   StrandSet strands;
   UpAxis native_up = UpAxis::kY;
-  float unit_meters = 0;  ///< metres per unit, where the file says it (.usda); else 0
-  std::string format;     ///< "tfx3", "tfx4", "hair", "obj", "usda"
+  float unit_meters = 0;         ///< metres per unit, where the file or its format says it (.usda); else 0
+  bool unit_is_default = false;  ///< the file does not say it, its format does
+  std::string format;            ///< "tfx3", "tfx4", "hair", "obj", "usda"
   FileReport report;
 };
 
@@ -45,9 +46,11 @@ RawGroom readRawGroom(const std::filesystem::path& file);
 /// Strands have 1 or more vertices. An OBJ polyline that starts with the vertex index that the one before it
 /// ended with continues that strand (some programs write every edge on its own).
 ///
-/// Of USD text all active BasisCurves are read, where their transforms place them: linear ones as they are;
-/// of cubic ones the points on the curve at the ends of segments, of bezier curves at their thirds too.
-/// Layers that it refers to, variants and time samples but the first are not read.
+/// Of USD text those BasisCurves are read that show: active, visible, of purpose default or render, where
+/// their transforms place them. Linear ones are read as they are; of cubic ones the points on the curve at
+/// the ends of segments, of bezier curves at their thirds too. Other files that it refers to, variants that
+/// are not selected and time samples but the earliest are not read. A unit is 0.01 m without metersPerUnit.
+/// The UV of a strand is that of its root. docs/formats.md has the whole of it.
 RawGroom readTfx(std::span<const std::byte> bytes, const std::string& name);
 RawGroom readHair(std::span<const std::byte> bytes, const std::string& name);
 RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& name);
@@ -70,11 +73,11 @@ void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpA
 std::vector<std::string> leftOutOf(const std::filesystem::path& file, const StrandSet& strands);
 
 /// Reads one or more files (at most 65,535) into one groom in metres, Y up, and cleans it (cleanStrands);
-/// `parts` says which file each strand came from. One unit holds for all files, given, said by every one of
-/// them, or guessed; the up axis is each file's own unless given. A pin of vertex 1 is dropped where vertex 0
-/// is pinned and vertex 2 free, unless pins are to be kept: the root's frame is clamped instead. Throws Error
-/// as readRawGroom, and when a unit is not positive, files say different units, a vertex lies 10 km away, or
-/// no strand is left.
+/// `parts` says which file each strand came from. A unit that is given holds for all files. Else each file
+/// that says its unit is read in that, or one is guessed for all where none says it; the up axis is each
+/// file's own unless given. A pin of vertex 1 is dropped where vertex 0 is pinned and vertex 2 free, unless
+/// pins are to be kept: the root's frame is clamped instead. Throws Error as readRawGroom, and when a unit is
+/// not positive, some files say their unit and others do not, a vertex lies 10 km away, or no strand is left.
 Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options);
 
 /// Metres per unit guessed from a groom's bounding box in file units: 1, 0.1, 0.01, 0.001 or the 0.0025 of

@@ -90,6 +90,17 @@ class GroomMerger {
   bool any_pins_ = false;
 };
 
+/// Strands of a further file in the unit of the first, `said` (0 where that does not say it).
+void toUnit(RawGroom& raw, float said, const std::string& name) {
+  if (raw.unit_meters == said) return;
+  if (raw.unit_meters == 0 || said == 0)
+    throw Error("some of the files say their unit and others do not", name,
+                "give one for all of them (--unit-meters)");
+  const float scale = raw.unit_meters / said;
+  for (Vec3& point : raw.strands.positions) point *= scale;
+  for (float& radius : raw.strands.radii) radius *= scale;
+}
+
 // `said`: metres per unit, by the files; 0 where they do not say it.
 void convertUnits(Groom& groom, const GroomReadOptions& options, float said, const std::string& name) {
   float unit = options.unit_meters > 0 ? options.unit_meters : said;
@@ -167,9 +178,10 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
   for (size_t f = 0; f < files.size(); ++f) {
     RawGroom raw = readRawGroom(files[f]);
     turnYUp(raw.strands.positions, options.up == UpAxis::kAuto ? raw.native_up : options.up);
-    if (f > 0 && raw.unit_meters != said && options.unit_meters == 0)
-      throw Error("the files do not say the same unit", files[f].string(), "give their unit (--unit-meters)");
-    said = raw.unit_meters;
+    if (f == 0)
+      said = raw.unit_meters;
+    else if (options.unit_meters == 0)
+      toUnit(raw, said, files[f].string());
     if (!options.keep_pins) freeSecondVertices(raw.strands);
     merger.add(raw, f, files[f].string());
     if (f > 0) groom.name += '+';

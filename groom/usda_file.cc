@@ -2,258 +2,304 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
+#include <optional>
+#include <set>
 #include <utility>
 
-#include "groom/groom_encode.h"
 #include "groom/groom_file.h"
 #include "groom/usda_stage.h"
+#include "groom/usda_values.h"
 
 namespace strandcast {
 namespace {
 
-const std::vector<std::string> kWanted = {"points", "curveVertexCounts", "widths", "type", "basis",
-                                          "wrap",   "primvars:st"};
-
+using Interpolation = UsdaPrimvar::Interpolation;
 using Control = Eigen::Vector4d;  // position and width
-using Weights = std::array<double, 4>;
 
-/// One prim of curves.
-class Curves {
+constexpr float kUnitOfUsd = 0.01f;  // metres, without metersPerUnit: UsdGeomLinearUnits
+
+std::vector<std::string> wantedProperties() {
+  std::vector<std::string> wanted = {"points", "curveVertexCounts", "type", "basis", "wrap"};
+  for (const std::vector<std::string>* names : {&usdaWidthNames(), &usdaUvNames()})
+    wanted.insert(wanted.end(), names->begin(), names->end());
+  return wanted;
+}
+
+/// How often a thing happens, and where it does first.
+class Tally {
  public:
-  Curves(const UsdaText& text, const UsdaPrim& prim) : text_(text), prim_(prim) {
-    type_ = token("type", "cubic");
-    basis_ = token("basis", "bezier");
-    wrap_ = token("wrap", "nonperiodic");
-    if (type_ != "cubic" && type_ != "linear") fail(fmt::format("curves of type {:?} are not known", type_));
-    if (type_ == "cubic" && basis_ != "bezier" && basis_ != "bspline" && basis_ != "catmullRom")
-      fail(fmt::format("curves of basis {:?} are not known", basis_));
-    if (wrap_ == "periodic") fail("its curves are closed, hair has a root and a tip");
-    if (wrap_ != "nonperiodic" && wrap_ != "pinned")
-      fail(fmt::format("curves of wrap {:?} are not known", wrap_));
-    readCounts();
-    const std::vector<double>& points = numbers("points");
-    if (points.size() != 3 * points_)
-      fail(fmt::format("it has {} numbers for the {} points of its curves", points.size(), points_));
-    widths_ = widths();
+  template <class Place>
+  void add(const Place& place) {
+    if (places_.size() < 3) places_.push_back(place());
+    ++count_;
   }
-
-  void addTo(RawGroom& groom) const {
-    StrandSet& out = groom.strands;
-    const std::vector<double>& points = numbers("points");
-    const bool moved = !prim_.to_world.isApprox(Eigen::Affine3d::Identity(), 0);
-    const double grown = moved ? std::cbrt(std::abs(prim_.to_world.linear().determinant())) : 1;
-    const size_t first = out.vertices();
-    std::vector<float> radii;
-    std::vector<Control> controls;
-    size_t at = 0;
-    for (size_t c = 0; c < counts_.size(); ++c) {
-      controls.clear();
-      for (size_t i = 0; i < counts_[c]; ++i, ++at)
-        controls.emplace_back(points[3 * at], points[3 * at + 1], points[3 * at + 2], widthOf(c, at));
-      forVertices(controls, c, [&](const Control& control) {
-        const Eigen::Vector3d place =
-            moved ? prim_.to_world * control.head<3>() : Eigen::Vector3d(control.head<3>());
-        out.positions.push_back(place.cast<float>());
-        radii.push_back(static_cast<float>(0.5 * grown * control.w()));
-        if (!out.positions.back().allFinite()) fail("a point is out of range");
-        if (!std::isfinite(radii.back()) || radii.back() < 0) fail("a width is negative or out of range");
-      });
-      if (out.vertices() > std::numeric_limits<uint32_t>::max())
-        fail("the file has more than 4294967295 strand vertices");
-      out.offsets.push_back(static_cast<uint32_t>(out.vertices()));
-    }
-    if (hasWidths() && out.radii.size() == first)
-      out.radii.insert(out.radii.end(), radii.begin(), radii.end());
-    const std::vector<double>& uvs = numbers("primvars:st");
-    if (hasUvs() && out.uvs.size() + counts_.size() == out.strands())
-      for (size_t i = 0; i < uvs.size(); i += 2)
-        out.uvs.emplace_back(static_cast<float>(uvs[i]), static_cast<float>(uvs[i + 1]));
+  size_t count() const { return count_; }
+  /// "/a, /b, /c, ..."
+  std::string places() const {
+    return fmt::format("{}{}", fmt::join(places_, ", "), count_ > places_.size() ? ", ..." : "");
   }
-  bool hasWidths() const { return widths_ != Widths::kNone; }
-  bool hasUvs() const { return numbers("primvars:st").size() == 2 * counts_.size(); }
-  /// What of it is not read.
-  bool leavesWidths() const { return !numbers("widths").empty() && !hasWidths(); }
-  bool leavesUvs() const { return !numbers("primvars:st").empty() && !hasUvs(); }
 
  private:
-  enum class Widths { kNone, kOne, kPerCurve, kPerPoint };
+  size_t count_ = 0;
+  std::vector<std::string> places_;
+};
 
-  [[noreturn]] void fail(const std::string& what) const {
-    text_.failAt(prim_.line, fmt::format("BasisCurves {:?}: {}", prim_.name, what),
-                 "export the hair as linear, bezier, bspline or catmullRom curves that are open");
+/// What becomes of widths or UVs, which a groom has for all strands or for none.
+struct Coverage {
+  size_t prims = 0;  // that have them
+  Tally without, unusable, guessed, mended;
+
+  template <class Value, class Place>
+  void add(const UsdaValues<Value>& values, const Place& place) {
+    if (values.how)
+      ++prims;
+    else if (values.fault.empty())
+      without.add(place);
+    else
+      unusable.add([&] { return fmt::format("{}: {}", place(), values.fault); });
+    if (values.guessed) guessed.add(place);
+    if (values.mended > 0) mended.add([&] { return fmt::format("{} of {}", values.mended, place()); });
   }
-  const UsdaProperty* find(const std::string& name) const {
-    const auto found = prim_.properties.find(name);
-    return found == prim_.properties.end() ? nullptr : &found->second;
+  bool isWhole() const { return prims > 0 && without.count() + unusable.count() == 0; }
+
+  void report(std::string_view what, std::string_view mend, FileReport& report) const {
+    if (unusable.count() > 0)
+      report.leaveOut(fmt::format("{} ({})", what, unusable.places()));
+    else if (prims > 0 && without.count() > 0)
+      report.leaveOut(fmt::format("{} (none for {})", what, without.places()));
+    if (!isWhole()) return;
+    if (guessed.count() > 0)
+      report.warnings.push_back(
+          fmt::format("{} have no interpolation, their count told it ({})", what, guessed.places()));
+    if (mended.count() > 0)
+      report.warnings.push_back(
+          fmt::format("{} that cannot be used are {} ({})", what, mend, mended.places()));
   }
-  std::string token(const std::string& name, const char* otherwise) const {
-    const UsdaProperty* property = find(name);
-    return property != nullptr && !property->strings.empty() ? property->strings[0] : otherwise;
-  }
-  const std::vector<double>& numbers(const std::string& name) const {
-    static const std::vector<double> kNone;
-    const UsdaProperty* property = find(name);
-    return property != nullptr ? property->numbers : kNone;
-  }
-  void readCounts() {
-    const double most = static_cast<double>(numbers("points").size() / 3);
-    double sum = 0;
-    for (const double count : numbers("curveVertexCounts")) {
-      sum += count;
-      if (!(count >= 1) || count != std::floor(count) || sum > most)
-        fail("curveVertexCounts has a number that is no count of its points");
-      counts_.push_back(static_cast<size_t>(count));
+};
+
+bool isCurves(const UsdaPrim& prim) {
+  return prim.type == "BasisCurves" || prim.type == "NurbsCurves" || prim.type == "HermiteCurves";
+}
+
+/// Makes a groom of the curves of a stage.
+class HairReader {
+ public:
+  HairReader(const UsdaText& text, UsdaStage stage, const std::string& name)
+      : text_(text), stage_(std::move(stage)), name_(name) {}
+
+  RawGroom read() {
+    groom_.format = "usda";
+    groom_.native_up = stage_.up == 'X' ? UpAxis::kX : stage_.up == 'Z' ? UpAxis::kZ : UpAxis::kY;
+    for (size_t i = 0; i < stage_.prims.size(); ++i) {
+      if (!isCurves(stage_.prims[i]) || !shows(i)) continue;
+      if (stage_.prims[i].type == "BasisCurves")
+        addPrim(i);
+      else
+        no_basis_.add([&] { return stage_.pathOf(i); });
     }
-    points_ = static_cast<size_t>(sum);
-  }
-  Widths widths() const {
-    const size_t count = numbers("widths").size();
-    if (count == 0) return Widths::kNone;
-    const std::string& how = find("widths")->interpolation;
-    const bool any = how.empty();
-    if (count == points_ && (any || how == "vertex" || (how == "varying" && type_ == "linear")))
-      return Widths::kPerPoint;
-    if (count == counts_.size() && (any || how == "uniform")) return Widths::kPerCurve;
-    if (count == 1 && (any || how == "constant")) return Widths::kOne;
-    return Widths::kNone;
-  }
-  double widthOf(size_t curve, size_t point) const {
-    if (!hasWidths()) return 0;
-    return numbers("widths")[widths_ == Widths::kOne ? 0 : widths_ == Widths::kPerCurve ? curve : point];
+    StrandSet& strands = groom_.strands;
+    if (!widths_.isWhole()) strands.radii.clear();
+    if (!uvs_.isWhole()) strands.uvs.clear();
+    groom_.unit_is_default = stage_.meters_per_unit == 0;
+    groom_.unit_meters =
+        stage_.meters_per_unit == 0 ? kUnitOfUsd : static_cast<float>(stage_.meters_per_unit);
+    report();
+    if (strands.strands() == 0) failEmpty();
+    return std::move(groom_);
   }
 
-  /// Calls give() with the vertices of a strand: points on the curve, at the ends of its segments; of bezier
-  /// curves, whose segments have three points of their own, at their thirds too.
-  template <class Give>
-  void forVertices(std::vector<Control>& controls, size_t curve, const Give& give) const {
-    if (type_ == "linear") {
-      for (const Control& control : controls) give(control);
-      return;
+ private:
+  /// Whether a prim is seen where it stands. What is hidden is counted.
+  bool shows(size_t index) {
+    const UsdaPrim& prim = stage_.prims[index];
+    if (!prim.is_there) return false;
+    Tally* hidden = nullptr;
+    if (prim.is_prototype)
+      hidden = &prototypes_;
+    else if (!prim.is_visible)
+      hidden = &invisible_;
+    else if (prim.purpose == "guide" || prim.purpose == "proxy")
+      hidden = prim.purpose == "guide" ? &guides_ : &proxies_;
+    if (hidden != nullptr) hidden->add([&] { return stage_.pathOf(index); });
+    return hidden == nullptr;
+  }
+
+  void addPrim(size_t index) {
+    const UsdaPrim& prim = stage_.prims[index];
+    try {
+      if (!prim.fault.empty()) throw UsdaFault{prim.fault, prim.fault_line};
+      const UsdaCurves curves(prim);
+      if (curves.curves() > 0) addCurves(index, curves);
+    } catch (const UsdaFault& fault) {
+      keepFault(prim, fault);
+      unreadable_.add([&] { return fmt::format("{}: {}", stage_.pathOf(index), fault.what); });
     }
-    const bool bezier = basis_ == "bezier";
-    if (wrap_ == "pinned" && !bezier && controls.size() > 1) {  // points beyond both ends make it reach them
-      const Control before = 2 * controls[0] - controls[1];
-      const Control behind = 2 * controls.back() - controls[controls.size() - 2];
-      controls.insert(controls.begin(), before);
-      controls.push_back(behind);
+  }
+  void keepFault(const UsdaPrim& prim, const UsdaFault& fault) {
+    if (!first_fault_)
+      first_fault_ = UsdaFault{fmt::format("BasisCurves {:?}: {}", prim.name, fault.what), fault.line};
+  }
+
+  void addCurves(size_t index, const UsdaCurves& curves) {
+    const UsdaPrim& prim = stage_.prims[index];
+    StrandSet& out = groom_.strands;
+    const size_t before = out.strands();
+    const UsdaWidths widths = usdaWidthsOf(stage_, index, curves);
+    const UsdaUvs uvs = usdaUvsOf(stage_, index, curves);
+    for (size_t c = 0; c < curves.curves(); ++c) {
+      if (!curves.isWhole(c)) {
+        leaveOutShort(index, curves, c);
+      } else if (!addCurve(prim, curves, c, widths)) {
+        keepFault(prim, {fmt::format("curve {} has a point or width that is not finite", c),
+                         prim.find("points")->line});
+        unbounded_.add([&] { return fmt::format("{}, curve {}", stage_.pathOf(index), c); });
+      } else {
+        out.uvs.push_back(rootUv(index, curves, c, uvs));
+      }
     }
-    const size_t count = controls.size(), step = bezier ? 3 : 1;
-    if (count < 4 || (count - 4) % step != 0)
-      fail(fmt::format("curve {} has {} points, which are no whole cubic segments", curve, counts_[curve]));
-    const auto at = [&](size_t first, const Weights& w) -> Control {
-      return w[0] * controls[first] + w[1] * controls[first + 1] + w[2] * controls[first + 2] +
-             w[3] * controls[first + 3];
+    if (out.strands() == before) return;
+    const auto place = [&] { return stage_.pathOf(index); };
+    widths_.add(widths, place);
+    uvs_.add(uvs, place);
+    is_sampled_ = is_sampled_ || prim.is_sampled;
+    for (const std::string& primvar : prim.other_primvars)
+      if (primvar == "displayColor" || primvar == "displayOpacity")
+        has_colors_ = true;
+      else if (other_primvars_.insert(primvar).second)
+        other_names_.add([&] { return printableName(primvar); });
+  }
+
+  void leaveOutShort(size_t index, const UsdaCurves& curves, size_t c) {
+    const UsdaPrim& prim = stage_.prims[index];
+    const size_t count = curves.pointsOf(c);
+    const std::string points = count == 1 ? "1 point" : fmt::format("{} points", count);
+    keepFault(prim, {fmt::format("curve {} has {}, which are no {}", c, points,
+                                 curves.isLinear() ? "line" : "whole cubic segments"),
+                     prim.line});
+    unfit_.add([&] { return fmt::format("{}, curve {} of {}", stage_.pathOf(index), c, points); });
+  }
+
+  /// False, and nothing is added, where a vertex is out of range.
+  bool addCurve(const UsdaPrim& prim, const UsdaCurves& curves, size_t c, const UsdaWidths& widths) {
+    StrandSet& out = groom_.strands;
+    const std::vector<double>& points = prim.find("points")->numbers;
+    const bool moved = !prim.to_world.isApprox(Eigen::Affine3d::Identity(), 0);
+    const double grown = moved ? std::cbrt(std::abs(prim.to_world.linear().determinant())) : 1;
+    controls_.clear();
+    for (size_t i = curves.firstPoint(c); i < curves.firstPoint(c) + curves.pointsOf(c); ++i)
+      controls_.emplace_back(points[3 * i], points[3 * i + 1], points[3 * i + 2], widths.ofControl(c, i, 0));
+    curves.pin(controls_);
+    const size_t first = out.vertices();
+    bool finite = true;
+    curves.forVertices(controls_.size(), [&](const UsdaCurves::Vertex& vertex) {
+      const Control control = curves.at(controls_, vertex);
+      const Eigen::Vector3d place =
+          moved ? prim.to_world * control.head<3>() : Eigen::Vector3d(control.head<3>());
+      const double width = widths.how == Interpolation::kVarying
+                               ? widths.varying(curves.firstVarying(c), vertex)
+                               : control.w();
+      out.positions.push_back(place.cast<float>());
+      out.radii.push_back(static_cast<float>(std::max(0.5 * grown * width, 0.0)));
+      finite = finite && out.positions.back().allFinite() && std::isfinite(out.radii.back());
+    });
+    if (!finite) {
+      out.positions.resize(first);
+      out.radii.resize(first);
+      return false;
+    }
+    if (out.vertices() > std::numeric_limits<uint32_t>::max())
+      text_.failAt(prim.line, "the file has more than 4294967295 strand vertices", "export it in parts");
+    out.offsets.push_back(static_cast<uint32_t>(out.vertices()));
+    return true;
+  }
+
+  /// The UV where the strand begins, which is all that a groom keeps.
+  Vec2 rootUv(size_t index, const UsdaCurves& curves, size_t c, const UsdaUvs& uvs) {
+    if (!uvs.how) return Vec2::Zero();
+    const bool varying = uvs.how == Interpolation::kVarying;
+    if (!varying && uvs.how != Interpolation::kVertex)
+      return uvs.ofControl(c, 0, Eigen::Vector2d::Zero()).cast<float>();
+    const auto first = uvs.values.begin() +
+                       static_cast<std::ptrdiff_t>(varying ? curves.firstVarying(c) : curves.firstPoint(c));
+    const auto last =
+        first + static_cast<std::ptrdiff_t>(varying ? curves.varyingsOf(c) : curves.pointsOf(c));
+    if (std::any_of(first, last, [&](const Eigen::Vector2d& uv) { return uv != *first; }))
+      along_.add([&] { return stage_.pathOf(index); });
+    if (varying) return first->cast<float>();
+    uv_controls_.assign(first, last);
+    curves.pin(uv_controls_);
+    std::optional<Eigen::Vector2d> root;
+    curves.forVertices(uv_controls_.size(), [&](const UsdaCurves::Vertex& vertex) {
+      if (!root) root = curves.at(uv_controls_, vertex);
+    });
+    return root->cast<float>();
+  }
+
+  void report() {
+    FileReport& out = groom_.report = std::move(stage_.report);
+    const auto leaveOut = [&](const Tally& tally, std::string_view one, std::string_view many) {
+      if (tally.count() == 0) return;
+      const std::string counted =
+          tally.count() == 1 ? fmt::format("1 {}", one) : fmt::format("{} {}", tally.count(), many);
+      out.leaveOut(fmt::format("{} ({})", counted, tally.places()));
     };
-    constexpr double kThird = 1.0 / 27;
-    constexpr Weights kOneThird = {8 * kThird, 12 * kThird, 6 * kThird, kThird};
-    constexpr Weights kTwoThirds = {kThird, 6 * kThird, 12 * kThird, 8 * kThird};
-    constexpr Weights kBegin = {1, 0, 0, 0}, kEnd = {0, 0, 0, 1}, kSecond = {0, 1, 0, 0},
-                      kThirdOnly = {0, 0, 1, 0};
-    constexpr Weights kSpline = {1.0 / 6, 4.0 / 6, 1.0 / 6, 0}, kSplineEnd = {0, 1.0 / 6, 4.0 / 6, 1.0 / 6};
-    const bool spline = basis_ == "bspline";
-    for (size_t first = 0; first + 4 <= count; first += step) {
-      give(at(first, bezier ? kBegin : spline ? kSpline : kSecond));
-      if (!bezier) continue;
-      give(at(first, kOneThird));
-      give(at(first, kTwoThirds));
-    }
-    give(at(count - 4, bezier ? kEnd : spline ? kSplineEnd : kThirdOnly));
+    leaveOut(invisible_, "invisible prim", "invisible prims");
+    leaveOut(guides_, "prim of purpose guide", "prims of purpose guide");
+    leaveOut(proxies_, "prim of purpose proxy", "prims of purpose proxy");
+    leaveOut(prototypes_, "prototype of a PointInstancer", "prototypes of PointInstancers");
+    leaveOut(no_basis_, "prim of curves that are no BasisCurves", "prims of curves that are no BasisCurves");
+    leaveOut(unreadable_, "prim that cannot be read", "prims that cannot be read");
+    leaveOut(unfit_, "curve with too few or too many points", "curves with too few or too many points");
+    leaveOut(unbounded_, "curve out of range", "curves out of range");
+    widths_.report("widths", "the mean of the others", out);
+    uvs_.report("UVs", "(0, 0)", out);
+    if (along_.count() > 0 && uvs_.isWhole()) out.leaveOut("UVs along the strands but those of the roots");
+    if (has_colors_) out.leaveOut("colours");
+    leaveOut(other_names_, "other primvar", "other primvars");
+    if (is_sampled_) out.leaveOut("time samples");
+    if (stage_.meters_per_unit == 0)
+      out.warnings.emplace_back(
+          "metersPerUnit is not given: by the USD specification a unit is 0.01 m then; give --unit-meters if "
+          "it "
+          "is another");
+  }
+
+  [[noreturn]] void failEmpty() const {
+    if (first_fault_)
+      text_.failAt(first_fault_->line, first_fault_->what,
+                   "export the hair as linear, bezier, bspline or catmullRom curves that are open");
+    const bool hidden = invisible_.count() + guides_.count() + proxies_.count() + prototypes_.count() > 0;
+    const std::string without = groom_.report.leftOutLine();
+    throw Error(fmt::format("the file has no BasisCurves with points in them{}{}", hidden ? " that show" : "",
+                            without.empty() ? "" : fmt::format(" ({})", without)),
+                name_,
+                hidden ? "make the hair visible and its purpose default or render"
+                       : "export the hair as curves; what other files hold (references, sublayers) is not "
+                         "read: usdcat --flatten");
   }
 
   const UsdaText& text_;
-  const UsdaPrim& prim_;
-  std::string type_, basis_, wrap_;
-  std::vector<size_t> counts_;
-  size_t points_ = 0;
-  Widths widths_;
+  UsdaStage stage_;
+  const std::string& name_;
+  RawGroom groom_;
+  Tally invisible_, guides_, proxies_, prototypes_, no_basis_, unreadable_, unfit_, unbounded_, along_,
+      other_names_;
+  Coverage widths_, uvs_;
+  std::optional<UsdaFault> first_fault_;
+  std::set<std::string> other_primvars_;
+  bool is_sampled_ = false, has_colors_ = false;
+  std::vector<Control> controls_;
+  std::vector<Eigen::Vector2d> uv_controls_;
 };
 
 }  // namespace
 
 RawGroom readUsda(std::span<const std::byte> bytes, const std::string& name) {
   UsdaText text(bytes, name);
-  UsdaStage stage = readUsdaStage(text, "BasisCurves", kWanted);
-  RawGroom groom;
-  groom.format = "usda";
-  groom.native_up = stage.up == 'X' ? UpAxis::kX : stage.up == 'Z' ? UpAxis::kZ : UpAxis::kY;
-  groom.unit_meters = static_cast<float>(stage.meters_per_unit);
-  const auto note = [&](bool is, const char* what) {
-    if (is) stage.report.leaveOut(what);
-  };
-  bool widths = false, uvs = false;
-  for (const UsdaPrim& prim : stage.prims) {
-    note(prim.is_there && (prim.type == "NurbsCurves" || prim.type == "HermiteCurves"),
-         "curves that are no BasisCurves");
-    if (!prim.is_there || prim.type != "BasisCurves") continue;
-    const Curves curves(text, prim);
-    note(curves.leavesWidths(), "widths");
-    note(curves.leavesUvs(), "UVs");
-    widths = widths || curves.hasWidths();
-    uvs = uvs || curves.hasUvs();
-    curves.addTo(groom);
-  }
-  StrandSet& strands = groom.strands;
-  if (strands.strands() == 0)
-    throw Error("the file has no BasisCurves with points in them", name,
-                "export the hair as curves; what other files hold (references, sublayers) is not read: "
-                "usdcat --flatten");
-  // What only some of the curves have would be undefined for the others.
-  if (strands.radii.size() != strands.vertices()) strands.radii.clear();
-  if (strands.uvs.size() != strands.strands()) strands.uvs.clear();
-  note(widths && strands.radii.empty(), "widths");
-  note(uvs && strands.uvs.empty(), "UVs");
-  groom.report = std::move(stage.report);
-  return groom;
-}
-
-std::vector<std::byte> encodeUsda(const StrandSet& strands, float unit_meters, const std::string& name) {
-  if (strands.strands() == 0)
-    throw Error("there are no strands to write", name, "choose a groom with strands");
-  std::string text = "#usda 1.0\n(\n    defaultPrim = \"hair\"\n    doc = \"written by Strandcast\"\n";
-  const auto out = std::back_inserter(text);
-  if (unit_meters > 0) fmt::format_to(out, "    metersPerUnit = {}\n", unit_meters);
-  text += "    upAxis = \"Y\"\n)\n\ndef BasisCurves \"hair\"\n{\n    int[] curveVertexCounts = [";
-  for (size_t s = 0; s < strands.strands(); ++s)
-    fmt::format_to(out, "{}{}", s > 0 ? ", " : "", strands.verticesOf(s));
-  const bool has_radii = strands.radii.size() == strands.vertices();
-  Box extent;
-  for (size_t i = 0; i < strands.vertices(); ++i) {
-    const Eigen::Vector3f around = Eigen::Vector3f::Constant(has_radii ? strands.radii[i] : 0);
-    extent.extend(Eigen::Vector3f(strands.positions[i] - around));
-    extent.extend(Eigen::Vector3f(strands.positions[i] + around));
-  }
-  const auto point = [&](const Eigen::Vector3f& p) {
-    fmt::format_to(out, "({}, {}, {})", p.x(), p.y(), p.z());
-  };
-  text += "]\n    float3[] extent = [";
-  point(extent.min());
-  text += ", ";
-  point(extent.max());
-  text += "]\n    point3f[] points = [";
-  for (size_t i = 0; i < strands.vertices(); ++i) {
-    if (i > 0) text += ", ";
-    point(strands.positions[i]);
-  }
-  text += "]\n    uniform token type = \"linear\"\n    uniform token wrap = \"nonperiodic\"\n";
-  if (has_radii) {
-    text += "    float[] widths = [";
-    for (size_t i = 0; i < strands.radii.size(); ++i)
-      fmt::format_to(out, "{}{}", i > 0 ? ", " : "", 2 * strands.radii[i]);
-    text += "] (\n        interpolation = \"vertex\"\n    )\n";
-  }
-  if (!strands.uvs.empty()) {
-    text += "    texCoord2f[] primvars:st = [";
-    for (size_t i = 0; i < strands.uvs.size(); ++i)
-      fmt::format_to(out, "{}({}, {})", i > 0 ? ", " : "", strands.uvs[i].x(), strands.uvs[i].y());
-    text += "] (\n        interpolation = \"uniform\"\n    )\n";
-  }
-  text += "}\n";
-  const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
-  return {bytes, bytes + text.size()};
+  UsdaStage stage = readUsdaStage(text, "BasisCurves", wantedProperties());
+  return HairReader(text, std::move(stage), name).read();
 }
 
 }  // namespace strandcast

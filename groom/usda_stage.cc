@@ -4,21 +4,35 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <optional>
+
+#include "groom/usda_xform.h"
 
 namespace strandcast {
 namespace {
 
-constexpr std::string_view kOrder = "xformOpOrder", kOp = "xformOp:";
-constexpr std::string_view kReset = "!resetXformStack!", kInvert = "!invert!";
-constexpr std::string_view kSamples = ".timeSamples", kConnections = ".connect";
+constexpr std::string_view kSamples = ".timeSamples", kIndicesSuffix = ":indices", kPrimvars = "primvars:";
 constexpr size_t kDeepest = 1000;  // prims in prims
+constexpr size_t kMostNamed = 3;   // in a report
 
 template <class List>
 bool holds(const List& list, std::string_view what) {
   return std::find(list.begin(), list.end(), what) != list.end();
 }
+
+/// A block that is open: that of a prim, of a variant set, or of a variant that is selected.
+struct OpenBlock {
+  enum class Kind { kPrim, kVariantSet, kVariant } kind = Kind::kPrim;
+  size_t prim = 0;
+  std::string selection;  // of a variant set
+  bool weak = false;      // within a variant
+};
+
+/// What is known of a prim while it is read.
+struct PrimSpecs {
+  bool defined = false, abstract = false, active = true, weak = false;
+  std::map<std::string, std::string, std::less<>> selections;  // variants by the names of their sets
+};
 
 class StageReader {
  public:
@@ -26,42 +40,47 @@ class StageReader {
       : text_(text), wanted_(wanted), wanted_properties_(properties) {}
 
   UsdaStage read() {
-    if (text_.takeMark('(')) readMetadata([&](std::string_view key) { return readOfLayer(key); });
-    std::vector<size_t> above;  // the prims that are open
+    if (text_.takeMark('(')) readMetadata([&](std::string_view key, bool) { return readOfLayer(key); });
     while (text_.kind() != UsdaText::Kind::kEnd) {
       if (text_.isMark('}')) {
-        if (above.empty()) text_.fail("there is a '}' too many");
+        if (open_.empty()) text_.fail("there is a '}' too many");
         text_.next();
-        above.pop_back();
-      } else if (!takeSeparator() && !readPrim(above) && !readVariants() && !takeOrder()) {
-        if (above.empty()) text_.fail("there should be a prim (def, over or class)");
-        readProperty(stage_.prims[above.back()]);
+        open_.pop_back();
+      } else if (!takeSeparator() && !readVariant() && !readPrim() && !openVariants() && !takeOrder()) {
+        if (open_.empty()) text_.fail("there should be a prim (def, over or class)");
+        readProperty(stage_.prims[open_.back().prim]);
       }
     }
-    if (!above.empty())
-      text_.fail(fmt::format("the file ends within prim {:?}", stage_.prims[above.back()].name));
-    place();
+    if (!open_.empty())
+      text_.fail(fmt::format("the file ends within prim {:?}", stage_.prims[open_.back().prim].name));
+    for (size_t i = 0; i < stage_.prims.size(); ++i) inherit(i);
+    report();
     return std::move(stage_);
   }
 
  private:
   bool takeSeparator() { return text_.takeMark(';'); }
 
-  /// Behind its opening bracket. `read(key)` reads the value of a key, or gives false to have it skipped.
+  /// Behind its opening bracket. `read(key, removes)` reads the value of a key, or gives false to have it
+  /// skipped; `removes` where the key stands behind `delete` or `reorder`, which add nothing.
   template <class Read>
   void readMetadata(const Read& read) {
+    bool removes = false;
     while (!text_.takeMark(')')) {
       if (text_.kind() == UsdaText::Kind::kEnd) text_.fail("the file ends within metadata");
       if (text_.takeMark(';') || text_.takeMark(',')) continue;
       const bool is_word = text_.kind() == UsdaText::Kind::kWord;
       const std::string key(is_word ? text_.text() : std::string_view());
       text_.skipValue();  // the key, or a comment
-      if (is_word && text_.takeMark('=') && !read(key)) text_.skipValue();
+      const bool is_key = is_word && text_.takeMark('=');
+      if (is_key && !read(key, removes)) text_.skipValue();
+      removes = !is_key && (key == "delete" || key == "reorder");
     }
   }
   bool readOfLayer(std::string_view key) {
     if (key == "metersPerUnit") {
       const std::vector<double> unit = text_.takeNumbers();
+      if (unit.empty()) return true;
       if (unit.size() != 1 || !(unit[0] >= 1e-9 && unit[0] <= 1e9))
         text_.fail("metersPerUnit is out of range");
       stage_.meters_per_unit = unit[0];
@@ -69,19 +88,24 @@ class StageReader {
     }
     if (key == "upAxis") {
       const std::vector<std::string> up = text_.takeStrings();
+      if (up.empty()) return true;
       if (up.size() != 1 || (up[0] != "X" && up[0] != "Y" && up[0] != "Z"))
         text_.fail("upAxis is none of X, Y, Z");
       stage_.up = up[0][0];
       return true;
     }
-    if (key == "subLayers") stage_.report.leaveOut("sublayers");
-    return false;
+    if (key != "subLayers") return false;
+    addTo(sublayers_, text_.takeTargets());
+    return true;
   }
 
-  bool readPrim(std::vector<size_t>& above) {
-    const bool defined = text_.isWord("def");
-    if (!defined && !text_.isWord("over") && !text_.isWord("class")) return false;
+  bool readPrim() {
+    const bool defines = text_.isWord("def"), abstract = text_.isWord("class");
+    if (!defines && !abstract && !text_.isWord("over")) return false;
     UsdaPrim prim;
+    PrimSpecs specs;
+    specs.defined = defines;
+    specs.abstract = abstract;
     prim.line = text_.line();
     text_.next();
     if (text_.kind() == UsdaText::Kind::kWord) {
@@ -89,37 +113,102 @@ class StageReader {
       text_.next();
     }
     prim.name = text_.takeString();
-    bool active = true;
     if (text_.takeMark('('))
-      readMetadata([&](std::string_view key) {
-        if (key == "active") {
-          active = !(text_.isWord("false") || text_.text() == "0");
-        } else if (key == "references" || key == "payload" || key == "inherits" || key == "specializes") {
-          stage_.report.leaveOut("references");
-        }
-        return false;
-      });
+      readMetadata([&](std::string_view key, bool removes) { return readOfPrim(specs, key, removes); });
     text_.expectMark('{');
-    if (above.size() == kDeepest)
+    if (open_.size() == kDeepest)
       text_.fail(fmt::format("prims lie more than {} deep in one another", kDeepest));
-    prim.is_there = defined && active && (above.empty() || stage_.prims[above.back()].is_there);
-    parents_.push_back(above.empty() ? std::nullopt : std::optional(above.back()));
-    above.push_back(stage_.prims.size());
-    stage_.prims.push_back(std::move(prim));
+    if (!open_.empty()) {
+      prim.parent = open_.back().prim;
+      specs.weak = open_.back().weak;
+    }
+    const bool weak = specs.weak;
+    open_.push_back({OpenBlock::Kind::kPrim, add(std::move(prim), std::move(specs)), {}, weak});
     return true;
+  }
+  bool readOfPrim(PrimSpecs& specs, std::string_view key, bool removes) {
+    if (key == "active") {
+      specs.active = !(text_.isWord("false") || text_.isWord("no") || text_.text() == "0");
+      return false;
+    }
+    if (key == "variants") {
+      readSelections(specs);
+      return true;
+    }
+    if (key != "references" && key != "payload" && key != "inherits" && key != "specializes") return false;
+    const std::vector<std::string> targets = text_.takeTargets();
+    if (!removes) addTo(references_, targets);
+    return true;
+  }
+  /// { string style = "long" }
+  void readSelections(PrimSpecs& specs) {
+    text_.expectMark('{');
+    while (!text_.takeMark('}')) {
+      if (text_.kind() == UsdaText::Kind::kEnd) text_.fail("the file ends within the selected variants");
+      if (text_.takeMark(';') || text_.takeMark(',')) continue;
+      std::string set(text_.text());
+      text_.next();
+      if (!text_.takeMark('=')) continue;  // it was the type
+      specs.selections[set] = text_.takeString();
+    }
+  }
+  /// A variant may say more of a prim that is there: both are one.
+  size_t add(UsdaPrim prim, PrimSpecs specs) {
+    const auto [place, is_new] = children_.try_emplace({prim.parent, prim.name}, stage_.prims.size());
+    const size_t same = place->second;
+    if (is_new || (!specs.weak && !specs_[same].weak)) {
+      stage_.prims.push_back(std::move(prim));
+      specs_.push_back(std::move(specs));
+      return stage_.prims.size() - 1;
+    }
+    UsdaPrim& known = stage_.prims[same];
+    PrimSpecs& all = specs_[same];
+    if (known.type.empty() || (all.weak && !specs.weak && !prim.type.empty())) known.type = prim.type;
+    all.defined = all.defined || specs.defined;
+    all.active = all.weak == specs.weak ? all.active && specs.active : all.weak ? specs.active : all.active;
+    all.selections.merge(specs.selections);
+    all.weak = all.weak && specs.weak;
+    return same;
   }
 
-  bool readVariants() {
-    if (!text_.takeWord("variantSet")) return false;
-    stage_.report.leaveOut("variants");
-    text_.takeString();
+  bool openVariants() {
+    if (open_.empty() || !text_.takeWord("variantSet")) return false;
+    const std::string set(text_.takeString());
     text_.expectMark('=');
-    text_.skipValue();
+    text_.expectMark('{');
+    const size_t prim = open_.back().prim;
+    const auto& selections = specs_[prim].selections;
+    const auto found = selections.find(set);
+    if (open_.size() == kDeepest)
+      text_.fail(fmt::format("blocks lie more than {} deep in one another", kDeepest));
+    open_.push_back(
+        {OpenBlock::Kind::kVariantSet, prim, found == selections.end() ? "" : found->second, true});
     return true;
   }
+  /// One variant of a set that is open.
+  bool readVariant() {
+    if (open_.empty() || open_.back().kind != OpenBlock::Kind::kVariantSet) return false;
+    const size_t prim = open_.back().prim;
+    const bool selected = text_.takeString() == open_.back().selection;
+    if (text_.takeMark('('))
+      readMetadata([&](std::string_view key, bool removes) {
+        PrimSpecs unused;
+        return selected && key != "variants" && readOfPrim(unused, key, removes);
+      });
+    if (!text_.isMark('{')) text_.fail("there should be a '{'");
+    if (selected) {
+      text_.next();
+      open_.push_back({OpenBlock::Kind::kVariant, prim, {}, true});
+    } else {
+      stage_.report.leaveOut("variants that are not selected");
+      text_.skipValue();
+    }
+    return true;
+  }
+  /// "reorder nameChildren = [...]", "reorder rel targets = [...]"
   bool takeOrder() {
     if (!text_.takeWord("reorder")) return false;
-    text_.skipValue();
+    while (text_.kind() == UsdaText::Kind::kWord) text_.next();
     text_.expectMark('=');
     text_.skipValue();
     return true;
@@ -130,7 +219,8 @@ class StageReader {
                                                          "prepend", "append",  "delete",  "add"};
     while (text_.kind() == UsdaText::Kind::kWord && holds(kBefore, text_.text())) text_.next();
     if (text_.kind() != UsdaText::Kind::kWord) text_.fail("there should be a property");
-    text_.next();  // its type, or rel
+    std::string type(text_.text());  // or rel
+    text_.next();
     if (text_.takeMark('[')) text_.expectMark(']');
     if (text_.kind() != UsdaText::Kind::kWord) text_.fail("there should be the name of a property");
     std::string name(text_.text());
@@ -138,40 +228,82 @@ class StageReader {
     text_.next();
     const bool sampled = name.ends_with(kSamples);
     if (sampled) name.resize(name.size() - kSamples.size());
-    const bool kept = prim.is_there && !name.ends_with(kConnections) &&
-                      (name.starts_with(kOp) || name == kOrder ||
-                       (prim.type == wanted_ && holds(wanted_properties_, name)));
-    UsdaProperty* property = nullptr;
+    UsdaProperty* property = isKept(prim, name) ? &prim.properties[name] : nullptr;
+    const bool weak = open_.back().weak;
+    if (property != nullptr && property->line > 0 && weak && !property->weak) property = nullptr;
+    if (property != nullptr && !weak && property->weak) *property = {};
+    if (property != nullptr) {
+      property->type = std::move(type);
+      property->weak = weak;
+      if (property->line == 0) property->line = line;
+    }
     if (text_.takeMark('=')) {
-      if (kept && sampled) stage_.report.leaveOut("time samples");
-      if (!kept || (sampled && prim.properties.contains(name)))
+      noteOther(prim, name);
+      if (property == nullptr)
         text_.skipValue();
+      else if (sampled)
+        readSamples(*property, line);
       else
-        readValue(*(property = &prim.properties[name]), line, sampled);
+        readDefault(*property, line);
     }
     if (text_.takeMark('('))
-      readMetadata([&](std::string_view key) {
-        if (property == nullptr || key != "interpolation") return false;
-        property->interpolation = text_.takeString();
-        return true;
-      });
+      readMetadata(
+          [&](std::string_view key, bool) { return property != nullptr && readOfProperty(*property, key); });
   }
-  void readValue(UsdaProperty& property, size_t line, bool sampled) {
-    property = {};
+  bool isKept(const UsdaPrim& prim, std::string_view name) const {
+    if (name.starts_with("xformOp:")) return name.find('.') == std::string_view::npos;
+    if (name == "xformOpOrder" || name == "visibility" || name == "purpose") return true;
+    const bool primvar = name.starts_with(kPrimvars);
+    if (primvar && name.ends_with(kIndicesSuffix)) name.remove_suffix(kIndicesSuffix.size());
+    return (primvar || prim.type == wanted_) && holds(wanted_properties_, name);
+  }
+  void noteOther(UsdaPrim& prim, std::string_view name) const {
+    if (prim.type != wanted_ || !name.starts_with(kPrimvars) || name.ends_with(kIndicesSuffix)) return;
+    if (name.find('.') != std::string_view::npos || holds(wanted_properties_, name)) return;
+    prim.other_primvars.emplace(name.substr(kPrimvars.size()));
+  }
+  bool readOfProperty(UsdaProperty& property, std::string_view key) {
+    if (key == "interpolation") {
+      const std::vector<std::string> how = text_.takeStrings();
+      if (how.size() == 1) property.interpolation = how[0];
+      return true;
+    }
+    if (key != "elementSize" && key != "unauthoredValuesIndex") return false;
+    const std::vector<double> number = text_.takeNumbers();
+    if (number.size() == 1)
+      (key == "elementSize" ? property.element_size : property.unauthored_index) = number[0];
+    return true;
+  }
+  void readDefault(UsdaProperty& property, size_t line) {
     property.line = line;
-    if (sampled) {
-      text_.expectMark('{');
-      if (text_.takeMark('}')) return;
-      text_.skipValue();  // the time
-      text_.expectMark(':');
-    }
-    readNumbersOrStrings(property);
-    while (sampled && !text_.takeMark('}')) {
+    property.sampled = false;
+    readValue(property);
+  }
+  /// Keeps the earliest that is no `None`.
+  void readSamples(UsdaProperty& property, size_t line) {
+    const bool has_default = property.has_value && !property.sampled;
+    property.has_samples = true;
+    text_.expectMark('{');
+    while (!text_.takeMark('}')) {
       if (text_.kind() == UsdaText::Kind::kEnd) text_.fail("the file ends within time samples");
-      if (!text_.takeMark(',') && !text_.takeMark(':')) text_.skipValue();
+      if (text_.takeMark(',') || text_.takeMark(';')) continue;
+      const std::vector<double> time = text_.takeNumbers();
+      text_.expectMark(':');
+      const bool later = time.size() != 1 || (property.has_value && property.time <= time[0]);
+      if (has_default || later || text_.isWord("None")) {
+        text_.skipValue();
+        continue;
+      }
+      property.line = line;
+      property.sampled = true;
+      property.time = time[0];
+      readValue(property);
     }
   }
-  void readNumbersOrStrings(UsdaProperty& property) {
+  void readValue(UsdaProperty& property) {
+    property.numbers.clear();
+    property.strings.clear();
+    property.has_value = !text_.isWord("None");
     // An array says what it is by its first member.
     UsdaText ahead = text_;
     while (ahead.isMark('[') || ahead.isMark('(')) ahead.next();
@@ -181,82 +313,108 @@ class StageReader {
       property.numbers = text_.takeNumbers();
   }
 
-  /// The world's places of all prims, from their operations.
-  void place() {
-    for (size_t i = 0; i < stage_.prims.size(); ++i) {
-      UsdaPrim& prim = stage_.prims[i];
-      if (parents_[i]) prim.to_world = stage_.prims[*parents_[i]].to_world;
-      const auto order = prim.properties.find(std::string(kOrder));
-      if (order == prim.properties.end()) continue;
-      for (std::string_view op : order->second.strings) {
-        if (op == kReset) {
-          prim.to_world.setIdentity();
-          continue;
-        }
-        const bool inverse = op.starts_with(kInvert);
-        if (inverse) op.remove_prefix(kInvert.size());
-        const auto found = prim.properties.find(std::string(op));
-        if (found == prim.properties.end())
-          text_.failAt(order->second.line, fmt::format("the prim has no {:?}, which its order names", op),
-                       "export the file again");
-        const Eigen::Affine3d own = operation(op, found->second);
-        if (inverse && own.linear().determinant() == 0)
-          text_.failAt(found->second.line, fmt::format("{:?} cannot be inverted", op),
-                       "export the file again");
-        prim.to_world = prim.to_world * (inverse ? own.inverse() : own);
-      }
+  /// What a prim has from those above it.
+  void inherit(size_t index) {
+    UsdaPrim& prim = stage_.prims[index];
+    const PrimSpecs& specs = specs_[index];
+    const UsdaPrim* above = prim.parent == UsdaPrim::kNoParent ? nullptr : &stage_.prims[prim.parent];
+    prim.is_there = specs.defined && !specs.abstract && specs.active && (above == nullptr || above->is_there);
+    prim.is_prototype = above != nullptr && (above->is_prototype || above->type == "PointInstancer");
+    prim.is_visible =
+        (above == nullptr || above->is_visible) && prim.token("visibility", "inherited") != "invisible";
+    prim.purpose = prim.token("purpose", above == nullptr ? "default" : above->purpose);
+    inheritPrimvars(prim, index, above);
+    if (above != nullptr) {
+      prim.is_sampled = above->is_sampled;
+      prim.to_world = above->to_world;
+      prim.fault = above->fault;
+      prim.fault_line = above->fault_line;
+    }
+    for (const auto& [name, property] : prim.properties)
+      prim.is_sampled = prim.is_sampled || property.has_samples;
+    if (!prim.is_there || !prim.fault.empty()) return;
+    if (prim.type == "Scope") {  // it is no UsdGeomXformable
+      if (prim.find("xformOpOrder") != nullptr)
+        stage_.report.leaveOut(fmt::format("the transforms of Scope {}, which OpenUSD does not apply either",
+                                           stage_.pathOf(index)));
+      return;
+    }
+    try {
+      UsdaPlacement placement = usdaPlacementOf(prim, prim.to_world);
+      prim.to_world = placement.to_world;
+      for (const std::string& op : placement.missing)
+        if (missing_++ == 0)
+          first_missing_ = fmt::format("{} of {}", printableName(op), stage_.pathOf(index));
+    } catch (const UsdaFault& fault) {
+      prim.fault = fault.what;
+      prim.fault_line = fault.line;
     }
   }
-  Eigen::Affine3d operation(std::string_view op, const UsdaProperty& property) const {
-    const std::vector<double>& v = property.numbers;
-    std::string_view kind = op.substr(std::min(kOp.size(), op.size()));
-    kind = kind.substr(0, kind.find(':'));
-    const auto expect = [&](size_t count) {
-      if (v.size() != count)
-        text_.failAt(property.line, fmt::format("{:?} has {} numbers, it takes {}", op, v.size(), count),
-                     "mend the line or export the file again");
-    };
-    Eigen::Affine3d out = Eigen::Affine3d::Identity();
-    if (kind == "translate") {
-      expect(3);
-      out.translate(Eigen::Vector3d(v[0], v[1], v[2]));
-    } else if (kind == "scale") {
-      expect(3);
-      out.scale(Eigen::Vector3d(v[0], v[1], v[2]));
-    } else if (kind == "orient") {
-      expect(4);
-      out.rotate(Eigen::Quaterniond(v[0], v[1], v[2], v[3]).normalized());
-    } else if (kind == "transform") {
-      expect(16);  // points are rows there
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 4; ++c) out(r, c) = v[static_cast<size_t>(4 * c + r)];
-    } else if (kind.starts_with("rotate") && kind.size() > 6) {
-      const std::string_view axes = kind.substr(6);
-      if (axes.size() != 1 && axes.size() != 3) unknown(op, property);
-      expect(axes.size());
-      for (size_t i = axes.size(); i-- > 0;) {  // the first is done first
-        const char axis = axes[i];
-        if (axis < 'X' || axis > 'Z') unknown(op, property);
-        const double degrees = v[axes.size() == 1 ? 0 : static_cast<size_t>(axis - 'X')];
-        out.rotate(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, Eigen::Vector3d::Unit(axis - 'X')));
-      }
-    } else {
-      unknown(op, property);
-    }
-    return out;
+  static void inheritPrimvars(UsdaPrim& prim, size_t index, const UsdaPrim* above) {
+    if (above != nullptr) prim.constant_primvars = above->constant_primvars;
+    std::map<std::string, size_t, std::less<>> own;
+    for (const auto& [name, property] : prim.properties)
+      if (name.starts_with(kPrimvars) && !name.ends_with(kIndicesSuffix) && property.has_value &&
+          (property.interpolation.empty() || property.interpolation == "constant"))
+        own[name] = index;
+    if (own.empty()) return;
+    if (prim.constant_primvars != nullptr)
+      own.insert(prim.constant_primvars->begin(), prim.constant_primvars->end());
+    prim.constant_primvars =
+        std::make_shared<const std::map<std::string, size_t, std::less<>>>(std::move(own));
   }
-  [[noreturn]] void unknown(std::string_view op, const UsdaProperty& property) const {
-    text_.failAt(property.line, fmt::format("there is no transform {:?}", op), "export the file again");
+  static void addTo(std::vector<std::string>& all, const std::vector<std::string>& more) {
+    for (const std::string& one : more)
+      if (all.size() < kMostNamed && !holds(all, one))
+        all.push_back(one);
+      else if (all.size() == kMostNamed && !holds(all, one))
+        all.emplace_back("...");
+  }
+  void report() {
+    if (!sublayers_.empty())
+      stage_.report.leaveOut(fmt::format("sublayers ({})", fmt::join(sublayers_, ", ")));
+    if (!references_.empty())
+      stage_.report.leaveOut(fmt::format("references ({})", fmt::join(references_, ", ")));
+    if (missing_ > 0)
+      stage_.report.warnings.push_back(
+          fmt::format("{} of xformOpOrder without a value: no transform is applied for {} ({})",
+                      missing_ == 1 ? "1 operation" : fmt::format("{} operations", missing_),
+                      missing_ == 1 ? "it" : "them", first_missing_));
   }
 
   UsdaText& text_;
   std::string_view wanted_;
   const std::vector<std::string>& wanted_properties_;
   UsdaStage stage_;
-  std::vector<std::optional<size_t>> parents_;
+  std::vector<PrimSpecs> specs_;  // of the stage's prims
+  std::map<std::pair<size_t, std::string>, size_t> children_;
+  std::vector<OpenBlock> open_;
+  std::vector<std::string> sublayers_, references_;
+  size_t missing_ = 0;
+  std::string first_missing_;
 };
 
 }  // namespace
+
+const UsdaProperty* UsdaPrim::find(std::string_view property) const {
+  const auto found = properties.find(property);
+  return found == properties.end() ? nullptr : &found->second;
+}
+std::string UsdaPrim::token(std::string_view property, std::string_view otherwise) const {
+  const UsdaProperty* found = find(property);
+  return std::string(found != nullptr && !found->strings.empty() ? found->strings[0] : otherwise);
+}
+
+std::string UsdaStage::pathOf(size_t prim) const {
+  constexpr size_t kMost = 200;
+  std::string path;
+  for (; prim != UsdaPrim::kNoParent && path.size() < kMost; prim = prims[prim].parent)
+    path.insert(0, fmt::format("/{}", printableName(prims[prim].name)));
+  if (prim == UsdaPrim::kNoParent) return path;
+  size_t top = prim;
+  while (prims[top].parent != UsdaPrim::kNoParent) top = prims[top].parent;
+  return fmt::format("/{}/...{}", printableName(prims[top].name), path);
+}
 
 UsdaStage readUsdaStage(UsdaText& text, std::string_view wanted, const std::vector<std::string>& properties) {
   return StageReader(text, wanted, properties).read();

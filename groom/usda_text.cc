@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <charconv>
+#include <limits>
+#include <optional>
 
 #include "groom/text_number.h"
 
 namespace strandcast {
 namespace {
 
-constexpr std::string_view kBegin = "#usda 1.0", kBinary = "PXR-USDC", kPackage = "PK";
+constexpr std::string_view kUsdaMagic = "#usda", kUsdcMagic = "PXR-USDC", kZipMagic = "PK";
+constexpr std::string_view kUsdaLineEnds = "\r\n";
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 bool isNumberPart(char c) { return isDigit(c) || c == '.' || c == '-' || c == '+' || c == 'e' || c == 'E'; }
@@ -21,58 +24,114 @@ bool isWordPart(char c) {
          static_cast<unsigned char>(c) >= 0x80;
 }
 char closingOf(char c) { return c == '(' ? ')' : c == '[' ? ']' : c == '{' ? '}' : '\0'; }
+bool isUsdaSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 bool closes(char c) { return c == ')' || c == ']' || c == '}'; }
+
+/// A number as numberOf() has it, infinite where a double cannot hold it.
+std::optional<double> numberOrInfinite(std::string_view text) {
+  if (const std::optional<double> number = numberOf(text)) return number;
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc::result_out_of_range || end != text.data() + text.size()) return std::nullopt;
+  return text.starts_with('-') ? -std::numeric_limits<double>::infinity()
+                               : std::numeric_limits<double>::infinity();
+}
 
 }  // namespace
 
 UsdaText::UsdaText(std::span<const std::byte> bytes, std::string name)
     : name_(std::move(name)), all_(textOfFile(bytes)) {
-  if (all_.starts_with(kBinary) || all_.starts_with(kPackage))
+  if (all_.starts_with(kUsdcMagic) || all_.starts_with(kZipMagic))
     fail("this is USD in its binary form", "save it as text: usdcat FILE -o FILE.usda");
-  if (!all_.starts_with(kBegin))
-    fail("this is no USD text (it does not start with #usda 1.0)", "check the file and its extension");
+  checkVersion();
   next();
 }
 
+void UsdaText::checkVersion() {
+  if (!all_.starts_with(kUsdaMagic))
+    fail("this is no USD text (it does not start with #usda 1.0)", "check the file and its extension");
+  std::string_view version = all_.substr(kUsdaMagic.size());
+  version = version.substr(0, std::min(version.find_first_of(kUsdaLineEnds), version.size()));
+  version.remove_prefix(std::min(version.find_first_not_of(" \t"), version.size()));
+  version = version.substr(0, std::min(version.find_first_of(" \t#/("), version.size()));
+  const size_t point = version.find('.');
+  const bool is_version =
+      point != std::string_view::npos && point > 0 && point + 1 < version.size() &&
+      std::all_of(version.begin(), version.end(), [](char c) { return isDigit(c) || c == '.'; });
+  if (!is_version) fail("this USD text does not say its version (#usda 1.0)", "export the file again");
+  if (version.substr(0, point) != "1")
+    fail(fmt::format("USD text of version {} is not read, versions 1.x are", version.substr(0, 32)),
+         "save it as version 1.0: usdcat FILE -o FILE.usda");
+}
+
+void UsdaText::advance(size_t count) {
+  const size_t end = at_ + std::min(count, all_.size() - at_);
+  for (; at_ < end; ++at_)
+    if (all_[at_] == '\n' || (all_[at_] == '\r' && all_.substr(at_ + 1, 1) != "\n")) ++next_line_;
+}
+
 void UsdaText::skipBlank() {
-  for (; at_ < all_.size(); ++at_) {
-    const char c = all_[at_];
-    if (c == '#') {
-      at_ = std::min(all_.find('\n', at_), all_.size());
-      if (at_ == all_.size()) return;
-    }
-    if (all_[at_] == '\n')
-      ++next_line_;
-    else if (all_[at_] != ' ' && all_[at_] != '\t' && all_[at_] != '\r')
+  while (at_ < all_.size()) {
+    const std::string_view rest = all_.substr(at_);
+    if (rest[0] == '#' || rest.starts_with("//")) {
+      advance(rest.find_first_of(kUsdaLineEnds));
+    } else if (rest.starts_with("/*")) {
+      const size_t last = rest.find("*/", 2);
+      line_ = next_line_;
+      if (last == std::string_view::npos) fail("a comment does not end", "close it with */");
+      advance(last + 2);
+    } else if (isUsdaSpace(rest[0])) {
+      advance(1);
+    } else {
       return;
+    }
   }
 }
 
-void UsdaText::takeUntil(char end, Kind kind, const char* what) {
-  const size_t first = at_ + 1, last = all_.find(end, first);
-  if (last == std::string_view::npos) fail(fmt::format("{} does not end", what));
-  kind_ = kind;
-  text_ = all_.substr(first, last - first);
-  next_line_ += static_cast<size_t>(std::count(text_.begin(), text_.end(), '\n'));
-  at_ = last + 1;
+/// `@name@`, or `@@@name@@@`, whose name may have up to two `@` side by side, at its end too, and `\@@@`.
+void UsdaText::takeAsset() {
+  const std::string_view three = "@@@", rest = all_.substr(at_);
+  size_t width = 1, last = rest.find('@', 1);
+  if (rest.starts_with(three)) {
+    width = 3;
+    last = rest.find(three, width);
+    while (last != std::string_view::npos && rest[last - 1] == '\\') last = rest.find(three, last + 3);
+    for (int more = 0; more < 2 && last != std::string_view::npos && rest.substr(last + 3, 1) == "@"; ++more)
+      ++last;
+  }
+  const size_t line_end = rest.find_first_of(kUsdaLineEnds);
+  if (last == std::string_view::npos || line_end < last) fail("the name of an asset does not end");
+  kind_ = Kind::kAsset;
+  text_ = rest.substr(width, last - width);
+  advance(last + width);
+}
+
+void UsdaText::takePath() {
+  const std::string_view rest = all_.substr(at_);
+  const size_t last = rest.find('>');
+  if (last == std::string_view::npos) fail("a path does not end");
+  kind_ = Kind::kPath;
+  text_ = rest.substr(1, last - 1);
+  advance(last + 1);
 }
 
 void UsdaText::takeQuoted(char quote) {
-  const std::string_view three = quote == '"' ? R"(""")" : "'''";
-  const bool is_long = all_.substr(at_).starts_with(three);
-  const size_t width = is_long ? 3 : 1, first = at_ + width;
-  size_t last = first;
+  const std::string_view three = quote == '"' ? R"(""")" : "'''", rest = all_.substr(at_);
+  const bool is_long = rest.starts_with(three);
+  const size_t width = is_long ? 3 : 1;
+  size_t last = width;
   for (;; ++last) {
-    if (last >= all_.size() || (!is_long && all_[last] == '\n')) fail("a string does not end");
-    if (all_[last] == '\\')
+    if (last >= rest.size() || (!is_long && kUsdaLineEnds.find(rest[last]) != std::string_view::npos))
+      fail("a string does not end");
+    if (rest[last] == '\\')
       ++last;
-    else if (is_long ? all_.substr(last).starts_with(three) : all_[last] == quote)
+    else if (is_long ? rest.substr(last).starts_with(three) : rest[last] == quote)
       break;
   }
   kind_ = Kind::kString;
-  text_ = all_.substr(first, last - first);
-  next_line_ += static_cast<size_t>(std::count(text_.begin(), text_.end(), '\n'));
-  at_ = last + width;
+  text_ = rest.substr(width, last - width);
+  advance(last + width);
 }
 
 void UsdaText::next() {
@@ -83,8 +142,8 @@ void UsdaText::next() {
   if (at_ >= all_.size()) return;
   const char c = all_[at_];
   if (c == '"' || c == '\'') return takeQuoted(c);
-  if (c == '@') return takeUntil('@', Kind::kAsset, "the name of an asset");
-  if (c == '<') return takeUntil('>', Kind::kPath, "a path");
+  if (c == '@') return takeAsset();
+  if (c == '<') return takePath();
   const bool number = isDigit(c) || c == '-' || c == '+' || c == '.', word = isWordPart(c) && c != ':';
   size_t end = at_;
   while (end < all_.size() &&
@@ -148,8 +207,9 @@ std::vector<double> UsdaText::takeNumbers() {
   std::vector<double> numbers;
   if (takeWord("None")) return numbers;
   forEach([&] {
-    const std::optional<double> number = kind_ == Kind::kNumber ? numberOf(text_) : std::nullopt;
-    if (!number || !std::isfinite(*number)) fail("there should be a finite number");
+    const bool may_be = kind_ == Kind::kNumber || isWord("inf") || isWord("nan");
+    const std::optional<double> number = may_be ? numberOrInfinite(text_) : std::nullopt;
+    if (!number) fail("there should be a number");
     numbers.push_back(*number);
   });
   return numbers;
@@ -163,6 +223,24 @@ std::vector<std::string> UsdaText::takeStrings() {
     strings.emplace_back(text_);
   });
   return strings;
+}
+
+std::vector<std::string> UsdaText::takeTargets() {
+  std::vector<std::string> targets;
+  bool after_asset = false;  // a path is then a place in it
+  forEach([&] {
+    if (kind_ == Kind::kAsset) targets.push_back(fmt::format("@{}@", printableName(text_)));
+    if (kind_ == Kind::kPath && !after_asset) targets.push_back(fmt::format("<{}>", printableName(text_)));
+    after_asset = kind_ == Kind::kAsset;
+  });
+  if (after_asset && kind_ == Kind::kPath) next();
+  return targets;
+}
+
+std::string printableName(std::string_view name) {
+  constexpr size_t kMost = 80;
+  const std::string quoted = fmt::format("{:?}", name.substr(0, kMost));
+  return fmt::format("{}{}", quoted.substr(1, quoted.size() - 2), name.size() > kMost ? "..." : "");
 }
 
 }  // namespace strandcast

@@ -10,16 +10,19 @@
 
 namespace strandcast {
 
-/// Walks a text of Universal Scene Description (.usda) word by word: comments and white space taken off.
+/// The tokens of a text of Universal Scene Description (.usda, versions 1.x), one after the other. White
+/// space and comments (`#`, `//` and `/* */`) may stand between any two tokens. Lines end with LF, CR LF or
+/// CR. Source: https://openusd.org/release/spec_usda.html and OpenUSD's textFileFormatParser.h.
 class UsdaText {
  public:
   enum class Kind { kEnd, kWord, kNumber, kString, kAsset, kPath, kMark };
 
-  /// Throws Error unless it begins as such texts do.
+  /// Throws Error unless it begins with `#usda 1.` and a number.
   UsdaText(std::span<const std::byte> bytes, std::string name);
 
   Kind kind() const { return kind_; }
-  /// A word may have colons and points in it; of strings, assets and paths what is between their marks.
+  /// A word may have colons and points in it. Of strings, assets and paths, `text()` is what stands between
+  /// their marks, with its escapes.
   std::string_view text() const { return text_; }
   size_t line() const { return line_; }  ///< 1-based, where it starts
   void next();
@@ -33,11 +36,14 @@ class UsdaText {
   std::string_view takeString();
   /// A whole value of whatever type: a word, or all between brackets.
   void skipValue();
-  /// The numbers of a value, in their order, whatever brackets they are in: `None` has none. Throws Error
-  /// where there is anything else, or one is not finite.
+  /// The numbers of a value, in their order, whatever brackets they are in: `None` has none. They may be
+  /// infinite or not a number (`inf`, `nan`, or out of a double's range). Throws Error for anything else.
   std::vector<double> takeNumbers();
   /// The strings of a value, likewise.
   std::vector<std::string> takeStrings();
+  /// What a value refers to, likewise, for a report: assets as `@name@`, and paths that no asset precedes as
+  /// `<path>`.
+  std::vector<std::string> takeTargets();
 
   [[noreturn]] void fail(const std::string& what,
                          const std::string& remedy = "mend the line or export the file again") const {
@@ -48,9 +54,13 @@ class UsdaText {
   }
 
  private:
+  void checkVersion();
   void skipBlank();
+  /// Goes on by `count` characters and counts the lines that end in them.
+  void advance(size_t count);
   void takeQuoted(char quote);
-  void takeUntil(char end, Kind kind, const char* what);
+  void takeAsset();
+  void takePath();
   /// Calls take() for each word between the brackets of a value, or for the one that it is.
   template <class Take>
   void forEach(const Take& take);
@@ -62,5 +72,8 @@ class UsdaText {
   std::string_view text_;
   size_t line_ = 1;
 };
+
+/// A name of a file for a report: on one line, other than printable characters escaped, cut where it is long.
+std::string printableName(std::string_view name);
 
 }  // namespace strandcast

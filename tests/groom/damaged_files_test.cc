@@ -107,7 +107,7 @@ TEST(DamagedFiles, Hair) {
   expectDamageIsBorne(checkHairReader, {samples::hair(), samples::hairDefaultSegments()});
 }
 TEST(DamagedFiles, ObjStrands) { expectDamageIsBorne(checkObjStrandsReader, {samples::objStrands()}); }
-TEST(DamagedFiles, Usda) { expectDamageIsBorne(checkUsdaReader, {samples::usda()}); }
+TEST(DamagedFiles, Usda) { expectDamageIsBorne(checkUsdaReader, {samples::usda(), samples::usdaStage()}); }
 TEST(DamagedFiles, ObjMesh) { expectDamageIsBorne(checkObjMeshReader, {samples::objMesh()}); }
 TEST(DamagedFiles, Sdf) { expectDamageIsBorne(checkSdfReader, {samples::sdf()}); }
 TEST(DamagedFiles, Gltf) { expectDamageIsBorne(checkGltfReader, {samples::glb(), samples::gltf()}); }

@@ -3,7 +3,7 @@
 
 // Run as: fuzz_usda FOLDER. The folder, which may be empty at first, receives the seeds and what is found.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  strandcast::writeFuzzSeeds(*argc, *argv, {strandcast::samples::usda()});
+  strandcast::writeFuzzSeeds(*argc, *argv, {strandcast::samples::usda(), strandcast::samples::usdaStage()});
   return 0;
 }
 

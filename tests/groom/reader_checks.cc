@@ -78,6 +78,17 @@ void checkDownstream(const StrandSet& strands) {
           "another number of guides than asked for");
 }
 
+/// What is reported fits lines of a log, whatever a file calls its parts.
+void checkReport(const FileReport& report) {
+  for (const std::vector<std::string>* lines : {&report.left_out, &report.warnings}) {
+    require(lines->size() < 64, "a report has too many lines");
+    for (const std::string& line : *lines)
+      require(line.size() < 4096 &&
+                  std::none_of(line.begin(), line.end(), [](char c) { return c >= 0 && c < ' '; }),
+              "a report's line is long or has control characters");
+  }
+}
+
 void checkRawGroom(const RawGroom& raw, size_t file_bytes) {
   checkStrandSet(raw.strands, file_bytes);
   const RawGroom again = readHair(encodeHair(raw.strands, kName), kName);
@@ -160,7 +171,15 @@ bool checkObjStrandsReader(std::span<const std::byte> bytes) {
 }
 
 bool checkUsdaReader(std::span<const std::byte> bytes) {
-  return accepts([&] { checkRawGroom(readUsda(bytes, kName), bytes.size()); });
+  return accepts([&] {
+    const RawGroom groom = readUsda(bytes, kName);
+    require(groom.unit_meters > 0 && std::isfinite(groom.unit_meters), "the unit is no length");
+    for (const float radius : groom.strands.radii)
+      require(radius >= 0 && std::isfinite(radius), "a radius is negative or not finite");
+    for (const Vec2& uv : groom.strands.uvs) require(uv.allFinite(), "a UV is not finite");
+    checkReport(groom.report);
+    checkRawGroom(groom, bytes.size());
+  });
 }
 
 bool checkObjMeshReader(std::span<const std::byte> bytes) {

@@ -160,6 +160,42 @@ of ) text"""
 )");
 }
 
+Bytes usdaStage() {
+  return fromText(R"(#usda 1.1
+( subLayers = [@a.usda@ (offset = 1)]; relocates = { <a>: <b> } )
+/* a ( comment */
+def Xform "g" ( variants = { string v = "x" }; prepend references = [@@@b@c.usda@@@</p>, </q>] )
+{
+    double xformOp:translateX = 1; float xformOp:scaleY.timeSamples = { 2: 3, 1: 2 }
+    uniform token[] xformOpOrder = ["xformOp:translateX", "!invert!xformOp:scaleY", "xformOp:none"]
+    texCoord2f[] primvars:st = [(0, 0.5)] ( interpolation = "constant" )
+    variantSet "v" = {
+        "x" { over "c" { token visibility = "inherited" }
+            def BasisCurves "d" { int[] curveVertexCounts = [4]
+                point3f[] points = [(0,0,0), (1,0,0), (2,0,0), (3,0,0)]
+                uniform token basis = "bspline"; uniform token wrap = "pinned" } }
+        "y" { def Scope "z" {} }
+    }
+    def BasisCurves "c" // two short curves
+    {
+        int[] curveVertexCounts = [4, 3, 0, 7]
+        point3f[] points = [(0,0,0), (1,0,0), (2,0,0), (3,0,0), (0,1,0), (1,1,0), (2,1,0),
+            (0,0,0), (1,0,0), (2,0,0), (3,0,0), (4,0,0), (5,0,0), (6,nan,0)]
+        float[] primvars:widths = [0.1, -1, inf, 0.2] ( interpolation = "varying"; unauthoredValuesIndex = 3 )
+        int[] primvars:widths:indices = [0, 1, 2, 3, 9, -1, 0, 0, 0]
+        float[] primvars:uv = [1, 2, 3, 4, 5, 6, 7, 8] ( elementSize = 2; interpolation = "uniform" )
+        color3f[] primvars:displayColor = [(1, 0, 0)]
+    }
+    def Scope "hidden" { token visibility = "invisible"
+        def BasisCurves "e" { uniform token purpose = "guide" } }
+    def PointInstancer "i" { def BasisCurves "f" {} }
+    def BasisCurves "faulty" { int[] curveVertexCounts = [1e9]; uniform token wrap = "periodic" }
+    def BasisCurves "linear" { uniform token type = 'linear'; int[] curveVertexCounts = [2]
+        point3f[] points.timeSamples = { 1: [(0, 0, 0), (0, 1, 0)] } }
+}
+)");
+}
+
 Bytes objMesh() {
   return fromText(
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"

@@ -19,6 +19,7 @@ Bytes hair();                 ///< strands of 2, 3 and 5 points, with thickness,
 Bytes hairDefaultSegments();  ///< 2 strands of 4 points each, no array of segments
 Bytes objStrands();           ///< 3 strands of 4, 3 and 3 vertices, negative indices, extra columns
 Bytes usda();                 ///< curves of 4 and 3 points in a moved Xform, widths, UVs, cubic ones beside
+Bytes usdaStage();            ///< variants, indices, comments, hidden and damaged prims: 3 strands
 Bytes objMesh();              ///< a cube of quads with a skipped group beside it
 Bytes glb();                  ///< two nodes that share a quad of two triangles
 Bytes gltf();                 ///< the same as text, its buffer in a data URI

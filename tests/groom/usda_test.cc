@@ -37,7 +37,7 @@ TEST(Usda, CurvesOfASceneStandWhereItsTransformsPlaceThem) {
   ASSERT_EQ(strands.radii.size(), 11u);
   for (const float radius : strands.radii) EXPECT_FLOAT_EQ(radius, 0.01f);
   EXPECT_EQ(strands.uvs, (std::vector<Vec2>{{0.25f, 0.5f}, {0.75f, 0.5f}, {0, 0}}));
-  EXPECT_EQ(groom.report.left_out, (std::vector<std::string>{"time samples", "variants"}));
+  EXPECT_EQ(groom.report.left_out, (std::vector<std::string>{"time samples"}));
 }
 
 TEST(Usda, CubicCurvesGiveThePointsThatTheyGoThrough) {
@@ -92,9 +92,9 @@ TEST(Usda, WhatIsWrongIsRefusedWithItsLine) {
   refused(curves("", "[5]"), {"line 2", "\"c\"", "curveVertexCounts"});
   refused(curves("", "[3]"), {"12 numbers", "3 points"});
   refused(curves("", "[3]", "[(0, 0, 0), (1, 0, 0), (2, 0, 0)]"), {"3 points", "cubic"});
-  refused(curves("", "[4]", "[(0, 0, 0), (1, inf, 0)]"), {"line 4", "finite number"});
+  refused(curves("uniform token type = \"linear\"", "[2]", "[(0, 0, 0), (1, inf, 0)]"),
+          {"line 4", "not finite"});
   refused(curves("uniform token wrap = \"periodic\""), {"closed"});
-  refused(curves("uniform token[] xformOpOrder = [\"xformOp:scale\"]"), {"xformOp:scale"});
   refused(curves("", "[4]", "[(0, 0, 0), (1, 0, 0)"), {"line 6", "should be a ']'"});
   refused("def BasisCurves \"c\" { point3f[] points = [(0, 0", {"ends within a value"});
   refused("def BasisCurves \"c\" {", {"ends within prim \"c\""});
@@ -132,8 +132,52 @@ TEST(Usda, FilesSayTheirUnit) {
   EXPECT_FLOAT_EQ(loadGroom({folder / "cm.usda"}, {}).report.unit_meters, 0.01f);
   EXPECT_TRUE(loadGroom({folder / "cm.usda"}, {}).report.warnings.empty()) << "nothing is guessed";
   EXPECT_FLOAT_EQ(loadGroom({folder / "cm.usda"}, {.unit_meters = 0.1f}).report.unit_meters, 0.1f);
-  for (const char* other : {"cm.usda", "unsaid.tfx"})
-    expectError([&] { loadGroom({folder / "m.usda", folder / other}, {}); }, {other, "--unit-meters"});
+  for (const char* first : {"m.usda", "unsaid.tfx"})
+    expectError(
+        [&] {
+          loadGroom({folder / first, folder / (first[0] == 'm' ? "unsaid.tfx" : "m.usda")}, {});
+        },
+        {"others do not", "--unit-meters"});
+}
+
+TEST(Usda, StagesOfSeveralUnitsAreEachReadInTheirOwn) {
+  const ScratchFolder folder;
+  StrandSet strands = readTfx(samples::tfx4(), "wig").strands;
+  strands.radii.assign(strands.vertices(), 0.5f);
+  writeGroom(folder / "m.usda", strands, UpAxis::kY, 1);
+  writeGroom(folder / "quarter.usda", strands, UpAxis::kY, 0.25f);
+  const StrandSet both = loadGroom({folder / "m.usda", folder / "quarter.usda"}, {}).strands;
+  const StrandSet other = loadGroom({folder / "quarter.usda", folder / "m.usda"}, {}).strands;
+  const size_t half = strands.vertices();
+  ASSERT_EQ(both.vertices(), 2 * half);
+  for (size_t i = 0; i < half; ++i) {
+    EXPECT_LT((both.positions[half + i] - 0.25f * both.positions[i]).norm(), 1e-6f);
+    EXPECT_LT((both.positions[half + i] - other.positions[i]).norm(), 1e-6f);
+    EXPECT_NEAR(both.radii[half + i], 0.125f, 1e-6f);
+  }
+}
+
+TEST(Usda, AUnitThatIsNotGivenIsACentimetreAndThatIsSaid) {
+  for (const char* head : {"", "( upAxis = \"Y\" )\n", "( metersPerUnit = None )\n"}) {
+    const RawGroom groom = read(head + curves(""));
+    EXPECT_FLOAT_EQ(groom.unit_meters, 0.01f);
+    EXPECT_TRUE(groom.unit_is_default);
+    ASSERT_EQ(groom.report.warnings.size(), 1u) << head;
+    EXPECT_NE(groom.report.warnings[0].find("metersPerUnit is not given"), std::string::npos);
+  }
+  const RawGroom said = read("( metersPerUnit = 0.01 )\n" + curves(""));
+  EXPECT_FALSE(said.unit_is_default);
+  EXPECT_TRUE(said.report.warnings.empty());
+  for (const char* unit : {"0", "-1", "nan", "1e12", "inf"})
+    expectError([&] { read("( metersPerUnit = " + std::string(unit) + " )\n" + curves("")); },
+                {"line 2", "metersPerUnit is out of range"});
+}
+
+TEST(Usda, NamesInReportsStayOnOneLineAndShort) {
+  const RawGroom groom = read("( metersPerUnit = 1 )\ndef BasisCurves \"\"\"a\n\xFF" + std::string(500, 'x') +
+                              "\"\"\" { token visibility = \"invisible\" }\n" + curves(""));
+  EXPECT_EQ(groom.report.leftOutLine(),
+            "without 1 invisible prim (/a\\n\\xff" + std::string(77, 'x') + "...)");
 }
 
 }  // namespace
