@@ -113,7 +113,7 @@ TEST_F(DaemonTest, AResetLetsGoAndMeasuresAnew) {
   const Vec3 rest = subscriber_->frame()->positions[tip];
   const Vec3 to = rest + Vec3(0, 0.05f, 0.2f);
   const std::vector<double> pull{rest.x(), rest.y(), rest.z(), 0.001, to.x(), to.y(), to.z(), 100};
-  const std::vector<double> head{0.1, 0, 0, 0, 0, 0, 1};
+  const std::vector<double> head{0, 0.05, 0, 0, 0, 0, 1};  // up: away from the shoulders
   EXPECT_EQ(order(CommandKind::kHeadPose, head), "");
   EXPECT_EQ(order(CommandKind::kPull, pull), "");
   std::vector<double> ball(25);  // a sphere: its pose from 2 on, its shape from 9 on
@@ -129,9 +129,9 @@ TEST_F(DaemonTest, AResetLetsGoAndMeasuresAnew) {
   EXPECT_EQ(status->max_penetration, 0);
   EXPECT_EQ(status->strands_reset, 0u);
   const auto frame = subscriber_->frame();
-  EXPECT_NEAR(frame->head.position.x(), 0.1f, 1e-4f) << "the head stays where it is";
+  EXPECT_NEAR(frame->head.position.y(), 0.05f, 1e-4f) << "the head stays where it is";
   cast(5);
-  const Vec3 carried = rest + Vec3(0.1f, 0, 0);
+  const Vec3 carried = rest + Vec3(0, 0.05f, 0);
   EXPECT_LT((subscriber_->frame()->positions[tip] - carried).norm(), 0.01f) << "the hand has let go";
   ASSERT_EQ(frame->colliders.size(), 2u);
   EXPECT_NE(subscriber_->frame()->colliders.back().pose.position, frame->colliders.back().pose.position)
