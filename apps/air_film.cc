@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "apps/picture_folder.h"
-
 namespace strandcast {
 
 AirFilm::AirFilm(const std::string& quantity, const std::string& axis, int size,
@@ -12,8 +10,7 @@ AirFilm::AirFilm(const std::string& quantity, const std::string& axis, int size,
       quantity_(airQuantity(quantity)),
       axis_(axis[0] - 'x'),
       size_(size),
-      folder_(folder),
-      made_(folder) {}
+      pictures_(folder) {}
 
 bool AirFilm::canDraw(Simulation& simulation) const { return isOnGrid(simulation, quantity_); }
 bool AirFilm::canDraw(const AirFields& fields) const { return isOnGrid(fields, quantity_); }
@@ -25,15 +22,14 @@ void AirFilm::draw(const AirFields& fields, std::span<const Vec3> hair) {
   const AirSlice slice = airSlice(fields, quantity_, axis_, hair, size_);
   full_ = std::max(full_, slice.full);
   unit_ = slice.unit;
-  writePng(picturePath(folder_, drawn_), slice.image);
-  ++drawn_;
+  pictures_.write(slice.image);
 }
 
 void AirFilm::addTo(Report& out) const {
   out.add("shown", "shown", name_);
   out.add("full", "largest value, of all pictures", full_, unit_, 4);
-  out.addCount("frames_drawn", "frames drawn", static_cast<uint64_t>(drawn_));
-  out.add("out", "pictures", (folder_ / "frame_*.png").string());
+  out.addCount("frames_drawn", "frames drawn", static_cast<uint64_t>(drawn()));
+  out.add("out", "pictures", pictures_.pattern());
 }
 
 }  // namespace strandcast

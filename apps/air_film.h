@@ -4,7 +4,7 @@
 
 #include "apps/air_slices.h"
 #include "apps/console.h"
-#include "apps/output_folder.h"
+#include "apps/picture_folder.h"
 #include "core/simulation.h"
 
 namespace strandcast {
@@ -25,16 +25,14 @@ class AirFilm {
   void draw(Simulation& simulation);
   /// The same of grids from elsewhere that have the quantity, and the hair at that time: vertices, m, world.
   void draw(const AirFields& fields, std::span<const Vec3> hair);
-  int drawn() const { return drawn_; }
+  int drawn() const { return pictures_.written(); }
   void addTo(Report& out) const;
 
  private:
   const std::string name_;
   const AirQuantity quantity_;
   const int axis_, size_;
-  const std::filesystem::path folder_;
-  const OutputFolder made_;
-  int drawn_ = 0;
+  PictureFolder pictures_;
   double full_ = 0;  // largest value of all pictures
   const char* unit_ = "";
 };

@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "apps/console.h"
+#include "apps/hair_outlook.h"
 #include "apps/interrupt.h"
 #include "core/error.h"
 #include "scenes/field_cache.h"
@@ -96,8 +97,24 @@ std::filesystem::path fieldCacheAloud() {
   }
 }
 
+namespace {
+
+void tellOutlook(const SceneOptions& options) {
+  const HairOutlook outlook = outlookOfGroom(options);
+  if (!outlook.isWorthSaying()) return;
+  if (outlook.file_bytes > 0)
+    spdlog::info("reading {:.0f} MiB of groom files takes {}",
+                 static_cast<double>(outlook.file_bytes) / (1 << 20), outlook.text());
+  else
+    spdlog::info("{} strands, {} vertices: growing and simulating them takes {}", outlook.strands,
+                 outlook.vertices, outlook.text());
+}
+
+}  // namespace
+
 Scene makeSceneAloud(SceneOptions options) {
   if (options.field_cache.empty()) options.field_cache = fieldCacheAloud();
+  tellOutlook(options);
   Scene scene;
   {
     ProgressBar bar;

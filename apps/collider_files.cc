@@ -33,10 +33,10 @@ float lengthOrNone(double value, const char* what, const std::string& where) {
   return length;
 }
 
-std::string notMadeText(uint64_t command, const std::string& why) {
-  return Error("the collider was not made", commandText(command), why).what();
+std::string notMadeText(const std::string& where, const std::string& why) {
+  return Error("the collider was not made", where, why).what();
 }
-std::string droppedText(uint64_t command) { return notMadeText(command, "it was removed meanwhile"); }
+std::string droppedText(const std::string& where) { return notMadeText(where, "it was removed meanwhile"); }
 
 }  // namespace
 
@@ -159,7 +159,7 @@ bool ColliderMaker::drop(const std::string& name) {
     if (job.collider.name == name && !job.dropped->exchange(true)) return true;
   for (Made& made : done_)
     if (made.name == name && made.refusal.empty()) {
-      made.refusal = droppedText(made.command);
+      made.refusal = droppedText(made.where);
       return true;
     }
   return false;
@@ -188,7 +188,7 @@ void ColliderMaker::work() {
     }
     Made result = made(job);
     const std::lock_guard lock(mutex_);
-    if (*job.dropped) result.refusal = droppedText(job.command);
+    if (*job.dropped) result.refusal = droppedText(job.where);
     done_.push_back(std::move(result));
     jobs_.pop_front();
     changed_.notify_all();
@@ -196,16 +196,16 @@ void ColliderMaker::work() {
 }
 
 ColliderMaker::Made ColliderMaker::made(const Job& job) const {
-  Made out{job.command, job.collider.name, {}, {}};
+  Made out{job.command, job.collider.name, job.where, {}, {}};
   try {
     if (stopping_ || *job.dropped) throw BakeStopped();
     out.body = bodyOf(job);
   } catch (const BakeStopped&) {
-    out.refusal = *job.dropped ? droppedText(job.command) : notMadeText(job.command, "the daemon ends");
+    out.refusal = *job.dropped ? droppedText(job.where) : notMadeText(job.where, "the daemon ends");
   } catch (const Error& error) {
     out.refusal = error.what();
   } catch (const std::exception& error) {
-    out.refusal = notMadeText(job.command, error.what());
+    out.refusal = notMadeText(job.where, error.what());
   }
   return out;
 }

@@ -50,6 +50,7 @@ class ColliderMaker {
   struct Made {
     uint64_t command = 0;
     std::string name;
+    std::string where;  ///< that begin() was told
     RigidBody body;
     std::string refusal;  ///< why there is no body; or empty
   };

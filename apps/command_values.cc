@@ -10,7 +10,53 @@
 
 namespace strandcast {
 
-std::string commandText(uint64_t id) { return fmt::format("command {}", id); }
+namespace {
+
+std::string wordsOf(CommandKind kind) {
+  switch (kind) {
+    case CommandKind::kSetParameter:
+      return "set";
+    case CommandKind::kHeadPose:
+      return "head";
+    case CommandKind::kHeadMotion:
+      return "motion";
+    case CommandKind::kReset:
+      return "reset";
+    case CommandKind::kShutdown:
+      return "stop";
+    case CommandKind::kPause:
+      return "pause";
+    case CommandKind::kStep:
+      return "step";
+    case CommandKind::kPull:
+      return "pull";
+    case CommandKind::kAddCollider:
+    case CommandKind::kAddColliderFile:
+      return "collider add";
+    case CommandKind::kMoveCollider:
+      return "collider move";
+    case CommandKind::kRemoveCollider:
+      return "collider remove";
+    case CommandKind::kAddWindSource:
+      return "fan add";
+    case CommandKind::kMoveWindSource:
+      return "fan move";
+    case CommandKind::kRemoveWindSource:
+      return "fan remove";
+  }
+  return "of an unknown kind";
+}
+
+}  // namespace
+
+std::string commandText(const Command& command) {
+  std::string text = "strandcast ctl " + wordsOf(command.kind);
+  if (command.kind == CommandKind::kPause && command.values == std::vector<double>{0})
+    text = "strandcast ctl go";
+  const bool has_file = command.kind == CommandKind::kAddColliderFile;  // behind the collider's own name
+  const std::string name = has_file ? command.name.substr(0, command.name.find(' ')) : command.name;
+  return name.empty() ? text : text + ' ' + name;
+}
 
 Pose commandedPose(const std::vector<double>& values, size_t first, const std::string& where) {
   const double* const v = values.data() + first;

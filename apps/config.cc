@@ -2,15 +2,18 @@
 #include <strings.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <functional>
+#include <initializer_list>
+#include <map>
 #include <numbers>
 #include <set>
 #include <sstream>
 
+#include "apps/number_range.h"
 #include "apps/settings.h"
 #include "apps/toml.h"
+#include "apps/wind_control.h"
 #include "core/error.h"
 #include "groom/file_bytes.h"
 #include "transport/chunks.h"
@@ -23,23 +26,18 @@ namespace {
 /// whatever nobody asked for.
 class Section {
  public:
-  Section(const toml::table& table, std::string path, const std::string& file)
-      : table_(table), path_(std::move(path)), file_(file) {}
+  /// `given`: as Settings::given.
+  Section(const toml::table& table, std::string path, const std::string& file,
+          std::map<std::string, std::string>& given)
+      : table_(table), path_(std::move(path)), file_(file), given_(given) {}
 
   void number(const char* key, double low, double high, const std::function<void(double)>& set) {
     read(key, [&](const toml::node& node) {
-      const std::optional<double> value = node.value<double>();
-      if (!value || !std::isfinite(*value) || *value < low || *value > high)
-        fail(node, key, fmt::format("give a number from {:g} to {:g}", low, high));
-      set(*value);
+      set(numberIn(node, key, {low, high}));
     });
   }
   void wholeNumber(const char* key, double low, double high, const std::function<void(double)>& set) {
-    number(key, low, high, [&](double value) {
-      if (value != std::floor(value))
-        fail(*table_.get(key), key, fmt::format("give a whole number from {:.15g} to {:.15g}", low, high));
-      set(value);
-    });
+    read(key, [&](const toml::node& node) { set(numberIn(node, key, {low, high, true})); });
   }
   void text(const char* key, const std::function<void(const std::string&)>& set) {
     read(key, [&](const toml::node& node) {
@@ -90,7 +88,7 @@ class Section {
   void section(const char* key, const std::function<void(Section&)>& body) {
     read(key, [&](const toml::node& node) {
       if (!node.is_table()) fail(node, key, fmt::format("write it as a table: [{}]", key));
-      Section inner(*node.as_table(), path_ + key + ".", file_);
+      Section inner(*node.as_table(), path_ + key + ".", file_, given_);
       body(inner);
       inner.refuseRest();
     });
@@ -101,7 +99,7 @@ class Section {
       if (array == nullptr) fail(node, key, fmt::format("write it as tables: [[{}{}]]", path_, key));
       for (const toml::node& element : *array) {
         if (!element.is_table()) fail(element, key, fmt::format("write it as tables: [[{}{}]]", path_, key));
-        Section inner(*element.as_table(), path_ + key + ".", file_);
+        Section inner(*element.as_table(), path_ + key + ".", file_, given_);
         body(inner);
         inner.refuseRest();
       }
@@ -114,6 +112,7 @@ class Section {
     for (const auto& [key, node] : table_)
       if (!known_.contains(std::string(key.str()))) {
         known_.insert(std::string(key.str()));
+        given_[path_ + std::string(key.str())] = place(node);
         set(std::string(key.str()), components(node, std::string(key.str()), 0, pairs), place(node));
       }
   }
@@ -128,6 +127,7 @@ class Section {
   [[noreturn]] void fail(const toml::node& node, const std::string& key, const std::string& remedy) const {
     throw Error(fmt::format("'{}{}' has a wrong value", path_, key), place(node), remedy);
   }
+  bool has(const char* key) const { return table_.contains(key); }
   std::string place(const toml::node& node) const {
     return fmt::format("{} line {}", file_, node.source().begin.line);
   }
@@ -140,32 +140,37 @@ class Section {
  private:
   void read(const char* key, const std::function<void(const toml::node&)>& body) {
     known_.insert(key);
-    if (const toml::node* node = table_.get(key)) body(*node);
+    const toml::node* node = table_.get(key);
+    if (node == nullptr) return;
+    given_[path_ + key] = place(*node);
+    body(*node);
   }
-  double numberOf(const toml::node& node, const std::string& key) const {
-    const auto value = node.value<double>();
-    if (!value) fail(node, key, "give numbers");
-    return *value;
+  double numberIn(const toml::node& node, const std::string& key, const NumberRange& range = {}) const {
+    const std::optional<double> value = node.value<double>();
+    if (value && range.contains(*value)) return *value;
+    std::ostringstream text;
+    node.visit([&](const auto& any) { text << any; });
+    std::string given = text.str();
+    if (given.size() > 40 || given.find('\n') != std::string::npos) given = "the value";
+    throw Error(fmt::format("'{}{}': {} is not {}", path_, key, given, range.text()), place(node), "");
   }
   std::vector<double> components(const toml::node& node, const std::string& key, size_t count,
                                  bool pairs = false) const {
     std::vector<double> values;
-    if (const auto one = node.value<double>()) {
-      values.push_back(*one);
+    if (node.is_number()) {
+      values.push_back(numberIn(node, key));
     } else if (const toml::array* array = node.as_array()) {
       for (const toml::node& element : *array) {
         const toml::array* pair = pairs ? element.as_array() : nullptr;
         if (pair != nullptr && pair->size() == 2) {
-          for (const toml::node& half : *pair) values.push_back(numberOf(half, key));
+          for (const toml::node& half : *pair) values.push_back(numberIn(half, key));
         } else {
-          values.push_back(numberOf(element, key));
+          values.push_back(numberIn(element, key));
         }
       }
     } else {
       fail(node, key, "give a number or a list of numbers");
     }
-    for (double value : values)
-      if (!std::isfinite(value)) fail(node, key, "give finite numbers");
     if (count > 0 && values.size() != count) fail(node, key, fmt::format("give {} numbers", count));
     return values;
   }
@@ -173,6 +178,7 @@ class Section {
   const toml::table& table_;
   std::string path_;
   const std::string& file_;
+  std::map<std::string, std::string>& given_;
   std::set<std::string> known_;
 };
 
@@ -188,7 +194,24 @@ void readBodyName(Section& section, std::string& into) {
   });
 }
 
-ScenePrimitive readPrimitive(Section& section, const PathOf& path) {
+/// Shape keys of a primitive that its kind does not use.
+void tellUnusedShapeKeys(const Section& section, PrimitiveKind kind, std::vector<std::string>& warnings) {
+  using K = PrimitiveKind;
+  const struct {
+    const char* key;
+    std::initializer_list<PrimitiveKind> kinds;  // that use it
+  } keys[] = {{"b", {K::kCapsule, K::kTaperedCapsule, K::kPlane}},
+              {"radius", {K::kSphere, K::kCapsule, K::kTaperedCapsule}},
+              {"radius_b", {K::kTaperedCapsule}},
+              {"extent", {K::kEllipsoid, K::kBox}},
+              {"rotation", {K::kEllipsoid, K::kBox, K::kConvex, K::kField}}};
+  for (const auto& [key, kinds] : keys)
+    if (section.has(key) && std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
+      warnings.push_back(fmt::format("{}, body.primitives.{} is not used: a primitive of this kind has none",
+                                     section.place(key), key));
+}
+
+ScenePrimitive readPrimitive(Section& section, const PathOf& path, std::vector<std::string>& warnings) {
   ScenePrimitive primitive;
   ContactPrimitive& out = primitive.shape;
   auto vector = [](const std::vector<double>& v) {
@@ -250,6 +273,7 @@ ScenePrimitive readPrimitive(Section& section, const PathOf& path) {
   });
   section.number("cell", 1e-6, 1e3, [&](double v) { primitive.cell = static_cast<float>(v); });
   primitive.where = section.place();
+  tellUnusedShapeKeys(section, out.kind, warnings);
   const bool is_mesh = out.kind == PrimitiveKind::kField;
   const bool has_file = is_mesh || out.kind == PrimitiveKind::kConvex;
   if (primitive.cell > 0 && !is_mesh)
@@ -293,7 +317,8 @@ PinRule readPin(Section& section) {
 }
 
 /// Into the sources before it: without a name of its own it is called by its number.
-void readWindSource(Section& section, std::vector<NamedWindSource>& sources) {
+void readWindSource(Section& section, std::vector<NamedWindSource>& sources,
+                    std::vector<std::string>& warnings) {
   WindSource out;
   std::string name = fmt::format("wind{}", sources.size() + 1);
   auto vector = [&](const char* key, Vec3& to) {
@@ -313,6 +338,12 @@ void readWindSource(Section& section, std::vector<NamedWindSource>& sources) {
     section.number(number.name, number.low, number.high,
                    [&](double v) { out.*number.into = static_cast<float>(v * number.scale); });
   checkWindSource(out, section.place());
+  WindSourceParts given = section.has("direction") ? kSourceDirection : 0;
+  for (const WindSourceNumber& number : windSourceNumbers())
+    if (section.has(number.name)) given |= number.part;
+  if (const std::string unused = unusedParts(out.kind, given); !unused.empty())
+    warnings.push_back(fmt::format("{}, wind: {} is not used: a {} has none", section.place(), unused,
+                                   windSourceKindName(out.kind)));
   for (const NamedWindSource& other : sources)
     if (other.name == name)
       throw Error("two sources of wind are called '" + name + "'", section.place(), "give each a name of its own");
@@ -354,12 +385,12 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
                      [&](double v) { s.scene.body_primitives = static_cast<int>(v); });
     body.number("friction", 0, 10, [&](double v) { s.scene.body_friction = static_cast<float>(v); });
     body.sections("primitives", [&](Section& primitive) {
-      s.scene.primitives.push_back(readPrimitive(primitive, path));
+      s.scene.primitives.push_back(readPrimitive(primitive, path, s.warnings));
     });
   });
   root.sections("material", [&](Section& material) { s.scene.materials.push_back(readMaterial(material)); });
   root.sections("pin", [&](Section& pin) { s.scene.pins.push_back(readPin(pin)); });
-  root.sections("wind", [&](Section& wind) { readWindSource(wind, s.wind_sources); });
+  root.sections("wind", [&](Section& wind) { readWindSource(wind, s.wind_sources, s.warnings); });
   root.section("daemon", [&](Section& daemon) {
     daemon.text("backend", [&](const std::string& v) { s.backend = v; });
     daemon.text("solver", [&](const std::string& v) { s.solver = solverKind(v); });
@@ -413,7 +444,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
 
 void readConfigText(const std::string& text, const std::string& name, Settings& settings) {
   const toml::table table = parsedToml(text, name);
-  Section root(table, "", name);
+  Section root(table, "", name, settings.given);
   readSections(root, std::filesystem::path(name).parent_path(), settings);
   root.refuseRest();
 }

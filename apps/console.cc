@@ -1,6 +1,7 @@
 #include "apps/console.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -9,11 +10,14 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "collision/field_bake.h"
+#include "core/error.h"
+#include "core/nearest_name.h"
+#include "groom/text_number.h"
 
 namespace strandcast {
 namespace {
@@ -23,9 +27,50 @@ std::string withWholePart(const std::string& argument) {
   const bool is_short = argument.starts_with("-.") && argument.size() > 2 &&
                         std::isdigit(static_cast<unsigned char>(argument[2])) != 0;
   if (!is_short) return argument;
-  char* end = nullptr;
-  std::strtod(argument.c_str(), &end);
-  return *end == '\0' ? "-0" + argument.substr(1) : argument;
+  return numberOf(argument) ? "-0" + argument.substr(1) : argument;
+}
+
+/// Those of `app` and of its groups.
+void addOptionNames(const CLI::App& app, std::vector<std::string>& names) {
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  for (const CLI::App* group :
+       app.get_subcommands([](const CLI::App* sub) { return sub->get_name().empty(); }))
+    addOptionNames(*group, names);
+}
+
+/// What a word that no program or verb knows may have been meant to be, for the end of a message.
+std::string adviceOn(const std::string& word, const CLI::App& verb) {
+  std::vector<std::string> known;
+  if (word.starts_with('-')) {
+    for (const CLI::App* app = &verb; app != nullptr; app = app->get_parent()) addOptionNames(*app, known);
+    return didYouMean(word.substr(0, word.find('=')), known);
+  }
+  for (const CLI::App* sub : verb.get_subcommands(nullptr))
+    if (!sub->get_name().empty() && !sub->get_group().empty()) known.push_back(sub->get_name());
+  const std::string near = didYouMean(word, known);
+  return near.empty() && !known.empty() ? fmt::format("there are {}", fmt::join(known, ", ")) : near;
+}
+
+/// The line on what nobody expected; empty where all was.
+std::string unexpected(const CLI::App& app) {
+  const CLI::App* verb = &app;
+  std::string called = std::filesystem::path(app.get_name()).filename().string();
+  while (!verb->get_subcommands().empty()) {
+    verb = verb->get_subcommands().front();
+    called += ' ' + verb->get_name();
+  }
+  const std::vector<std::string> left = app.remaining(true);
+  if (left.empty()) return {};
+  const std::string& word = left.front();
+  const bool is_option = word.starts_with('-'), has_verbs = verb->get_require_subcommand_min() > 0;
+  const std::string advice = adviceOn(word, *verb), see = fmt::format("see `{} --help`", called);
+  return Error(fmt::format("'{}' is not {}", word,
+                           is_option   ? "an option"
+                           : has_verbs ? "a verb"
+                                       : "expected"),
+               called, advice.empty() ? see : advice + (advice.ends_with('?') ? " " : "; ") + see)
+      .what();
 }
 
 }  // namespace
@@ -98,6 +143,12 @@ std::optional<int> parseArguments(CLI::App& app, int argc, const char* const* ar
     app.parse(argc, pointers.data());
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
+    const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+    const bool is_about_words = code == CLI::ExitCodes::ExtrasError || code == CLI::ExitCodes::RequiredError;
+    if (const std::string line = is_about_words ? unexpected(app) : ""; !line.empty()) {
+      std::fputs(fmt::format("error: {}\n", line).c_str(), stderr);
+      return kExitBadInput;
+    }
     return withOutputWritten(app.exit(error) == 0 ? 0 : kExitBadInput);
   }
 }

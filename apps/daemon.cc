@@ -14,6 +14,7 @@
 #include "apps/command_limits.h"
 #include "apps/command_values.h"
 #include "apps/scene_simulation.h"
+#include "apps/void_settings.h"
 #include "core/error.h"
 #include "core/quantile.h"
 #include "core/smooth_step.h"
@@ -137,12 +138,13 @@ void Daemon::announce() {
 }
 
 void Daemon::apply(const Command& command) {
-  const std::string where = commandText(command.id);
+  const std::string where = commandText(command);
   switch (command.kind) {
     case CommandKind::kSetParameter: {
       Parameters parameters = simulation_.parameters();
       setParameter(parameters, command.name, command.values, where);
       simulation_.setParameters(parameters);
+      tellWhatIsVoid(command.name);
       return tellParameters();
     }
     case CommandKind::kHeadPose:
@@ -150,8 +152,7 @@ void Daemon::apply(const Command& command) {
     case CommandKind::kHeadMotion:  // files are this machine's own
       return setMotion(rampInto(proceduralMotion(command.name, head_pivot_), motionPose()));
     case CommandKind::kReset:
-      simulation_.reset();
-      return;
+      return reset();
     case CommandKind::kShutdown:
       shutdown_ = true;
       return;
@@ -183,6 +184,24 @@ void Daemon::apply(const Command& command) {
       return tellParameters();
   }
   throw Error("unknown kind of command", where, "is the sender newer than this daemon?");
+}
+
+/// Hair and what was measured of it begin anew. The head and bodies stay on their ways, parameters and wind
+/// as they are, and the clock goes on.
+void Daemon::reset() {
+  simulation_.reset();
+  looked_ = {};
+  looked_at_ = 0;
+  status_.mean_stretch = status_.max_stretch = status_.max_penetration = 0;
+  status_.non_finite = status_.strands_reset = 0;
+}
+
+void Daemon::tellWhatIsVoid(const std::string& parameter) {
+  const std::string why = whyVoid(simulation_.parameters(), parameter);
+  if (why.empty())
+    told_void_.erase(parameter);
+  else if (told_void_.insert(parameter).second)
+    spdlog::warn("parameter '{}' does nothing as it is: {}", parameter, why);
 }
 
 void Daemon::pull(const Command& command, const std::string& where) {
@@ -259,10 +278,9 @@ void Daemon::addNamed(const std::string& name, RigidBody body, const std::string
 void Daemon::takeMadeBodies() {
   while (std::optional<ColliderMaker::Made> made = maker_.take()) {
     if (made->refusal.empty()) {
-      const std::string where = commandText(made->command);
       made->refusal = refusalOf([&] {
-        checkColliderShape(made->body.primitives.front(), where);
-        addNamed(made->name, std::move(made->body), where);
+        checkColliderShape(made->body.primitives.front(), made->where);
+        addNamed(made->name, std::move(made->body), made->where);
         tellParameters();
       });
     }
@@ -324,7 +342,7 @@ void Daemon::askForSteps(const Command& command, const std::string& where) {
   for (const Steps& steps : steps_) owed += steps.left;
   if (owed + count > kMostSteps)
     throw Error(fmt::format("{} steps are still to be taken", owed), where, "wait for their answer");
-  steps_.push_back({command.id, count});
+  steps_.push_back({command.id, where, count});
 }
 
 void Daemon::obey(const Command& command) {
@@ -360,8 +378,8 @@ bool Daemon::takeSteps(const std::atomic<bool>& stop) {
 
 void Daemon::dropSteps(const std::string& why) {
   for (; !steps_.empty(); steps_.pop_front()) {
-    const auto [command, left] = steps_.front();
-    const Error refusal(fmt::format("{} steps were not taken", left), commandText(command), why);
+    const auto& [command, where, left] = steps_.front();
+    const Error refusal(fmt::format("{} steps were not taken", left), where, why);
     answer(command, refusal.what());
   }
 }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "apps/collider_files.h"
@@ -59,6 +60,9 @@ class Daemon {
   void obey(const Command& command);
   void answer(uint64_t command, const std::string& refusal);
   void apply(const Command& command);
+  void reset();
+  /// Warns, once, of a parameter that was set and does nothing beside the others.
+  void tellWhatIsVoid(const std::string& parameter);
   void pull(const Command& command, const std::string& where);
   void moveHead(const Command& command, const std::string& where);
   /// Where the motion has the head; a clip goes on, and carries it there.
@@ -127,11 +131,13 @@ class Daemon {
   /// That a command has asked for while paused, and that are still to be taken.
   struct Steps {
     uint64_t command;
+    std::string where;  ///< for errors
     int left;
   };
   std::deque<Steps> steps_;
   std::function<bool(const Simulation&)> takes_another_;
   double pull_until_ = 0;  ///< s of simulation time
+  std::set<std::string> told_void_;
   std::function<void(Simulation&)> observer_;
 };
 

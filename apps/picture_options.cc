@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/finite_range.h"
 #include "apps/hair_obstacles.h"
+#include "apps/number_range.h"
 #include "apps/picture_arguments.h"
 #include "core/error.h"
 
@@ -50,7 +50,7 @@ void addNumbers(CLI::Option_group& group, const PictureSetting& setting, const P
           },
           helpOf(setting))
       ->expected(setting.info.components)
-      ->check(finiteRange(setting.info.low, setting.info.high).description(setting.info.range))
+      ->check(inRange({setting.info.low, setting.info.high, setting.info.whole, setting.info.unit}))
       ->type_name(setting.info.whole ? "INT" : "NUMBER")
       ->default_str(defaultOf(setting, options))
       ->trigger_on_parse(setting.of_light);

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/parameters.h"
@@ -18,6 +19,9 @@ struct PictureOptions {
   std::filesystem::path density_map, thickness_map, importance_map;  ///< empty = none
   std::filesystem::path curl_example;                                ///< a groom file; empty = none
   size_t curl_strand = 0;                                            ///< of it
+
+  /// Settings that options gave, not presets, by name ("light-cone"); of lights the light's number too.
+  std::vector<std::pair<std::string, size_t>> given;
 };
 
 /// One setting of a picture, as options, presets and the viewer's panel know it. Its values are numbers, or

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <thread>
 
+#include "apps/command_values.h"
 #include "core/error.h"
 #include "transport/answers.h"
 #include "transport/command_queue.h"
@@ -91,7 +92,7 @@ void Replay::apply(const Command& command) {
     case CommandKind::kAddColliderFile:
       break;
   }
-  throw Error("a recording does not obey this", fmt::format("command {}", command.id),
+  throw Error("a recording does not obey this", commandText(command),
               "it takes set speed, set position, set loop, reset and stop");
 }
 

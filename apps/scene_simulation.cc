@@ -11,6 +11,9 @@
 #include <vector>
 
 #include "apps/backends.h"
+#include "apps/console.h"
+#include "apps/hair_outlook.h"
+#include "apps/interrupt.h"
 #include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
 #include "core/sag_free.h"
@@ -71,12 +74,27 @@ std::string countByPart(const Scene& scene, std::span<const uint32_t> strands) {
   return text;
 }
 
-StrandModel modelOf(const Scene& scene, const Settings& settings, const Vec3& gravity) {
+/// Before it is made, for those who wait.
+void tellOutlook(const Scene& scene, const Settings& settings) {
+  const HairOutlook outlook = outlookOfModel(scene, settings);
+  if (outlook.isWorthSaying())
+    spdlog::info("{}: the model of {} strands, {} vertices takes {}", scene.name, outlook.strands,
+                 outlook.vertices, outlook.text());
+}
+
+StrandModel modelOf(const Scene& scene, const Settings& settings, const Vec3& gravity, ProgressBar& bar) {
+  bar.show("making the model", 0);
   StrandModel model = sceneModel(scene);
+  bar.clear();
   if (settings.solver != SolverKind::kRod) return model;
   warnOfSharpTurns(model, scene.name);
   if (!settings.sag_free) return model;
-  const SagFreeReport report = makeSagFree(model, gravity);
+  const SagFreeReport report = makeSagFree(model, gravity, [&](double part) {
+    bar.show(fmt::format("making {} strands sag-free", model.strands()), 0.1 + 0.8 * part);
+    return !g_interrupted.load();
+  });
+  if (g_interrupted) throw Interrupted();
+  bar.clear();
   if (!report.stiffened.empty())
     spdlog::info(
         "{}: {} of {} strands stiffened to hold their shape under gravity ({}), up to x{:.0f}: strand {} of "
@@ -99,8 +117,12 @@ Simulation makeSimulation(const Scene& scene, const Settings& settings) {
   std::unique_ptr<Surroundings> surroundings;
   if (backend->takesAccelerations())
     surroundings = airOf(backend->name(), settings.threads).surroundings(withoutNames(settings.wind_sources));
-  return Simulation(modelOf(scene, settings, parameters.gravity), scene.bodies, parameters,
-                    std::move(backend), std::move(surroundings), makeTreeBroadPhase());
+  tellOutlook(scene, settings);
+  ProgressBar bar;
+  StrandModel model = modelOf(scene, settings, parameters.gravity, bar);
+  bar.show("loading the backend", 0.95);
+  return Simulation(std::move(model), scene.bodies, parameters, std::move(backend), std::move(surroundings),
+                    makeTreeBroadPhase());
 }
 
 }  // namespace strandcast

@@ -1,10 +1,12 @@
 #include "apps/settings.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 
-#include "apps/finite_range.h"
+#include "apps/number_range.h"
+#include "apps/void_settings.h"
 #include "core/error.h"
 #include "transport/dds.h"
 
@@ -38,17 +40,6 @@ std::string codecHelp() {
   return text + "\nReaders are told with each chunk; see bytes per frame in `strandcast ctl status`.";
 }
 
-double numberOf(const std::string& text, const std::string& where, const std::string& example) {
-  try {
-    size_t used = 0;
-    const double value = std::stod(text, &used);
-    if (used != text.size()) throw std::invalid_argument(text);
-    return value;
-  } catch (const std::exception&) {
-    throw Error("'" + text + "' is not a number", where, example);
-  }
-}
-
 /// Also what is behind the last `at`, where that is nothing: "1," are "1" and "".
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts;
@@ -64,8 +55,59 @@ std::pair<std::string, std::vector<double>> parseAssignment(const std::string& t
   if (equals == std::string::npos) throw Error("not NAME=VALUE", "--set " + text, "e.g. --set air_drag=2");
   std::vector<double> values;
   for (const std::string& part : split(text.substr(equals + 1), ','))
-    values.push_back(numberOf(part, "--set " + text, "e.g. --set wind=3,0,0"));
+    values.push_back(numberIn(part, {}, "--set " + text, "e.g. --set wind=3,0,0"));
   return {text.substr(0, equals), values};
+}
+
+/// A parameter that two --set give other values.
+void refuseSetTwice(const std::vector<std::pair<std::string, std::vector<double>>>& before,
+                    const std::pair<std::string, std::vector<double>>& now, const std::string& text) {
+  for (const auto& [name, values] : before)
+    if (name == now.first && values != now.second)
+      throw Error(fmt::format("'{}' is set twice, to different values", name), "--set " + text,
+                  "leave one of them out");
+}
+
+/// Options by the keys of configuration files.
+constexpr std::pair<const char*, const char*> kOptionKeys[] = {
+    {"--scene", "scene"},
+    {"--groom", "groom.files"},
+    {"--body", "body.file"},
+    {"--body-contact", "body.contact"},
+    {"--body-clip", "body.clip"},
+    {"--body-joint", "body.joint"},
+    {"--body-roots", "body.roots"},
+    {"--body-cell", "body.cell"},
+    {"--unit-meters", "groom.unit_meters"},
+    {"--up", "groom.up"},
+    {"--motion", "motion"},
+    {"--strands", "groom.strands"},
+    {"--vertices", "groom.vertices"},
+    {"--length", "groom.length"},
+    {"--seed", "seed"},
+    {"--backend", "daemon.backend"},
+    {"--sag-free", "daemon.sag_free"},
+    {"--threads", "daemon.threads"},
+    {"--solver", "daemon.solver"},
+    {"--rate", "daemon.rate"},
+    {"--duration", "daemon.duration"},
+    {"--collider-folder", "daemon.collider_folder"},
+    {"--transport", "transport.kind"},
+    {"--profile", "transport.profile"},
+    {"--keys", "transport.keys"},
+    {"--peers", "transport.peers"},
+    {"--discovery-server", "transport.discovery_server"},
+    {"--lcm-url", "transport.lcm_url"},
+    {"--domain", "transport.domain"},
+    {"--groom-id", "transport.groom_id"},
+    {"--codec", "transport.codec"},
+    {"--codec-error", "transport.codec_error_mm"},
+    {"--zstd", "transport.zstd"},
+    {"--key-interval", "transport.key_interval"}};
+
+bool isGivenTo(const CLI::App& app, const char* option) {
+  const CLI::Option* known = app.get_option_no_throw(option);
+  return known != nullptr && known->count() > 0;
 }
 
 std::string materialHelp() {
@@ -83,6 +125,7 @@ MaterialRule parseMaterial(const std::string& text) {
   const std::string example = "e.g. --material all:radius=5e-5,radius_curve=0:1/1:0.4";
   MaterialRule rule;
   rule.where = "--material " + text;
+  rule.is_option = true;
   const size_t colon = text.find(':');
   if (colon == 0 || colon == std::string::npos || colon + 1 == text.size())
     throw Error("not PART:NAME=VALUE", rule.where, example);
@@ -93,7 +136,8 @@ MaterialRule parseMaterial(const std::string& text) {
       throw Error("'" + assignment + "' is not NAME=VALUE", rule.where, example);
     std::vector<double> values;
     for (const std::string& knot : split(assignment.substr(equals + 1), '/'))
-      for (const std::string& part : split(knot, ':')) values.push_back(numberOf(part, rule.where, example));
+      for (const std::string& part : split(knot, ':'))
+        values.push_back(numberIn(part, {}, rule.where, example));
     rule.settings.push_back({assignment.substr(0, equals), values, rule.where});
   }
   checkRule(rule);
@@ -151,14 +195,20 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
                  "with --transport lcm: udpm://ADDRESS:PORT?ttl=N or file:///PATH?mode=w (r to replay it). "
                  "Without: this machine alone, port 7667 + domain; ttl=1 reaches the local network");
   app.add_option("--domain", settings.domain, "programs on different domains do not see each other")
-      ->check(CLI::Range(0, 232))
+      ->transform(wholeRange(0, 232))
       ->capture_default_str();
   app.add_option("--groom-id", settings.groom_id, "number of the groom on the network; one daemon each")
-      ->check(CLI::Range(1u, 4294967295u))
+      ->transform(wholeRange(1, 4294967295.0))
       ->capture_default_str();
 }
 
-SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
+void checkNetworkOptions(const CLI::App& app, Settings& settings) {
+  for (const auto& [option, key] : kOptionKeys)
+    if (std::string(key).starts_with("transport.") && isGivenTo(app, option)) settings.given[key] = option;
+  refuseVoidNetwork(settings);
+}
+
+SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), use_(use) {
   auto* scene = app.add_option_group("Scene", "what is simulated");
   scene_ = scene;
   scene->add_option(
@@ -200,13 +250,13 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
   scene->add_option("--motion", given_.scene.motion,
                     "head motion: still, nod, shake, turn, joined by +, or a .bvh clip");
   scene->add_option("--strands", given_.scene.strands, "guides: grown (procedural) or chosen evenly (files)")
-      ->check(CLI::Range(1, 1000000));
+      ->transform(wholeRange(1, 1000000));
   scene->add_option("--vertices", given_.scene.vertices, "vertices per strand: grown or resampled to")
-      ->check(CLI::Range(2, 128));
+      ->transform(wholeRange(2, 128));
   scene->add_option("--length", given_.scene.length, "length of procedural hair, m")
       ->check(finiteRange(0.01, 2.0));
   scene->add_option("--seed", given_.scene.seed, "of everything random")
-      ->check(CLI::Range(uint64_t{0}, static_cast<uint64_t>(kLargestSeed)))
+      ->transform(wholeRange(0, kLargestSeed))
       ->capture_default_str();
 
   scene->add_option("--material", material_, materialHelp());
@@ -218,11 +268,13 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
                    "auto, gpu, simd or reference; see `strandcast info --backends`")
       ->check(CLI::IsMember({"auto", "gpu", "simd", "reference"}))
       ->capture_default_str();
-  simulation->add_flag(
-      "--sag-free,!--no-sag-free", sag_free_,
-      "the groomed shape is the shape at rest under gravity (default), or hair as it is made that sags");
+  simulation
+      ->add_flag(
+          "--sag-free,!--no-sag-free", sag_free_,
+          "the groomed shape is the shape at rest under gravity (default), or hair as it is made that sags")
+      ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
   simulation->add_option("--threads", given_.threads, "of the simd backend, and to encode; 0 = all")
-      ->check(CLI::Range(0, 1024));
+      ->transform(wholeRange(0, 1024));
   simulation->add_option("--set", set_, parameterHelp());
   if (use == SettingsUse::kCompare) return;
   simulation
@@ -251,7 +303,7 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app) {
                  "frames from one that stands alone to the next in the temporal codec: a reader that joins "
                  "or misses one "
                  "waits that long")
-      ->check(CLI::Range(1u, kMaxKeyInterval))
+      ->transform(wholeRange(1, kMaxKeyInterval))
       ->capture_default_str();
 }
 
@@ -268,10 +320,23 @@ void SettingsOptions::refuseWithoutScene() const {
                     "leave it out, or name a --scene to simulate here");
 }
 
+void SettingsOptions::warnOfUnusedNetwork() const {
+  if (!namesScene()) return;
+  for (const char* option :
+       {"--transport", "--profile", "--keys", "--peers", "--discovery-server", "--lcm-url", "--domain"})
+    if (isGiven(option))
+      spdlog::warn("{} is not used: the scene is simulated in this process, without a network", option);
+}
+
 Settings SettingsOptions::resolve() const {
   Settings config;
   if (!config_.empty()) readConfig(config_, config);
-  return over(std::move(config));
+  Settings settings = over(std::move(config));
+  for (std::string& line : checkVoidSettings(settings, use_ == SettingsUse::kCompare))
+    settings.warnings.push_back(std::move(line));
+  for (const std::string& note : settings.notes) spdlog::info("{}", note);
+  for (const std::string& warning : settings.warnings) spdlog::warn("{}", warning);
+  return settings;
 }
 
 Settings SettingsOptions::resolve(const std::string& config_text) const {
@@ -280,32 +345,42 @@ Settings SettingsOptions::resolve(const std::string& config_text) const {
   return over(std::move(config));
 }
 
-void SettingsOptions::refuseWhatIsIgnored(const Settings& out) const {
-  const bool has_files = !out.scene.groom.empty(), has_body = !has_files || !out.scene.body.empty();
+void SettingsOptions::refuseEmptyNames() const {
   const struct {
     const char* option;
-    bool ignored;
+    bool is_empty;
     const char *reason, *remedy;
   } options[] = {
       {"--config", config_.empty(), "the configuration file has no name", "name a TOML file"},
       {"--collider-folder", given_.collider_folder.empty(), "the folder of colliders has no name",
        "name a folder of meshes"},
       {"--motion", given_.scene.motion.empty(), "the motion has no name", "e.g. --motion shake"},
-      {"--unit-meters", !has_files, "procedural hair is in metres", "leave it out, or give a --groom"},
-      {"--up", !has_files, "of procedural hair Y is up", "leave it out, or give a --groom"},
-      {"--body-contact", !has_body, "there is no body", "give a --body"},
-      {"--body-cell", !has_body, "there is no body", "give a --body"},
-      {"--body-cell", out.scene.body_contact == BodyContact::kSpheres, "spheres have no cells",
-       "leave it out, or --body-contact field"},
   };
-  for (const auto& [option, ignored, reason, remedy] : options)
-    if (ignored && isGiven(option)) throw Error(reason, option, remedy);
+  for (const auto& [option, is_empty, reason, remedy] : options)
+    if (is_empty && isGiven(option)) throw Error(reason, option, remedy);
 }
 
-bool SettingsOptions::isGiven(const char* option) const {
-  const CLI::Option* known = app_.get_option_no_throw(option);
-  return known != nullptr && known->count() > 0;
+void SettingsOptions::noteGiven(Settings& out) const {
+  const struct {
+    const char* option;
+    std::vector<const char*> replaced;
+  } replacing[] = {{"--scene",
+                    {"groom.files", "groom.unit_meters", "groom.up", "body.file", "body.contact", "body.cell",
+                     "body.fitted_spheres", "body.clip", "body.joint", "body.roots"}},
+                   {"--groom", {"scene", "groom.length"}},
+                   {"--transport", {"transport.peers", "transport.discovery_server", "transport.lcm_url"}}};
+  for (const auto& [option, replaced] : replacing)
+    for (const char* key : replaced) {
+      const auto of_file = out.given.find(key);
+      if (!isGiven(option) || of_file == out.given.end()) continue;
+      out.notes.push_back(fmt::format("{}, {} gives way to {}", of_file->second, key, option));
+      out.given.erase(of_file);
+    }
+  for (const auto& [option, key] : kOptionKeys)
+    if (isGiven(option)) out.given[key] = option;
 }
+
+bool SettingsOptions::isGiven(const char* option) const { return isGivenTo(app_, option); }
 
 Settings SettingsOptions::over(Settings out) const {
   auto lay = [&](const char* option, auto& to, const auto& from) {
@@ -366,12 +441,22 @@ Settings SettingsOptions::over(Settings out) const {
   lay("--zstd", out.codec.zstd, given_.codec.zstd);
   lay("--key-interval", out.codec.key_interval, given_.codec.key_interval);
   out.codec.threads = out.threads;
-  refuseWhatIsIgnored(out);
-  for (const std::string& text : material_) out.scene.materials.push_back(parseMaterial(text));
+  refuseEmptyNames();
+  noteGiven(out);
+  for (const std::string& text : material_) {
+    out.scene.materials.push_back(parseMaterial(text));
+    for (const MaterialRule::Setting& setting : out.scene.materials.back().settings)
+      out.given["material." + setting.name] = "--material " + text;
+  }
+  const size_t of_file = out.parameters.size();
   for (const std::string& text : set_) {
-    out.parameters.push_back(parseAssignment(text));
+    const auto assignment = parseAssignment(text);
+    refuseSetTwice({out.parameters.begin() + static_cast<ptrdiff_t>(of_file), out.parameters.end()},
+                   assignment, text);
     Parameters check;
-    setParameter(check, out.parameters.back().first, out.parameters.back().second, "--set " + text);
+    setParameter(check, assignment.first, assignment.second, "--set " + text);
+    out.given["parameters." + assignment.first] = "--set " + text;
+    out.parameters.push_back(assignment);
   }
   return out;
 }

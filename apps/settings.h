@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -46,6 +47,12 @@ struct Settings {
   double duration = 0;                   ///< s; 0 = until interrupted
   /// Absolute; commands may name files in it. Empty: commands have no file opened.
   std::filesystem::path collider_folder;
+
+  /// Where each setting was given that was: by key of a configuration file ("groom.length", of tables that
+  /// may be repeated the last; "claim"), the option or "hair.toml line 3".
+  std::map<std::string, std::string> given;
+  std::vector<std::string> notes;     ///< what of a file gives way to options, a line each
+  std::vector<std::string> warnings;  ///< what does nothing beside other settings, likewise
 };
 
 /// What a program does with the settings: simulate at a steady rate and cast frames, the same and obey the
@@ -56,10 +63,11 @@ enum class SettingsUse { kCast, kServe, kCompare };
 class SettingsOptions {
  public:
   explicit SettingsOptions(CLI::App& app, SettingsUse use = SettingsUse::kCast);
-  /// After parsing: reads the --config file, then lays the options given over it. Throws Error (file, line,
-  /// key).
+  /// After parsing: reads the --config file, then lays the options given over it. What does nothing beside
+  /// other settings is refused or logged (apps/void_settings.h). Throws Error (file, line, key).
   Settings resolve() const;
-  /// The same with this text in place of what the --config file holds now.
+  /// The same with this text in place of what the --config file holds now, and of settings that ran before:
+  /// none is refused or told of for what others do to it.
   Settings resolve(const std::string& config_text) const;
   /// The --config file; empty where none is given.
   const std::filesystem::path& config() const { return config_; }
@@ -68,15 +76,19 @@ class SettingsOptions {
   /// Throws Error where scene or simulation are told of although no scene is named: another program
   /// simulates, and it is told there.
   void refuseWithoutScene() const;
+  /// Logs which options of the network do nothing where the scene is simulated in this process.
+  void warnOfUnusedNetwork() const;
 
  private:
   Settings over(Settings config) const;
   /// Not of an option that the program does not have.
   bool isGiven(const char* option) const;
-  /// Options that change nothing beside the others.
-  void refuseWhatIsIgnored(const Settings& settings) const;
+  void refuseEmptyNames() const;
+  /// Into settings.given; what the file has and options replace goes.
+  void noteGiven(Settings& settings) const;
 
   CLI::App& app_;
+  const SettingsUse use_;
   const CLI::App *scene_ = nullptr, *simulation_ = nullptr;  ///< groups of its options
   std::filesystem::path config_;
   Settings given_;
@@ -97,6 +109,9 @@ BodyRoots bodyRootsOf(const std::string& name, const std::string& where = "--bod
 /// Adds --transport, --profile, --keys, --peers, --discovery-server, --lcm-url, --domain and --groom-id,
 /// which every program that joins a network has.
 void addNetworkOptions(CLI::App& app, Settings& settings);
+/// Of a program with these options and no others, once they are parsed: which were given. Throws Error where
+/// one does nothing beside the others.
+void checkNetworkOptions(const CLI::App& app, Settings& settings);
 
 /// The text of a configuration file of at most 1 MiB. Throws Error.
 std::string configText(const std::filesystem::path& file);

@@ -8,9 +8,11 @@
 #include "apps/console.h"
 #include "apps/daemon.h"
 #include "apps/interrupt.h"
+#include "apps/number_range.h"
 #include "apps/recorded_air.h"
 #include "apps/resimulation.h"
 #include "apps/settings.h"
+#include "apps/void_settings.h"
 #include "core/error.h"
 #include "transport/recording/record_file.h"
 #include "transport/recording/recording_publisher.h"
@@ -72,7 +74,7 @@ int main(int argc, char** argv) {
          "--record-grids", grids_every,
          "also record the grids of air and hair (density, wind, pressure, divergence) of every such "
          "frame, 1 = of each, where settings use them: `strandcast replay FILE --show wind` draws them")
-      ->check(CLI::Range(1, 1000000))
+      ->transform(wholeRange(1, 1000000))
       ->needs(records);
   uint32_t claim = 0;
   const CLI::Option* claims =
@@ -80,7 +82,7 @@ int main(int argc, char** argv) {
              "--claim", claim,
              "share the groom with other daemons that claim it (DDS): the one with the largest number casts, "
              "the others simulate in silence, and within half a second of its end the next takes over")
-          ->check(CLI::Range(0u, 4294967295u));
+          ->transform(wholeRange(0, 4294967295.0));
   app.add_flag("--json", json, "print the closing summary as one JSON object");
   app.add_flag("--quiet", quiet, "log warnings only");
   if (const std::optional<int> ended = parseArguments(app, argc, argv)) return *ended;
@@ -93,7 +95,11 @@ int main(int argc, char** argv) {
       throw Error("the recording has no name", "--record ''", "name a file, e.g. --record run.rec");
     if (!file.empty()) RecordWriter::check(file);  // before a scene is made and the groom claimed
     Settings settings = options.resolve();
-    if (claims->count() > 0) settings.claim = claim;
+    if (claims->count() > 0) {
+      settings.claim = claim;
+      settings.given["claim"] = "--claim";
+      refuseVoidNetwork(settings);
+    }
     if (!settings.collider_folder.empty() && !std::filesystem::is_directory(settings.collider_folder))
       throw Error("the collider folder is not there", settings.collider_folder.string(),
                   "name a folder of meshes (--collider-folder)");

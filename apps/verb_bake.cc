@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "apps/console.h"
-#include "apps/finite_range.h"
 #include "apps/interrupt.h"
+#include "apps/number_range.h"
 #include "apps/output_folder.h"
 #include "apps/settings.h"
 #include "apps/verbs.h"
@@ -182,9 +182,9 @@ Verb addBake(CLI::App& app) {
       ->check(finiteRange(1e-6, 1000.0));
   app.add_option("--up", o->up, "up axis of FILE")->check(CLI::IsMember({"auto", "x", "y", "z"}));
   app.add_option("--threads", o->limits.threads, "0 = all; the field does not depend on it")
-      ->check(CLI::Range(0, 1024));
+      ->transform(wholeRange(0, 1024));
   app.add_option("--memory", o->memory_mib, "MiB that the bake may use; refused above")
-      ->check(CLI::Range(size_t{1}, size_t{1} << 24))
+      ->transform(wholeRange(1, 1 << 24))
       ->capture_default_str();
   auto* cache = app.add_option("--cache", o->cache,
                                "folder of fields by content; XDG_CACHE_HOME/strandcast if not given");

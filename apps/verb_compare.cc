@@ -12,13 +12,13 @@
 #include "apps/channel.h"
 #include "apps/colliders.h"
 #include "apps/console.h"
-#include "apps/finite_range.h"
 #include "apps/interrupt.h"
-#include "apps/output_folder.h"
+#include "apps/number_range.h"
 #include "apps/picture_folder.h"
 #include "apps/picture_options.h"
 #include "apps/shake_trial.h"
 #include "apps/verbs.h"
+#include "apps/void_picture.h"
 #include "gl/context.h"
 
 namespace strandcast {
@@ -32,14 +32,16 @@ struct CompareOptions {
   std::filesystem::path out = "film", movie;
   size_t frames = 60;
   bool no_pictures = false, json = false;
+  CLI::Option* movie_option = nullptr;
 };
 
 /// Draws the same scene as every solver has it from one camera into one picture, side by side.
 class SideBySide {
  public:
   /// `simulation` is one of them.
-  SideBySide(const CompareOptions& options, const Scene& scene, const Simulation& simulation)
-      : out_(options.out), renderer_(renderSettings(options.picture)) {
+  SideBySide(const CompareOptions& options, PictureFolder& folder, const Scene& scene,
+             const Simulation& simulation)
+      : folder_(folder), renderer_(renderSettings(options.picture)) {
     GroomDescription groom;
     groom.name = scene.name;
     groom.hair_radius = simulation.parameters().hair_radius;
@@ -69,16 +71,15 @@ class SideBySide {
         const auto row = part.rgb.begin() + static_cast<ptrdiff_t>(y) * part.width * 3;
         joined.rgb.insert(joined.rgb.end(), row, row + static_cast<ptrdiff_t>(part.width) * 3);
       }
-    writePng(picturePath(out_, drawn_++), joined);
+    folder_.write(joined);
   }
 
  private:
-  std::filesystem::path out_;
+  PictureFolder& folder_;
   gl::HeadlessContext context_;
   Renderer renderer_;
   Camera camera_;
   GuideFrame frame_;
-  int drawn_ = 0;
 };
 
 struct Quantity {
@@ -159,8 +160,10 @@ void report(const CompareOptions& o, const Scene& scene, std::deque<ShakeTrial>&
 
 int compare(const CompareOptions& o) {
   Settings settings = o.settings->resolve();
+  if (!o.no_pictures) warnOfVoidPicture(o.picture);
   if (settings.scene.motion.empty()) settings.scene.motion = "shake";
-  std::optional<OutputFolder> folder;
+  if (o.movie_option->count() > 0) checkMovie(o.movie);
+  std::optional<PictureFolder> folder;
   if (!o.no_pictures) folder.emplace(o.out);
   const Scene scene = makeSceneAloud(settings.scene);
   std::deque<ShakeTrial> trials;
@@ -169,7 +172,7 @@ int compare(const CompareOptions& o) {
     trials.emplace_back(scene, settings, o.shake, o.rest);
   }
   std::optional<SideBySide> pictures;
-  if (!o.no_pictures) pictures.emplace(o, scene, trials.front().simulation());
+  if (!o.no_pictures) pictures.emplace(o, *folder, scene, trials.front().simulation());
   const size_t steps = trials.front().steps(), frames = std::min(o.frames, steps);
   {
     ProgressBar bar;
@@ -188,7 +191,7 @@ int compare(const CompareOptions& o) {
     spdlog::warn("interrupted: nothing to report before the hair has rested");
     return kExitInterrupted;
   }
-  if (pictures && !o.movie.empty())
+  if (pictures && o.movie_option->count() > 0)
     makeMovie(o.out, static_cast<int>(frames), static_cast<double>(frames) / (o.shake + o.rest), o.movie);
   report(o, scene, trials);
   return 0;
@@ -218,11 +221,15 @@ Verb addCompare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--out", o->out, "folder for frame_0000.png and on; --width is that of each solver's part")
       ->capture_default_str();
-  app.add_option("--frames", o->frames, "pictures, evenly over the whole time; at most one a step")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  app.add_option("--movie", o->movie, "also join the pictures into this film, with ffmpeg, in real time");
-  app.add_flag("--no-pictures", o->no_pictures, "numbers only; needs no OpenGL");
+  auto* frames =
+      app.add_option("--frames", o->frames, "pictures, evenly over the whole time; at most one a step")
+          ->transform(wholeRange(1, 1000000))
+          ->capture_default_str();
+  auto* movie = o->movie_option =
+      app.add_option("--movie", o->movie, "also join the pictures into this film, with ffmpeg, in real time");
+  app.add_flag("--no-pictures", o->no_pictures, "numbers only; needs no OpenGL")
+      ->excludes(frames)
+      ->excludes(movie);
   app.add_flag("--json", o->json, "print one JSON object");
   addPictureOptions(app, o->picture);
   o->settings = std::make_unique<SettingsOptions>(app, SettingsUse::kCompare);

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "apps/finite_range.h"
+#include "apps/number_range.h"
 #include "apps/settings.h"
 #include "apps/verbs.h"
 #include "groom/clean.h"
@@ -92,7 +92,7 @@ Verb addConvert(CLI::App& app) {
   app.add_option("--up", o->up, "up axis of IN (implies --clean)")
       ->check(CLI::IsMember({"auto", "x", "y", "z"}));
   app.add_option("--vertices", o->vertices, "resample every strand to this many vertices, equally spaced")
-      ->check(CLI::Range(2, 128));
+      ->transform(wholeRange(2, 128));
   return [o] { return convert(*o); };
 }
 

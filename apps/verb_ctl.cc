@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -17,8 +18,8 @@
 #include "apps/command_values.h"
 #include "apps/console.h"
 #include "apps/daemon.h"
-#include "apps/finite_range.h"
 #include "apps/interrupt.h"
+#include "apps/number_range.h"
 #include "apps/verbs.h"
 #include "apps/wind_control.h"
 #include "core/error.h"
@@ -46,15 +47,8 @@ struct CtlOptions {
   std::map<std::string, double> numbers;  ///< of windSourceNumbers(), those given
 };
 
-/// CLI11 by itself takes an empty text for 0.
-CLI::Validator finiteNumber() {
-  const auto refuse = [](const std::string& text) {
-    double value = 0;
-    if (CLI::detail::lexical_cast(text, value) && std::isfinite(value)) return std::string();
-    return fmt::format("'{}' is not a finite number", text);
-  };
-  return {refuse, ""};
-}
+/// Of any number. CLI11 by itself takes an empty text for 0.
+CLI::Validator finiteNumber() { return inRange({}); }
 
 /// Leaves out the least count of a positional's numbers, which CLI11 tells as if it were the only one.
 class PlainUsage final : public CLI::Formatter {
@@ -235,7 +229,7 @@ std::vector<double> colliderValues(std::string kind, const std::vector<double>& 
     if (kind == known.name) form = &known;
   if (form == nullptr || v.size() != form->numbers)
     throw Error(form == nullptr ? "there is no shape '" + kind + "'" : "a " + kind + " takes other numbers",
-                "ctl collider add", form == nullptr ? "see --help" : form->help);
+                "strandcast ctl collider add", form == nullptr ? "see --help" : form->help);
   const auto vec = [&](size_t i) {
     return Vec3(static_cast<float>(v[i]), static_cast<float>(v[i + 1]), static_cast<float>(v[i + 2]));
   };
@@ -261,7 +255,7 @@ std::vector<double> colliderValues(std::string kind, const std::vector<double>& 
     default:
       shape.extent = vec(3);
   }
-  checkPrimitive(shape, "ctl collider add");
+  checkPrimitive(shape, "strandcast ctl collider add");
   std::vector<double> values = {static_cast<double>(form->kind), follows_head ? 1.0 : 0.0};
   for (int c = 0; c < 3; ++c) values.push_back(static_cast<double>(follows_head ? 0.0f : at[c]));
   for (const double component : {0.0, 0.0, 0.0, 1.0}) values.push_back(component);
@@ -352,25 +346,24 @@ std::optional<Command> fileColliderOf(const CtlOptions& o) {
   else if (o.shape != fileKindName(PrimitiveKind::kField))
     return std::nullopt;
   if (o.words.size() != 1)
-    throw Error("a " + o.shape + " takes the name of one file", "ctl collider add",
+    throw Error("a " + o.shape + " takes the name of one file", "strandcast ctl collider add",
                 "give it as it is called in the daemon's --collider-folder; its place follows --at");
   collider.name = o.name;
   collider.file = o.words.front();
   collider.follows_head = o.follows_head;
-  if (!o.at.empty()) collider.pose = commandedPose(poseValues(o.at), 0, "ctl collider add");
+  if (!o.at.empty()) collider.pose = commandedPose(poseValues(o.at), 0, "strandcast ctl collider add");
   collider.friction = static_cast<float>(o.friction);
   collider.unit_meters = o.unit_meters;
   collider.cell = o.cell;
   const Command command = colliderFileCommand(collider);
-  colliderFileOf(command, "ctl collider add");  // before it is asked for
+  colliderFileOf(command, "strandcast ctl collider add");  // before it is asked for
   return command;
 }
 
 std::vector<double> numbersOf(const std::vector<std::string>& words) {
-  std::vector<double> numbers(words.size());
-  for (size_t i = 0; i < words.size(); ++i)
-    if (!CLI::detail::lexical_cast(words[i], numbers[i]) || !std::isfinite(numbers[i]))
-      throw Error("'" + words[i] + "' is not a finite number", "ctl collider add", "see --help");
+  std::vector<double> numbers;
+  for (const std::string& word : words)
+    numbers.push_back(numberIn(word, {}, "strandcast ctl collider add", "see --help"));
   return numbers;
 }
 
@@ -378,8 +371,8 @@ int addCollider(const CtlOptions& o) {
   if (const std::optional<Command> command = fileColliderOf(o))
     return sendCommand(o, command->kind, command->name, command->values);
   if (!o.at.empty() || o.unit_meters > 0 || o.cell > 0)
-    throw Error("--at, --unit-meters and --cell are of a mesh or a convex body", "ctl collider add",
-                "a shape's numbers say where it is and how large, in metres");
+    throw Error("--at, --unit-meters and --cell are of a mesh or a convex body",
+                "strandcast ctl collider add", "a shape's numbers say where it is and how large, in metres");
   return sendCommand(o, CommandKind::kAddCollider, o.name,
                      colliderValues(o.shape, numbersOf(o.words), o.follows_head, o.friction));
 }
@@ -453,7 +446,7 @@ WindSourceParts takeFanOptions(const CtlOptions& o, WindSource& source) {
     source.*number.into = static_cast<float>(given->second * number.scale);
     parts |= number.part;
   }
-  checkWindSource(source, "ctl fan");
+  checkWindSource(source, "strandcast ctl fan");
   return parts;
 }
 
@@ -520,8 +513,10 @@ void addFanVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std:
   add->callback([o, run] {
     *run = [o] {
       WindSource source;
-      source.kind = windSourceKind(o->shape, "ctl fan add");
-      takeFanOptions(*o, source);
+      source.kind = windSourceKind(o->shape, "strandcast ctl fan add");
+      const WindSourceParts given = takeFanOptions(*o, source);
+      if (const std::string unused = unusedParts(source.kind, given); !unused.empty())
+        spdlog::warn("{} is not used: a {} has none", unused, o->shape);
       return sendCommand(*o, CommandKind::kAddWindSource, o->name, windSourceValues(source));
     };
   });
@@ -539,7 +534,7 @@ void addFanVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std:
       WindSource to;
       const WindSourceParts parts = takeFanOptions(*o, to);
       if (parts == 0)
-        throw Error("nothing of the source is to change", "ctl fan move " + o->name,
+        throw Error("nothing of the source is to change", "strandcast ctl fan move " + o->name,
                     "give X Y Z, --direction, --speed or another of its numbers");
       return sendCommand(*o, CommandKind::kMoveWindSource, o->name, windMoveValues(to, parts, o->seconds));
     };
@@ -618,7 +613,10 @@ Verb addCtl(CLI::App& app) {
   addColliderVerbs(
       *app.add_subcommand("collider", "add, move, remove and list bodies that hair collides with"), o, run);
   addFanVerbs(*app.add_subcommand("fan", "add, move, remove and list sources of wind"), o, run);
-  verb("reset", "put the hair back to its rest shape",
+  verb("reset",
+       "put the hair back to its rest shape: hands let go, and what status measures begins anew; head, "
+       "bodies, "
+       "wind and parameters stay as they are",
        [o] { return sendCommand(*o, CommandKind::kReset, "", {}); });
   verb("pause", "hold the simulation; frames go on being sent",
        [o] { return sendCommand(*o, CommandKind::kPause, "", {1}); });
@@ -628,7 +626,7 @@ Verb addCtl(CLI::App& app) {
       ->add_option("STEPS", o->values, "1 to 1000")
       ->expected(1)
       ->required()
-      ->check(finiteNumber());
+      ->transform(wholeRange(1, kMostSteps));
   verb("pull", "a hand in the hair for a second; without numbers it lets go",
        [o] { return sendCommand(*o, CommandKind::kPull, "", o->values); })
       ->add_option("X Y Z RADIUS TOX TOY TOZ RATE", o->values,
@@ -637,7 +635,10 @@ Verb addCtl(CLI::App& app) {
       ->option_text("8 NUMBERS or none")
       ->check(finiteNumber());
   verb("stop", "end the daemon", [o] { return sendCommand(*o, CommandKind::kShutdown, "", {}); });
-  return [run] { return (*run)(); };
+  return [run, o, &app] {
+    checkNetworkOptions(app, o->network);
+    return (*run)();
+  };
 }
 
 }  // namespace strandcast

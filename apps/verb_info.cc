@@ -8,7 +8,7 @@
 #include "apps/backends.h"
 #include "apps/cast_size.h"
 #include "apps/console.h"
-#include "apps/finite_range.h"
+#include "apps/number_range.h"
 #include "apps/settings.h"
 #include "apps/verbs.h"
 #include "core/error.h"
@@ -138,14 +138,17 @@ int printGroom(const InfoOptions& options) {
 
 Verb addInfo(CLI::App& app) {
   const auto o = std::make_shared<InfoOptions>();
-  app.add_option("FILE", o->file, "groom file: .tfx, .hair, .obj or .usda");
-  app.add_option("--unit-meters", o->unit_meters,
-                 "metres per unit of the file; as the file says or guessed if not given")
-      ->check(finiteRange(1e-6, 1000.0));
-  app.add_option("--up", o->up, "up axis of the file")->check(CLI::IsMember({"auto", "x", "y", "z"}));
-  app.add_flag("--backends", o->backends,
-               "list the backends, whether they run here, and why not; and the GPUs that STRANDCAST_GPU "
-               "chooses among");
+  auto* file = app.add_option("FILE", o->file, "groom file: .tfx, .hair, .obj or .usda");
+  auto* unit = app.add_option("--unit-meters", o->unit_meters,
+                              "metres per unit of the file; as the file says or guessed if not given")
+                   ->check(finiteRange(1e-6, 1000.0));
+  auto* up =
+      app.add_option("--up", o->up, "up axis of the file")->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  auto* backends =
+      app.add_flag("--backends", o->backends,
+                   "list the backends, whether they run here, and why not; and the GPUs that STRANDCAST_GPU "
+                   "chooses among");
+  for (CLI::Option* const of_file : {file, unit, up}) backends->excludes(of_file);
   app.add_flag("--json", o->json, "print one JSON object");
   return [o] {
     if (o->backends) return printBackends(o->json);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/console.h"
+#include "apps/number_range.h"
 #include "apps/verbs.h"
 #include "transport/security/test_authority.h"
 
@@ -80,7 +81,7 @@ Verb addKeys(CLI::App& app) {
       "the network.");
   app.add_option("DIR", o->folder, "folder to make; it must not exist")->required();
   app.add_option("--days", o->days, "how long keys and permissions are in force")
-      ->check(CLI::Range(1, 3650))
+      ->transform(wholeRange(1, 3650))
       ->capture_default_str();
   app.add_flag("--json", o->json, "print what was made as one JSON object");
   return [o] { return makeKeys(*o); };

@@ -7,8 +7,8 @@
 
 #include "apps/channel.h"
 #include "apps/console.h"
-#include "apps/finite_range.h"
 #include "apps/interrupt.h"
+#include "apps/number_range.h"
 #include "apps/recorded_air.h"
 #include "apps/stream_recording.h"
 #include "apps/verbs.h"
@@ -131,6 +131,7 @@ int recordStream(const RecordOptions& o, const Settings& settings) {
 int record(const RecordOptions& o) {
   const Settings settings = o.settings->resolve();
   o.settings->refuseWithoutScene();
+  o.settings->warnOfUnusedNetwork();
   return o.settings->namesScene() ? simulateAndRecord(o, settings) : recordStream(o, settings);
 }
 
@@ -156,7 +157,7 @@ Verb addRecord(CLI::App& app) {
   app.add_option("--grids", o->grids_every,
                  "of a scene: also record the grids of air and hair (density, wind, pressure, divergence) of "
                  "every such frame, 1 = of each; `strandcast replay FILE --show wind` draws them")
-      ->check(CLI::Range(1, 1000000));
+      ->transform(wholeRange(1, 1000000));
   app.add_option("--timeout", o->timeout, "seconds without a frame after which the stream has ended")
       ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();

@@ -11,14 +11,14 @@
 #include "apps/air_film.h"
 #include "apps/channel.h"
 #include "apps/console.h"
-#include "apps/finite_range.h"
 #include "apps/frame_capture.h"
 #include "apps/interrupt.h"
-#include "apps/output_folder.h"
+#include "apps/number_range.h"
 #include "apps/picture_folder.h"
 #include "apps/picture_options.h"
 #include "apps/scene_simulation.h"
 #include "apps/verbs.h"
+#include "apps/void_picture.h"
 #include "core/error.h"
 #include "gl/context.h"
 
@@ -36,6 +36,8 @@ struct RenderOptions {
   double skip = 0;      // s
   double timeout = 20;  // s
   bool json = false;
+  CLI::Option* movie_option = nullptr;
+  bool films() const { return movie_option->count() > 0; }
 };
 
 /// `status`: the newest that was heard; the daemon may have ended since.
@@ -80,6 +82,7 @@ int renderAir(const RenderOptions& o, const Settings& settings) {
   if (!o.settings->namesScene())
     throw Error("a daemon does not cast its grids", "--show " + o.show,
                 "name what to simulate, e.g. --scene straight");
+  if (o.films()) checkMovie(o.movie);
   const Scene scene = makeSceneAloud(settings.scene);
   Simulation simulation = makeSimulation(scene, settings);
   AirFilm film(o.show, o.slice, std::min(o.picture.settings.width, o.picture.settings.height), o.out);
@@ -101,7 +104,7 @@ int renderAir(const RenderOptions& o, const Settings& settings) {
     bar.show(fmt::format("slice {} of {}", film.drawn(), o.frames),
              static_cast<double>(film.drawn()) / o.frames);
   }
-  if (!o.movie.empty() && film.drawn() > 0) makeMovie(o.out, film.drawn(), o.fps, o.movie);
+  if (o.films() && film.drawn() > 0) makeMovie(o.out, film.drawn(), o.fps, o.movie);
   Report out;
   film.addTo(out);
   out.print(o.json);
@@ -109,9 +112,13 @@ int renderAir(const RenderOptions& o, const Settings& settings) {
 }
 
 int render(const RenderOptions& o) {
+  o.settings->refuseWithoutScene();
+  o.settings->warnOfUnusedNetwork();
+  warnOfVoidPicture(o.picture);
   const Settings settings = o.settings->resolve();
   if (o.show != "hair") return renderAir(o, settings);
-  const OutputFolder folder(o.out);
+  if (o.films()) checkMovie(o.movie);
+  PictureFolder pictures(o.out);
   gl::HeadlessContext context;
   Stream stream(settings, o.settings->namesScene(), o.timeout);
   Subscriber& subscriber = stream.subscriber();
@@ -147,12 +154,12 @@ int render(const RenderOptions& o) {
       renderer.draw(*captured->frame, pictureCamera(o.picture, box));
       const Image image = renderer.read();
       draw_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-      writePng(picturePath(o.out, drawn), image);
+      pictures.write(image);
       ++drawn;
       bar.show(fmt::format("frame {} of {}", drawn, o.frames), static_cast<double>(drawn) / o.frames);
     }
   }
-  if (!o.movie.empty() && drawn > 0) makeMovie(o.out, drawn, o.fps, o.movie);
+  if (o.films() && drawn > 0) makeMovie(o.out, drawn, o.fps, o.movie);
   if (const auto now = subscriber.status()) status = now;
   report(o, subscriber, status, capture, samples, drawn, draw_ms);
   if (g_interrupted) return kExitInterrupted;
@@ -177,7 +184,7 @@ Verb addRender(CLI::App& app) {
       "  strandcast render --scene straight --set wind=3,0,0 --set wind_grid=1 --show wind");
   app.add_option("--out", o->out, "folder for frame_0000.png and on")->capture_default_str();
   app.add_option("--frames", o->frames, "pictures to draw")
-      ->check(CLI::Range(1, 1000000))
+      ->transform(wholeRange(1, 1000000))
       ->capture_default_str();
   app.add_option(
          "--fps", o->fps,
@@ -186,16 +193,18 @@ Verb addRender(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--skip", o->skip, "seconds of simulated time before the first picture")
       ->check(finiteRange(0.0, 1e6));
-  app.add_option(
-         "--show", o->show,
-         "hair, or a slice through the grids of a scene: density, wind, pressure or divergence, a square "
-         "whose sides are the shorter of --width and --height")
-      ->check(CLI::IsMember({"hair", "density", "wind", "pressure", "divergence"}))
-      ->capture_default_str();
+  auto* show =
+      app.add_option(
+             "--show", o->show,
+             "hair, or a slice through the grids of a scene: density, wind, pressure or divergence, a square "
+             "whose sides are the shorter of --width and --height")
+          ->check(CLI::IsMember({"hair", "density", "wind", "pressure", "divergence"}))
+          ->capture_default_str();
   app.add_option("--slice", o->slice, "axis that the slice lies across")
       ->check(CLI::IsMember({"x", "y", "z"}))
+      ->needs(show)
       ->capture_default_str();
-  app.add_option("--movie", o->movie, "also join the pictures into this file, with ffmpeg");
+  o->movie_option = app.add_option("--movie", o->movie, "also join the pictures into this file, with ffmpeg");
   app.add_option("--timeout", o->timeout,
                  "seconds to wait for a daemon, and for its next moment: of one that is paused only the "
                  "moment is drawn "

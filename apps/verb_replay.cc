@@ -10,13 +10,14 @@
 #endif
 #include "apps/channel.h"
 #include "apps/console.h"
-#include "apps/finite_range.h"
 #include "apps/interrupt.h"
+#include "apps/number_range.h"
 #include "apps/recorded_air.h"
 #include "apps/replay.h"
 #include "apps/resimulation.h"
 #include "apps/verbs.h"
 #include "core/error.h"
+#include "groom/text_number.h"
 #include "transport/recording/recorder.h"
 
 namespace strandcast {
@@ -36,8 +37,8 @@ struct ReplayVerbOptions {
 
 CLI::Validator notTooSlow() {
   const auto refuse = [](const std::string& text) {
-    double speed = 0;
-    if (CLI::detail::lexical_cast(text, speed) && isReplaySpeed(speed)) return std::string();
+    const std::optional<double> speed = numberOf(text);
+    if (speed && isReplaySpeed(*speed)) return std::string();
     return fmt::format("{} is too slow: give {:g} or more, or 0", text, kMinReplaySpeed);
   };
   return {refuse, ""};
@@ -287,33 +288,48 @@ Verb addReplay(CLI::App& app) {
   for (CLI::Option* const of_all : {check, resimulate})  // which take every frame, as fast as they can
     for (CLI::Option* const of_casting : {speed, loop, from, to}) of_all->excludes(of_casting);
   const char* const kGrids = "Grids of density and wind, as pictures";
-  app.add_option(
-         "--show", o->show,
-         "density, wind, pressure or divergence: cast nothing, draw slices through the grids that were "
-         "recorded (--record-grids), between --from and --to; with --resimulate, through those of the "
-         "simulation, of every frame")
-      ->check(CLI::IsMember({"density", "wind", "pressure", "divergence"}))
-      ->excludes(check)
-      ->group(kGrids);
+  auto* show =
+      app.add_option(
+             "--show", o->show,
+             "density, wind, pressure or divergence: cast nothing, draw slices through the grids that were "
+             "recorded (--record-grids), between --from and --to; with --resimulate, through those of the "
+             "simulation, of every frame")
+          ->check(CLI::IsMember({"density", "wind", "pressure", "divergence"}))
+          ->excludes(check)
+          ->excludes(speed)
+          ->excludes(loop)
+          ->group(kGrids);
   app.add_option("--slice", o->slice, "axis that the slice lies across")
       ->check(CLI::IsMember({"x", "y", "z"}))
+      ->needs(show)
       ->capture_default_str()
       ->group(kGrids);
-  app.add_option("--out", o->out, "folder for frame_0000.png and on")->capture_default_str()->group(kGrids);
+  app.add_option("--out", o->out, "folder for frame_0000.png and on")
+      ->needs(show)
+      ->capture_default_str()
+      ->group(kGrids);
   app.add_option("--size", o->size, "pixels along each edge")
-      ->check(CLI::Range(16, 4096))
+      ->transform(wholeRange(16, 4096))
+      ->needs(show)
       ->capture_default_str()
       ->group(kGrids);
   app.add_option("--fps", o->fps, "pictures per second of simulated time")
+      ->needs(show)
       ->check(finiteRange(0.1, 1000.0))
       ->capture_default_str()
       ->group(kGrids);
   app.add_option("--codec", o->codec, "how frames are written for the network: see strandcastd --help")
       ->check(CLI::IsMember({"float32", "delta16", "oct12", "oct16", "tangent", "temporal"}))
+      ->excludes(check)
+      ->excludes(resimulate)
+      ->excludes(show)
       ->capture_default_str();
   app.add_flag("--json", o->json, "print the closing summary as one JSON object");
   addNetworkOptions(app, o->settings);
-  return [o] { return replay(*o); };
+  return [o, &app] {
+    checkNetworkOptions(app, o->settings);
+    return replay(*o);
+  };
 }
 
 }  // namespace strandcast

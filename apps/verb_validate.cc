@@ -9,6 +9,7 @@
 #include "apps/backends.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
+#include "apps/number_range.h"
 #ifdef STRANDCAST_HAS_RENDER
 #include "apps/render_suite.h"
 #endif
@@ -150,9 +151,9 @@ Verb addValidate(CLI::App& app) {
   app.add_option("SUITE", o->suite, "which suite")->required();
   app.add_option("--backend", o->backend, "auto, reference, simd or gpu")->capture_default_str();
   app.add_option("--solver", o->solver, "rod or gauss_seidel")->capture_default_str();
-  app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->check(CLI::Range(0, 1024));
+  app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->transform(wholeRange(0, 1024));
   app.add_option("--only", o->only, "run or list the cases that have this in their name");
-  auto number = [&](const char* name, auto& value, const char* help) {
+  auto number = [&](const char* name, auto& value, const NumberRange& range, const char* help) {
     app.add_option_function<std::remove_reference_t<decltype(value)>>(
            name,
            [o, &value](const auto& given) {
@@ -160,12 +161,14 @@ Verb addValidate(CLI::App& app) {
              o->own_cantilever = true;
            },
            help)
+        ->transform(inRange(range))
         ->group("One cantilever in place of the standard ones");
   };
-  number("--gamma", o->cantilever.gamma, "gravito-bending number 4 rho g L^3 / (E R^2), 0.001 to 10000 (1)");
-  number("--vertices", o->cantilever.vertices, "beside the clamped one, 2 to 127 (32)");
-  number("--dt", o->cantilever.time_step, "time step, s (1/360)");
-  number("--damping", o->cantilever.damping, "air drag, 1/s, 0.05 to 100 (5)");
+  number("--gamma", o->cantilever.gamma, {0.001, 10000},
+         "gravito-bending number 4 rho g L^3 / (E R^2), 0.001 to 10000 (1)");
+  number("--vertices", o->cantilever.vertices, {2, 127, true}, "beside the clamped one, 2 to 127 (32)");
+  number("--dt", o->cantilever.time_step, {}, "time step, s (1/360)");
+  number("--damping", o->cantilever.damping, {0.05, 100}, "air drag, 1/s, 0.05 to 100 (5)");
   app.add_flag("--list", o->list, "name the cases and what is done, without running them");
   app.add_flag("--json", o->json, "print one JSON object");
   return [o] { return validate(*o); };

@@ -3,11 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "apps/finite_range.h"
 #include "apps/interrupt.h"
+#include "apps/number_range.h"
 #include "apps/picture_options.h"
 #include "apps/verbs.h"
 #include "apps/viewer/viewer.h"
+#include "apps/void_picture.h"
 
 namespace strandcast {
 
@@ -39,6 +40,9 @@ Verb addView(CLI::App& app) {
   addPictureOptions(app, o->picture);
   *settings = std::make_unique<SettingsOptions>(app);
   return [o, settings] {
+    (*settings)->refuseWithoutScene();
+    (*settings)->warnOfUnusedNetwork();
+    warnOfVoidPicture(o->picture);
     o->settings = (*settings)->resolve();
     o->here = (*settings)->namesScene();
     return runViewer(*o);

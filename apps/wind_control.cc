@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include "air/steered_air.h"
@@ -45,6 +46,35 @@ void checkPlace(const WindSource& source, const std::string& where) {
 }
 
 }  // namespace
+
+WindSourceParts partsOf(WindSource::Kind kind) {
+  WindSourceParts unused = 0;
+  const auto leaveOut = [&](std::initializer_list<const char*> names) {
+    for (const WindSourceNumber& number : windSourceNumbers())
+      for (const std::string name : names)
+        if (name == number.name) unused |= number.part;
+  };
+  switch (kind) {
+    case WindSource::Kind::kCone:
+      leaveOut({"radius", "swirl"});
+      break;
+    case WindSource::Kind::kTurbine:
+      leaveOut({"angle"});
+      break;
+    case WindSource::Kind::kSphere:
+      leaveOut({"length", "angle", "swirl", "rate"});
+      unused |= kSourceDirection;
+  }
+  return kAllSourceParts & ~unused;
+}
+
+std::string unusedParts(WindSource::Kind kind, WindSourceParts parts) {
+  const WindSourceParts unused = parts & ~partsOf(kind);
+  std::string names = (unused & kSourceDirection) != 0 ? "direction" : "";
+  for (const WindSourceNumber& number : windSourceNumbers())
+    if ((unused & number.part) != 0) names += (names.empty() ? "" : ", ") + std::string(number.name);
+  return names;
+}
 
 std::vector<double> windSourceValues(const WindSource& source) {
   std::vector<double> values = {static_cast<double>(source.kind)};
@@ -119,6 +149,10 @@ void WindControl::move(const Command& command, const std::string& where) {
   if (!(v[1] >= 0 && v[1] <= kLongestWay))
     throw Error(fmt::format("a source of wind takes 0 to {:g} s to move", kLongestWay), where, "");
   const auto parts = static_cast<WindSourceParts>(v[0]);
+  if ((parts & partsOf(known.source.kind)) == 0)
+    throw Error(fmt::format("a {} has no {}", windSourceKindName(known.source.kind),
+                            unusedParts(known.source.kind, parts)),
+                where, "move something else of it");
   WindSource to = known.source;
   readSource(v, 2, parts, to, where);
   if ((parts & kSourcePosition) != 0) checkPlace(to, where);

@@ -41,6 +41,12 @@ class WindControl {
   Simulation& simulation_;
 };
 
+/// The parts that a source of this kind uses: a cone no radius and swirl, a turbine no angle, a sphere
+/// position, radius and speed alone.
+WindSourceParts partsOf(WindSource::Kind kind);
+/// "direction, angle" of those of `parts` that a source of this kind does not use; empty where it uses all.
+std::string unusedParts(WindSource::Kind kind, WindSourceParts parts);
+
 /// The numbers of a command that adds a source: kind, position, direction, and windSourceNumbers() in SI.
 std::vector<double> windSourceValues(const WindSource& source);
 /// The source of these values; throws Error, naming `where`, where they are not sound.

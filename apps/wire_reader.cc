@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/interrupt.h"
+#include "apps/number_range.h"
 #include "apps/processor_time.h"
 #include "apps/wire_film.h"
 #include "core/error.h"
@@ -84,7 +85,7 @@ int read(const WireReaderOptions& o) {
 Verb addWireReader(CLI::App& app) {
   const auto o = std::make_shared<WireReaderOptions>();
   app.add_option("--transport", o->transport, "dds or lcm")->check(CLI::IsMember({"dds", "lcm"}))->required();
-  app.add_option("--domain", o->domain, "of it")->check(CLI::Range(0, 232))->required();
+  app.add_option("--domain", o->domain, "of it")->transform(wholeRange(0, 232))->required();
   app.add_option("--last-frame", o->last_frame, "after which it ends")->required();
   app.add_option("--rate", o->rate, "frames per second")->check(CLI::IsMember({60.0, 120.0}))->required();
   app.add_option("--film", o->film, "what is cast, to compare with")->required();

@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "apps/backends.h"
-#include "apps/finite_range.h"
+#include "apps/number_range.h"
 #include "bench/bench_scene.h"
 #include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"

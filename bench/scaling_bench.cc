@@ -14,7 +14,7 @@
 #include "apps/backends.h"
 #include "apps/console.h"
 #include "apps/daemon.h"
-#include "apps/finite_range.h"
+#include "apps/number_range.h"
 #include "bench/axis_fit.h"
 #include "bench/bench_scene.h"
 #include "bench/reader_process.h"

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "apps/backends.h"
-#include "apps/finite_range.h"
+#include "apps/number_range.h"
 #include "bench/bench_scene.h"
 #include "bench/gpu_limits.h"
 #include "bench/measured_copy.h"

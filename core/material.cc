@@ -76,10 +76,17 @@ void checkNumber(const Entry& entry, double value, const std::string& where) {
 void checkCurve(const Entry& entry, const RootTipCurve& curve, const std::string& where) {
   if (curve.knots.empty())
     throw Error(fmt::format("'{}' has no knot", entry.info.name), where, "give at least one");
-  float before = 0;
+  float before = -1;
+  int here = 0;  // knots at one place
   for (const auto& [place, factor] : curve.knots) {
     checkNumber(entry, factor, where);
-    if (!(place >= before && place <= 1))
+    here = place == before ? here + 1 : 1;
+    const bool is_within = place > 0 && place < 1;  // at an end a step has one side only
+    if (here > (is_within ? 2 : 1))
+      throw Error(
+          fmt::format("'{}' has {} knots at {:g}, of which not all count", entry.info.name, here, place),
+          where, is_within ? "two make a step: leave the others out" : "leave one of them out");
+    if (!(place >= 0 && place >= before && place <= 1))
       throw Error(fmt::format("'{}' has a knot at {:g}", entry.info.name, place), where,
                   "give places in order, from 0 (root) to 1 (tip)");
     before = place;

@@ -5,7 +5,8 @@
 
 namespace strandcast {
 
-/// A factor along a strand, from the root (0) to the tip (1): linear between knots, constant beyond them.
+/// A factor along a strand, from the root (0) to the tip (1): linear between knots, constant beyond them. Two
+/// knots at one place between root and tip make a step.
 struct RootTipCurve {
   std::vector<std::pair<float, float>> knots{
       {0.0f, 1.0f}};  ///< (place, factor), places ascending, at least one

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <thread>
 
@@ -105,15 +106,20 @@ bool Strand::stable(double factor) {
 
 }  // namespace
 
-SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity) {
+SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity,
+                          const std::function<bool(double part)>& progress) {
   if (!(gravity.cwiseAbs().array() <= kStrongestGravity).all())
     throw Error("gravity is not finite or out of range", "makeSagFree",
                 fmt::format("give three numbers within +-{:g} m/s^2", kStrongestGravity));
-  constexpr double kGrowth = 1.5;  // of the factor from one trial to the next
+  constexpr double kGrowth = 1.5;       // of the factor from one trial to the next
+  constexpr size_t kBetweenLooks = 64;  // strands from one call of `progress` to the next
   std::vector<float> factors(model.strands());
-  auto work = [&](size_t begin, size_t end) {
+  std::atomic<bool> goes_on{true};
+  auto work = [&](size_t begin, size_t end, bool is_first) {
     Strand strand;
-    for (size_t s = begin; s < end; ++s) {
+    for (size_t s = begin; s < end && goes_on; ++s) {
+      if (is_first && progress && (s - begin) % kBetweenLooks == 0)
+        goes_on = progress(static_cast<double>(s - begin) / static_cast<double>(end - begin));
       strand.read(model, s, gravity);
       double largest = 1;
       for (Strand::Joint& joint : strand.joints) {
@@ -140,8 +146,8 @@ SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity) {
   const size_t parts = std::clamp<size_t>(std::thread::hardware_concurrency(), 1, 1 + model.strands() / 256);
   std::vector<std::thread> others;
   for (size_t part = 1; part < parts; ++part)
-    others.emplace_back(work, model.strands() * part / parts, model.strands() * (part + 1) / parts);
-  work(0, model.strands() / parts);
+    others.emplace_back(work, model.strands() * part / parts, model.strands() * (part + 1) / parts, false);
+  work(0, model.strands() / parts, true);
   for (std::thread& other : others) other.join();
 
   SagFreeReport report;

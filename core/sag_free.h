@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/strand_model.h"
@@ -24,7 +25,10 @@ struct SagFreeReport {
 /// strain would change by more than kLargestChange, and a strand as a whole where its shape would not be
 /// stable under kWeightHeld times its weight (the second variation of its energy, a block tridiagonal matrix,
 /// is not positive). Throws Error where a component of gravity is beyond kStrongestGravity.
-SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity);
+/// `progress` is called in the calling thread with the part that is done, 0 to 1; where it gives false, it
+/// ends early, and the model is of no use.
+SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity,
+                          const std::function<bool(double part)>& progress = {});
 
 constexpr double kLargestChange = 1.0;   ///< of a rest strain, 2 tan(angle / 2): 53 degrees
 constexpr double kWeightHeld = 2;        ///< times the weight, that a groomed shape is stable under

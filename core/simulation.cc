@@ -375,6 +375,7 @@ StrandState Simulation::restNow() const {
 }
 
 void Simulation::reset() {
+  letGo();
   bones_end_ = bones_begin_;
   for (PlacedBody& body : bodies_) {
     body.end = body.begin;

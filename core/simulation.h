@@ -100,7 +100,7 @@ class Simulation {
   StepInput nextInput();
   /// One fixed step. Neither throws nor allocates.
   void step();
-  /// Back to the rest shape at the present head pose, at rest.
+  /// Back to the rest shape at the present head pose, at rest; a hand lets go.
   void reset();
   /// Puts strands with a vertex that is not finite, or farther from the root than twice the strand's length,
   /// back to their rest shape; gives how many. Waits for the backend. Allocates only when there are some, and

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <memory>
 #include <system_error>
+#include <utility>
 
 #include "core/error.h"
 #include "groom/distance_field_file.h"
@@ -51,37 +54,115 @@ BakeAnnouncement bakesOf(const BakeAnnouncement& begins, const std::string& name
       [begins, name](const std::string& outlook, double seconds) { begins(name + ": " + outlook, seconds); };
 }
 
+namespace {
+
+std::string noteOn(const DistanceField& field, const std::string& how) {
+  return fmt::format("the body's distance field: {} bricks, cells of {:.3g} mm, {:.1f} MiB, {}",
+                     field.storedBricks(), 1e3 * field.grid.cell,
+                     static_cast<double>(field.bytes()) / (1 << 20), how);
+}
+
+/// A field that was found in the cache, or that is to be baked.
+struct Planned {
+  std::optional<DistanceField> found;
+  std::unique_ptr<FieldBaker> baker;
+  uint64_t key = 0;
+  std::string trouble;  ///< with the file in the cache
+};
+
+Planned planned(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache& cache,
+                const BakeProgress& progress, const BakeLimits& limits) {
+  Planned out;
+  const FieldOptions resolved = resolveFieldOptions(mesh, options);
+  out.key = fieldKey(mesh, resolved);
+  out.found = cache.find(out.key, &out.trouble);
+  if (!out.found) out.baker = std::make_unique<FieldBaker>(mesh, resolved, limits, progress);
+  return out;
+}
+
+/// Bakes it where it was not found.
+SceneField finished(Planned plan, const FieldCache& cache, const BakeProgress& progress) {
+  if (plan.found) {
+    std::string note = noteOn(*plan.found, "found in the cache");
+    return {std::move(*plan.found), std::move(note), true, {}};
+  }
+  DistanceField field = plan.baker->bake(progress);
+  std::string note = noteOn(field, plan.trouble.empty() ? "baked" : "baked anew");
+  try {
+    cache.keep(plan.key, field);
+  } catch (const Error& error) {
+    plan.trouble = error.what();
+  }
+  if (!plan.trouble.empty()) note += fmt::format(" ({})", plan.trouble);
+  return {std::move(field), std::move(note), false, std::move(plan.trouble)};
+}
+
+/// What bakes take that are prepared together and done one after another.
+struct Needs {
+  double seconds = 0;
+  size_t kept = 0, largest = 0;  ///< bytes
+
+  void add(const BakeEstimate& estimate) {
+    seconds += estimate.seconds;
+    kept += estimate.working_bytes;  // the hierarchies and the field
+    largest = std::max(largest, estimate.field_bytes);
+  }
+  std::string text() const {
+    return fmt::format("about {:.0f} s, {:.0f} MiB", seconds,
+                       static_cast<double>(kept + largest) / (1 << 20));
+  }
+};
+
+}  // namespace
+
 SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache& cache,
                    const BakeProgress& progress, const BakeAnnouncement& begins, const BakeLimits& limits) {
-  const FieldOptions resolved = resolveFieldOptions(mesh, options);
-  const uint64_t key = fieldKey(mesh, resolved);
-  const auto note = [](const DistanceField& field, const char* how) {
-    return fmt::format("the body's distance field: {} bricks, cells of {:.3g} mm, {:.1f} MiB, {}",
-                       field.storedBricks(), 1e3 * field.grid.cell,
-                       static_cast<double>(field.bytes()) / (1 << 20), how);
-  };
-  std::string trouble;
-  if (std::optional<DistanceField> found = cache.find(key, &trouble)) {
-    const std::string text = note(*found, "found in the cache");
-    return {std::move(*found), text, true, {}};
-  }
-  FieldBaker baker(mesh, resolved, limits, progress);
-  const BakeEstimate& needs = baker.estimate();
-  const std::string outlook =
-      fmt::format("about {:.0f} s, {:.0f} MiB", needs.seconds,
-                  static_cast<double>(needs.field_bytes + needs.working_bytes) / (1 << 20));
-  if (begins) begins("baking a distance field takes " + outlook, needs.seconds);
-  DistanceField field = baker.bake([&](const std::string& what, double part) {
-    return !progress || progress(fmt::format("{} ({})", what, outlook), part);
+  Planned plan = planned(mesh, options, cache, progress, limits);
+  Needs needs;
+  if (plan.baker) needs.add(plan.baker->estimate());
+  if (plan.baker && begins) begins("baking a distance field takes " + needs.text(), needs.seconds);
+  return finished(std::move(plan), cache, [&](const std::string& what, double part) {
+    return !progress || progress(fmt::format("{} ({})", what, needs.text()), part);
   });
-  std::string text = note(field, trouble.empty() ? "baked" : "baked anew");
-  try {
-    cache.keep(key, field);
-  } catch (const Error& error) {
-    trouble = error.what();
+}
+
+std::vector<SceneField> fieldsOf(std::span<const NamedMesh> bodies, const FieldOptions& options,
+                                 const FieldCache& cache, const BakeProgress& progress,
+                                 const BakeAnnouncement& begins, const BakeLimits& limits) {
+  constexpr double kPlanning = 0.1;  // of the progress
+  std::vector<Planned> plans;
+  Needs needs;
+  size_t baked = 0;
+  for (const NamedMesh& body : bodies) {
+    const double part = kPlanning * static_cast<double>(plans.size()) / static_cast<double>(bodies.size());
+    plans.push_back(planned(
+        *body.mesh, options, cache,
+        [&](const std::string& what, double) {
+          return !progress ||
+                 progress(fmt::format("{} of {}, {}: {}", plans.size() + 1, bodies.size(), body.name, what),
+                          part);
+        },
+        limits));
+    if (!plans.back().baker) continue;
+    needs.add(plans.back().baker->estimate());
+    ++baked;
   }
-  if (!trouble.empty()) text += fmt::format(" ({})", trouble);
-  return {std::move(field), std::move(text), false, std::move(trouble)};
+  if (baked > 0 && begins)
+    begins(fmt::format("baking {} of {} distance fields takes {}", baked, bodies.size(), needs.text()),
+           needs.seconds);
+  std::vector<SceneField> fields;
+  double seconds_gone = 0;
+  for (size_t i = 0; i < plans.size(); ++i) {
+    const double seconds = plans[i].baker ? plans[i].baker->estimate().seconds : 0;
+    fields.push_back(finished(std::move(plans[i]), cache, [&](const std::string& what, double part) {
+      const double gone = (seconds_gone + part * seconds) / std::max(needs.seconds, 1e-9);
+      return !progress || progress(fmt::format("{} of {}, {}: {} (all: {})", i + 1, bodies.size(),
+                                               bodies[i].name, what, needs.text()),
+                                   kPlanning + gone * (1 - kPlanning));
+    }));
+    seconds_gone += seconds;
+  }
+  return fields;
 }
 
 }  // namespace strandcast

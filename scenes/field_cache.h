@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "collision/field_bake.h"
 #include "core/distance_field.h"
@@ -48,5 +50,17 @@ BakeAnnouncement bakesOf(const BakeAnnouncement& begins, const std::string& name
 SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache& cache,
                    const BakeProgress& progress, const BakeAnnouncement& begins = {},
                    const BakeLimits& limits = {});
+
+/// A body among others, as lines for people call it.
+struct NamedMesh {
+  std::string name;
+  const TriangleMesh* mesh;
+};
+/// fieldOf() for several bodies, in their order, with one announcement before the first bake: how many of the
+/// fields are not in the cache, and what all of them take together. Progress tells which one of how many it
+/// is at, "3 of 21, LeftArm: baking bricks", and the part of all work that is done.
+std::vector<SceneField> fieldsOf(std::span<const NamedMesh> bodies, const FieldOptions& options,
+                                 const FieldCache& cache, const BakeProgress& progress,
+                                 const BakeAnnouncement& begins = {}, const BakeLimits& limits = {});
 
 }  // namespace strandcast

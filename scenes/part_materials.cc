@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <map>
+#include <numeric>
+#include <tuple>
+
 #include "core/error.h"
 
 namespace strandcast {
@@ -12,6 +16,47 @@ void apply(const MaterialRule& rule, Material& material) {
     if (setting.name != kShearModulus) setMaterial(material, setting.name, setting.values, setting.where);
   for (const MaterialRule::Setting& setting : rule.settings)  // it needs the Young's modulus
     if (setting.name == kShearModulus) setMaterial(material, setting.name, setting.values, setting.where);
+}
+
+std::vector<size_t> partsOf(const MaterialRule& rule, const std::vector<std::string>& part_names) {
+  std::vector<size_t> parts(rule.parts.empty() ? part_names.size() : 0);
+  std::iota(parts.begin(), parts.end(), size_t{0});
+  for (const std::string& part : rule.parts) parts.push_back(partOf(part, part_names, rule.where));
+  return parts;
+}
+
+/// What two settings decide on both have one name for.
+std::string subjectOf(const std::string& setting) {
+  return setting == kShearModulus ? "poisson_ratio" : setting;
+}
+
+void refuseReplaced(const std::vector<MaterialRule>& rules, const std::vector<std::string>& part_names) {
+  using Key = std::tuple<bool, std::string, size_t>;  // origin, subject, part
+  std::map<Key, const MaterialRule::Setting*> later, later_of_all;
+  for (auto rule = rules.rbegin(); rule != rules.rend(); ++rule) {
+    const std::vector<size_t> parts = partsOf(*rule, part_names);
+    const auto& replacing = rule->parts.empty() ? later_of_all : later;
+    for (const MaterialRule::Setting& setting : rule->settings) {
+      const MaterialRule::Setting* other = nullptr;
+      bool is_void = !parts.empty();
+      for (const size_t part : parts) {
+        const auto known = replacing.find({rule->is_option, subjectOf(setting.name), part});
+        const bool is_replaced = known != replacing.end() && (known->second->name != setting.name ||
+                                                              known->second->values != setting.values);
+        is_void = is_void && is_replaced;
+        if (is_replaced) other = known->second;
+      }
+      if (is_void)
+        throw Error(fmt::format("'{}' is set twice for the same hair, to different values", setting.name),
+                    fmt::format("{} and {}", setting.where, other->where), "leave one of them out");
+    }
+    for (const MaterialRule::Setting& setting : rule->settings)
+      for (const size_t part : parts) {
+        const Key key{rule->is_option, subjectOf(setting.name), part};
+        later.insert({key, &setting});
+        if (rule->parts.empty()) later_of_all.insert({key, &setting});
+      }
+  }
 }
 
 }  // namespace
@@ -44,6 +89,10 @@ void checkRule(const MaterialRule& rule) {
     else
       setMaterial(any, setting.name, setting.values, setting.where);
     ratio = ratio || setting.name == "poisson_ratio";
+    for (const MaterialRule::Setting& other : rule.settings)
+      if (&other < &setting && other.name == setting.name && other.values != setting.values)
+        throw Error(fmt::format("'{}' is set twice, to different values", setting.name), setting.where,
+                    "leave one of them out");
   }
   if (shear != nullptr && ratio)
     throw Error("poisson_ratio and shear_modulus say the same twice", shear->where, "give one of them");
@@ -52,8 +101,9 @@ void checkRule(const MaterialRule& rule) {
 std::vector<Material> partMaterials(const std::vector<MaterialRule>& rules,
                                     const std::vector<std::string>& part_names) {
   std::vector<Material> materials(part_names.size());
+  for (const MaterialRule& rule : rules) checkRule(rule);
+  refuseReplaced(rules, part_names);
   for (const MaterialRule& rule : rules) {
-    checkRule(rule);
     if (rule.parts.empty())
       for (Material& material : materials) apply(rule, material);
     for (const std::string& part : rule.parts) apply(rule, materials[partOf(part, part_names, rule.where)]);

@@ -15,14 +15,16 @@ struct MaterialRule {
   };
   std::vector<std::string> parts;  ///< names or numbers of parts; empty = all
   std::vector<Setting> settings;
-  std::string where;  ///< of `parts`
+  std::string where;       ///< of `parts`
+  bool is_option = false;  ///< else of a file, to which options come on top
 };
 
 /// The number of a part given by name or, where none is called so, by number. Throws Error, naming `where`
 /// and the parts there are, and where several are called so.
 size_t partOf(const std::string& part, const std::vector<std::string>& names, const std::string& where);
 
-/// Throws Error on a setting that no material could take, whatever the groom is.
+/// Throws Error on a setting that no material could take, whatever the groom is, and on one that is there
+/// twice.
 void checkRule(const MaterialRule& rule);
 
 /// The material of every part: human hair, changed by the rules in their order. A shear modulus holds with

@@ -80,11 +80,7 @@ Scene makeProceduralScene(const SceneOptions& options, const Progress& progress)
   report(progress, "sculpting the body", 0.1);
   static const ProceduralBody kSculpted = makeProceduralBody();  // for all scenes of this process
   ProceduralBody body = kSculpted;
-  ProceduralGroomOptions groom = named.groom;
-  groom.seed = options.seed;
-  if (options.strands > 0) groom.strands = options.strands;
-  if (options.vertices > 0) groom.vertices = options.vertices;
-  if (options.length > 0) groom.length = options.length;
+  const ProceduralGroomOptions groom = proceduralGroomOf(options);
   constexpr double kFrom = 0.15, kTo = 0.45;  // of the scene's progress
   scene.groom = makeProceduralGroom(
       groom, [&](double part) { report(progress, "growing hair", kFrom + part * (kTo - kFrom)); });
@@ -167,18 +163,20 @@ void bakeParts(const SceneOptions& options, const Progress& progress, Scene& sce
   field.hair_radius = whole.hair_radius;
   field.cell = resolveFieldOptions(scene.body, whole).cell;
   const FieldCache cache(options.field_cache);
-  const auto count = static_cast<double>(skinned->parts().size());
   size_t bytes = 0, found = 0;
   skinned->first_body = scene.bodies.size();
-  for (const SkinPart& part : skinned->parts()) {
-    const double done = static_cast<double>(scene.bodies.size() - skinned->first_body);
-    SceneField baked = fieldOf(
-        part.mesh, field, cache,
-        [&](const std::string& what, double share) {
-          return !progress || progress(fmt::format("the distance field of {}: {}", part.name, what),
-                                       kFrom + (done + share) / count * (kTo - kFrom));
-        },
-        bakesOf(options.bake_begins, part.name));
+  std::vector<NamedMesh> meshes;
+  for (const SkinPart& part : skinned->parts()) meshes.push_back({part.name, &part.mesh});
+  std::vector<SceneField> fields = fieldsOf(
+      meshes, field, cache,
+      [&](const std::string& what, double share) {
+        return !progress ||
+               progress("the distance fields of the skin: " + what, kFrom + share * (kTo - kFrom));
+      },
+      bakesOf(options.bake_begins, "the skinned body"));
+  for (size_t i = 0; i < fields.size(); ++i) {
+    const SkinPart& part = skinned->parts()[i];
+    SceneField& baked = fields[i];
     bytes += baked.field.bytes();
     found += baked.from_cache ? 1 : 0;
     if (!baked.trouble.empty()) scene.warnings.push_back(baked.note);
@@ -336,6 +334,9 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   if (options.strands > 0 && static_cast<size_t>(options.strands) < strands.strands()) {
     report(progress, "choosing guides", 0.97);
     strands = subset(strands, chooseGuides(strands, static_cast<size_t>(options.strands)));
+  } else if (static_cast<size_t>(options.strands) > strands.strands()) {
+    scene.warnings.push_back(fmt::format("{} strands are asked for, and there are {}: all are used",
+                                         options.strands, strands.strands()));
   }
   if (options.vertices > 0) {
     strands = resample(strands, options.vertices);
@@ -371,6 +372,15 @@ const std::vector<SceneInfo>& sceneList() {
     return infos;
   }();
   return list;
+}
+
+ProceduralGroomOptions proceduralGroomOf(const SceneOptions& options) {
+  ProceduralGroomOptions groom = namedScene(options.name).groom;
+  groom.seed = options.seed;
+  if (options.strands > 0) groom.strands = options.strands;
+  if (options.vertices > 0) groom.vertices = options.vertices;
+  if (options.length > 0) groom.length = options.length;
+  return groom;
 }
 
 StrandModel sceneModel(const Scene& scene) {

@@ -82,6 +82,9 @@ const std::vector<SceneInfo>& sceneList();
 /// Tells how far a long job has come: what it does now, and the part done, 0 to 1; false stops it.
 using Progress = std::function<bool(const std::string& what, double part)>;
 
+/// The hair that a procedural scene grows. Throws Error on an unknown scene.
+ProceduralGroomOptions proceduralGroomOf(const SceneOptions& options);
+
 /// The strands of a scene with their materials and pins, as they are made: not sag-free. Throws Error.
 StrandModel sceneModel(const Scene& scene);
 

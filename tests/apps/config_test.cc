@@ -267,6 +267,7 @@ TEST(Config, WrongTypesAndRangesAreRefused) {
                            "[[material]]\nparts = []",
                            "[[material]]\nradius_curve = [[0, 1, 2]]",
                            "[[material]]\nradius_curve = [[1, 1], [0, 1]]",
+                           "[[material]]\nradius_curve = [[0, 1], [0, 2]]",
                            "[[material]]\npoisson_ratio = 0.3\nshear_modulus = 2e9",
                            "[daemon]\ncollider_folder = \"\"",
                            "a = [",
@@ -277,9 +278,8 @@ TEST(Config, WrongTypesAndRangesAreRefused) {
     EXPECT_NE(error.find("hair.toml"), std::string::npos) << text << ": " << error;
     EXPECT_EQ(error.find('\n'), std::string::npos) << "one line: " << error;
   }
-  EXPECT_EQ(
-      configErrorOf("[transport]\ngroom_id = 1.5"),
-      "'transport.groom_id' has a wrong value: hair.toml line 2; give a whole number from 1 to 4294967295");
+  EXPECT_EQ(configErrorOf("[transport]\ngroom_id = 1.5"),
+            "'transport.groom_id': 1.5 is not a whole number from 1 to 4294967295: hair.toml line 2");
   EXPECT_EQ(configErrorOf("seed = 7.0"), "") << "it is whole";
 }
 

@@ -107,6 +107,54 @@ TEST_F(DaemonTest, AHandPullsUntilItLetsGoOrNobodyMovesIt) {
   EXPECT_LT((subscriber_->frame()->positions[tip] - rest).norm(), 0.3f * held);
 }
 
+TEST_F(DaemonTest, AResetLetsGoAndMeasuresAnew) {
+  const size_t tip = 7;
+  cast(2);
+  const Vec3 rest = subscriber_->frame()->positions[tip];
+  const Vec3 to = rest + Vec3(0, 0.05f, 0.2f);
+  const std::vector<double> pull{rest.x(), rest.y(), rest.z(), 0.001, to.x(), to.y(), to.z(), 100};
+  const std::vector<double> head{0, 0.05, 0, 0, 0, 0, 1};  // up: away from the shoulders
+  EXPECT_EQ(order(CommandKind::kHeadPose, head), "");
+  EXPECT_EQ(order(CommandKind::kPull, pull), "");
+  std::vector<double> ball(25);  // a sphere: its pose from 2 on, its shape from 9 on
+  ball[2] = 5;                   // far from the hair
+  ball[8] = ball[24] = 1;
+  ball[15] = 0.05;
+  EXPECT_EQ(order(CommandKind::kAddCollider, ball, "ball"), "");
+  EXPECT_EQ(order(CommandKind::kMoveCollider, {1, 1, 1, 0, 0, 0, 1, 1}, "ball"), "");
+  cast(30);
+  EXPECT_EQ(order(CommandKind::kReset, {}), "");
+  const auto status = subscriber_->status();
+  EXPECT_EQ(status->max_stretch, 0);
+  EXPECT_EQ(status->max_penetration, 0);
+  EXPECT_EQ(status->strands_reset, 0u);
+  const auto frame = subscriber_->frame();
+  EXPECT_NEAR(frame->head.position.y(), 0.05f, 1e-4f) << "the head stays where it is";
+  cast(5);
+  const Vec3 carried = rest + Vec3(0, 0.05f, 0);
+  EXPECT_LT((subscriber_->frame()->positions[tip] - carried).norm(), 0.01f) << "the hand has let go";
+  ASSERT_EQ(frame->colliders.size(), 2u);
+  EXPECT_NE(subscriber_->frame()->colliders.back().pose.position, frame->colliders.back().pose.position)
+      << "a collider goes on";
+}
+
+TEST_F(DaemonTest, ARefusalNamesTheCommandAsItIsGiven) {
+  const auto where = [&](CommandKind kind, std::vector<double> values, const std::string& name) {
+    const std::string refusal = order(kind, std::move(values), name);
+    const size_t from = refusal.find(": strandcast ctl "), to = refusal.find(';');
+    return from == std::string::npos ? refusal : refusal.substr(from + 2, to - from - 2);
+  };
+  EXPECT_EQ(where(CommandKind::kSetParameter, {-5}, "air_drag"), "strandcast ctl set air_drag");
+  EXPECT_EQ(where(CommandKind::kMoveCollider, {0, 0, 0, 0, 0, 0, 1}, "rod"),
+            "strandcast ctl collider move rod");
+  EXPECT_EQ(where(CommandKind::kRemoveCollider, {}, "a rod"), "strandcast ctl collider remove a rod");
+  EXPECT_EQ(where(CommandKind::kRemoveWindSource, {}, "fan"), "strandcast ctl fan remove fan");
+  EXPECT_EQ(where(CommandKind::kStep, {3}, ""), "strandcast ctl step");
+  EXPECT_EQ(where(CommandKind::kPull, {3}, ""), "strandcast ctl pull");
+  EXPECT_EQ(where(CommandKind::kAddColliderFile, std::vector<double>(12), "chair a.glb"),
+            "strandcast ctl collider add chair");
+}
+
 TEST_F(DaemonTest, ItsStatusTellsParametersAsTheyAre) {
   const auto told = [&](const std::string& name) {
     for (const auto& [known, values] : namedValues(subscriber_->status()->parameters))

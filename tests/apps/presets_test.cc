@@ -5,6 +5,7 @@
 #include <set>
 
 #include "apps/picture_arguments.h"
+#include "apps/void_picture.h"
 #include "core/error.h"
 #include "tests/error_of.h"
 #include "tests/full_disk.h"
@@ -55,6 +56,30 @@ TEST(PictureSettings, RendererKeepsEveryValueThatTheyAllow) {
       EXPECT_EQ(setting.get(kept), setting.get(options)) << setting.info.name << " " << end;
     }
   }
+}
+
+TEST(VoidPictureOptions, AreToldOfWithTheReason) {
+  PictureOptions options;
+  PictureArguments arguments(options);
+  const auto set = [&](const char* name, const std::vector<double>& values) {
+    arguments.set(pictureSetting(name, "test"), values);
+  };
+  EXPECT_TRUE(voidPictureOptions(options).empty());
+  set("light-cone", {30});
+  EXPECT_EQ(voidPictureOptions(options),
+            std::vector<std::string>{"--light-cone is not used: the light is no spot"});
+  set("light", {2});  // a spot, after what it is given
+  set("light-cone", {40});
+  set("zoom", {2});
+  set("shadow-map", {64});
+  EXPECT_TRUE(voidPictureOptions(options).empty()) << "it is a spot now";
+  set("shadows", {0});
+  EXPECT_EQ(voidPictureOptions(options).back(), "--shadow-map is not used: --shadows is off");
+  set("clearance", {0.001});
+  EXPECT_EQ(voidPictureOptions(options).back(), "--clearance is not used: --keep-out is off");
+  set("keep-out", {1});
+  set("curl-strand", {3});
+  EXPECT_EQ(voidPictureOptions(options).back(), "--curl-strand is not used: there is no --curl-example");
 }
 
 TEST(Presets, WhatIsWrittenIsRead) {

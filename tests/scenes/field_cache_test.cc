@@ -107,6 +107,47 @@ TEST(FieldCache, ABakeIsAnnouncedBeforeItBeginsAndNotWhereTheCacheHasTheField) {
   EXPECT_NE(said[0].find("MiB"), std::string::npos) << said[0];
 }
 
+TEST(FieldCache, SeveralBakesAreAnnouncedOnceWithWhatAllTake) {
+  const ScratchFolder folder;
+  const FieldCache cache(folder.path());
+  FieldOptions options;
+  options.cell = 0.01f;
+  const std::vector<TriangleMesh> balls{shapes::sphere(0.05f, 2), shapes::sphere(0.04f, 2),
+                                        shapes::sphere(0.03f, 2)};
+  const std::vector<NamedMesh> bodies{{"arm", &balls[0]}, {"hand", &balls[1]}, {"finger", &balls[2]}};
+  const DistanceField arm = fieldOf(balls[0], options, FieldCache({}), {}).field;
+  fieldOf(balls[1], options, cache, {});
+  std::vector<std::string> said, shown;
+  double last = 0;
+  const auto bake = [&] {
+    return fieldsOf(
+        bodies, options, cache,
+        [&](const std::string& what, double part) {
+          shown.push_back(what);
+          EXPECT_GE(part, last);
+          EXPECT_LE(last = part, 1);
+          return true;
+        },
+        [&](const std::string& outlook, double seconds) {
+          EXPECT_GT(seconds, 0);
+          said.push_back(outlook);
+        });
+  };
+  const std::vector<SceneField> fields = bake();
+  ASSERT_EQ(fields.size(), 3u);
+  EXPECT_EQ(fields[0].field.samples, arm.samples);
+  EXPECT_TRUE(fields[1].from_cache);
+  EXPECT_FALSE(fields[2].from_cache);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_TRUE(said[0].starts_with("baking 2 of 3 distance fields takes about ")) << said[0];
+  EXPECT_TRUE(shown.back().starts_with("3 of 3, finger: ")) << shown.back();
+  EXPECT_GT(last, 0.1) << "beyond what preparing them is taken for";
+  said.clear();
+  last = 0;
+  for (const SceneField& field : bake()) EXPECT_TRUE(field.from_cache);
+  EXPECT_TRUE(said.empty());
+}
+
 TEST(FieldCache, WhatCannotBeWrittenIsAnError) {
   const ScratchFolder folder;
   std::ofstream(folder / "file") << "no folder";

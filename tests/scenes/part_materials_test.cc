@@ -31,6 +31,33 @@ TEST(PartMaterials, RulesChangeTheirPartsInOrder) {
   EXPECT_FLOAT_EQ(materials[2].radius, 5e-5f);
 }
 
+TEST(PartMaterials, ASettingThatLaterRulesReplaceIsRefused) {
+  const auto refusal = [](const std::vector<MaterialRule>& rules) {
+    return strandcast::errorOf([&] { partMaterials(rules, {"cap", "tail"}); });
+  };
+  const auto rule = [](std::vector<std::string> parts, const char* name, double value,
+                       bool is_option = false) {
+    return MaterialRule{
+        std::move(parts), {{name, {value}, is_option ? "--material" : "line 2"}}, "", is_option};
+  };
+  EXPECT_EQ(refusal({rule({"tail"}, "radius", 5e-5), rule({"1"}, "radius", 6e-5)}),
+            "'radius' is set twice for the same hair, to different values: line 2 and line 2; leave one of "
+            "them out");
+  EXPECT_NE(refusal({rule({"tail"}, "radius", 5e-5), rule({}, "radius", 6e-5)}), "")
+      << "all hair is tail too";
+  EXPECT_NE(refusal({rule({}, "radius", 5e-5), rule({}, "radius", 6e-5)}), "");
+  EXPECT_NE(refusal({rule({"cap"}, "poisson_ratio", 0.3), rule({"cap"}, "shear_modulus", 1.5e9)}), "");
+  EXPECT_EQ(
+      refusal({rule({}, "radius", 5e-5), rule({"cap"}, "radius", 6e-5), rule({"tail"}, "radius", 7e-5)}), "")
+      << "a rule of all is what parts differ from";
+  EXPECT_EQ(refusal({rule({"cap", "tail"}, "radius", 5e-5), rule({"tail"}, "radius", 6e-5)}), "")
+      << "the cap has it";
+  EXPECT_EQ(refusal({rule({}, "radius", 5e-5), rule({}, "radius", 5e-5)}), "") << "they say the same";
+  EXPECT_EQ(refusal({rule({}, "radius", 5e-5), rule({}, "radius", 6e-5, true)}), "")
+      << "options win over files";
+  EXPECT_NE(refusal({rule({}, "radius", 5e-5, true), rule({}, "radius", 6e-5, true)}), "");
+}
+
 TEST(PartMaterials, AnUnknownPartIsAnErrorThatNamesThoseThereAre) {
   const std::string error = strandcast::errorOf([] {
     partMaterials({{{"tale"}, {}, "hair.toml line 3"}}, {"cap", "tail"});
@@ -133,6 +160,10 @@ TEST(MaterialSettings, ACurveIsGivenByItsKnots) {
   EXPECT_FLOAT_EQ(material.radius_scale.at(0.75f), 0.5f);
   EXPECT_NE(errorOf("radius_curve", {1, 1, 0, 1}).find("places in order"), std::string::npos);
   EXPECT_NE(errorOf("radius_curve", {0, 1, 1.5, 1}).find("places in order"), std::string::npos);
+  for (const std::vector<double>& knots :
+       {std::vector<double>{0, 1, 0, 0.5}, {0, 1, 1, 0.5, 1, 0.4}, {0.5, 1, 0.5, 0.8, 0.5, 0.4}})
+    EXPECT_NE(errorOf("radius_curve", knots).find("not all count"), std::string::npos);
+  EXPECT_EQ(errorOf("radius_curve", {0.5, 1, 0.5, 0.4}), "") << "a step";
 }
 
 }  // namespace

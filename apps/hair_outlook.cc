@@ -1,0 +1,95 @@
+#include "apps/hair_outlook.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "core/sag_free.h"
+#include "groom/clean.h"
+#include "groom/file_bytes.h"
+#include "groom/procedural_groom.h"
+#include "scenes/field_cache.h"
+
+namespace strandcast {
+namespace {
+
+constexpr size_t kSample = 192;         // strands that are made to see how long all take
+constexpr size_t kWorthASample = 4000;  // strands; fewer take less than a second
+
+template <class Work>
+double secondsOf(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Evenly among all.
+std::vector<uint32_t> sampleOf(size_t strands) {
+  std::vector<uint32_t> sample;
+  for (size_t i = 0; i < kSample; ++i) sample.push_back(static_cast<uint32_t>(i * strands / kSample));
+  return sample;
+}
+
+double mebibytes(size_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+
+}  // namespace
+
+bool HairOutlook::isWorthSaying() const { return seconds >= kBakeWorthSaying || bytes >= kMemoryWorthSaying; }
+
+std::string HairOutlook::text() const {
+  std::string text;
+  if (seconds >= kBakeWorthSaying) text = fmt::format("about {:.0f} s", seconds);
+  if (bytes > 0) text += fmt::format("{}{:.0f} MiB", text.empty() ? "about " : ", ", mebibytes(bytes));
+  return text;
+}
+
+HairOutlook outlookOfGroom(const SceneOptions& options) {
+  HairOutlook out;
+  if (!options.groom.empty()) {
+    // Of one core of 2020: readers go over a binary file once, texts are parsed word by word.
+    constexpr double kBinaryPerSecond = 300e6, kTextPerSecond = 30e6;
+    for (const std::filesystem::path& file : options.groom) {
+      std::error_code absent;
+      const uintmax_t bytes = std::filesystem::file_size(file, absent);
+      if (absent) continue;
+      const std::string extension = lowerExtension(file);
+      const bool is_text = extension == ".obj" || extension == ".usda";
+      out.file_bytes += bytes;
+      out.seconds += static_cast<double>(bytes) / (is_text ? kTextPerSecond : kBinaryPerSecond);
+      out.bytes += bytes;  // the file is in memory while it is read
+    }
+    return out;
+  }
+  ProceduralGroomOptions groom = proceduralGroomOf(options);
+  out.strands = static_cast<size_t>(groom.strands);
+  out.vertices = out.strands * static_cast<size_t>(groom.vertices);
+  out.bytes = out.vertices * kBytesPerVertex;
+  if (out.strands < kWorthASample) return out;
+  groom.strands = static_cast<int>(kSample);
+  out.seconds = secondsOf([&] { makeProceduralGroom(groom); }) * static_cast<double>(out.strands) / kSample;
+  return out;
+}
+
+HairOutlook outlookOfModel(const Scene& scene, const Settings& settings) {
+  const StrandSet& strands = scene.groom.strands;
+  HairOutlook out;
+  out.strands = strands.strands();
+  out.vertices = strands.vertices();
+  out.bytes = out.vertices * kBytesPerVertex;
+  if (out.strands < kWorthASample) return out;
+  const StrandSet some = subset(strands, sampleOf(out.strands));
+  const double times = static_cast<double>(out.strands) / kSample;
+  StrandModel model;
+  out.seconds = times * secondsOf([&] { model = makeStrandModel(some, scene.materials); });
+  if (settings.solver == SolverKind::kRod && settings.sag_free) {
+    const double threads = std::max(std::thread::hardware_concurrency(), 1u);  // see makeSagFree()
+    out.seconds += times / threads * secondsOf([&] { makeSagFree(model, scene.parameters.gravity); });
+  }
+  return out;
+}
+
+}  // namespace strandcast

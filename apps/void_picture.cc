@@ -1,0 +1,68 @@
+#include "apps/void_picture.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+namespace strandcast {
+namespace {
+
+// `name` does nothing where `is_void`; of a setting of lights, for the light that it is of.
+struct VoidOption {
+  const char* name;
+  bool (*is_void)(const PictureOptions&, const Light&);
+  const char* reason;
+};
+
+using O = PictureOptions;
+bool hasNoShadows(const O& o, const Light&) { return !o.settings.shadows; }
+bool isNoSpot(const O&, const Light& light) { return light.kind != LightKind::kSpot; }
+bool isTessellated(const O& o, const Light&) { return o.settings.growth_path == GrowthPath::kTessellator; }
+constexpr const char *kNoShadows = "--shadows is off", *kNoSpot = "the light is no spot";
+
+// clang-format off
+constexpr VoidOption kRules[] = {
+    {"filter", [](const O& o, const Light&) { return o.settings.supersampling == 1; },
+     "--supersampling is 1"},
+    {"geometry", isTessellated, "--growth tessellator draws lines"},
+    {"mark-inside", isTessellated, "it is of --growth compute"},
+    {"clump", [](const O& o, const Light&) { return o.settings.growth.interpolation != Interpolation::kCombined; },
+     "it is of --interpolation combined"},
+    {"curl-pitch", [](const O& o, const Light&) { return o.settings.growth.curl_radius == 0; },
+     "--curl-radius is 0"},
+    {"curl-strand", [](const O& o, const Light&) { return o.curl_example.empty(); },
+     "there is no --curl-example"},
+    {"clearance", [](const O& o, const Light&) { return !o.settings.keep_out; }, "--keep-out is off"},
+    {"light-direction", [](const O&, const Light& light) { return light.kind == LightKind::kPoint; },
+     "a point light shines all around"},
+    {"light-position", [](const O&, const Light& light) { return light.kind == LightKind::kDirectional; },
+     "a directional light is infinitely far away"},
+    {"light-cone", isNoSpot, kNoSpot},
+    {"light-edge", isNoSpot, kNoSpot},
+    {"light-shadow", hasNoShadows, kNoShadows},
+    {"shadow-layers", hasNoShadows, kNoShadows},
+    {"layer-sizes", hasNoShadows, kNoShadows},
+    {"beyond-layers", hasNoShadows, kNoShadows},
+    {"shadow-depth", hasNoShadows, kNoShadows},
+    {"shadow-map", hasNoShadows, kNoShadows},
+    {"shadow-filter", hasNoShadows, kNoShadows},
+    {"shadow-depth", [](const O& o, const Light&) { return o.settings.opacity.beyond == BeyondLayers::kReach; },
+     "--beyond-layers reach goes to the back of the hair"},
+};
+// clang-format on
+
+}  // namespace
+
+std::vector<std::string> voidPictureOptions(const PictureOptions& options) {
+  std::vector<std::string> lines;
+  for (const auto& [name, light] : options.given)
+    for (const VoidOption& rule : kRules)
+      if (name == rule.name && rule.is_void(options, options.settings.lights.at(light)))
+        lines.push_back(fmt::format("--{} is not used: {}", name, rule.reason));
+  return lines;
+}
+
+void warnOfVoidPicture(const PictureOptions& options) {
+  for (const std::string& line : voidPictureOptions(options)) spdlog::warn("{}", line);
+}
+
+}  // namespace strandcast

@@ -1,0 +1,229 @@
+#include "apps/void_settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <span>
+
+#include "core/error.h"
+#include "transport/dds.h"
+
+namespace strandcast {
+namespace {
+
+enum class Verdict {
+  kRefused,
+  kTold,    ///< a warning that it is not used
+  kDoubted  ///< a warning that it is used in part
+};
+
+// One row of a table: `key`, as configuration files have it, does nothing where `is_void`. `cause`: the key
+// of what makes it void, empty where that is something missing.
+struct VoidSetting {
+  const char *key, *cause;
+  bool (*is_void)(const Settings&);
+  const char *reason, *remedy;
+  Verdict verdict;
+};
+
+bool hasFiles(const Settings& s) { return !s.scene.groom.empty(); }
+bool hasBody(const Settings& s) { return !s.scene.body.empty(); }
+bool hasNoBody(const Settings& s) { return hasFiles(s) && !hasBody(s); }
+bool isGrown(const Settings& s) { return !hasFiles(s); }
+/// Meshes other than the body, of the scene or of commands.
+bool hasMeshes(const Settings& s) {
+  return !s.collider_folder.empty() || std::any_of(s.scene.primitives.begin(), s.scene.primitives.end(),
+                                                   [](const auto& p) { return !p.file.empty(); });
+}
+bool isGrownAlone(const Settings& s) { return isGrown(s) && !hasMeshes(s); }
+bool hasSpheres(const Settings& s) { return s.scene.body_contact == BodyContact::kSpheres; }
+bool isRod(const Settings& s) { return s.solver == SolverKind::kRod; }
+bool isGaussSeidel(const Settings& s) { return !isRod(s); }
+bool isLcm(const Settings& s) { return s.transport == "lcm"; }
+bool isDds(const Settings& s) { return !isLcm(s); }
+bool isSecure(const Settings& s) { return ddsProfileNamed(s.profile, "--profile") == DdsProfile::kSecure; }
+
+Parameters parametersOf(const Settings& s) {
+  Parameters parameters;
+  for (const auto& [name, values] : s.parameters) setParameter(parameters, name, values, "parameters");
+  return parameters;
+}
+
+constexpr Verdict kRefused = Verdict::kRefused, kTold = Verdict::kTold, kDoubted = Verdict::kDoubted;
+
+// clang-format off
+constexpr VoidSetting kSceneRules[] = {
+    {"scene", "groom.files", hasFiles,
+     "a procedural scene and a groom are two things to simulate", "leave one of them out", kRefused},
+    {"groom.length", "groom.files", hasFiles,
+     "hair of groom files is as long as it is", "leave length out (--length): it is for procedural scenes", kRefused},
+    {"seed", "groom.files", hasFiles,
+     "nothing of groom files is random", "leave the seed out", kTold},
+    {"groom.unit_meters", "scene", isGrownAlone,
+     "procedural hair is in metres", "leave it out, or give a --groom", kRefused},
+    {"groom.up", "scene", isGrownAlone,
+     "of procedural hair Y is up", "leave it out, or give a --groom", kRefused},
+    {"body.contact", "", hasNoBody, "there is no body", "give a --body", kRefused},
+    {"body.cell", "", [](const Settings& s) { return hasNoBody(s) && !hasMeshes(s); },
+     "there is no body", "give a --body", kRefused},
+    {"body.fitted_spheres", "", hasNoBody, "there is no body", "give a --body", kRefused},
+    {"body.friction", "", hasNoBody, "there is no body", "give a --body", kRefused},
+    {"body.cell", "body.contact", [](const Settings& s) { return hasSpheres(s) && !hasMeshes(s); },
+     "spheres have no cells", "leave it out, or --body-contact field", kRefused},
+    {"body.fitted_spheres", "body.contact", [](const Settings& s) { return hasBody(s) && !hasSpheres(s); },
+     "the body collides through its distance field", "leave it out, or --body-contact spheres", kTold},
+    {"body.contact", "scene", isGrown, "the procedural body consists of shapes", "leave it out", kTold},
+    {"body.cell", "scene", isGrownAlone, "the procedural body consists of shapes", "leave it out", kTold},
+    {"body.fitted_spheres", "scene", isGrown, "the procedural body consists of shapes", "leave it out", kTold},
+};
+
+constexpr VoidSetting kSolverRules[] = {
+    {"material.tether", "daemon.solver", isRod,
+     "the rod keeps its length", "leave it out, or --solver gauss_seidel", kTold},
+    {"daemon.sag_free", "daemon.solver", isGaussSeidel,
+     "only the rod is made sag-free", "leave it out, or --solver rod", kTold},
+    {"material.youngs_modulus", "daemon.solver", isGaussSeidel,
+     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kTold},
+    {"material.poisson_ratio", "daemon.solver", isGaussSeidel,
+     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kTold},
+    {"material.shear_modulus", "daemon.solver", isGaussSeidel,
+     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kTold},
+    {"material.stiffness_curve", "daemon.solver", isGaussSeidel,
+     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kTold},
+    {"material.damping_scale", "daemon.solver", isGaussSeidel,
+     "gauss_seidel has no internal damping", "leave it out, or --solver rod", kTold},
+    {"material.damping_curve", "daemon.solver", isGaussSeidel,
+     "gauss_seidel has no internal damping", "leave it out, or --solver rod", kTold},
+};
+
+constexpr VoidSetting kNetworkRules[] = {
+    {"transport.lcm_url", "transport.kind", isDds, "DDS has no URL", "add --transport lcm", kRefused},
+    {"transport.domain", "transport.lcm_url", [](const Settings& s) { return isLcm(s) && !s.lcm_url.empty(); },
+     "the URL of LCM says the port", "leave the domain out, or the URL", kRefused},
+    {"transport.profile", "transport.kind", isLcm,
+     "profiles are of DDS: LCM has no security and repairs nothing", "use --transport dds", kRefused},
+    {"transport.keys", "transport.kind", isLcm, "LCM has no security", "use --transport dds", kRefused},
+    {"transport.peers", "transport.kind", isLcm,
+     "LCM looks for nobody", "say with --lcm-url where frames go, or use --transport dds", kRefused},
+    {"transport.discovery_server", "transport.kind", isLcm,
+     "LCM looks for nobody", "say with --lcm-url where frames go, or use --transport dds", kRefused},
+    {"claim", "transport.kind", isLcm, "daemons cannot share a groom over LCM", "use --transport dds", kRefused},
+    {"transport.keys", "transport.profile", [](const Settings& s) { return !isSecure(s); },
+     "keys are used by one profile alone", "give --profile secure too", kRefused},
+};
+
+constexpr VoidSetting kCodecRules[] = {
+    {"transport.codec_error_mm", "transport.codec", [](const Settings& s) { return s.codec.codec == Codec::kFloat32; },
+     "float32 has no error", "leave the error out, or choose another codec", kRefused},
+    {"transport.zstd", "transport.codec",
+     [](const Settings& s) {
+       return s.codec.codec != Codec::kDelta16 && s.codec.codec != Codec::kOctahedral12 && s.codec.codec != Codec::kOctahedral16;
+     },
+     "zstd is for delta16, oct12 and oct16", "leave it out, or choose one of them", kRefused},
+    {"transport.key_interval", "transport.codec", [](const Settings& s) { return s.codec.codec != Codec::kTemporal; },
+     "only the temporal codec has key frames", "leave it out, or --codec temporal", kRefused},
+    {"daemon.rate", "parameters.time_step",
+     [](const Settings& s) { return s.rate * static_cast<double>(parametersOf(s).time_step) > 1 + 1e-6; },
+     "frames come more often than steps of the simulation: some are cast twice",
+     "give a lower rate, or a shorter time step (--set time_step)", kDoubted},
+};
+
+// Parameters that others make void: of the solver first, then of air and hair on grids (docs/air.md).
+struct VoidParameter {
+  const char* name;
+  bool (*is_void)(const Parameters&);
+  const char* needs;
+};
+using P = Parameters;
+bool isOfRod(const P& p) { return p.solver == SolverKind::kRod; }
+bool hasNoDrag(const P& p) { return p.air_drag == 0; }
+bool hasNoWindGrid(const P& p) { return p.wind_grid == 0; }
+bool hasNoGrid(const P& p) { return p.wind_grid == 0 && p.volume_stiffness == 0 && p.hair_friction == 0; }
+bool isStill(const P& p) { return p.wind.isZero(); }
+constexpr const char *kNeedsCourse = "it is of --solver gauss_seidel", *kNeedsDrag = "it needs air_drag above 0",
+                     *kNeedsWindGrid = "it needs wind_grid=1", *kNeedsWind = "it needs a wind",
+                     *kNeedsVolume = "it needs volume_stiffness above 0";
+constexpr VoidParameter kParameterRules[] = {
+    {"iterations", isOfRod, kNeedsCourse},
+    {"shape_rate", isOfRod, kNeedsCourse},
+    {"shape_rate_tip", isOfRod, kNeedsCourse},
+    {"damping_time", [](const P& p) { return !isOfRod(p); }, "it is of --solver rod"},
+    {"wind", hasNoDrag, kNeedsDrag},
+    {"air_drag_along", hasNoDrag, kNeedsDrag},
+    {"grid_cells", hasNoGrid, "it needs wind_grid=1, or volume_stiffness or hair_friction above 0"},
+    {"mac_cormack", hasNoWindGrid, kNeedsWindGrid},
+    {"air_viscosity", hasNoWindGrid, kNeedsWindGrid},
+    {"hairs_per_strand", hasNoWindGrid, kNeedsWindGrid},
+    {"gust", isStill, kNeedsWind},
+    {"turbulence", isStill, kNeedsWind},
+    {"gust_period", [](const P& p) { return p.gust == 0; }, "it needs a gust above 0"},
+    {"turbulence_length", [](const P& p) { return p.turbulence == 0; }, "it needs turbulence above 0"},
+    {"wind_seed", [](const P& p) { return p.gust == 0 && p.turbulence == 0; }, "it needs gust or turbulence above 0"},
+    {"volume_hold", [](const P& p) { return p.volume_stiffness == 0; }, kNeedsVolume},
+    {"volume_target", [](const P& p) { return p.volume_stiffness == 0; }, kNeedsVolume},
+};
+// clang-format on
+
+bool isOption(const std::string& place) { return place.starts_with("--"); }
+
+std::string nameOf(const char* key, const std::string& place) {
+  return isOption(place) ? place : fmt::format("{}, {}", place, key);
+}
+
+void check(std::span<const VoidSetting> rules, const Settings& s, std::vector<std::string>& told) {
+  for (const VoidSetting& rule : rules) {
+    const auto given = s.given.find(rule.key);
+    if (given == s.given.end() || !rule.is_void(s)) continue;
+    const auto cause = s.given.find(rule.cause);
+    const bool gives_way = !isOption(given->second) && cause != s.given.end() && isOption(cause->second);
+    const Error refusal(rule.reason, nameOf(rule.key, given->second), rule.remedy);
+    if (rule.verdict == kRefused && !gives_way) throw refusal;
+    const std::string line =
+        rule.verdict == Verdict::kDoubted
+            ? refusal.what()
+            : fmt::format("{} is not used: {}", nameOf(rule.key, given->second), rule.reason);
+    if (std::find(told.begin(), told.end(), line) == told.end()) told.push_back(line);
+  }
+}
+
+void checkParameters(const Settings& s, bool any_solver, std::vector<std::string>& told) {
+  Parameters parameters = parametersOf(s);
+  parameters.solver = s.solver;
+  const Parameters standard;
+  for (const VoidParameter& rule : kParameterRules) {
+    const auto given = s.given.find(std::string("parameters.") + rule.name);
+    const bool is_of_solver = rule.needs == kNeedsCourse || std::string(rule.name) == "damping_time";
+    if (given == s.given.end() || !rule.is_void(parameters) || (any_solver && is_of_solver)) continue;
+    // Presets and the viewer name every parameter.
+    if (parameter(parameters, rule.name) == parameter(standard, rule.name)) continue;
+    told.push_back(
+        fmt::format("{} is not used: {}", nameOf(given->first.c_str(), given->second), rule.needs));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> checkVoidSettings(const Settings& settings, bool any_solver) {
+  std::vector<std::string> told;
+  check(kSceneRules, settings, told);
+  check(kNetworkRules, settings, told);
+  check(kCodecRules, settings, told);
+  if (!any_solver) check(kSolverRules, settings, told);
+  checkParameters(settings, any_solver, told);
+  return told;
+}
+
+void refuseVoidNetwork(const Settings& settings) {
+  std::vector<std::string> told;
+  check(kNetworkRules, settings, told);
+}
+
+std::string whyVoid(const Parameters& parameters, const std::string& name) {
+  for (const VoidParameter& rule : kParameterRules)
+    if (rule.name == name && rule.is_void(parameters)) return rule.needs;
+  return {};
+}
+
+}  // namespace strandcast

@@ -1,0 +1,81 @@
+#include "apps/console.h"
+
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+
+#include "apps/hair_outlook.h"
+
+namespace strandcast {
+namespace {
+
+/// What a program with a few verbs says of these words; empty where it takes them.
+std::string saidOf(std::vector<const char*> words) {
+  CLI::App app("a program");
+  app.require_subcommand(1);
+  double zoom = 1;
+  std::string file;
+  CLI::App* render = app.add_subcommand("render", "draw");
+  CLI::Option_group* group = render->add_option_group("Picture");
+  group->add_option("--zoom", zoom);
+  app.add_subcommand("info", "tell")->add_option("FILE", file)->required();
+  CLI::App* ctl = app.add_subcommand("ctl", "steer");
+  ctl->require_subcommand(1);
+  ctl->fallthrough();
+  ctl->add_option("--domain", file);
+  CLI::App* collider = ctl->add_subcommand("collider", "bodies");
+  collider->require_subcommand(1);
+  for (const char* verb : {"add", "move", "remove"}) collider->add_subcommand(verb, "it");
+  for (const char* verb : {"status", "wind", "reset"}) ctl->add_subcommand(verb, "it");
+  words.insert(words.begin(), "/usr/bin/strandcast");
+  ::testing::internal::CaptureStderr();
+  const std::optional<int> ended = parseArguments(app, static_cast<int>(words.size()), words.data());
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(ended.value_or(0), said.empty() ? 0 : kExitBadInput);
+  return said;
+}
+
+TEST(Console, AWordThatIsNoVerbHasTheNearestOneNamed) {
+  EXPECT_EQ(saidOf({"rendr"}),
+            "error: 'rendr' is not a verb: strandcast; did you mean 'render'? see "
+            "`strandcast --help`\n");
+  EXPECT_EQ(saidOf({"ctl", "colider"}),
+            "error: 'colider' is not a verb: strandcast ctl; did you mean "
+            "'collider'? see `strandcast ctl --help`\n");
+  EXPECT_EQ(saidOf({"ctl", "--domain", "3", "collider", "mvoe", "rod"}),
+            "error: 'mvoe' is not a verb: strandcast ctl collider; did you mean 'move'? see `strandcast ctl "
+            "collider --help`\n");
+  EXPECT_EQ(saidOf({"ctl", "nonsense"}),
+            "error: 'nonsense' is not a verb: strandcast ctl; there are collider, "
+            "status, wind, reset; see `strandcast ctl --help`\n");
+}
+
+TEST(Console, AnUnknownOptionHasTheNearestOneNamed) {
+  EXPECT_EQ(saidOf({"render", "--zom", "2"}),
+            "error: '--zom' is not an option: strandcast render; did you mean "
+            "'--zoom'? see `strandcast render --help`\n");
+  EXPECT_EQ(saidOf({"ctl", "wind", "--domian=3"}),
+            "error: '--domian=3' is not an option: strandcast ctl wind; "
+            "did you mean '--domain'? see `strandcast ctl wind --help`\n");
+  EXPECT_EQ(saidOf({"render", "--frobnicate"}),
+            "error: '--frobnicate' is not an option: strandcast render; see "
+            "`strandcast render --help`\n");
+  EXPECT_EQ(saidOf({"info", "a.tfx", "b.tfx"}),
+            "error: 'b.tfx' is not expected: strandcast info; see `strandcast info --help`\n");
+  EXPECT_EQ(saidOf({"render", "--zoom", "2"}), "");
+}
+
+TEST(HairOutlook, TellsOfLargeGroomsAndNotOfSmallOnes) {
+  SceneOptions options;
+  EXPECT_FALSE(outlookOfGroom(options).isWorthSaying());
+  options.strands = 1000000;
+  options.vertices = 100;
+  const HairOutlook large = outlookOfGroom(options);
+  EXPECT_TRUE(large.isWorthSaying());
+  EXPECT_EQ(large.vertices, 100000000u);
+  EXPECT_GT(large.seconds, 1);
+  EXPECT_NE(large.text().find(" s, 23842 MiB"), std::string::npos) << large.text();
+}
+
+}  // namespace
+}  // namespace strandcast
