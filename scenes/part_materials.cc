@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 
 namespace strandcast {
@@ -61,6 +63,14 @@ std::vector<Material> partMaterials(const std::vector<MaterialRule>& rules,
   for (size_t i = 0; i < materials.size(); ++i)
     checkMaterial(materials[i], fmt::format("material of part '{}'", part_names[i]));
   return materials;
+}
+
+float thickestRadius(const std::vector<Material>& materials) {
+  float thickest = 0;
+  for (const Material& material : materials)
+    for (const auto& [place, factor] : material.radius_scale.knots)
+      thickest = std::max(thickest, material.radius * factor);
+  return thickest;
 }
 
 }  // namespace strandcast
