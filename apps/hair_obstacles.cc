@@ -44,10 +44,10 @@ std::vector<HairObstacle> bakedObstacles(const BodyDescription& body) {
         bar.show("body: " + what, done);
         return !g_interrupted;
       };
-      shape.field = std::make_shared<DistanceField>(
-          fieldOf(part, options, cache, progress,
-                  bakesOf(announceBakes(bar), head ? "the head" : "what stands"))
-              .field);
+      const char* name = head ? "the head" : "what stands";
+      SceneField baked = fieldOf(part, options, cache, progress, bakesOf(announceBakes(bar), name));
+      for (const std::string& warning : baked.warnings) spdlog::warn("{}: {}", name, warning);
+      shape.field = std::make_shared<DistanceField>(std::move(baked.field));
       obstacles.push_back({std::move(shape), head, kNoCollider, Pose{}});
     } catch (const Error& error) {
       spdlog::warn("grown hair is not kept out of a part of the body: {}", error.what());

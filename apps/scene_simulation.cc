@@ -25,6 +25,12 @@ Parameters sceneParameters(const Scene& scene, const Settings& settings) {
   Parameters parameters = scene.parameters;
   parameters.solver = settings.solver;
   for (const auto& [name, value] : settings.parameters) setParameter(parameters, name, value, "parameters");
+  if (parameters.hair_radius < scene.parameters.hair_radius &&
+      scene.parameters.hair_radius > Parameters().hair_radius)
+    spdlog::warn(
+        "hair_radius is {:g} m and the thickest material has {:g} m: hair that touches bodies is partly in "
+        "them; leave hair_radius out, and it follows from the materials",
+        parameters.hair_radius, scene.parameters.hair_radius);
   return parameters;
 }
 

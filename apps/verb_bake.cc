@@ -43,7 +43,7 @@ void announce(const FieldBaker& baker, const std::string& file) {
   fmt::print(stderr,
              "{}: {} triangles, cells of {:.3g} mm: about {} bricks{}, {:.1f} MiB, and {:.1f} MiB while "
              "baking; about {:.1f} s; Ctrl-C stops it\n",
-             file, baker.mesh().triangles, 1e3 * baker.options().cell, e.bricks,
+             file, baker.repair().triangles, 1e3 * baker.options().cell, e.bricks,
              baker.mesh().open_edges.empty() ? "" : " and more about lids of openings",
              mebibytes(e.field_bytes), mebibytes(e.working_bytes), e.seconds);
 }
@@ -72,7 +72,7 @@ Baked bakeOrFind(FieldBaker& baker, uint64_t key, const BakeOptions& o, Progress
   announce(baker, o.file);
   Baked baked{baker.bake(progress), false, false, since()};
   try {
-    cache.keep(key, baked.field);
+    cache.keep(key, baked.field, baker.warnings());
     baked.is_kept = !o.no_cache;
   } catch (const Error& error) {
     fmt::print(stderr, "warning: {}\n", error.what());
@@ -90,10 +90,18 @@ Report report(const BakeOptions& o, const Box& box, const FieldBaker& baker, con
   const Eigen::Vector3f size = box.sizes();
   out.add("size", "size of the body",
           fmt::format("{:.3f} x {:.3f} x {:.3f} m", size.x(), size.y(), size.z()));
-  out.addCount("triangles", "triangles", baker.mesh().triangles);
+  out.addCount("triangles", "triangles", baker.repair().triangles);
   out.addCount("triangles_without_area", "  without area", baker.mesh().without_area);
-  out.addCount("hidden_triangles", "  with inside on both sides", baker.hiddenTriangles());
+  out.addCount("repeated_triangles", "  left out, as others have the same corners", baker.repair().repeated);
+  out.addCount("inner_triangles", "  left out, as they divide the inside", baker.repair().inner);
+  out.addCount("turned_triangles", "  turned, as their neighbours are wound",
+               baker.repair().turned_triangles);
+  out.addCount("pieces", "pieces", baker.repair().pieces);
+  out.addCount("turned_pieces", "  turned, as they were inside out", baker.repair().turned_pieces);
+  out.addCount("hollow_pieces", "  taken as hollows within others", baker.repair().hollows);
+  out.addCount("hidden_triangles", "triangles with inside on both sides", baker.hiddenTriangles());
   out.addCount("open_edges", "open edges", baker.mesh().open_edges.size());
+  out.add("doubtful_percent", "side in doubt", 100 * baker.shareInDoubt(), "% of the surface", 2);
   out.add("unclear_percent", "side in doubt (winding number near a half)", share * a.unclear, "% of the band",
           2);
   out.add("cell_mm", "cell", 1e3 * grid.cell, "mm", 3);
@@ -151,6 +159,8 @@ int bake(BakeOptions o) {
 #ifdef STRANDCAST_HAS_RENDER
     if (!o.slices.empty()) writeFieldSlices(baked.field, o.slices);
 #endif
+    for (const std::string& warning : baker.warnings())
+      fmt::print(stderr, "warning: {}: {}\n", o.file, warning);
     if (!baked.field.hasInside()) fmt::print(stderr, "warning: {}: {}\n", o.file, kNoInside);
     report(o, mesh.bounds(), baker, baked, *accuracy).print(o.json);
   } catch (const BakeStopped&) {
@@ -165,8 +175,10 @@ int bake(BakeOptions o) {
 Verb addBake(CLI::App& app) {
   const auto o = std::make_shared<BakeOptions>();
   app.footer(
-      "The mesh may be open, intersect itself or have parts inside one another. Says before it starts what\n"
-      "it will take, and afterwards how far the field is from the exact distance.\n"
+      "The mesh may be open, intersect itself or have parts inside one another; triangles that are wound "
+      "the\n"
+      "wrong way or are there twice are mended, and a warning says how many. Says before it starts what it\n"
+      "will take, and afterwards how far the field is from the exact distance.\n"
       "Cell: sqrt(diagonal of the body x hair radius / 8): over a sphere of an eighth of the diagonal the\n"
       "field errs by a quarter of the hair's radius. Band: four cells and the hair's radius.\n"
       "Example: strandcast bake head.obj --unit-meters 0.01 --cell 0.002 --slices slices");

@@ -18,6 +18,7 @@
 #include "collision/field_accuracy.h"
 #include "collision/field_grid.h"
 #include "collision/outer_surface.h"
+#include "collision/surface_samples.h"
 #include "core/error.h"
 
 namespace strandcast {
@@ -41,7 +42,9 @@ struct FieldBaker::Impl {
   FieldOptions options;
   BakeLimits limits;
   BakeLoop loop;
+  SurfaceRepair repair;
   MeshCheck check;
+  double in_doubt = 0;
   FieldGrid grid{};
   BakeEstimate estimate;
   size_t mesh_bytes = 0;                                               // of the mesh and its hierarchies
@@ -72,17 +75,23 @@ struct FieldBaker::Impl {
   }
 
   void prepare(const BakeProgress& progress) {
-    const size_t triangles = mesh.triangles.size();
+    const size_t given = mesh.triangles.size();
     // Two hierarchies: of the whole mesh and of the surface that bounds the outside.
-    mesh_bytes = 2 * MeshQuery::bytes(triangles) +
-                 triangles * (sizeof(mesh.triangles[0]) + sizeof(std::vector<Corners>)) +
+    mesh_bytes = 2 * MeshQuery::bytes(given) +
+                 given * (sizeof(mesh.triangles[0]) + sizeof(std::vector<Corners>)) +
                  mesh.positions.size() * sizeof(Vec3);
-    require(mesh_bytes, fmt::format("the hierarchy of {} triangles", triangles));
+    require(mesh_bytes, fmt::format("the hierarchy of {} triangles", given));
     tell(progress, "checking the mesh");
+    if (!options.is_oriented) {
+      OrientedSurface oriented = orientSurface(std::move(mesh));
+      mesh = std::move(oriented.mesh);
+      repair = oriented.repair;
+    }
     check = checkMesh(mesh);
     grid = makeFieldGrid(mesh, options);
     tell(progress, "building the hierarchy");
     whole.emplace(mesh);
+    if (!check.open_edges.empty()) in_doubt = strandcast::shareInDoubt(mesh, *whole, kAway * options.cell);
     index = findBricks(grid, *whole, loop, progress, 0);
     const std::vector<uint32_t> found = candidates(index);
     const size_t corner_count = cornerRows() * (grid.bricks[0] + 1);
@@ -96,13 +105,15 @@ struct FieldBaker::Impl {
             fmt::format("{} bricks and the hierarchy", found.size()));
     std::vector<uint32_t> words(kBrickWords * found.size());
     std::vector<float> row(corner_count);
-    seconds_hidden = loop.secondsFor(triangles, progress, [&](size_t t) { outerPieces(t); });
+    seconds_hidden = loop.secondsFor(mesh.triangles.size(), progress, [&](size_t t) { outerPieces(t); });
     seconds_corners =
         loop.secondsFor(cornerRows(), progress, [&](size_t i) { bakeCornerRow(i, row.data()); });
     seconds_bricks = loop.secondsFor(found.size(), progress,
                                      [&](size_t b) { bakeBrick(found[b], words.data() + b * kBrickWords); });
     estimate.seconds = seconds_hidden + seconds_corners + seconds_bricks;
   }
+
+  static constexpr float kAway = 0.01f;  // cells off the surface, where its sides are asked
 
   static void tell(const BakeProgress& progress, const char* what) {
     if (progress && !progress(what, 0)) throw BakeStopped();
@@ -277,8 +288,22 @@ FieldBaker::FieldBaker(const TriangleMesh& mesh, const FieldOptions& options, co
 FieldBaker::~FieldBaker() = default;
 const FieldOptions& FieldBaker::options() const { return impl_->options; }
 const MeshCheck& FieldBaker::mesh() const { return impl_->check; }
+const SurfaceRepair& FieldBaker::repair() const { return impl_->repair; }
+double FieldBaker::shareInDoubt() const { return impl_->in_doubt; }
 const BakeEstimate& FieldBaker::estimate() const { return impl_->estimate; }
 size_t FieldBaker::hiddenTriangles() const { return impl_->hidden; }
+
+std::vector<std::string> FieldBaker::warnings() const {
+  constexpr double kWorthSaying = 0.02;
+  std::vector<std::string> out = impl_->repair.lines();
+  if (impl_->in_doubt > kWorthSaying)
+    out.push_back(fmt::format(
+        "inside and outside are in doubt at {:.0f} % of the surface, where hair may get in: close "
+        "its holes ({} open edges)",
+        100 * impl_->in_doubt, impl_->check.open_edges.size()));
+  return out;
+}
+
 DistanceField FieldBaker::bake(const BakeProgress& progress) { return impl_->bake(progress); }
 
 FieldAccuracy FieldBaker::measure(const DistanceField& field, size_t points, const BakeProgress& progress) {

@@ -4,8 +4,10 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "collision/mesh_check.h"
+#include "collision/surface_orientation.h"
 #include "core/distance_field.h"
 #include "core/triangle_mesh.h"
 
@@ -15,6 +17,12 @@ struct FieldOptions {
   float hair_radius = 40e-6f;  ///< m, what `cell` and `band` follow from where they are 0
   float cell = 0;              ///< m, edge of a cell; 0 = defaultFieldCell
   float band = 0;              ///< m, how far from the surface bricks are stored; 0 = defaultFieldBand
+  /// m, that `band` follows from as well where it is more than `hair_radius`; the cell does not, as a body is
+  /// no coarser for thick hair.
+  float thickest_hair = 0;
+  /// Whether triangles are wound as they should be already: then orientSurface does not look at them. Of
+  /// parts that were cut from an oriented mesh.
+  bool is_oriented = false;
 };
 
 /// With a cell h the interpolant of the distance to a sphere of radius R is off by h^2 / 4R at most. The
@@ -22,7 +30,8 @@ struct FieldOptions {
 /// that of the head of a bust: sqrt(diagonal * radius / 8), 2 mm for hair of 40 um and 0.8 m. Never less than
 /// the hair's radius.
 float defaultFieldCell(float hair_radius, float diagonal);
-/// Four cells and the hair's radius: an interpolated value reaches two cells, a hair moves on between.
+/// Four cells and the (thickest) hair's radius: an interpolated value reaches two cells, a hair moves on
+/// between.
 float defaultFieldBand(float hair_radius, float cell);
 
 /// The options with nothing left to choose, for this mesh. Throws Error as requireSoundMesh, when a number is
@@ -30,8 +39,8 @@ float defaultFieldBand(float hair_radius, float cell);
 /// grid would have more than kMaxGridBricks bricks.
 FieldOptions resolveFieldOptions(const TriangleMesh& mesh, const FieldOptions& options);
 
-/// What the field depends on and nothing else: the mesh's positions and triangles, the resolved options and
-/// the version of the baking.
+/// What the field depends on and nothing else: the mesh's positions and triangles as given, the resolved
+/// options and the version of the baking.
 uint64_t fieldKey(const TriangleMesh& mesh, const FieldOptions& resolved);
 
 struct BakeLimits {
@@ -64,10 +73,11 @@ struct FieldAccuracy {
 };
 
 /// Bakes the signed distance field of a mesh that may be open, may intersect itself and may have parts inside
-/// one another. Distances are exact, to the surface that bounds the outside (FCL's hierarchy); the sign is
-/// that of the generalised winding number (Jacobson 2013; by the series of Barill 2018): inside where it is
-/// above a half in size. Where it passes a half over a hole of an open mesh the inside ends at a lid
-/// (BodyDistance). A sheet has outside on both sides.
+/// one another. Its triangles may be wound either way and be there twice (orientSurface). Distances are
+/// exact, to the surface that bounds the outside (FCL's hierarchy); the sign is that of the generalised
+/// winding number (Jacobson 2013; by the series of Barill 2018): inside where it is above a half in size.
+/// Where it passes a half over a hole of an open mesh the inside ends at a lid (BodyDistance). A sheet has
+/// outside on both sides.
 ///
 /// Building it makes the hierarchy and finds the bricks, a small part of the work; the rest is `bake`.
 /// Neither the number of threads nor anything but mesh and options changes a bit of the field.
@@ -79,7 +89,13 @@ class FieldBaker {
   ~FieldBaker();
 
   const FieldOptions& options() const;  ///< resolved
-  const MeshCheck& mesh() const;
+  const MeshCheck& mesh() const;        ///< of the oriented mesh
+  const SurfaceRepair& repair() const;
+  /// Of the surface, 0 to 1: see shareInDoubt. 0 of a closed mesh.
+  double shareInDoubt() const;
+  /// What to warn of: what was repaired, and where inside and outside stay in doubt. A line each, without the
+  /// mesh's name.
+  std::vector<std::string> warnings() const;
   const BakeEstimate& estimate() const;
 
   DistanceField bake(const BakeProgress& progress = {});

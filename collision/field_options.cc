@@ -22,7 +22,7 @@ void requireRange(float value, float low, float high, const char* what, const Tr
 }
 
 /// Raised with every change of baking that gives other fields.
-constexpr uint32_t kBakingVersion = 1;
+constexpr uint32_t kBakingVersion = 2;
 
 }  // namespace
 
@@ -81,7 +81,7 @@ FieldOptions resolveFieldOptions(const TriangleMesh& mesh, const FieldOptions& o
     throw Error("the cell is too fine for a body so far from the origin",
                 fmt::format("{}, cells of {:g} m at {:g} m", nameOf(mesh), out.cell, farthest),
                 "give a larger cell (--cell) or move the body to the origin");
-  if (out.band == 0) out.band = defaultFieldBand(out.hair_radius, out.cell);
+  if (out.band == 0) out.band = defaultFieldBand(std::max(out.hair_radius, out.thickest_hair), out.cell);
   requireRange(out.band, 2 * out.cell, 1000 * out.cell, "the band", mesh);
   makeFieldGrid(mesh, out);
   return out;
@@ -92,6 +92,7 @@ uint64_t fieldKey(const TriangleMesh& mesh, const FieldOptions& resolved) {
   hash.add(kBakingVersion);
   hash.add(resolved.cell);
   hash.add(resolved.band);
+  hash.add(uint32_t{resolved.is_oriented});
   hash.add(mesh.positions.size());
   for (const Vec3& position : mesh.positions) hash.add(position.data(), 3 * sizeof(float));
   hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));

@@ -8,10 +8,8 @@
 #include "core/error.h"
 
 namespace strandcast {
-namespace {
 
-/// For each vertex the number of its place: vertices with the same coordinates have the same.
-std::vector<uint32_t> places(const std::vector<Vec3>& positions) {
+std::vector<uint32_t> vertexPlaces(const std::vector<Vec3>& positions) {
   std::vector<uint32_t> order(positions.size()), place(positions.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto before = [&](uint32_t i, uint32_t j) {
@@ -24,8 +22,6 @@ std::vector<uint32_t> places(const std::vector<Vec3>& positions) {
         i > 0 && !before(order[i - 1], order[i]) ? place[order[i - 1]] : static_cast<uint32_t>(i);
   return place;
 }
-
-}  // namespace
 
 void requireSoundMesh(const TriangleMesh& mesh) {
   const std::string where = mesh.name.empty() ? "mesh" : "mesh " + mesh.name;
@@ -47,7 +43,7 @@ MeshCheck checkMesh(const TriangleMesh& mesh) {
   requireSoundMesh(mesh);
   MeshCheck check;
   check.triangles = mesh.triangles.size();
-  const std::vector<uint32_t> place = places(mesh.positions);
+  const std::vector<uint32_t> place = vertexPlaces(mesh.positions);
   struct Edge {
     uint64_t places;  // the lower in the high half
     uint32_t from, to;

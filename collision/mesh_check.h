@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/triangle_mesh.h"
@@ -8,6 +9,9 @@ namespace strandcast {
 
 /// Throws Error, saying which and where: no triangles, a vertex that is not finite, an index out of range.
 void requireSoundMesh(const TriangleMesh& mesh);
+
+/// For each vertex the number of its place: vertices with the same coordinates have the same.
+std::vector<uint32_t> vertexPlaces(const std::vector<Vec3>& positions);
 
 /// An edge that has not as many triangles one way round as the other.
 struct OpenEdge {

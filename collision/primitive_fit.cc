@@ -7,49 +7,23 @@
 #include <string>
 
 #include "collision/outer_surface.h"
+#include "collision/surface_samples.h"
 #include "core/error.h"
 
 namespace strandcast {
 namespace {
-
-struct Sample {
-  Vec3 position;
-  Vec3 inward;
-};
 
 constexpr size_t kCoverSamples = 2000;  // what coverage is measured on
 constexpr size_t kSeeds = 2000;         // where candidate spheres touch the surface
 constexpr float kReach = 0.04f;  // of the mesh's diagonal: a place farther from every sphere is not covered
 constexpr float kTouch = 1e-4f;  // m: a place this near to a candidate adds no other
 
-// `count` places spread over the surface by area; the barycentric coordinates follow a golden-ratio sequence.
-std::vector<Sample> sampleSurface(const TriangleMesh& mesh, size_t count) {
-  std::vector<double> cumulative;
-  double volume = 0, area = 0;
-  for (const auto& t : mesh.triangles) {
-    const Vec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-    area += 0.5 * static_cast<double>((b - a).cross(c - a).norm());
-    volume += static_cast<double>(a.dot(b.cross(c)));
-    cumulative.push_back(area);
-  }
-  std::vector<Sample> samples;
-  if (!(area > 0)) return samples;
-  const float inward = volume < 0 ? 1.0f : -1.0f;  // a mesh turned inside out is taken as it is meant
-  size_t triangle = 0;
-  for (size_t i = 0; i < count; ++i) {
-    const double target = area * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
-    while (cumulative[triangle] < target && triangle + 1 < cumulative.size()) ++triangle;
-    const auto& t = mesh.triangles[triangle];
-    const Vec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-    const double turn = 0.7548776662466927 * static_cast<double>(i + 1);
-    const double other = 0.5698402909980532 * static_cast<double>(i + 1);
-    const float u = std::sqrt(static_cast<float>(turn - std::floor(turn)));
-    const float v = static_cast<float>(other - std::floor(other));
-    const Vec3 normal = (b - a).cross(c - a);
-    if (normal.norm() <= 0) continue;
-    samples.push_back({a * (1 - u) + b * (u * (1 - v)) + c * (u * v), normal.normalized() * inward});
-  }
-  return samples;
+/// Signed; negative where the mesh is inside out.
+double volumeOf(const TriangleMesh& mesh) {
+  double volume = 0;
+  for (const auto& [a, b, c] : mesh.triangles)
+    volume += static_cast<double>(mesh.positions[a].dot(mesh.positions[b].cross(mesh.positions[c])));
+  return volume;
 }
 
 struct Sphere {
@@ -63,20 +37,20 @@ float gap(const Sphere& sphere, const Vec3& p) {
 
 // The largest sphere inside the mesh that touches it at `seed`: a ball is shrunk until nothing lies in it
 // (Ma, Bae, Choi 2012, "3D medial axis point approximation using nearest neighbors and the normal field").
-Sphere largestBall(const MeshQuery& query, const Sample& seed, float start) {
+Sphere largestBall(const MeshQuery& query, const Vec3& seed, const Vec3& inward, float start) {
   float radius = start;
-  Vec3 centre = seed.position + seed.inward * radius;
+  Vec3 centre = seed + inward * radius;
   for (int i = 0; i < 30; ++i) {
     const MeshPoint nearest = query.closest(centre);
     if (nearest.distance >= radius * 0.999f) break;
-    const Vec3 chord = nearest.position - seed.position;
-    const float along = chord.dot(seed.inward);
+    const Vec3 chord = nearest.position - seed;
+    const float along = chord.dot(inward);
     const float squared = chord.squaredNorm();
     if (along <= 1e-9f || squared <= 1e-12f) break;
     const float shrunk = squared / (2 * along);
     if (shrunk >= radius) break;
     radius = shrunk;
-    centre = seed.position + seed.inward * radius;
+    centre = seed + inward * radius;
   }
   return {centre, query.closest(centre).distance};
 }
@@ -101,11 +75,12 @@ std::vector<Sphere> candidateSpheres(const TriangleMesh& mesh, const PrimitiveFi
   const MeshQuery query(mesh);
   const float start = 0.5f * mesh.bounds().sizes().maxCoeff();
   std::vector<Sphere> spheres;
-  for (const Sample& seed : sampleSurface(mesh, kSeeds)) {
+  const float inward = volumeOf(mesh) < 0 ? 1.0f : -1.0f;  // a mesh turned inside out is taken as it is meant
+  for (const SurfaceSample& seed : sampleSurface(mesh, kSeeds)) {
     if (std::any_of(spheres.begin(), spheres.end(),
                     [&](const Sphere& s) { return gap(s, seed.position) < options.skin + kTouch; }))
       continue;
-    Sphere sphere = largestBall(query, seed, start);
+    Sphere sphere = largestBall(query, seed.position, inward * seed.normal, start);
     sphere.radius -= options.skin;
     if (sphere.radius < options.min_radius || !isInside(query, sphere.centre)) continue;
     spheres.push_back(sphere);
@@ -127,7 +102,7 @@ bool leaves(const MeshQuery& query, const Sphere& sphere) {
   return false;
 }
 
-float gain(const Sphere& sphere, const std::vector<Sample>& samples, const std::vector<float>& gaps) {
+float gain(const Sphere& sphere, const std::vector<SurfaceSample>& samples, const std::vector<float>& gaps) {
   float sum = 0;
   for (size_t i = 0; i < samples.size(); ++i)
     sum += std::max(0.0f, gaps[i] - gap(sphere, samples[i].position));
@@ -143,7 +118,7 @@ std::vector<ContactPrimitive> fitSpheres(const TriangleMesh& whole, const Primit
     throw Error("no sphere fits inside", mesh.name.empty() ? "mesh" : "mesh " + mesh.name,
                 "check its unit, or that it is closed; smallest radius is " +
                     std::to_string(options.min_radius) + " m");
-  const std::vector<Sample> samples = sampleSurface(mesh, kCoverSamples);
+  const std::vector<SurfaceSample> samples = sampleSurface(mesh, kCoverSamples);
   std::vector<float> gaps(samples.size(), kReach * mesh.bounds().diagonal().norm());
 
   // Greedy with a queue of stale gains: a gain only falls as spheres are added, so the first that is up to

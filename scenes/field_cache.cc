@@ -1,15 +1,19 @@
 #include "scenes/field_cache.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <memory>
+#include <span>
 #include <system_error>
 #include <utility>
 
 #include "core/error.h"
 #include "groom/distance_field_file.h"
+#include "groom/file_bytes.h"
 
 namespace strandcast {
 
@@ -24,28 +28,44 @@ std::filesystem::path defaultFieldCache() {
   return std::filesystem::path(home) / ".cache" / "strandcast";
 }
 
-std::filesystem::path FieldCache::file(uint64_t key) const {
-  return folder_ / fmt::format("{:016x}.sdf", key);
+std::filesystem::path FieldCache::file(uint64_t key, const char* extension) const {
+  return folder_ / fmt::format("{:016x}.{}", key, extension);
 }
 
 std::optional<DistanceField> FieldCache::find(uint64_t key, std::string* trouble) const {
   std::error_code failure;
-  if (folder_.empty() || !std::filesystem::is_regular_file(file(key), failure)) return {};
+  if (folder_.empty() || !std::filesystem::is_regular_file(file(key, "sdf"), failure)) return {};
   try {
-    StoredField stored = loadDistanceField(file(key));
+    StoredField stored = loadDistanceField(file(key, "sdf"));
     if (stored.key == key) return std::move(stored.field);
-    throw Error("the field in the file is of another body", file(key).string(), "");
+    throw Error("the field in the file is of another body", file(key, "sdf").string(), "");
   } catch (const Error& error) {
     if (trouble != nullptr) *trouble = error.what();
   }
   return {};
 }
 
-void FieldCache::keep(uint64_t key, const DistanceField& field) const {
+void FieldCache::keep(uint64_t key, const DistanceField& field,
+                      const std::vector<std::string>& warnings) const {
   if (folder_.empty()) return;
   std::error_code failure;
   std::filesystem::create_directories(folder_, failure);
-  writeDistanceField(file(key), field, key);
+  // Before the field, so that none is found without them.
+  if (!warnings.empty()) {
+    const std::string text = fmt::format("{}\n", fmt::join(warnings, "\n"));
+    writeFileBytes(file(key, "txt"), std::as_bytes(std::span(text)));
+  }
+  writeDistanceField(file(key, "sdf"), field, key);
+}
+
+std::vector<std::string> FieldCache::warnings(uint64_t key) const {
+  constexpr size_t kMostLines = 16, kLongestLine = 1000;
+  std::vector<std::string> out;
+  if (folder_.empty()) return out;
+  std::ifstream stream(file(key, "txt"));
+  for (std::string line; out.size() < kMostLines && std::getline(stream, line);)
+    if (!line.empty()) out.push_back(line.substr(0, kLongestLine));
+  return out;
 }
 
 BakeAnnouncement bakesOf(const BakeAnnouncement& begins, const std::string& name) {
@@ -84,17 +104,21 @@ Planned planned(const TriangleMesh& mesh, const FieldOptions& options, const Fie
 SceneField finished(Planned plan, const FieldCache& cache, const BakeProgress& progress) {
   if (plan.found) {
     std::string note = noteOn(*plan.found, "found in the cache");
-    return {std::move(*plan.found), std::move(note), true, {}};
+    std::vector<std::string> warnings = cache.warnings(plan.key);
+    if (!plan.found->hasInside()) warnings.emplace_back(kNoInside);
+    return {std::move(*plan.found), std::move(note), true, {}, std::move(warnings)};
   }
   DistanceField field = plan.baker->bake(progress);
   std::string note = noteOn(field, plan.trouble.empty() ? "baked" : "baked anew");
+  std::vector<std::string> warnings = plan.baker->warnings();
   try {
-    cache.keep(plan.key, field);
+    cache.keep(plan.key, field, warnings);
   } catch (const Error& error) {
     plan.trouble = error.what();
   }
   if (!plan.trouble.empty()) note += fmt::format(" ({})", plan.trouble);
-  return {std::move(field), std::move(note), false, std::move(plan.trouble)};
+  if (!field.hasInside()) warnings.emplace_back(kNoInside);
+  return {std::move(field), std::move(note), false, std::move(plan.trouble), std::move(warnings)};
 }
 
 /// What bakes take that are prepared together and done one after another.

@@ -15,19 +15,22 @@ namespace strandcast {
 /// The user's cache: $XDG_CACHE_HOME/strandcast, or .cache/strandcast at home.
 std::filesystem::path defaultFieldCache();
 
-/// Baked fields in a folder, each a file named by its key (fieldKey). With an empty path none is found or
-/// kept.
+/// Baked fields in a folder, each a file named by its key (fieldKey), KEY.sdf; what there was to warn of
+/// while baking is beside it, as text, KEY.txt. With an empty path none is found or kept.
 class FieldCache {
  public:
   explicit FieldCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   /// Nothing where there is none; a damaged file counts as none, and `trouble` says why.
   std::optional<DistanceField> find(uint64_t key, std::string* trouble = nullptr) const;
-  /// Appears whole or not at all, whoever else writes. Throws Error when it cannot be written.
-  void keep(uint64_t key, const DistanceField& field) const;
+  /// Appears whole or not at all, whoever else writes. Throws Error when it cannot be written. `warnings`:
+  /// what there was to warn of while baking (FieldBaker::warnings), a line each.
+  void keep(uint64_t key, const DistanceField& field, const std::vector<std::string>& warnings = {}) const;
+  /// What the field of this key was kept with.
+  std::vector<std::string> warnings(uint64_t key) const;
 
  private:
-  std::filesystem::path file(uint64_t key) const;
+  std::filesystem::path file(uint64_t key, const char* extension) const;
 
   std::filesystem::path folder_;
 };
@@ -38,6 +41,8 @@ struct SceneField {
   std::string note;  ///< a line for people
   bool from_cache = false;
   std::string trouble;  ///< what was wrong with the cache: with the file in it, or with keeping one; or empty
+  /// FieldBaker::warnings, also of a field from the cache, and kNoInside where that holds.
+  std::vector<std::string> warnings{};
 };
 constexpr double kBakeWorthSaying = 1;  ///< s: of a shorter one programs say nothing before
 /// Told before a bake begins: a line for people, without the body's name, of how long it takes and with what

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <numeric>
 #include <tuple>
@@ -111,6 +112,14 @@ std::vector<Material> partMaterials(const std::vector<MaterialRule>& rules,
   for (size_t i = 0; i < materials.size(); ++i)
     checkMaterial(materials[i], fmt::format("material of part '{}'", part_names[i]));
   return materials;
+}
+
+float thickestRadius(const std::vector<Material>& materials) {
+  float thickest = 0;
+  for (const Material& material : materials)
+    for (const auto& [place, factor] : material.radius_scale.knots)
+      thickest = std::max(thickest, material.radius * factor);
+  return thickest;
 }
 
 }  // namespace strandcast

@@ -33,4 +33,7 @@ void checkRule(const MaterialRule& rule);
 std::vector<Material> partMaterials(const std::vector<MaterialRule>& rules,
                                     const std::vector<std::string>& part_names);
 
+/// m, of the thickest place of all these.
+float thickestRadius(const std::vector<Material>& materials);
+
 }  // namespace strandcast

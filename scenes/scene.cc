@@ -68,6 +68,27 @@ const NamedScene& namedScene(const std::string& name) {
   throw Error("unknown scene", name, "choose one of " + names);
 }
 
+/// What its parts are made of, and how far bodies keep the thickest of it. Before anything is baked: that
+/// depends on it, and an error comes early.
+void makeMaterials(const SceneOptions& options, Scene& scene) {
+  scene.materials = partMaterials(options.materials, scene.part_names);
+  const float thickest = std::min(thickestRadius(scene.materials), kThickestHair);
+  if (!(thickest > scene.parameters.hair_radius)) return;
+  scene.parameters.hair_radius = thickest;
+  scene.notes.push_back(
+      fmt::format("hair_radius is {:.3g} mm, as the thickest material, unless it is set: so far off bodies "
+                  "the axis of all hair is kept; --hair-width is what it is drawn with",
+                  1e3 * static_cast<double>(thickest)));
+}
+
+/// Of the fields of bodies of this scene. Thick hair does not make them coarser.
+FieldOptions fieldOptions(const SceneOptions& options, const Scene& scene) {
+  FieldOptions out;
+  out.thickest_hair = scene.parameters.hair_radius;
+  out.cell = options.body_cell;
+  return out;
+}
+
 void report(const Progress& progress, const std::string& what, double part) {
   if (progress && !progress(what, part)) throw BakeStopped();
 }
@@ -77,6 +98,7 @@ Scene makeProceduralScene(const SceneOptions& options, const Progress& progress)
   Scene scene;
   scene.name = named.info.name;
   scene.part_names = {scene.name};
+  makeMaterials(options, scene);
   report(progress, "sculpting the body", 0.1);
   static const ProceduralBody kSculpted = makeProceduralBody();  // for all scenes of this process
   ProceduralBody body = kSculpted;
@@ -115,7 +137,9 @@ void fillBody(const SceneOptions& options, const Progress& progress, Scene& scen
   report(progress, "fitting spheres into the body", 0.6);
   PrimitiveFitOptions fit;
   fit.max_primitives = options.body_primitives;
-  RigidBody body{fitSpheres(scene.body, fit), true};
+  const OrientedSurface oriented = orientSurface(scene.body);
+  for (const std::string& line : oriented.repair.lines()) scene.warnings.push_back("the body: " + line);
+  RigidBody body{fitSpheres(oriented.mesh, fit), true};
   const size_t fitted = body.primitives.size();
   keepOutOfRestingHair(scene.groom.strands, scene.parameters.hair_radius, body.primitives);
   if (!body.primitives.empty())
@@ -134,9 +158,7 @@ void fillBody(const SceneOptions& options, const Progress& progress, Scene& scen
 
 void bakeBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
   constexpr double kFrom = 0.45, kTo = 0.95;  // of the scene's progress
-  FieldOptions field;
-  field.hair_radius = scene.parameters.hair_radius;
-  field.cell = options.body_cell;
+  const FieldOptions field = fieldOptions(options, scene);
   const FieldCache cache(options.field_cache);
   SceneField baked = fieldOf(
       scene.body, field, cache,
@@ -148,7 +170,7 @@ void bakeBody(const SceneOptions& options, const Progress& progress, Scene& scen
   ContactPrimitive shape;
   shape.kind = PrimitiveKind::kField;
   shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
-  if (!shape.field->hasInside()) scene.warnings.push_back(fmt::format("the body: {}", kNoInside));
+  for (const std::string& warning : baked.warnings) scene.warnings.push_back("the body: " + warning);
   scene.bodies.push_back({{std::move(shape)}, true, true});
 }
 
@@ -156,12 +178,9 @@ void bakeBody(const SceneOptions& options, const Progress& progress, Scene& scen
 void bakeParts(const SceneOptions& options, const Progress& progress, Scene& scene,
                std::shared_ptr<SkinnedBody> skinned) {
   constexpr double kFrom = 0.45, kTo = 0.95;  // of the scene's progress
-  FieldOptions whole;
-  whole.hair_radius = scene.parameters.hair_radius;
-  whole.cell = options.body_cell;
-  FieldOptions field;
-  field.hair_radius = whole.hair_radius;
-  field.cell = resolveFieldOptions(scene.body, whole).cell;
+  FieldOptions field = fieldOptions(options, scene);
+  field.cell = resolveFieldOptions(scene.body, field).cell;
+  field.is_oriented = true;  // as the skin that they are cut from
   const FieldCache cache(options.field_cache);
   size_t bytes = 0, found = 0;
   skinned->first_body = scene.bodies.size();
@@ -183,7 +202,8 @@ void bakeParts(const SceneOptions& options, const Progress& progress, Scene& sce
     ContactPrimitive shape;
     shape.kind = PrimitiveKind::kField;
     shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
-    if (!shape.field->hasInside()) scene.warnings.push_back(fmt::format("{}: {}", part.name, kNoInside));
+    for (const std::string& warning : baked.warnings)
+      scene.warnings.push_back(fmt::format("{}: {}", part.name, warning));
     scene.bodies.push_back(
         {.primitives = {std::move(shape)}, .holds_roots = true, .bends = !part.samples.empty()});
   }
@@ -282,6 +302,7 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
       if (!primitive.joint.empty()) skinned->checkJoint(primitive.joint, primitive.where);
     tell(options.body, skinned->skin().report, scene.notes, scene.warnings);
     scene.notes.insert(scene.notes.end(), skinned->notes().begin(), skinned->notes().end());
+    for (const std::string& line : skinned->repair().lines()) scene.warnings.push_back("the body: " + line);
     scene.body = skinned->skin().mesh;
     scene.head_weights = skinned->jointWeights();
   } else {
@@ -323,6 +344,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   scene.parameters.air_drag = kHairAirDrag;
   scene.name = options.groom.front().stem().string();
   for (const std::filesystem::path& file : options.groom) scene.part_names.push_back(file.stem().string());
+  makeMaterials(options, scene);
   report(progress, "reading the groom", 0.1);
   scene.groom = loadGroom(options.groom, options.units);
   SceneOptions resolved = options;
@@ -432,8 +454,7 @@ MeshBodyOptions meshBodyOptions(const SceneOptions& options, const Scene& scene)
     out.units.obj_meters = 1;
     if (out.units.read.up == UpAxis::kAuto) out.units.read.up = UpAxis::kY;
   }
-  out.field.hair_radius = scene.parameters.hair_radius;
-  out.field.cell = options.body_cell;
+  out.field = fieldOptions(options, scene);
   out.cache = options.field_cache;
   return out;
 }
@@ -465,7 +486,6 @@ Scene makeScene(const SceneOptions& options, const Progress& progress) {
   checkHair(options);
   Scene scene =
       options.groom.empty() ? makeProceduralScene(options, progress) : makeFileScene(options, progress);
-  scene.materials = partMaterials(options.materials, scene.part_names);
   scene.pins = options.pins;
   if (scene.groom.strands.strands() == 0)
     throw Error("the groom has no strand to simulate", scene.name, "see `strandcast info FILE`");

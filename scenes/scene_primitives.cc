@@ -56,8 +56,12 @@ ContactPrimitive madeOf(const ScenePrimitive& primitive, PrimitiveKind kind) {
   return shape;
 }
 
-ContactPrimitive convexShape(const ScenePrimitive& primitive, const TriangleMesh& mesh) {
+ContactPrimitive convexShape(const ScenePrimitive& primitive, const TriangleMesh& given,
+                             PrimitiveBodies& made) {
   ContactPrimitive shape = madeOf(primitive, PrimitiveKind::kConvex);
+  const auto [mesh, repair] = orientSurface(given);
+  for (const std::string& line : repair.lines())
+    made.warnings.push_back(fmt::format("{}: {}", primitive.file.filename().string(), line));
   try {
     shape.convex = std::make_shared<const ConvexBody>(convexBody(mesh));
   } catch (const Error& error) {
@@ -116,7 +120,7 @@ PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, c
     const Pose pose = is_apart ? takePlace(primitive.shape) : Pose{};
     ContactPrimitive shape = primitive.shape;
     if (shape.kind == PrimitiveKind::kConvex) {
-      shape = convexShape(primitive, placedMesh(primitive, options.units, made));
+      shape = convexShape(primitive, placedMesh(primitive, options.units, made), made);
     } else if (shape.kind == PrimitiveKind::kField) {
       FieldOptions own = options.field;
       if (primitive.cell > 0) own.cell = primitive.cell;
@@ -131,7 +135,8 @@ PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, c
       (baked.trouble.empty() ? made.notes : made.warnings).push_back(name + ": " + baked.note);
       shape = madeOf(primitive, PrimitiveKind::kField);
       shape.field = std::make_shared<const DistanceField>(std::move(baked.field));
-      if (!shape.field->hasInside()) made.warnings.push_back(fmt::format("{}: {}", name, kNoInside));
+      for (const std::string& warning : baked.warnings)
+        made.warnings.push_back(fmt::format("{}: {}", name, warning));
       if (is_apart || !primitive.joint.empty())
         setAside(shape);
       else if (stands)

@@ -74,6 +74,16 @@ SkeletonClip clipNamed(SkinnedMesh& skin, const std::string& name, std::vector<s
               names.empty() ? "it has none; give a .bvh file" : meantOf(name, names));
 }
 
+/// The parts of the skin wound as orientSurface has it: their fans close them as their triangles are wound.
+std::vector<SkinPart> cutOriented(const SkinnedMesh& skin, SurfaceRepair& repair) {
+  OrientedSurface oriented = orientSurface(skin.mesh);
+  repair = oriented.repair;
+  if (!repair.changed()) return cutSkin(skin);
+  SkinnedMesh mended = skin;
+  mended.mesh.triangles = std::move(oriented.mesh.triangles);
+  return cutSkin(mended);
+}
+
 JointTransform between(const JointTransform& a, const JointTransform& b, double t) {
   const auto share = static_cast<float>(t);
   return {a.translation + share * (b.translation - a.translation), a.rotation.slerp(share, b.rotation),
@@ -83,7 +93,7 @@ JointTransform between(const JointTransform& a, const JointTransform& b, double 
 }  // namespace
 
 SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion)
-    : skin_(std::move(skin)), joint_(rootedJoint(skin_, motion.joint)), parts_(cutSkin(skin_)) {
+    : skin_(std::move(skin)), joint_(rootedJoint(skin_, motion.joint)), parts_(cutOriented(skin_, repair_)) {
   clip_ = clipNamed(skin_, motion.clip, notes_);
   skin_.clips.clear();
   rest_locals_ = skin_.skeleton.rest();

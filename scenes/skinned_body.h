@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "collision/surface_orientation.h"
 #include "core/simulation.h"
 #include "groom/skinned_mesh.h"
 #include "scenes/skin_parts.h"
@@ -41,6 +42,8 @@ class SkinnedBody {
   std::vector<float> jointWeights() const;
   /// What was found while making it, a line each.
   const std::vector<std::string>& notes() const { return notes_; }
+  /// What the skin's winding was mended by before the parts were cut from it; skin() is as it was read.
+  const SurfaceRepair& repair() const { return repair_; }
 
   /// Where the clip has the joint, relative to rest.
   Pose carried(double seconds) const;
@@ -95,6 +98,7 @@ class SkinnedBody {
   std::vector<bool> below_;  ///< per joint: it is the joint or hangs on it
   std::vector<Placement> rest_;
   std::vector<JointTransform> rest_locals_, first_, last_;  ///< at rest, and the clip's ends
+  SurfaceRepair repair_;
   std::vector<SkinPart> parts_;
   std::vector<std::pair<BodyId, size_t>> hanging_;  ///< bodies, and the joints that they hang on
   std::optional<SkinRoots> roots_;

@@ -29,6 +29,27 @@ TEST(FieldCache, FindsWhatItKeptAndNothingElse) {
   EXPECT_EQ(std::distance(begin(files), end(files)), 1) << "no unfinished file is left";
 }
 
+TEST(FieldCache, KeepsWhatThereWasToWarnOf) {
+  const ScratchFolder folder;
+  const FieldCache cache(folder.path());
+  EXPECT_TRUE(cache.warnings(7).empty());
+  cache.keep(7, samples::field(), {"one triangle is turned", "inside is in doubt"});
+  cache.keep(8, samples::field());
+  EXPECT_EQ(cache.warnings(7), (std::vector<std::string>{"one triangle is turned", "inside is in doubt"}));
+  EXPECT_TRUE(cache.warnings(8).empty());
+  EXPECT_TRUE(FieldCache({}).warnings(7).empty());
+  const TriangleMesh ball = shapes::sphere(0.05f, 1);
+  FieldOptions options;
+  options.cell = 0.02f;
+  const auto progress = [](const std::string&, double) { return true; };
+  for (const bool from_cache : {false, true}) {
+    const SceneField field = fieldOf(shapes::together(ball, ball), options, cache, progress);
+    EXPECT_EQ(field.from_cache, from_cache);
+    ASSERT_EQ(field.warnings.size(), 1u);
+    EXPECT_NE(field.warnings[0].find("80 of 160 triangles repeat"), std::string::npos) << field.warnings[0];
+  }
+}
+
 TEST(FieldCache, ADamagedOrForeignFileCountsAsNone) {
   const ScratchFolder folder;
   const FieldCache cache(folder.path());

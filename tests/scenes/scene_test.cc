@@ -209,6 +209,55 @@ TEST_F(BallScene, ABodyThatEnclosesNothingIsWarnedOf) {
   }
 }
 
+/// The ball with the triangles on one side of it wound the other way.
+void writeMirroredBall(const std::filesystem::path& file) {
+  const TriangleMesh ball = shapes::sphere(0.1f, 3);
+  std::ofstream body(file);
+  for (const Vec3& p : ball.positions) body << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+  for (const auto& [a, b, c] : ball.triangles) {
+    const bool turned = ball.positions[a].x() > 0.02f;
+    body << "f " << a + 1 << ' ' << (turned ? c : b) + 1 << ' ' << (turned ? b : c) + 1 << '\n';
+  }
+}
+
+TEST_F(BallScene, AMirroredHalfIsMendedAndWarnedOfAlsoFromTheCache) {
+  writeMirroredBall(folder_ / "mirrored.obj");
+  options_.body_cell = 0.01f;
+  const Scene right = makeScene(options_);
+  EXPECT_TRUE(right.warnings.empty());
+  options_.body = folder_ / "mirrored.obj";
+  for (int times = 0; times < 2; ++times) {
+    const Scene mended = makeScene(options_);
+    ASSERT_EQ(mended.warnings.size(), 1u);
+    EXPECT_TRUE(isIn(mended.warnings, "triangles are wound against their neighbours")) << mended.warnings[0];
+    EXPECT_EQ(mended.bodies[0].primitives[0].field->samples, right.bodies[0].primitives[0].field->samples);
+  }
+}
+
+TEST_F(BallScene, BodiesKeepThickHairOffByItsRadius) {
+  options_.body_cell = 0.01f;
+  const Scene fine = makeScene(options_);
+  EXPECT_EQ(fine.parameters.hair_radius, Parameters().hair_radius);
+  EXPECT_FALSE(noted(fine, "hair_radius"));
+  options_.materials = {{{}, {{"radius", {30e-6}, "a"}}, "a"}};
+  EXPECT_EQ(makeScene(options_).parameters.hair_radius, Parameters().hair_radius) << "of thin hair as ever";
+  options_.materials = {{{}, {{"radius", {1e-3}, "a"}, {"radius_curve", {0, 2, 1, 0.5}, "a"}}, "a"}};
+  const Scene thick = makeScene(options_);
+  EXPECT_FLOAT_EQ(thick.parameters.hair_radius, 2e-3f) << "at its thickest";
+  EXPECT_TRUE(noted(thick, "hair_radius is 2 mm"));
+  const FieldGrid &thin_grid = fine.bodies[0].primitives[0].field->grid,
+                  &grid = thick.bodies[0].primitives[0].field->grid;
+  EXPECT_EQ(grid.cell, thin_grid.cell) << "the body is no coarser";
+  EXPECT_FLOAT_EQ(grid.band, 4 * grid.cell + 2e-3f);
+  Simulation simulation(sceneModel(thick), thick.bodies, thick.parameters, makeSimdBackend());
+  for (int i = 0; i < 30; ++i) simulation.step();
+  float nearest = 1;
+  for (size_t s = 1; s < simulation.model().strands(); ++s)
+    for (uint32_t v = simulation.model().offsets[s] + 3; v < simulation.model().offsets[s + 1]; ++v)
+      nearest = std::min(nearest, thick.bodies[0].primitives[0].field->at(simulation.guides()[v]).distance);
+  EXPECT_GT(nearest, 1.9e-3f) << "of what stands free of the ball at rest";
+}
+
 TEST_F(BallScene, SpheresThatAreNotThereAreToldOfAsItIs) {
   options_.body_contact = BodyContact::kSpheres;
   options_.body_primitives = 0;
