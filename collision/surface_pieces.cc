@@ -6,10 +6,10 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <unordered_map>
 #include <utility>
 
 #include "collision/mesh_check.h"
+#include "core/split_mix.h"
 
 namespace strandcast {
 namespace {
@@ -65,18 +65,13 @@ double weldingDistance(const TriangleMesh& mesh) {
                   kRoundings * double{std::numeric_limits<float>::epsilon()} * farthest);
 }
 
-/// A cell of a grid.
-struct Cell {
-  std::array<int64_t, 3> at;
-  bool operator==(const Cell&) const = default;
-};
-struct CellHash {
-  size_t operator()(const Cell& cell) const {
-    uint64_t hash = 0;
-    for (const int64_t c : cell.at) hash = (hash ^ static_cast<uint64_t>(c)) * 0x9E3779B97F4A7C15u;
-    return hash ^ (hash >> 32);
-  }
-};
+using Cell = std::array<int64_t, 3>;  // of a grid
+
+uint64_t hashOf(const Cell& cell) {
+  uint64_t hash = 0;
+  for (const int64_t c : cell) hash = splitMix64(hash ^ static_cast<uint64_t>(c));
+  return hash;
+}
 
 }  // namespace
 
@@ -152,20 +147,26 @@ bool SurfacePieces::weldOpenEdges(const TriangleMesh& mesh) {
   const double cell = 2 * weldingDistance(mesh);
   if (!(cell > 0)) return false;
   ParitySets same(place_.size());
-  std::vector<uint8_t> is_done(place_.size(), 0);
-  std::unordered_map<Cell, uint32_t, CellHash> first;
+  std::vector<uint32_t> open;  // a vertex of each place
+  for (uint32_t v = 0; v < place_.size(); ++v)
+    if (std::exchange(is_open[place_[v]], uint8_t{0}) != 0) open.push_back(v);
+  std::vector<std::pair<uint64_t, uint32_t>> hashed;  // of a cell, and a vertex in it
   for (int grid = 0; grid < 8; ++grid) {
-    first.clear();
-    std::fill(is_done.begin(), is_done.end(), uint8_t{0});
-    for (size_t v = 0; v < place_.size(); ++v) {
-      const uint32_t place = place_[v];
-      if (is_open[place] == 0 || std::exchange(is_done[place], uint8_t{1}) != 0) continue;
+    const auto cellOf = [&](uint32_t v) {
       Cell at;
       for (int c = 0; c < 3; ++c)
-        at.at[static_cast<size_t>(c)] = static_cast<int64_t>(
+        at[static_cast<size_t>(c)] = static_cast<int64_t>(
             std::floor(static_cast<double>(mesh.positions[v][c]) / cell + 0.5 * (grid >> c & 1)));
-      const auto [known, is_new] = first.try_emplace(at, place);
-      if (!is_new) same.join(known->second, place, false);
+      return at;
+    };
+    hashed.clear();
+    for (const uint32_t v : open) hashed.emplace_back(hashOf(cellOf(v)), v);
+    std::sort(hashed.begin(), hashed.end());
+    for (size_t i = 1, first = 0; i < hashed.size(); ++i) {
+      if (hashed[i].first != hashed[first].first)
+        first = i;
+      else if (cellOf(hashed[i].second) == cellOf(hashed[first].second))
+        same.join(place_[hashed[first].second], place_[hashed[i].second], false);
     }
   }
   bool welded = false;
