@@ -16,7 +16,7 @@ struct ObjPolylines {
   std::vector<Vec3> vertices;
   Polylines lines, edge_faces;           ///< `l`, and `f` of two corners
   std::vector<size_t> line_of, edge_of;  ///< of the file, 1-based, per polyline
-  size_t faces = 0, points = 0, free_forms = 0;
+  size_t faces = 0, points = 0, free_forms = 0, empty = 0;
   bool has_colours = false;
 };
 
@@ -37,8 +37,10 @@ ObjPolylines readPolylines(ObjLines& lines) {
       found.vertices.push_back(lines.position());
       found.has_colours |= words.size() >= 7;
     } else if (keyword == "l") {
-      if (words.size() < 2) lines.fail("a polyline has no vertices", lines.line());
-      addPolyline(lines, found.vertices.size(), found.lines, found.line_of);
+      if (words.size() > 1)
+        addPolyline(lines, found.vertices.size(), found.lines, found.line_of);
+      else
+        ++found.empty;
     } else if (keyword == "f" && words.size() == 3) {
       addPolyline(lines, found.vertices.size(), found.edge_faces, found.edge_of);
     } else if (keyword == "f" || keyword == "fo") {
@@ -95,6 +97,7 @@ RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& nam
   const Polylines joined = joinedPolylines(found.lines, found.vertices.size(), groom.report);
   groom.strands = strandsOf(found, joined);
   leaveOutNotFinite(groom.strands, groom.report, lines.where(found.line_of.front()));
+  leaveOutCount(groom.report, found.empty, "polyline", " without vertices");
   leaveOutCount(groom.report, found.faces, "face", " (f)");
   leaveOutCount(groom.report, found.points, "statement", " of points (p)");
   leaveOutCount(groom.report, found.free_forms, "free-form shape", " (curv, surf)");

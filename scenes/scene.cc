@@ -286,7 +286,7 @@ double meanDistance(const StrandSet& strands, const ClosestPoint& scalp, float s
 /// Where the groom's unit is a guess by its size and the body's is known, the usual unit with which roots lie
 /// nearest to the body is a better one.
 void fitUnitToBody(const SceneOptions& options, const ClosestPoint& scalp, Scene& scene) {
-  constexpr double kClearlyNearer = 0.5;
+  constexpr double kClearlyNearer = 0.5, kOnBody = 0.05;  // of the distance before, of the body's diagonal
   const float by_size = scene.groom.report.unit_meters;
   const auto distanceWith = [&](float unit) {
     return meanDistance(scene.groom.strands, scalp, unit / by_size);
@@ -299,7 +299,8 @@ void fitUnitToBody(const SceneOptions& options, const ClosestPoint& scalp, Scene
       best = unit;
       nearest = distance;
     }
-  if (!(nearest < kClearlyNearer * before)) return;
+  const auto size = static_cast<double>(scene.body.bounds().diagonal().norm());
+  if (!(nearest < kClearlyNearer * before && nearest < kOnBody * size)) return;
   GroomReadOptions units = options.units;
   units.unit_meters = best;
   scene.groom = loadGroom(options.groom, units);

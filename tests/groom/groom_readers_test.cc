@@ -269,7 +269,7 @@ TEST(ObjStrands, BadLinesAreRefusedWithTheirNumber) {
   expectObjStrandsError("v 0 0 nan\n", "line 1");
   expectObjStrandsError("v 0 0 1e40\n", "line 1");
   expectObjStrandsError("v 0 inf 1\n", "line 1");
-  expectObjStrandsError("v 0 0 0\nl\n", "line 2");
+  expectObjStrandsError("v 0 0 0\nl\n", "no polylines");
   expectObjStrandsError("v 0 0 0\nv 0 1 0\nl 1 0\n", "line 3");
   expectObjStrandsError("v 0 0 0\nv 0 1 0\nl 1 3\n", "line 3");
   expectObjStrandsError("v 0 0 0\nv 0 1 0\nl 1 -3\n", "line 3");

@@ -206,9 +206,10 @@ TEST(ObjStrands, FacesOfTwoCornersAreEdgesWhereThereIsNoPolyline) {
 
 TEST(ObjStrands, AStrandThatIsNotFiniteIsLeftOutAndCounted) {
   const RawGroom groom =
-      groomOf("v 0 0 0\nv 0 nan 0\nv 0 2 0\nv 1 0 0 1 1 1\nv 1 1 0\nl 1 2 3\nl 4 5\np 1\n");
+      groomOf("v 0 0 0\nv 0 nan 0\nv 0 2 0\nv 1 0 0 1 1 1\nv 1 1 0\nl 1 2 3\nl 4 5\nl\np 1\n");
   EXPECT_EQ(groom.strands.positions, (std::vector<Vec3>{{1, 0, 0}, {1, 1, 0}}));
   EXPECT_EQ(groom.report.left_out, (std::vector<std::string>{"1 strand with a position that is not finite",
+                                                             "1 polyline without vertices",
                                                              "1 statement of points (p)", "vertex colours"}));
   expectError([] { groomOf("v 0 0 0\nv 0 nan 0\nl 1 2\n"); }, {"wig.obj, line 3", "finite"});
 }

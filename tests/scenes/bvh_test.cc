@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/error.h"
+#include "scenes/bvh_unit.h"
 #include "tests/error_of.h"
 #include "tests/real_data.h"
 #include "tests/scenes/sample_clip.h"
@@ -233,6 +234,38 @@ TEST(Bvh, PositionChannelsAreTheSkeletonWhereOffsetsAreZero) {
   for (const char* offset : {"0 60 0", "0 0 0"}) {
     EXPECT_EQ(clip(offset).restPosition(1), Vec3(0, 60, 0)) << offset;
     EXPECT_EQ(clip(offset).size(), 60) << offset;
+  }
+}
+
+TEST(BvhUnits, BonesThatMatchABodyTellUnitAndAxisOfItsClip) {
+  Skeleton animal;  // which stands along Z
+  animal.joints = {{"tail", -1, {Vec3(0, 0.5f, -0.6f)}},
+                   {"spine", 0, {Vec3(0, 0, 0.6f)}},
+                   {"Head", 1, {Vec3(0, 0, 0.6f)}}};
+  const std::string place = "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n";
+  const auto clip = [&](const std::string& offset, const std::string& position) {
+    return parse("HIERARCHY\nROOT tail\n{\nOFFSET 0 0 0\n" + place + "JOINT spine\n{\nOFFSET " + offset +
+                 "\n" + place + "JOINT Head\n{\nOFFSET " + offset + "\n" + place +
+                 "}\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n" + "0 50 0 0 0 0 " + position + " 0 0 0 " +
+                 position + " 0 0 0\n");
+  };
+  const struct {
+    const char *offset, *position;
+    float unit;
+    bool is_turned;
+  } kClips[] = {{"0 0 60", "0 0 60", 0.01f, false},
+                {"0 0 0", "0 0 60", 0.01f, false},
+                {"0 0 0.6", "0 0 0", 1, false},
+                {"0 -600 0", "0 -600 0", 0.001f, true},
+                {"0 0 0", "0 -6 0", 0.1f, true}};
+  for (const auto& given : kClips) {
+    const BvhClip read = clip(given.offset, given.position);
+    const BvhMatch match(read, animal);
+    EXPECT_EQ(match.joints, 3u);
+    EXPECT_EQ(match.bones.size(), 2u) << given.offset;
+    EXPECT_NEAR(unitOf(read, &match, 0).meters, given.unit, 1e-5f * given.unit)
+        << given.offset << ", " << given.position;
+    EXPECT_EQ(match.upright(read, 2).isApprox(Quat::Identity()), !given.is_turned) << given.offset;
   }
 }
 

@@ -251,7 +251,7 @@ TEST_F(BallScene, AGltfBodyIsInMetresWhateverTheUnitOfItsHair) {
   EXPECT_TRUE(isIn(small.warnings, "in glTF Y is up, Z is taken as given"));
   options_.body_units = {};
   options_.units = {0, UpAxis::kY};
-  writeHair(options_.groom[0], quad.positions[0] + Vec3(0, 0, 5));
+  writeHair(options_.groom[0], quad.positions[0] + Vec3(3, 4, 5));
   EXPECT_TRUE(isIn(makeScene(options_).warnings, "and one place?"));
   options_.body = folder_ / "ball.obj";
   options_.body_cell = 0;
@@ -281,10 +281,10 @@ TEST_F(BallScene, AGuessedUnitFitsTheRootsToABodyInMetres) {
 }
 
 TEST_F(BallScene, HairAndBodyOfOtherSizesAreToldOfAsUnits) {
-  options_.body_contact = BodyContact::kSpheres;
   EXPECT_FALSE(isIn(makeScene(options_).warnings, "m large and the body"));
-  for (const float unit : {1e-3f, 500.0f}) {
+  for (const auto& [unit, cell] : {std::pair{1e-3f, 5e-5f}, {1000.0f, 20.0f}}) {
     options_.body_units.unit_meters = unit;
+    options_.body_cell = cell;
     EXPECT_TRUE(isIn(makeScene(options_).warnings, "(--unit-meters, --body-unit-meters)")) << unit;
   }
 }
