@@ -220,12 +220,11 @@ RigidBody ColliderMaker::bodyOf(const Job& job) const {
   primitive.file = job.file;
   primitive.cell = collider.cell;
   primitive.where = job.where;
-  MeshBodyOptions options = options_;
-  if (collider.unit_meters > 0) options.units.read.unit_meters = collider.unit_meters;
+  primitive.units.unit_meters = collider.unit_meters;
   BakeLimits limits;
   limits.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 2);
   PrimitiveBodies made = primitiveBodies(
-      {primitive}, options, {}, [&](const std::string&, double) { return !stopping_ && !*job.dropped; },
+      {primitive}, options_, {}, [&](const std::string&, double) { return !stopping_ && !*job.dropped; },
       [&](const std::string& outlook, double seconds) {
         if (seconds >= kBakeWorthSaying) spdlog::info("collider {}: {}", collider.name, outlook);
       },

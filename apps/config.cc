@@ -184,6 +184,11 @@ class Section {
 
 using PathOf = std::function<std::filesystem::path(const std::string&)>;
 
+void readUnits(Section& section, GroomReadOptions& into) {
+  section.number("unit_meters", 1e-6, 1000, [&](double v) { into.unit_meters = static_cast<float>(v); });
+  section.text("up", [&](const std::string& v) { into.up = upAxisOf(v, section.place("up")); });
+}
+
 /// That commands know a body by.
 void readBodyName(Section& section, std::string& into) {
   section.text("name", [&](const std::string& v) {
@@ -271,6 +276,7 @@ ScenePrimitive readPrimitive(Section& section, const PathOf& path, std::vector<s
   section.text("file", [&](const std::string& v) {
     if (!v.empty()) primitive.file = path(v);
   });
+  readUnits(section, primitive.units);
   section.number("cell", 1e-6, 1e3, [&](double v) { primitive.cell = static_cast<float>(v); });
   primitive.where = section.place();
   tellUnusedShapeKeys(section, out.kind, warnings);
@@ -281,6 +287,9 @@ ScenePrimitive readPrimitive(Section& section, const PathOf& path, std::vector<s
   if (!primitive.file.empty() && !has_file)
     throw Error("a primitive of this kind is not read from a file", section.place("file"),
                 "leave file out, or kind = \"convex\" or \"mesh\"");
+  if (!has_file && (primitive.units.unit_meters > 0 || primitive.units.up != UpAxis::kAuto))
+    throw Error("a primitive of this kind is in metres with Y up", primitive.where,
+                "leave unit_meters and up out, or kind = \"convex\" or \"mesh\"");
   if (primitive.file.empty() && has_file)
     throw Error("a convex body or a mesh has no file", primitive.where, "name one: file = \"chair.obj\"");
   if (!has_file) checkPrimitive(out, primitive.where);
@@ -360,9 +369,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   root.wholeNumber("seed", 0, kLargestSeed, [&](double v) { s.scene.seed = static_cast<uint64_t>(v); });
   root.section("groom", [&](Section& groom) {
     groom.texts("files", [&](const std::string& v) { s.scene.groom.push_back(path(v)); });
-    groom.number("unit_meters", 1e-6, 1000,
-                 [&](double v) { s.scene.units.unit_meters = static_cast<float>(v); });
-    groom.text("up", [&](const std::string& v) { s.scene.units.up = upAxisOf(v, groom.place("up")); });
+    readUnits(groom, s.scene.units);
     groom.wholeNumber("strands", 1, 1e6, [&](double v) { s.scene.strands = static_cast<int>(v); });
     groom.wholeNumber("vertices", 2, 128, [&](double v) { s.scene.vertices = static_cast<int>(v); });
     groom.number("length", 0.01, 2, [&](double v) { s.scene.length = static_cast<float>(v); });
@@ -375,6 +382,9 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     const auto skinned = [&]() -> SkinnedMotion& {
       return s.scene.skinned ? *s.scene.skinned : s.scene.skinned.emplace();
     };
+    readUnits(body, s.scene.body_units);
+    body.number("clip_unit_meters", 1e-6, 1000,
+                [&](double v) { s.scene.clip_unit_meters = static_cast<float>(v); });
     body.text("clip", [&](const std::string& v) {
       skinned().clip = lowerExtension(v) == ".bvh" ? path(v).string() : v;
     });

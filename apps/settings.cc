@@ -80,6 +80,9 @@ constexpr std::pair<const char*, const char*> kOptionKeys[] = {
     {"--body-cell", "body.cell"},
     {"--unit-meters", "groom.unit_meters"},
     {"--up", "groom.up"},
+    {"--body-unit-meters", "body.unit_meters"},
+    {"--body-up", "body.up"},
+    {"--clip-unit-meters", "body.clip_unit_meters"},
     {"--motion", "motion"},
     {"--strands", "groom.strands"},
     {"--vertices", "groom.vertices"},
@@ -242,11 +245,28 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), us
                    "edge of a cell of the distance field, m; see `strandcast bake`")
       ->check(finiteRange(1e-6, 1e3));
   scene
-      ->add_option("--unit-meters", given_.scene.units.unit_meters,
-                   "metres per unit of groom and body files; guessed if not given")
+      ->add_option(
+          "--unit-meters", given_.scene.units.unit_meters,
+          "metres per unit of groom files, and of an .obj body; as the files say, or guessed, if not given")
       ->check(finiteRange(1e-6, 1000.0));
-  scene->add_option("--up", up_, "up axis of groom and body files")
+  scene->add_option("--up", up_, "up axis of groom files, and of an .obj body")
       ->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  scene
+      ->add_option(
+          "--body-unit-meters", given_.scene.body_units.unit_meters,
+          "metres per unit of the body file; if not given, 1 for glTF, which is in metres, and for .obj the "
+          "groom's")
+      ->check(finiteRange(1e-6, 1000.0));
+  scene
+      ->add_option("--body-up", body_up_,
+                   "up axis of the body file; if not given, y for glTF, and for .obj the one of --up")
+      ->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  scene
+      ->add_option("--clip-unit-meters", given_.scene.clip_unit_meters,
+                   "metres per unit of .bvh clips of --body-clip and --motion; if not given, what makes "
+                   "their bones as "
+                   "long as the body's of the same names, or their skeleton as tall as a person")
+      ->check(finiteRange(1e-6, 1000.0));
   scene->add_option("--motion", given_.scene.motion,
                     "head motion: still, nod, shake, turn, joined by +, or a .bvh clip");
   scene->add_option("--strands", given_.scene.strands, "guides: grown (procedural) or chosen evenly (files)")
@@ -366,7 +386,7 @@ void SettingsOptions::noteGiven(Settings& out) const {
     std::vector<const char*> replaced;
   } replacing[] = {{"--scene",
                     {"groom.files", "groom.unit_meters", "groom.up", "body.file", "body.contact", "body.cell",
-                     "body.fitted_spheres", "body.clip", "body.joint", "body.roots"}},
+                     "body.fitted_spheres", "body.clip", "body.joint", "body.roots", "body.unit_meters", "body.up"}},
                    {"--groom", {"scene", "groom.length"}},
                    {"--transport", {"transport.peers", "transport.discovery_server", "transport.lcm_url"}}};
   for (const auto& [option, replaced] : replacing)
@@ -393,6 +413,8 @@ Settings SettingsOptions::over(Settings out) const {
     out.scene.name = given_.scene.name;
     out.scene.groom.clear();
     out.scene.body.clear();
+    out.scene.body_units = {};
+    if (!isBvh(out.scene.motion)) out.scene.clip_unit_meters = 0;
     out.scene.skinned.reset();
   }
   if (app_.count("--groom") > 0) {  // in place of the file's scene
@@ -415,6 +437,9 @@ Settings SettingsOptions::over(Settings out) const {
   lay("--body-cell", out.scene.body_cell, given_.scene.body_cell);
   lay("--unit-meters", out.scene.units.unit_meters, given_.scene.units.unit_meters);
   if (app_.count("--up") > 0) out.scene.units.up = upAxisOf(up_);
+  lay("--body-unit-meters", out.scene.body_units.unit_meters, given_.scene.body_units.unit_meters);
+  if (app_.count("--body-up") > 0) out.scene.body_units.up = upAxisOf(body_up_, "--body-up");
+  lay("--clip-unit-meters", out.scene.clip_unit_meters, given_.scene.clip_unit_meters);
   lay("--motion", out.scene.motion, given_.scene.motion);
   lay("--strands", out.scene.strands, given_.scene.strands);
   lay("--vertices", out.scene.vertices, given_.scene.vertices);

@@ -92,7 +92,7 @@ class SettingsOptions {
   const CLI::App *scene_ = nullptr, *simulation_ = nullptr;  ///< groups of its options
   std::filesystem::path config_;
   Settings given_;
-  std::string up_, solver_, codec_, body_contact_, body_clip_, body_joint_, body_roots_;
+  std::string up_, body_up_, solver_, codec_, body_contact_, body_clip_, body_joint_, body_roots_;
   double codec_error_mm_ = 0;
   bool sag_free_ = true;
   std::vector<std::string> groom_, material_, set_;

@@ -190,9 +190,9 @@ Verb addBake(CLI::App& app) {
   app.add_option("--hair-radius", o->field.hair_radius, "m, what cell and band follow from")
       ->check(finiteRange(1e-6, 5e-3))
       ->capture_default_str();
-  app.add_option("--unit-meters", o->unit_meters, "metres per unit of FILE; guessed for .obj if not given")
+  app.add_option("--unit-meters", o->unit_meters, "metres per unit of FILE; if not given, 1 for glTF, guessed for .obj")
       ->check(finiteRange(1e-6, 1000.0));
-  app.add_option("--up", o->up, "up axis of FILE")->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  app.add_option("--up", o->up, "up axis of FILE; y if not given")->check(CLI::IsMember({"auto", "x", "y", "z"}));
   app.add_option("--threads", o->limits.threads, "0 = all; the field does not depend on it")
       ->transform(wholeRange(0, 1024));
   app.add_option("--memory", o->memory_mib, "MiB that the bake may use; refused above")

@@ -395,7 +395,7 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
       ->option_text("X Y Z [YAW [PITCH [ROLL]]]")
       ->check(finiteNumber());
   add->add_option("--unit-meters", o->unit_meters,
-                  "metres per unit of FILE; else as of the daemon's groom and body files")
+                  "metres per unit of FILE; else 1 for glTF, and for .obj as of the daemon's groom files")
       ->check(finiteRange(1e-6, 1000.0));
   add->add_option("--cell", o->cell,
                   "edge of a cell of a mesh's distance field, m; else as of the daemon's body")

@@ -30,6 +30,7 @@ struct VoidSetting {
 
 bool hasFiles(const Settings& s) { return !s.scene.groom.empty(); }
 bool hasBody(const Settings& s) { return !s.scene.body.empty(); }
+bool hasNoBodyFile(const Settings& s) { return !hasBody(s); }
 bool hasNoBody(const Settings& s) { return hasFiles(s) && !hasBody(s); }
 bool isGrown(const Settings& s) { return !hasFiles(s); }
 /// Meshes other than the body, of the scene or of commands.
@@ -65,6 +66,8 @@ constexpr VoidSetting kSceneRules[] = {
      "procedural hair is in metres", "leave it out, or give a --groom", kRefused},
     {"groom.up", "scene", isGrownAlone,
      "of procedural hair Y is up", "leave it out, or give a --groom", kRefused},
+    {"body.unit_meters", "", hasNoBodyFile, "there is no body file", "leave it out, or give a --body", kRefused},
+    {"body.up", "", hasNoBodyFile, "there is no body file", "leave it out, or give a --body", kRefused},
     {"body.contact", "", hasNoBody, "there is no body", "give a --body", kRefused},
     {"body.cell", "", [](const Settings& s) { return hasNoBody(s) && !hasMeshes(s); },
      "there is no body", "give a --body", kRefused},

@@ -249,7 +249,8 @@ void checkModel(const StrandModel& model, const std::string& where) {
   const auto is_rotation = [](const Quat& q) { return std::fabs(q.norm() - 1) < kUnitTolerance; };
   const auto is_factor = [](float f) { return f >= 0 && std::isfinite(f); };
   const auto is_stiffness = [](float f) { return f >= 0 && f <= kStiffestJoint; };
-  const char* softer = "give softer or thinner hair, or longer edges";
+  const char* softer =
+      "give softer or thinner hair, longer edges, or the right unit of the groom's files (--unit-meters)";
   const auto is_mass = [](float m) { return m > 0 && std::isfinite(m); };
   const auto is_number = [](float f) { return std::isfinite(f); };
   const auto any = [](const auto&) { return true; };

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -36,14 +37,37 @@ void scaleToMeters(std::span<Vec3> points, float unit_meters, const std::string&
   }
 }
 
+bool isSameUnit(float a, float b) {
+  constexpr float kRounded = 1e-4f;  // what files round their units to
+  return std::abs(a - b) <= kRounded * std::max(a, b);
+}
+
+const char* nameOf(UpAxis axis) {
+  switch (axis) {
+    case UpAxis::kX:
+      return "X";
+    case UpAxis::kY:
+      return "Y";
+    case UpAxis::kZ:
+      return "Z";
+    case UpAxis::kAuto:
+      break;
+  }
+  return "auto";
+}
+
+std::span<const float> usualUnits() {
+  static constexpr std::array<float, 5> kUnits{1.0f, 0.1f, 0.01f, 0.0025f, 0.001f};
+  return kUnits;
+}
+
 float guessUnit(const Box& bounds) {
-  constexpr std::array<float, 5> kUnits{1.0f, 0.1f, 0.01f, 0.0025f, 0.001f};
   constexpr double kTypicalSize = 0.3;  // m: the middle of 0.1 to 1 m, on a logarithmic scale
   if (bounds.isEmpty()) return 1.0f;
   const double size = (bounds.max().cast<double>() - bounds.min().cast<double>()).maxCoeff();
   if (!(size > 0)) return 1.0f;
-  float best = kUnits[0];
-  for (const float unit : kUnits)
+  float best = 1.0f;
+  for (const float unit : usualUnits())
     if (std::abs(std::log(size * unit / kTypicalSize)) < std::abs(std::log(size * best / kTypicalSize)))
       best = unit;
   return best;

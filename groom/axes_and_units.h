@@ -10,6 +10,12 @@ namespace strandcast {
 /// Throws Error unless `unit_meters` is 0 (guess) or a positive finite number.
 void checkUnit(float unit_meters);
 
+/// Whether two units are one but for rounding.
+bool isSameUnit(float a, float b);
+
+/// "X", "Y", "Z" or "auto".
+const char* nameOf(UpAxis axis);
+
 /// Turns points so that Y is up, by a quarter turn that keeps handedness: Z up (x, y, z) -> (x, z, -y), X up
 /// (x, y, z) -> (-y, x, z). kAuto and kY leave them.
 void turnYUp(std::span<Vec3> points, UpAxis up);

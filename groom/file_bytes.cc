@@ -88,6 +88,25 @@ std::string_view textOfFile(std::span<const std::byte> bytes) {
   return text;
 }
 
+std::string_view textOfFile(std::span<const std::byte> bytes, const std::string& name) {
+  std::string_view text = textOfFile(bytes);
+  // A mark of UTF-16, or a first character that has a zero byte beside it.
+  const bool is_wide = text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") ||
+                       (text.size() > 1 && (text[0] == 0) != (text[1] == 0));
+  if (is_wide) throw Error("the text is UTF-16", name + ", byte 0", "save it as UTF-8 or ASCII");
+  while (text.ends_with('\0')) text.remove_suffix(1);
+  return text;
+}
+
+LineEnd lineEnd(std::string_view text, size_t begin) {
+  size_t end = begin;
+  while (end < text.size() && text[end] != '\n' && text[end] != '\r') ++end;
+  const std::string_view rest = text.substr(end);
+  for (const std::string_view mark : {"\r\r\n", "\r\n", "\n", "\r"})
+    if (rest.starts_with(mark)) return {end, end + mark.size()};
+  return {end, end};
+}
+
 void writeFileBytes(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   if (!mayBeReplaced(file)) return write(file, bytes, file);
   const std::filesystem::path part = file.string() + "." + std::to_string(::getpid());

@@ -16,6 +16,7 @@ struct GroomReport {
   size_t resampled = 0;           ///< strands of more than 128 vertices, evened down to 128
   float unit_meters =
       0;  ///< metres per unit of the files, given or guessed; a body of the same origin has it too
+  bool is_unit_guessed = false;       ///< it is neither given nor said by the files
   std::vector<std::string> warnings;  ///< one line each, e.g. that the unit was guessed, and from what
   std::vector<std::string> left_out;  ///< what else the files have (FileReport), each once
 

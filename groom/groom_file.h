@@ -13,8 +13,8 @@ enum class UpAxis { kAuto, kX, kY, kZ };  ///< kAuto: what .usda says, Z for .ha
 
 /// How a file's numbers become metres with Y up.
 struct GroomReadOptions {
-  float unit_meters = 0;  ///< metres per unit of the file, positive; 0 = as the file says, else guessed from
-                          ///< the bounding box, with a warning
+  float unit_meters = 0;  ///< metres per unit of the file, positive, whatever the file says; 0 = as the file
+                          ///< says, else guessed from the bounding box, with a warning
   UpAxis up = UpAxis::kAuto;  ///< Z up becomes (x, z, -y), X up (-y, x, z): quarter turns, no mirroring
   bool keep_pins = false;     ///< as the files have them, for writing them again
 };
@@ -75,14 +75,17 @@ std::vector<std::string> leftOutOf(const std::filesystem::path& file, const Stra
 /// Reads one or more files (at most 65,535) into one groom in metres, Y up, and cleans it (cleanStrands);
 /// `parts` says which file each strand came from. A unit that is given holds for all files. Else each file
 /// that says its unit is read in that, or one is guessed for all where none says it; the up axis is each
-/// file's own unless given. A pin of vertex 1 is dropped where vertex 0 is pinned and vertex 2 free, unless
+/// file's own unless given. Warns where a unit or axis that is given is not what a file says, and of a size
+/// or place that no hair has. A pin of vertex 1 is dropped where vertex 0 is pinned and vertex 2 free, unless
 /// pins are to be kept: the root's frame is clamped instead. Throws Error as readRawGroom, and when a unit is
 /// not positive, some files say their unit and others do not, a vertex lies 10 km away, or no strand is left.
 Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options);
 
-/// Metres per unit guessed from a groom's bounding box in file units: 1, 0.1, 0.01, 0.001 or the 0.0025 of
-/// HAIR and TressFX files, whichever makes the longest side most nearly a head of hair (0.1 to 1 m, best
-/// 0.3). 1 for an empty box.
+/// Metres per unit that files of unknown unit may have: 1, 0.1, 0.01, 0.001, and the 0.0025 of HAIR and
+/// TressFX files.
+std::span<const float> usualUnits();
+/// The usual unit guessed from a groom's bounding box in file units: whichever makes the longest side most
+/// nearly a head of hair (0.1 to 1 m, best 0.3). 1 for an empty box.
 float guessUnit(const Box& bounds);
 
 }  // namespace strandcast

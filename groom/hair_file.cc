@@ -8,11 +8,12 @@
 #include "groom/byte_writer.h"
 #include "groom/groom_encode.h"
 #include "groom/groom_file.h"
+#include "groom/strand_edit.h"
 
 namespace strandcast {
 namespace {
 
-constexpr uint32_t kHeaderBytes = 128;
+constexpr uint32_t kHeaderBytes = 128, kDefaultThicknessAt = 20;
 constexpr float kDefaultThickness = 1, kDefaultTransparency = 0, kDefaultColour = 0.5f;  // as written here
 enum ArrayBits : uint32_t { kSegments = 1, kPoints = 2, kThickness = 4, kTransparency = 8, kColours = 16 };
 
@@ -79,21 +80,27 @@ void readOffsets(const ByteReader& reader, const HairHeader& header, StrandSet& 
 void readPoints(const ByteReader& reader, const HairHeader& header, StrandSet& strands) {
   strands.positions.resize(header.points);
   reader.copy<std::array<float, 3>>(header.points_at, header.points, strands.positions.data(), "points");
-  for (size_t i = 0; i < strands.vertices(); ++i)
-    if (!strands.positions[i].allFinite())
-      reader.fail("a position is not a finite number", header.points_at + uint64_t{12} * i);
 }
 
-void readThickness(const ByteReader& reader, const HairHeader& header, StrandSet& strands) {
+/// Where a thickness is not one, the header's default stands for it, or 0 where that is none either.
+void readThickness(const ByteReader& reader, const HairHeader& header, StrandSet& strands,
+                   FileReport& report) {
   if (!(header.arrays & kThickness)) return;
+  const auto isSound = [](float thickness) { return thickness >= 0 && std::isfinite(thickness); };
+  const auto standard = reader.at<float>(kDefaultThicknessAt);
   strands.radii.resize(header.points);
+  size_t mended = 0;
   for (size_t i = 0; i < strands.radii.size(); ++i) {
-    const uint64_t at = header.thickness_at + uint64_t{4} * i;
-    const auto thickness = reader.at<float>(at);
-    if (!(thickness >= 0) || !std::isfinite(thickness))
-      reader.fail("a thickness is negative or not finite", at);
+    auto thickness = reader.at<float>(header.thickness_at + uint64_t{4} * i);
+    if (!isSound(thickness)) {
+      thickness = isSound(standard) ? standard : 0;
+      ++mended;
+    }
     strands.radii[i] = thickness / 2;
   }
+  if (mended > 0)
+    report.warnings.push_back(fmt::format(
+        "{} of the thicknesses are negative or not finite: the file's default stands for them", mended));
 }
 
 /// Defaults stand for arrays that the file has not.
@@ -103,7 +110,7 @@ FileReport reportOn(const ByteReader& reader, const HairHeader& header) {
   const auto differs = [&](uint64_t at, float from) { return reader.at<float>(at) != from; };
   if (has(kTransparency)) out.leaveOut("transparency");
   if (has(kColours)) out.leaveOut("colours");
-  if (!has(kThickness) && differs(20, kDefaultThickness)) out.leaveOut("default thickness");
+  if (!has(kThickness) && differs(kDefaultThicknessAt, kDefaultThickness)) out.leaveOut("default thickness");
   if (!has(kTransparency) && differs(24, kDefaultTransparency)) out.leaveOut("default transparency");
   if (!has(kColours) &&
       (differs(28, kDefaultColour) || differs(32, kDefaultColour) || differs(36, kDefaultColour)))
@@ -122,8 +129,9 @@ RawGroom readHair(std::span<const std::byte> bytes, const std::string& name) {
   groom.native_up = UpAxis::kZ;
   readOffsets(reader, header, groom.strands);
   readPoints(reader, header, groom.strands);
-  readThickness(reader, header, groom.strands);
   groom.report = reportOn(reader, header);
+  readThickness(reader, header, groom.strands, groom.report);
+  leaveOutNotFinite(groom.strands, groom.report, reader.where(header.points_at));
   return groom;
 }
 

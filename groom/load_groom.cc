@@ -108,6 +108,7 @@ void convertUnits(Groom& groom, const GroomReadOptions& options, float said, con
     Box bounds;
     for (const Vec3& point : groom.strands.positions) bounds.extend(Eigen::Vector3f(point));
     unit = guessUnit(bounds);
+    groom.report.is_unit_guessed = true;
     const float size = bounds.sizes().maxCoeff();
     groom.report.warnings.push_back(fmt::format(
         "{}: the unit is guessed: {} m, which makes the groom {:.3g} m large ({:.4g} units); give "
@@ -121,6 +122,41 @@ void convertUnits(Groom& groom, const GroomReadOptions& options, float said, con
     if (!std::isfinite(radius))
       throw Error("a radius is out of range", name, "give the file's unit (--unit-meters)");
   }
+}
+
+/// The median of the edges of a sample of the strands, m.
+float medianEdge(const StrandSet& strands) {
+  constexpr size_t kSample = 1000;
+  std::vector<float> edges;
+  const size_t every = std::max<size_t>(strands.strands() / kSample, 1);
+  for (size_t s = 0; s < strands.strands(); s += every)
+    if (strands.verticesOf(s) > 1)
+      edges.push_back(arcLength(strands.strand(s)) / static_cast<float>(strands.verticesOf(s) - 1));
+  if (edges.empty()) return 0;
+  const auto middle = edges.begin() + static_cast<std::ptrdiff_t>(edges.size() / 2);
+  std::nth_element(edges.begin(), middle, edges.end());
+  return *middle;
+}
+
+/// Of a size or a place that no hair has, which a wrong unit gives.
+void warnOfUnit(Groom& groom, const std::string& name) {
+  constexpr float kSmallestGroom = 1e-3f, kLargestGroom = 20;  // m
+  constexpr float kMostRounding = 0.05f;                       // of an edge
+  Box bounds;
+  for (const Vec3& point : groom.strands.positions) bounds.extend(Eigen::Vector3f(point));
+  const float size = bounds.sizes().maxCoeff();
+  const float unit = groom.report.unit_meters;
+  if (size < kSmallestGroom || size > kLargestGroom)
+    groom.report.warnings.push_back(
+        fmt::format("{}: with a unit of {:g} m the groom is {:.3g} m large: give its unit (--unit-meters)",
+                    name, unit, size));
+  const float farthest = std::max(bounds.min().cwiseAbs().maxCoeff(), bounds.max().cwiseAbs().maxCoeff());
+  const float rounding = farthest * std::numeric_limits<float>::epsilon(), edge = medianEdge(groom.strands);
+  if (rounding > kMostRounding * edge)
+    groom.report.warnings.push_back(fmt::format(
+        "{}: with a unit of {:g} m the groom lies {:.3g} m from the origin, where positions are rounded to "
+        "{:.2g} m and edges are {:.2g} m: give its unit (--unit-meters), or move it to the origin",
+        name, unit, farthest, rounding, edge));
 }
 
 }  // namespace
@@ -182,6 +218,15 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
       said = raw.unit_meters;
     else if (options.unit_meters == 0)
       toUnit(raw, said, files[f].string());
+    if (options.unit_meters > 0 && raw.unit_meters > 0 && !raw.unit_is_default &&
+        !isSameUnit(options.unit_meters, raw.unit_meters))
+      groom.report.warnings.push_back(
+          fmt::format("{}: the file says that its unit is {:g} m, {:g} m is taken as given (--unit-meters)",
+                      files[f].string(), raw.unit_meters, options.unit_meters));
+    if (options.up != UpAxis::kAuto && options.up != raw.native_up && raw.format == "usda")
+      groom.report.warnings.push_back(fmt::format("{}: {} is up in the file, {} is taken as given (--up)",
+                                                  files[f].string(), nameOf(raw.native_up),
+                                                  nameOf(options.up)));
     if (!options.keep_pins) freeSecondVertices(raw.strands);
     merger.add(raw, f, files[f].string());
     if (f > 0) groom.name += '+';
@@ -194,6 +239,7 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
   if (groom.strands.strands() == 0)
     throw Error("no strand is left after cleaning, all are points", files[0].string(),
                 "check the export of the hair");
+  warnOfUnit(groom, files[0].string());
   return groom;
 }
 

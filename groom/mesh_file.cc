@@ -1,5 +1,7 @@
 #include "groom/mesh_file.h"
 
+#include <fmt/format.h>
+
 #include "core/error.h"
 #include "groom/axes_and_units.h"
 #include "groom/file_bytes.h"
@@ -12,6 +14,23 @@ bool isGltf(const std::filesystem::path& file) {
   return extension == ".glb" || extension == ".gltf";
 }
 
+GroomReadOptions meshUnits(const std::filesystem::path& file, const GroomReadOptions& given,
+                           const GroomReadOptions& obj) {
+  GroomReadOptions out = given;
+  if (isGltf(file)) return out;
+  if (out.unit_meters <= 0) out.unit_meters = obj.unit_meters;
+  if (out.up == UpAxis::kAuto) out.up = obj.up;
+  return out;
+}
+
+void warnOfGltfUnits(const GroomReadOptions& given, FileReport& report) {
+  if (given.unit_meters > 0 && !isSameUnit(given.unit_meters, 1))
+    report.warnings.push_back(
+        fmt::format("glTF is in metres, a unit of {:g} m is taken as given", given.unit_meters));
+  if (given.up == UpAxis::kX || given.up == UpAxis::kZ)
+    report.warnings.push_back(fmt::format("in glTF Y is up, {} is taken as given", nameOf(given.up)));
+}
+
 ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
                   const std::vector<std::string>& skip_groups) {
   checkUnit(options.unit_meters);
@@ -21,6 +40,7 @@ ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& opt
   const std::vector<std::byte> bytes = readFileBytes(file);
   ReadMesh read = is_gltf ? readGltfMesh(bytes, file.string(), file.parent_path())
                           : readObjMesh(bytes, file.string(), skip_groups);
+  if (is_gltf) warnOfGltfUnits(options, read.report);
   TriangleMesh& mesh = read.mesh;
   turnYUp(mesh.positions, options.up);
   float unit = options.unit_meters;

@@ -17,11 +17,19 @@ struct ReadMesh {
 /// Whether a file is glTF 2.0 by its extension: .gltf or .glb.
 bool isGltf(const std::filesystem::path& file);
 
+/// Units and axis to read a mesh with: each as `given` for it where it is; else of an .obj file as `obj`. A
+/// glTF file is in metres with Y up, whatever .obj files are in.
+GroomReadOptions meshUnits(const std::filesystem::path& file, const GroomReadOptions& given,
+                           const GroomReadOptions& obj);
+
+/// Tells `report` where what is given for a glTF file is not what its format says: metres, Y up.
+void warnOfGltfUnits(const GroomReadOptions& given, FileReport& report);
+
 /// Reads a triangle mesh from .obj or glTF 2.0 (.gltf, .glb) by extension, in metres, Y up, with normals.
 /// Throws Error (file, line, byte offset or part, remedy) on bad input. Without `unit_meters` a glTF file is
 /// in metres, as its specification says, and the unit of an .obj file is guessed as a groom's is: pass
-/// GroomReport::unit_meters to give an .obj body the scale of its hair. The buffers that a .gltf names are
-/// read from its own folder and nowhere else.
+/// GroomReport::unit_meters to give an .obj body the scale of its hair (meshUnits). The buffers that a .gltf
+/// names are read from its own folder and nowhere else.
 ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
                   const std::vector<std::string>& skip_groups = {"helper-", "joint-"});
 
@@ -29,8 +37,9 @@ ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& opt
 /// mesh. The fuzzers' entry points. Triangles with a corner twice are left out; there is at least one
 /// triangle.
 ///
-/// OBJ: polygons are fanned from their first corner. Faces under a `g` or `o` name that starts with one of
-/// `skip_groups` are left out, and so are vertices that no triangle uses.
+/// OBJ: polygons are cut into triangles, see PolygonCutter. Faces under a `g` or `o` name that starts with
+/// one of `skip_groups`, of fewer than three different corners or with a position that is not finite are left
+/// out, and so are vertices that no triangle uses. An index beyond the file's vertices is an Error.
 ReadMesh readObjMesh(std::span<const std::byte> bytes, const std::string& name,
                      const std::vector<std::string>& skip_groups = {});
 /// glTF: all triangle lists, strips and fans of the default scene, placed by their nodes, or, where there is

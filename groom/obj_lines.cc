@@ -1,7 +1,10 @@
 #include "groom/obj_lines.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <limits>
+#include <optional>
 
 #include "groom/text_number.h"
 
@@ -35,14 +38,31 @@ std::string quoted(std::string_view word) {
   return text + (word.size() > 24 ? "...'" : "'");
 }
 
+/// Up to the '#' of a comment. That of "1.#QNAN", which old C libraries print for a number, begins none.
+std::string_view withoutComment(std::string_view line) {
+  for (size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1))
+    if (at == 0 || line[at - 1] != '.') return line.substr(0, at);
+  return line;
+}
+
+/// Whether a word stands for a number that is not finite or beyond a double: nan, -inf, 1.#IND, 1e999.
+bool isUnbounded(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0;
+  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const bool is_whole = end == word.data() + word.size();
+  if (is_whole && failure == std::errc()) return !std::isfinite(value);
+  return is_whole ? failure == std::errc::result_out_of_range : word.find(".#") != std::string_view::npos;
+}
+
 }  // namespace
 
 std::string_view ObjLines::takeLine() {
-  const size_t end = std::min(text_.find('\n', next_byte_), text_.size());
+  const auto [end, next] = lineEnd(text_, next_byte_);
   const std::string_view line = text_.substr(next_byte_, end - next_byte_);
-  next_byte_ = end + 1;
+  next_byte_ = next;
   ++lines_read_;
-  return line.substr(0, line.find('#'));
+  return withoutComment(line);
 }
 
 bool ObjLines::next() {
@@ -65,17 +85,18 @@ bool ObjLines::next() {
   return false;
 }
 
+float ObjLines::coordinate(std::string_view word) const {
+  const std::optional<double> value = numberOf(word);
+  if (value && std::abs(*value) <= FLT_MAX) return static_cast<float>(*value);
+  if (value || isUnbounded(word)) return std::numeric_limits<float>::quiet_NaN();
+  const bool has_comma = word.find(',') != std::string_view::npos;
+  fail("a coordinate is not a number: " + quoted(word), line_,
+       has_comma ? "export it with points in numbers, not commas, and blanks between them" : kDamaged);
+}
+
 Vec3 ObjLines::position() const {
   if (words_.size() < 4) fail("a vertex has fewer than three coordinates", line_);
-  Vec3 point;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::optional<double> value = numberOf(words_[axis + 1]);
-    if (!value) fail("a coordinate is not a number: " + quoted(words_[axis + 1]), line_);
-    if (!(std::abs(*value) <= FLT_MAX))
-      fail("a coordinate is not a finite number: " + quoted(words_[axis + 1]), line_);
-    point[axis] = static_cast<float>(*value);
-  }
-  return point;
+  return {coordinate(words_[1]), coordinate(words_[2]), coordinate(words_[3])};
 }
 
 uint32_t ObjLines::vertexIndex(std::string_view corner, size_t vertices) const {
@@ -90,6 +111,17 @@ uint32_t ObjLines::vertexIndex(std::string_view corner, size_t vertices) const {
   if (absolute >= std::numeric_limits<uint32_t>::max())
     fail("vertex index " + std::to_string(index) + " is out of range", line_);
   return static_cast<uint32_t>(absolute);
+}
+
+void ObjLines::checkIndex(uint32_t vertex, size_t vertices, size_t line) const {
+  if (vertex >= vertices)
+    fail(fmt::format("vertex index {} is out of range, the file has {} vertices", uint64_t{vertex} + 1,
+                     vertices),
+         line);
+}
+
+void leaveOutCount(FileReport& report, size_t count, const std::string& what, const std::string& of) {
+  if (count > 0) report.leaveOut(fmt::format("{} {}{}{}", count, what, count == 1 ? "" : "s", of));
 }
 
 }  // namespace strandcast

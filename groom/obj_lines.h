@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/geometry.h"
 #include "groom/file_bytes.h"
+#include "groom/file_report.h"
 
 namespace strandcast {
 
@@ -18,8 +19,9 @@ namespace strandcast {
 /// backslash joined with the next. Shared by the readers of polylines and of meshes.
 class ObjLines {
  public:
+  /// Throws Error on UTF-16 text.
   ObjLines(std::span<const std::byte> bytes, std::string name)
-      : text_(textOfFile(bytes)), name_(std::move(name)) {}
+      : text_(textOfFile(bytes, name)), name_(std::move(name)) {}
 
   /// Moves to the next statement that has a word in it; false at the end of the text.
   bool next();
@@ -32,18 +34,22 @@ class ObjLines {
     throw Error(what, where(line), remedy);
   }
 
-  /// The x y z of a `v` statement; further columns (w, colours) are left alone. Throws Error unless all are
-  /// finite.
+  /// The x y z of a `v` statement; further columns (w, colours) are left alone. A coordinate that is no
+  /// finite number, or beyond a float, is NaN: what uses such a vertex is to be left out. Throws Error where
+  /// there are fewer than three coordinates, or text that is not a number.
   Vec3 position() const;
   /// The vertex index of a corner such as "7", "-1" or "7/2/3": 0-based, negative ones counted back from
   /// `vertices`, the vertices read so far. A later line may still define the vertex, so only the end of the
-  /// file can tell if it exists.
+  /// file can tell if it exists: checkIndex().
   uint32_t vertexIndex(std::string_view corner, size_t vertices) const;
+  /// Throws Error where a file of `vertices` vertices has no such one.
+  void checkIndex(uint32_t vertex, size_t vertices, size_t line) const;
 
   static constexpr const char* kDamaged = "mend the line or export the file again";
 
  private:
   std::string_view takeLine();
+  float coordinate(std::string_view word) const;
 
   std::string_view text_;
   std::string name_;
@@ -53,5 +59,8 @@ class ObjLines {
   std::string joined_;
   std::vector<std::string_view> words_;
 };
+
+/// "without 3 faces of two corners": adds `count` of `what`, whose plural takes an s, where there are any.
+void leaveOutCount(FileReport& report, size_t count, const std::string& what, const std::string& of);
 
 }  // namespace strandcast

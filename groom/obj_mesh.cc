@@ -3,20 +3,31 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 #include "groom/mesh_file.h"
 #include "groom/obj_lines.h"
+#include "groom/polygon.h"
 
 namespace strandcast {
 namespace {
 
+/// The corners of one `f` statement, a run in the list of all corners.
+struct ObjFace {
+  size_t first, count, line;
+};
+
 struct ObjMeshReader {
   ObjLines lines;
   const std::vector<std::string>& skip_groups;
-  TriangleMesh mesh;
-  std::vector<size_t> triangle_lines;  ///< where each triangle came from, for errors found at the end
-  bool skip_group = false;             ///< by the current `g`
-  bool skip_object = false;            ///< by the current `o`
+  ReadMesh read_mesh{};
+  std::vector<uint32_t> corners{};
+  std::vector<ObjFace> faces{};
+  bool skip_group = false;   ///< by the current `g`
+  bool skip_object = false;  ///< by the current `o`
+  size_t skipped = 0, flat = 0, polylines = 0, points = 0, free_forms = 0;
+
+  TriangleMesh& mesh() { return read_mesh.mesh; }
 
   bool isSkipped(const std::vector<std::string_view>& words) const {
     for (size_t i = 1; i < words.size(); ++i)
@@ -25,60 +36,96 @@ struct ObjMeshReader {
     return false;
   }
 
-  /// Fans a polygon from its first corner. Triangles with a corner twice have no area and are left out.
   void addFace(const std::vector<std::string_view>& words) {
-    if (words.size() < 4) lines.fail("a face has fewer than three corners", lines.line());
-    const size_t vertices = mesh.positions.size();
-    const uint32_t first = lines.vertexIndex(words[1], vertices);
-    uint32_t before = lines.vertexIndex(words[2], vertices);
-    for (size_t i = 3; i < words.size(); ++i) {
-      const uint32_t here = lines.vertexIndex(words[i], vertices);
-      if (first != before && before != here && here != first) {
-        mesh.triangles.push_back({first, before, here});
-        triangle_lines.push_back(lines.line());
-      }
-      before = here;
+    if (words.size() < 4) {
+      ++flat;
+      return;
     }
+    faces.push_back({corners.size(), words.size() - 1, lines.line()});
+    for (size_t i = 1; i < words.size(); ++i)
+      corners.push_back(lines.vertexIndex(words[i], mesh().positions.size()));
   }
 
   void read() {
+    static const std::set<std::string_view> kFreeForms{"curv", "curv2", "surf"};
     while (lines.next()) {
       const auto& words = lines.words();
-      if (words[0] == "v") {
-        mesh.positions.push_back(lines.position());
-      } else if (words[0] == "g") {
+      const std::string_view keyword = words[0];
+      if (keyword == "v") {
+        mesh().positions.push_back(lines.position());
+      } else if (keyword == "g") {
         skip_group = isSkipped(words);
-      } else if (words[0] == "o") {
+      } else if (keyword == "o") {
         skip_object = isSkipped(words);
-      } else if (words[0] == "f" && !skip_group && !skip_object) {
-        addFace(words);
+      } else if (keyword == "f" || keyword == "fo") {  // fo: as files before 3.0 have it
+        if (skip_group || skip_object)
+          ++skipped;
+        else
+          addFace(words);
+      } else if (keyword == "l") {
+        ++polylines;
+      } else if (keyword == "p") {
+        ++points;
+      } else if (kFreeForms.contains(keyword)) {
+        ++free_forms;
       }
     }
   }
 
-  void checkIndices() const {
-    for (size_t t = 0; t < mesh.triangles.size(); ++t)
-      for (const uint32_t corner : mesh.triangles[t])
-        if (corner >= mesh.positions.size())
-          lines.fail(fmt::format("vertex index {} is out of range, the file has {} vertices",
-                                 uint64_t{corner} + 1, mesh.positions.size()),
-                     triangle_lines[t]);
+  /// Cuts the faces into triangles. Those with a vertex that is not finite are left out.
+  void triangulate() {
+    size_t not_finite = 0, unclear = 0, first_unclear = 0;
+    PolygonCutter cutter(mesh().positions);
+    for (const ObjFace& face : faces) {
+      const std::span<const uint32_t> ring = std::span(corners).subspan(face.first, face.count);
+      for (const uint32_t corner : ring) lines.checkIndex(corner, mesh().positions.size(), face.line);
+      if (!std::all_of(ring.begin(), ring.end(),
+                       [&](uint32_t v) { return mesh().positions[v].allFinite(); })) {
+        ++not_finite;
+        continue;
+      }
+      const size_t before = mesh().triangles.size();
+      const bool is_covered = cutter.cut(ring, mesh().triangles);
+      if (cutter.isSpent())
+        lines.fail("the faces have too many corners to be cut into triangles", face.line,
+                   "triangulate the mesh before it is exported");
+      if (mesh().triangles.size() == before) {
+        ++flat;
+      } else if (!is_covered && ++unclear == 1) {
+        first_unclear = face.line;
+      }
+    }
+    leaveOutCount(read_mesh.report, not_finite, "face", " with a position that is not finite");
+    leaveOutCount(read_mesh.report, flat, "face", " of fewer than three different corners");
+    if (unclear > 0)
+      read_mesh.report.warnings.push_back(
+          fmt::format("{} face{} no area or cross{} itself, the first in line {}: its triangles are a guess",
+                      unclear, unclear == 1 ? " has" : "s have", unclear == 1 ? "es" : "", first_unclear));
+  }
+
+  void reportRest() {
+    FileReport& report = read_mesh.report;
+    leaveOutCount(report, skipped, "face",
+                  fmt::format(" of groups whose names begin with {}", fmt::join(skip_groups, " or ")));
+    leaveOutCount(report, polylines, "polyline", " (l)");
+    leaveOutCount(report, points, "statement", " of points (p)");
+    leaveOutCount(report, free_forms, "free-form shape", " (curv, surf)");
   }
 
   /// Vertices that no triangle uses (those of skipped groups) would spoil the bounding box.
   void dropUnusedVertices() {
     constexpr uint32_t kUnused = std::numeric_limits<uint32_t>::max();
-    std::vector<uint32_t> renumbered(mesh.positions.size(), kUnused);
-    for (const auto& triangle : mesh.triangles)
+    std::vector<uint32_t> renumbered(mesh().positions.size(), kUnused);
+    for (const auto& triangle : mesh().triangles)
       for (const uint32_t corner : triangle) renumbered[corner] = 0;
     uint32_t kept = 0;
-    for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    for (size_t v = 0; v < mesh().positions.size(); ++v) {
       if (renumbered[v] == kUnused) continue;
-      mesh.positions[kept] = mesh.positions[v];
+      mesh().positions[kept] = mesh().positions[v];
       renumbered[v] = kept++;
     }
-    mesh.positions.resize(kept);
-    for (auto& triangle : mesh.triangles)
+    mesh().positions.resize(kept);
+    for (auto& triangle : mesh().triangles)
       for (uint32_t& corner : triangle) corner = renumbered[corner];
   }
 };
@@ -87,17 +134,18 @@ struct ObjMeshReader {
 
 ReadMesh readObjMesh(std::span<const std::byte> bytes, const std::string& name,
                      const std::vector<std::string>& skip_groups) {
-  ObjMeshReader reader{ObjLines(bytes, name), skip_groups, {}, {}, false, false};
+  ObjMeshReader reader{ObjLines(bytes, name), skip_groups};
   if (bytes.empty()) reader.lines.fail("the file is empty", 1);
   reader.read();
-  reader.checkIndices();
-  if (reader.mesh.triangles.empty())
+  reader.triangulate();
+  if (reader.mesh().triangles.empty())
     reader.lines.fail("the file has no faces (f) outside the groups that are skipped", 1,
                       "export the body as a mesh");
+  reader.reportRest();
   reader.dropUnusedVertices();
-  reader.mesh.name = name;
-  computeNormals(reader.mesh);
-  return {std::move(reader.mesh), {}};
+  reader.mesh().name = name;
+  computeNormals(reader.mesh());
+  return std::move(reader.read_mesh);
 }
 
 }  // namespace strandcast

@@ -2,38 +2,79 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <set>
 
 #include "groom/groom_file.h"
 #include "groom/obj_lines.h"
+#include "groom/polyline_join.h"
+#include "groom/strand_edit.h"
 
 namespace strandcast {
 namespace {
 
-/// The corners of one `l` statement, a run in the list of all corners.
-struct Polyline {
-  size_t first, count, line;
-};
-
-struct Polylines {
+struct ObjPolylines {
   std::vector<Vec3> vertices;
-  std::vector<uint32_t> corners;
-  std::vector<Polyline> lines;
+  Polylines lines, edge_faces;           ///< `l`, and `f` of two corners
+  std::vector<size_t> line_of, edge_of;  ///< of the file, 1-based, per polyline
+  size_t faces = 0, points = 0, free_forms = 0, empty = 0;
+  bool has_colours = false;
 };
 
-Polylines readPolylines(ObjLines& lines) {
-  Polylines found;
+void addPolyline(const ObjLines& lines, size_t vertices, Polylines& to, std::vector<size_t>& line_of) {
+  const auto& words = lines.words();
+  for (size_t i = 1; i < words.size(); ++i) to.corners.push_back(lines.vertexIndex(words[i], vertices));
+  to.end();
+  line_of.push_back(lines.line());
+}
+
+ObjPolylines readPolylines(ObjLines& lines) {
+  static const std::set<std::string_view> kFreeForms{"curv", "curv2", "surf"};
+  ObjPolylines found;
   while (lines.next()) {
     const auto& words = lines.words();
-    if (words[0] == "v") {
+    const std::string_view keyword = words[0];
+    if (keyword == "v") {
       found.vertices.push_back(lines.position());
-    } else if (words[0] == "l") {
-      if (words.size() < 2) lines.fail("a polyline has no vertices", lines.line());
-      found.lines.push_back({found.corners.size(), words.size() - 1, lines.line()});
-      for (size_t i = 1; i < words.size(); ++i)
-        found.corners.push_back(lines.vertexIndex(words[i], found.vertices.size()));
+      found.has_colours |= words.size() >= 7;
+    } else if (keyword == "l") {
+      if (words.size() > 1)
+        addPolyline(lines, found.vertices.size(), found.lines, found.line_of);
+      else
+        ++found.empty;
+    } else if (keyword == "f" && words.size() == 3) {
+      addPolyline(lines, found.vertices.size(), found.edge_faces, found.edge_of);
+    } else if (keyword == "f" || keyword == "fo") {
+      ++found.faces;
+    } else if (keyword == "p") {
+      ++found.points;
+    } else if (kFreeForms.contains(keyword)) {
+      ++found.free_forms;
     }
   }
   return found;
+}
+
+/// Edges as faces of two corners stand for polylines where there are none.
+void takeEdgeFaces(ObjPolylines& found, FileReport& report) {
+  if (found.edge_faces.size() == 0) return;
+  if (found.lines.size() > 0) {
+    leaveOutCount(report, found.edge_faces.size(), "face", " of two corners");
+    return;
+  }
+  report.warnings.push_back(
+      fmt::format("{} faces (f) of two corners are read as edges of strands", found.edge_faces.size()));
+  found.lines = std::move(found.edge_faces);
+  found.line_of = std::move(found.edge_of);
+}
+
+StrandSet strandsOf(const ObjPolylines& found, const Polylines& joined) {
+  StrandSet strands;
+  strands.positions.reserve(joined.corners.size());
+  for (size_t s = 0; s < joined.size(); ++s) {
+    for (const uint32_t v : joined.at(s)) strands.positions.push_back(found.vertices[v]);
+    strands.offsets.push_back(static_cast<uint32_t>(strands.positions.size()));
+  }
+  return strands;
 }
 
 }  // namespace
@@ -41,34 +82,26 @@ Polylines readPolylines(ObjLines& lines) {
 RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& name) {
   ObjLines lines(bytes, name);
   if (bytes.empty()) lines.fail("the file is empty", 1);
-  const Polylines found = readPolylines(lines);
-  if (found.lines.empty())
-    lines.fail("the file has no polylines (l)", 1, "export the hair as curves or polylines, not as a mesh");
-  if (found.corners.size() > std::numeric_limits<uint32_t>::max())
-    lines.fail("the file has more than 4294967295 strand vertices", found.lines.back().line,
-               "split the file");
-
   RawGroom groom;
   groom.format = "obj";
   groom.native_up = UpAxis::kY;
-  StrandSet& strands = groom.strands;
-  strands.positions.reserve(found.corners.size());
-  for (size_t l = 0; l < found.lines.size(); ++l) {
-    const Polyline& line = found.lines[l];
-    // Some programs write a curve as one `l a b` per edge: a polyline that starts where the one before it
-    // ended is the same strand going on.
-    const bool goes_on = l > 0 && found.corners[line.first] == found.corners[line.first - 1];
-    if (goes_on) strands.offsets.pop_back();
-    for (size_t i = goes_on ? 1 : 0; i < line.count; ++i) {
-      const uint32_t corner = found.corners[line.first + i];
-      if (corner >= found.vertices.size())
-        lines.fail(fmt::format("vertex index {} is out of range, the file has {} vertices",
-                               uint64_t{corner} + 1, found.vertices.size()),
-                   line.line);
-      strands.positions.push_back(found.vertices[corner]);
-    }
-    strands.offsets.push_back(static_cast<uint32_t>(strands.positions.size()));
-  }
+  ObjPolylines found = readPolylines(lines);
+  takeEdgeFaces(found, groom.report);
+  if (found.lines.size() == 0)
+    lines.fail("the file has no polylines (l)", 1, "export the hair as curves or polylines, not as a mesh");
+  if (found.lines.corners.size() > std::numeric_limits<uint32_t>::max())
+    lines.fail("the file has more than 4294967295 strand vertices", found.line_of.back(), "split the file");
+  for (size_t l = 0; l < found.lines.size(); ++l)
+    for (const uint32_t corner : found.lines.at(l))
+      lines.checkIndex(corner, found.vertices.size(), found.line_of[l]);
+  const Polylines joined = joinedPolylines(found.lines, found.vertices.size(), groom.report);
+  groom.strands = strandsOf(found, joined);
+  leaveOutNotFinite(groom.strands, groom.report, lines.where(found.line_of.front()));
+  leaveOutCount(groom.report, found.empty, "polyline", " without vertices");
+  leaveOutCount(groom.report, found.faces, "face", " (f)");
+  leaveOutCount(groom.report, found.points, "statement", " of points (p)");
+  leaveOutCount(groom.report, found.free_forms, "free-form shape", " (curv, surf)");
+  if (found.has_colours) groom.report.leaveOut("vertex colours");
   return groom;
 }
 

@@ -34,6 +34,7 @@ SkinnedMesh loadSkinnedMesh(const std::filesystem::path& file, const GroomReadOp
   if (!isGltf(file)) throw Error("this format has no skins", file.string() + ", byte 0", "use .gltf or .glb");
   const std::vector<std::byte> bytes = readFileBytes(file);
   SkinnedMesh skin = readGltfSkin(bytes, file.string(), file.parent_path());
+  warnOfGltfUnits(options, skin.report);
   std::array<Vec3, 3> axes{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   turnYUp(axes, options.up);
   const double unit = options.unit_meters > 0 ? static_cast<double>(options.unit_meters) : 1;

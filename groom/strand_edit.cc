@@ -1,8 +1,13 @@
 #include "groom/strand_edit.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
+#include <utility>
 #include <vector>
+
+#include "core/error.h"
 
 namespace strandcast {
 
@@ -29,6 +34,25 @@ void appendStrand(StrandSet& to, const StrandSet& from, size_t s) {
   if (!from.uvs.empty()) to.uvs.push_back(from.uvs[s]);
   if (!from.parts.empty()) to.parts.push_back(from.parts[s]);
   to.offsets.push_back(static_cast<uint32_t>(to.positions.size()));
+}
+
+void leaveOutNotFinite(StrandSet& strands, FileReport& report, const std::string& where) {
+  const auto isFinite = [&](size_t s) {
+    const std::span<const Vec3> points = std::as_const(strands).strand(s);
+    return std::all_of(points.begin(), points.end(), [](const Vec3& p) { return p.allFinite(); });
+  };
+  size_t dropped = 0;
+  for (size_t s = 0; s < strands.strands(); ++s) dropped += isFinite(s) ? 0 : 1;
+  if (dropped == 0) return;
+  if (dropped == strands.strands())
+    throw Error("no strand has positions that are all finite", where,
+                "the file is damaged, export or copy it again");
+  StrandSet kept;
+  for (size_t s = 0; s < strands.strands(); ++s)
+    if (isFinite(s)) appendStrand(kept, strands, s);
+  strands = std::move(kept);
+  report.leaveOut(
+      fmt::format("{} strand{} with a position that is not finite", dropped, dropped == 1 ? "" : "s"));
 }
 
 float medianLength(const StrandSet& strands) {

@@ -1,8 +1,10 @@
 #pragma once
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "core/strand_set.h"
+#include "groom/file_report.h"
 
 namespace strandcast {
 
@@ -14,6 +16,10 @@ void appendStrand(StrandSet& to, const StrandSet& from, size_t s);
 
 /// The median of the strands' lengths, of those with two or more vertices; 0 when there are none.
 float medianLength(const StrandSet& strands);
+
+/// Leaves out strands with a position that is not finite, and tells `report` how many. Throws Error, which
+/// names `where`, when none is left.
+void leaveOutNotFinite(StrandSet& strands, FileReport& report, const std::string& where);
 
 /// Strands shorter than this part of the median length are no hair.
 constexpr float kShortestOfMedian = 0.01f;

@@ -9,6 +9,7 @@
 #include "groom/byte_writer.h"
 #include "groom/groom_encode.h"
 #include "groom/groom_file.h"
+#include "groom/strand_edit.h"
 
 namespace strandcast {
 namespace {
@@ -84,9 +85,6 @@ void readPositions3(const ByteReader& reader, const TfxHeader& header, StrandSet
   static_assert(sizeof(Vec3) == 12);
   reader.copy<std::array<float, 3>>(header.positions, header.vertices(), strands.positions.data(),
                                     "positions");
-  for (size_t i = 0; i < strands.vertices(); ++i)
-    if (!strands.positions[i].allFinite())
-      reader.fail("a position is not a finite number", header.positions + uint64_t{12} * i);
 }
 
 void readPositions4(const ByteReader& reader, const TfxHeader& header, StrandSet& strands) {
@@ -96,8 +94,6 @@ void readPositions4(const ByteReader& reader, const TfxHeader& header, StrandSet
     const uint64_t offset = header.positions + uint64_t{16} * i;
     const auto vertex = reader.at<std::array<float, 4>>(offset, "positions");
     strands.positions[i] = Vec3(vertex[0], vertex[1], vertex[2]);
-    if (!strands.positions[i].allFinite() || !std::isfinite(vertex[3]))
-      reader.fail("a position is not a finite number", offset);
     strands.pinned[i] = vertex[3] == 0 ? 1 : 0;
   }
 }
@@ -116,15 +112,21 @@ void pinByConvention(const TfxHeader& header, StrandSet& strands) {
   }
 }
 
-void readStrandUvs(const ByteReader& reader, const TfxHeader& header, StrandSet& strands) {
+void readStrandUvs(const ByteReader& reader, const TfxHeader& header, StrandSet& strands,
+                   FileReport& report) {
   if (header.strand_uvs == 0) return;
   reader.require(header.strand_uvs, header.strands, 8, "strand UVs");
   strands.uvs.resize(header.strands);
+  size_t mended = 0;
   for (size_t s = 0; s < strands.uvs.size(); ++s) {
     const uint64_t offset = header.strand_uvs + uint64_t{8} * s;
     strands.uvs[s] = Vec2(reader.at<float>(offset), reader.at<float>(offset + 4));
-    if (!strands.uvs[s].allFinite()) reader.fail("a strand UV is not a finite number", offset);
+    if (strands.uvs[s].allFinite()) continue;
+    strands.uvs[s] = Vec2::Zero();
+    ++mended;
   }
+  if (mended > 0)
+    report.warnings.push_back(fmt::format("{} of the strand UVs are not finite: 0 stands for them", mended));
 }
 
 }  // namespace
@@ -148,8 +150,9 @@ RawGroom readTfx(std::span<const std::byte> bytes, const std::string& name) {
   } else {
     readPositions4(reader, header, strands);
   }
-  readStrandUvs(reader, header, strands);
   groom.report = header.report;
+  readStrandUvs(reader, header, strands, groom.report);
+  leaveOutNotFinite(strands, groom.report, reader.where(header.positions));
   return groom;
 }
 

@@ -1,13 +1,15 @@
 #include "scenes/bvh.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string_view>
 
-#include "core/error.h"
 #include "groom/file_bytes.h"
-#include "groom/text_number.h"
+#include "scenes/bvh_motion.h"
+#include "scenes/bvh_text.h"
 
 namespace strandcast {
 namespace {
@@ -15,155 +17,102 @@ namespace {
 constexpr size_t kMaxJoints = 4096;
 constexpr int kMaxDepth = 256;
 
-class Parser {
+/// The joints of a clip, from HIERARCHY to MOTION.
+class BvhHierarchy {
  public:
-  Parser(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+  BvhHierarchy(BvhText& text, BvhClip& clip) : text_(text), clip_(clip) {}
 
-  BvhClip run() {
-    expect("HIERARCHY");
-    while (peek() == "ROOT") {
-      next();
+  void read() {
+    text_.expect("hierarchy");
+    while (BvhText::is(text_.peek(), "root")) {
+      text_.next();
       joint(-1, 0);
     }
-    if (clip_.joints.empty()) fail("no ROOT joint");
-    motion();
-    return std::move(clip_);
+    if (clip_.joints.empty()) text_.fail("no ROOT joint");
+    text_.expect("motion");
+    if (without_offset_ > 0)
+      clip_.report.warnings.push_back(fmt::format("{} joint{} no OFFSET: 0 0 0 stands for it",
+                                                  without_offset_, without_offset_ == 1 ? " has" : "s have"));
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const {
-    throw Error(what, name_ + ", line " + std::to_string(line_), "check that the BVH file is complete");
-  }
-
-  void skipSpace() {
-    while (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) <= ' ') line_ += text_[at_++] == '\n';
-  }
-  std::string_view peek() {
-    skipSpace();
-    size_t end = at_;
-    while (end < text_.size() && static_cast<unsigned char>(text_[end]) > ' ') ++end;
-    return text_.substr(at_, end - at_);
-  }
-  std::string_view next() {
-    const std::string_view token = peek();
-    if (token.empty()) fail("the file ends early");
-    at_ += token.size();
-    return token;
-  }
-  /// Up to the end of the line or a brace: names may have spaces.
-  std::string_view restOfLine() {
-    skipSpace();
-    std::string_view rest = text_.substr(at_);
-    rest = rest.substr(0, rest.find_first_of("\n{"));
-    while (!rest.empty() && static_cast<unsigned char>(rest.back()) <= ' ') rest.remove_suffix(1);
-    if (rest.empty()) fail("a joint has no name");
-    at_ += rest.size();
-    return rest;
-  }
-  void expect(std::string_view token) {
-    const std::string_view found = next();
-    if (found != token) fail("expected " + std::string(token) + ", found " + shown(found));
-  }
-  // Up to 32 printable characters of what was found.
-  static std::string shown(std::string_view token) {
-    std::string out = "'";
-    for (char c : token.substr(0, 32)) out += c >= ' ' && c <= '~' ? c : '?';
-    return out + "'";
-  }
-  double number() {
-    const std::string_view token = next();
-    const std::optional<double> value = numberOf(token);
-    if (!value) fail("expected a number, found " + shown(token));
-    if (!std::isfinite(*value) || std::fabs(*value) > 1e9) fail("number is out of range: " + shown(token));
-    return *value;
-  }
-  size_t count(const char* of, size_t least, size_t most) {
-    const double value = number();
-    if (value != std::floor(value) || value < static_cast<double>(least) || value > static_cast<double>(most))
-      fail(std::string(of) + " must be " + std::to_string(least) + " to " + std::to_string(most));
-    return static_cast<size_t>(value);
+  BvhJoint& addJoint(int parent, int depth, const std::string& name) {
+    if (depth > kMaxDepth) text_.fail("joints are nested too deep");
+    if (clip_.joints.size() >= kMaxJoints) text_.fail("too many joints");
+    BvhJoint& made = clip_.joints.emplace_back();
+    made.name = name;
+    made.parent = parent;
+    return made;
   }
 
   void joint(int parent, int depth) {
-    if (depth > kMaxDepth) fail("joints are nested too deep");
-    if (clip_.joints.size() >= kMaxJoints) fail("too many joints");
-    const int index = static_cast<int>(clip_.joints.size());
-    BvhJoint& made = clip_.joints.emplace_back();
-    made.name = restOfLine();
-    made.parent = parent;
+    const auto index = static_cast<int>(clip_.joints.size());
+    addJoint(parent, depth, std::string(text_.nextName()));
     body(index, depth);
   }
 
-  void body(int index, int depth) {
-    expect("{");
-    expect("OFFSET");
-    for (int c = 0; c < 3; ++c) clip_.joints[index].offset[c] = static_cast<float>(number());
-    for (;;) {
-      const std::string_view token = next();
-      if (token == "}") return;
-      if (token == "CHANNELS") {
-        channels(index);
-      } else if (token == "JOINT") {
-        joint(index, depth + 1);
-      } else if (token == "End") {
-        expect("Site");
-        endSite(index, depth + 1);
-      } else {
-        fail("expected CHANNELS, JOINT, End Site or }, found " + shown(token));
-      }
-    }
+  void endSite(int parent, int depth) {
+    text_.skipName();  // "Site", or what a program calls it
+    const auto index = static_cast<int>(clip_.joints.size());
+    addJoint(parent, depth, "End Site");
+    body(index, depth);
   }
 
-  void endSite(int parent, int depth) {
-    if (clip_.joints.size() >= kMaxJoints) fail("too many joints");
-    BvhJoint& made = clip_.joints.emplace_back();
-    made.name = "End Site";
-    made.parent = parent;
-    body(static_cast<int>(clip_.joints.size()) - 1, depth);
+  /// OFFSET, CHANNELS and children come in any order.
+  void body(int index, int depth) {
+    text_.expect("{");
+    bool has_offset = false;
+    for (;;) {
+      const std::string_view word = text_.next();
+      if (word == "}") break;
+      if (BvhText::is(word, "offset")) {
+        for (int c = 0; c < 3; ++c)
+          clip_.joints[static_cast<size_t>(index)].offset[c] = static_cast<float>(text_.number());
+        has_offset = true;
+      } else if (BvhText::is(word, "channels")) {
+        channels(index);
+      } else if (BvhText::is(word, "joint")) {
+        joint(index, depth + 1);
+      } else if (BvhText::is(word, "end") || BvhText::is(word, "endsite")) {
+        endSite(index, depth + 1);
+      } else {
+        text_.fail("expected OFFSET, CHANNELS, JOINT, End Site or }, found " + BvhText::shown(word));
+      }
+    }
+    without_offset_ += has_offset ? 0 : 1;
   }
 
   void channels(int index) {
-    if (!clip_.joints[index].channels.empty()) fail("CHANNELS is given twice");
-    static constexpr std::string_view kNames[] = {"Xposition", "Yposition", "Zposition",
-                                                  "Xrotation", "Yrotation", "Zrotation"};
-    const size_t n = count("the number of channels", 0, 6);
-    BvhJoint& owner = clip_.joints[index];
+    if (!clip_.joints[static_cast<size_t>(index)].channels.empty()) text_.fail("CHANNELS is given twice");
+    static constexpr std::string_view kNames[] = {"xposition", "yposition", "zposition",
+                                                  "xrotation", "yrotation", "zrotation",
+                                                  "xscale",    "yscale",    "zscale"};
+    constexpr size_t kMostChannels = std::size(kNames);
+    const double count = text_.number();
+    if (count != std::floor(count) || count < 0 || count > static_cast<double>(kMostChannels))
+      text_.fail("the number of channels must be 0 to " + std::to_string(kMostChannels));
+    BvhJoint& owner = clip_.joints[static_cast<size_t>(index)];
     owner.first_channel = clip_.channels;
-    for (size_t i = 0; i < n; ++i) {
-      const std::string_view token = next();
-      const auto* found = std::find(std::begin(kNames), std::end(kNames), token);
-      if (found == std::end(kNames)) fail("unknown channel " + shown(token));
-      const auto channel = static_cast<BvhChannel>(found - std::begin(kNames));
-      if (std::find(owner.channels.begin(), owner.channels.end(), channel) != owner.channels.end())
-        fail("channel is given twice: " + shown(token));
+    for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
+      const std::string_view word = text_.next();
+      const auto* found = std::find_if(std::begin(kNames), std::end(kNames),
+                                       [&](std::string_view name) { return BvhText::is(word, name); });
+      if (found == std::end(kNames)) text_.fail("unknown channel " + BvhText::shown(word));
+      const size_t number = static_cast<size_t>(found - std::begin(kNames));
+      const auto channel = static_cast<BvhChannel>(std::min(number, static_cast<size_t>(BvhChannel::kScale)));
+      const bool is_scale = channel == BvhChannel::kScale;
+      if (is_scale) clip_.report.leaveOut("scale channels");
+      if (!is_scale &&
+          std::find(owner.channels.begin(), owner.channels.end(), channel) != owner.channels.end())
+        text_.fail("channel is given twice: " + BvhText::shown(word));
       owner.channels.push_back(channel);
     }
-    clip_.channels += n;
+    clip_.channels += static_cast<size_t>(count);
   }
 
-  void motion() {
-    expect("MOTION");
-    expect("Frames:");
-    clip_.frames = count("the number of frames", 1, 100000000);
-    expect("Frame");
-    expect("Time:");
-    clip_.frame_time = number();
-    if (!(clip_.frame_time >= 1e-5 && clip_.frame_time <= 100)) fail("frame time must be 1e-5 to 100 s");
-    if (clip_.channels == 0) fail("the clip has no channels");
-    // A value takes two characters at the least.
-    if (clip_.frames > (text_.size() - at_ + 1) / 2 / clip_.channels)
-      fail("the file ends before its last frame");
-    clip_.values.reserve(clip_.frames * clip_.channels);
-    for (size_t i = 0; i < clip_.frames * clip_.channels; ++i)
-      clip_.values.push_back(static_cast<float>(number()));
-    if (!peek().empty()) fail("more values than frames x channels");
-  }
-
-  std::string_view text_;
-  std::string name_;
-  size_t at_ = 0;
-  size_t line_ = 1;
-  BvhClip clip_;
+  BvhText& text_;
+  BvhClip& clip_;
+  size_t without_offset_ = 0;
 };
 
 std::string lowered(std::string text) {
@@ -189,7 +138,7 @@ Pose BvhClip::pose(size_t joint, size_t frame) const {
     const int channel = static_cast<int>(j.channels[i]);
     if (channel < 3) {
       local.position[channel] = value[i];
-    } else {
+    } else if (channel < 6) {
       const Eigen::Vector3f axis = Eigen::Vector3f::Unit(channel - 3);
       local.rotation =
           local.rotation * Quat(Eigen::AngleAxisf(value[i] * std::numbers::pi_v<float> / 180, axis));
@@ -198,10 +147,20 @@ Pose BvhClip::pose(size_t joint, size_t frame) const {
   return j.parent < 0 ? local : pose(static_cast<size_t>(j.parent), frame) * local;
 }
 
+Vec3 BvhClip::restOffset(size_t joint) const {
+  const BvhJoint& j = joints[joint];
+  if (!j.offset.isZero(0) || j.parent < 0) return j.offset;
+  Vec3 offset = Vec3::Zero();
+  for (size_t i = 0; i < j.channels.size(); ++i)
+    if (const auto channel = static_cast<int>(j.channels[i]); channel < 3)
+      offset[channel] = values[j.first_channel + i];
+  return offset;
+}
+
 Vec3 BvhClip::restPosition(size_t joint) const {
-  Vec3 sum = joints[joint].offset;
+  Vec3 sum = restOffset(joint);
   for (int j = joints[joint].parent; j >= 0; j = joints[static_cast<size_t>(j)].parent)
-    sum += joints[static_cast<size_t>(j)].offset;
+    sum += restOffset(static_cast<size_t>(j));
   return sum;
 }
 
@@ -212,20 +171,30 @@ Quat BvhClip::upright(size_t head) const {
   return Quat(Eigen::AngleAxisf(turn, Eigen::Vector3f::UnitX()));
 }
 
-float BvhClip::guessedUnit() const {
+float BvhClip::size() const {
   Box box;
   for (size_t j = 0; j < joints.size(); ++j) box.extend(Eigen::Vector3f(restPosition(j)));
-  const float tall = box.sizes().maxCoeff();
+  return box.sizes().maxCoeff();
+}
+
+float BvhClip::guessedUnit() const {
+  constexpr float kPerson = 1.7f, kNothing = 1e-9f;  // m
+  const float tall = size();
+  const auto distance = [&](float unit) {
+    return std::fabs(std::log(std::max(tall * unit, kNothing) / kPerson));
+  };
   float best = 1;
-  for (float unit : {1.0f, 0.1f, 0.01f, 0.0254f, 0.001f})
-    if (std::fabs(std::log(std::max(tall * unit, 1e-9f) / 1.7f)) <
-        std::fabs(std::log(std::max(tall * best, 1e-9f) / 1.7f)))
-      best = unit;
+  for (const float unit : {1.0f, 0.1f, 0.01f, 0.0254f, 0.001f})
+    if (distance(unit) < distance(best)) best = unit;
   return best;
 }
 
 BvhClip readBvh(std::span<const std::byte> bytes, const std::string& name) {
-  return Parser(textOfFile(bytes), name).run();
+  BvhClip clip;
+  BvhText text(textOfFile(bytes, name), name);
+  BvhHierarchy(text, clip).read();
+  readBvhMotion(text, clip);
+  return clip;
 }
 
 BvhClip readBvh(const std::filesystem::path& file) { return readBvh(readFileBytes(file), file.string()); }

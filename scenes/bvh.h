@@ -11,7 +11,16 @@
 
 namespace strandcast {
 
-enum class BvhChannel : uint8_t { kXPosition, kYPosition, kZPosition, kXRotation, kYRotation, kZRotation };
+/// kScale: of any axis; its values are passed over.
+enum class BvhChannel : uint8_t {
+  kXPosition,
+  kYPosition,
+  kZPosition,
+  kXRotation,
+  kYRotation,
+  kZRotation,
+  kScale
+};
 
 struct BvhJoint {
   std::string name;                  ///< "End Site" for the ends of chains
@@ -36,17 +45,25 @@ struct BvhClip {
   /// Placement of a joint in the clip's frame at a frame. Position channels stand in place of the joint's
   /// offset.
   Pose pose(size_t joint, size_t frame) const;
-  /// The same with every channel at zero.
+  /// The same with every rotation at zero and every joint at its rest offset: where the skeleton is at rest.
   Vec3 restPosition(size_t joint) const;
+  /// A joint's place in its parent's frame at rest: its OFFSET; where that is 0, as in files whose position
+  /// channels hold the skeleton, its position channels in the first frame. A root's is its OFFSET.
+  Vec3 restOffset(size_t joint) const;
+  /// The longest side of the box about all joints at rest, in file units.
+  float size() const;
   /// Turns the clip's axes so that Y is up. Clips stand along Y or Z: the axis along which `head` is farther
   /// from the first joint tells which.
   Quat upright(size_t head) const;
-  /// Metres per unit such that the skeleton is about as tall as a person.
+  /// Metres per unit such that the skeleton at rest is about as tall as a person: 1, 0.1, 0.01, 0.0254 or
+  /// 0.001.
   float guessedUnit() const;
 };
 
-/// Reads a BVH (Biovision hierarchy) clip. Throws Error with `name`, line and remedy on anything truncated,
-/// malformed, oversized or not finite. Never allocates more than the input's size justifies.
+/// Reads a BVH (Biovision hierarchy) clip. Keywords are known in any case; OFFSET, CHANNELS and children come
+/// in any order. What of the frames is left out or mended (bvh_motion.h) is told in the report. Throws Error
+/// with `name`, line and remedy on joints that are truncated, malformed, too many or not finite, and where
+/// there is no whole frame. Never allocates more than the input's size justifies.
 BvhClip readBvh(std::span<const std::byte> bytes, const std::string& name);
 /// Also as readFileBytes.
 BvhClip readBvh(const std::filesystem::path& file);

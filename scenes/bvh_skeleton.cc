@@ -1,8 +1,10 @@
 #include "scenes/bvh_skeleton.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/error.h"
+#include "scenes/bvh_unit.h"
 #include "scenes/skin_parts.h"
 
 namespace strandcast {
@@ -36,20 +38,21 @@ void alignSigns(std::vector<Eigen::Vector4f>& quaternions) {
 
 BvhOnSkeleton onSkeleton(const BvhClip& bvh, const Skeleton& skeleton, float unit_meters,
                          const std::string& name) {
-  const float unit = unit_meters > 0 ? unit_meters : bvh.guessedUnit();
-  const Quat up = bvh.upright(static_cast<size_t>(std::max(bvh.find(""), 0)));
-  const std::vector<Placement> rest = skeleton.place(skeleton.rest());
-  const size_t joints = skeleton.joints.size();
+  const BvhMatch match(bvh, skeleton);
+  const std::vector<int>& namesake = match.namesakes;
   BvhOnSkeleton out;
-  std::vector<int> namesake;
-  for (const SkeletonJoint& joint : skeleton.joints) {
-    namesake.push_back(joint.name.empty() ? -1 : bvh.find(joint.name));
-    out.joints += namesake.back() >= 0 ? 1 : 0;
-  }
+  out.joints = match.joints;
   if (out.joints == 0)
     throw Error("no joint of the clip has the name of one of the body's", name,
                 "rename them: the clip has '" + bvh.joints.front().name + "', the body '" +
                     skeleton.joints.front().name + "'");
+  BvhUnit unit = unitOf(bvh, &match, unit_meters);
+  out.unit_meters = unit.meters;
+  out.notes = std::move(unit.notes);
+  out.warnings = std::move(unit.warnings);
+  const Quat up = match.upright(bvh, static_cast<size_t>(std::max(bvh.find(""), 0)));
+  const std::vector<Placement> rest = skeleton.place(skeleton.rest());
+  const size_t joints = skeleton.joints.size();
   std::vector<std::vector<Eigen::Vector4f>> turns(joints), moves(joints);
   std::vector<Quat> moved(joints);  // in the world, from rest
   for (size_t f = 0; f < bvh.frames; ++f)
@@ -68,7 +71,7 @@ BvhOnSkeleton onSkeleton(const BvhClip& bvh, const Skeleton& skeleton, float uni
       const Quat turn = axes.conjugate() * above_moved.conjugate() * moved[j] * axes * joint.rest.rotation;
       turns[j].emplace_back(turn.normalized().coeffs());
       if (bvh.joints[other].parent >= 0) continue;
-      const Vec3 travel = up * (pose.position - bvh.pose(other, 0).position) * unit;
+      const Vec3 travel = up * (pose.position - bvh.pose(other, 0).position) * out.unit_meters;
       const Eigen::Vector3d local = above.inverse() * (rest[j].translation() + travel.cast<double>());
       moves[j].emplace_back(local.cast<float>().homogeneous());
     }

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "groom/file_bytes.h"
 #include "scenes/bvh.h"
+#include "scenes/bvh_unit.h"
 #include "scenes/ease.h"
 
 namespace strandcast {
@@ -66,8 +67,7 @@ struct Track {
   }
 };
 
-Track trackOf(const BvhClip& clip, size_t joint, float unit_meters) {
-  const Quat up = clip.upright(joint);
+Track trackOf(const BvhClip& clip, size_t joint, float unit_meters, const Quat& up) {
   const Pose first = clip.pose(joint, 0);
   const Pose last = clip.pose(joint, clip.frames - 1);
   const size_t period =
@@ -111,17 +111,29 @@ HeadMotion proceduralMotion(const std::string& name, const Vec3& pivot) {
   };
 }
 
-HeadMotion bvhMotion(const std::filesystem::path& file, float unit_meters, const Vec3& pivot,
-                     const std::string& joint) {
-  if (!(unit_meters >= 0 && unit_meters <= 1000))
-    throw Error("unit is out of range", std::to_string(unit_meters), "give metres per unit, or 0 to guess");
+HeadMotion bvhMotion(const std::filesystem::path& file, const Vec3& pivot, const ClipMotionOptions& options,
+                     std::vector<std::string>* notes, std::vector<std::string>* warnings) {
+  if (!(options.unit_meters >= 0 && options.unit_meters <= 1000))
+    throw Error("unit is out of range", std::to_string(options.unit_meters),
+                "give metres per unit, or 0 to guess");
   const BvhClip clip = readBvh(file);
-  const int found = clip.find(joint);
+  const int found = clip.find(options.joint);
   if (found < 0)
-    throw Error("no such joint", file.string() + ", " + (joint.empty() ? "a name with 'head'" : joint),
+    throw Error("no such joint",
+                file.string() + ", " + (options.joint.empty() ? "a name with 'head'" : options.joint),
                 "name a joint of the clip");
-  const auto track = std::make_shared<const Track>(
-      trackOf(clip, static_cast<size_t>(found), unit_meters > 0 ? unit_meters : clip.guessedUnit()));
+  const auto head = static_cast<size_t>(found);
+  const BvhMatch match(clip, options.skeleton != nullptr ? *options.skeleton : Skeleton());
+  BvhUnit unit = unitOf(clip, &match, options.unit_meters);
+  FileReport report = clip.report;
+  report.warnings.insert(report.warnings.end(), unit.warnings.begin(), unit.warnings.end());
+  std::vector<std::string> told, doubts;
+  tell(file, report, told, doubts);
+  for (const std::string& note : unit.notes) told.push_back(file.string() + ": " + note);
+  if (notes != nullptr) notes->insert(notes->end(), told.begin(), told.end());
+  if (warnings != nullptr) warnings->insert(warnings->end(), doubts.begin(), doubts.end());
+  const auto track =
+      std::make_shared<const Track>(trackOf(clip, head, unit.meters, match.upright(clip, head)));
   return [track, pivot](double seconds) {
     Quat rotation;
     Vec3 shift;
@@ -141,8 +153,11 @@ HeadMotion endingAt(HeadMotion motion, double end, const Vec3& pivot) {
   };
 }
 
-HeadMotion headMotion(const std::string& description, const Vec3& pivot) {
-  if (lowerExtension(description) == ".bvh") return bvhMotion(description, 0, pivot);
+bool isBvh(const std::string& description) { return lowerExtension(description) == ".bvh"; }
+
+HeadMotion headMotion(const std::string& description, const Vec3& pivot, const ClipMotionOptions& options,
+                      std::vector<std::string>* notes, std::vector<std::string>* warnings) {
+  if (isBvh(description)) return bvhMotion(description, pivot, options, notes, warnings);
   return proceduralMotion(description, pivot);
 }
 

@@ -93,6 +93,15 @@ void report(const Progress& progress, const std::string& what, double part) {
   if (progress && !progress(what, part)) throw BakeStopped();
 }
 
+/// `own`: the motion where none is given.
+void moveHead(const SceneOptions& options, const char* own, Scene& scene) {
+  ClipMotionOptions clip;
+  clip.unit_meters = options.clip_unit_meters;
+  if (scene.skinned) clip.skeleton = &scene.skinned->skin().skeleton;
+  scene.motion = headMotion(options.motion.empty() ? own : options.motion, scene.head_pivot, clip,
+                            &scene.notes, &scene.warnings);
+}
+
 Scene makeProceduralScene(const SceneOptions& options, const Progress& progress) {
   const NamedScene& named = namedScene(options.name);
   Scene scene;
@@ -111,7 +120,7 @@ Scene makeProceduralScene(const SceneOptions& options, const Progress& progress)
   scene.bodies.push_back({std::move(body.head), true});
   scene.bodies.push_back({std::move(body.shoulders), false});
   scene.head_pivot = body.neck_pivot;
-  scene.motion = headMotion(options.motion.empty() ? named.motion : options.motion, scene.head_pivot);
+  moveHead(options, named.motion, scene);
   scene.parameters.damping_time = kHairDamping;
   scene.parameters.air_drag = kHairAirDrag;
   scene.parameters.shape_rate = named.shape_rate;
@@ -281,6 +290,57 @@ void noteHairInBody(const StrandSet& strands, const std::vector<RigidBody>& bodi
                     100.0 * static_cast<double>(inside) / static_cast<double>(free), -1e3 * deepest));
 }
 
+/// How far the nearer ends of a sample of the strands are off the body on average, m, when they are scaled.
+double meanDistance(const StrandSet& strands, const ClosestPoint& scalp, float scale) {
+  constexpr size_t kSample = 500;
+  const size_t every = std::max<size_t>(strands.strands() / kSample, 1);
+  double sum = 0, count = 0;
+  for (size_t s = 0; s < strands.strands(); s += every, ++count)
+    sum += static_cast<double>(std::min(scalp(scale * strands.strand(s).front()).distance,
+                                        scalp(scale * strands.strand(s).back()).distance));
+  return sum / count;
+}
+
+/// Where the groom's unit is a guess by its size and the body's is known, the usual unit with which roots lie
+/// nearest to the body is a better one.
+void fitUnitToBody(const SceneOptions& options, const ClosestPoint& scalp, Scene& scene) {
+  constexpr double kClearlyNearer = 0.5, kOnBody = 0.05;  // of the distance before, of the body's diagonal
+  const float by_size = scene.groom.report.unit_meters;
+  const auto distanceWith = [&](float unit) {
+    return meanDistance(scene.groom.strands, scalp, unit / by_size);
+  };
+  float best = by_size;
+  double nearest = distanceWith(by_size);
+  const double before = nearest;
+  for (const float unit : usualUnits())
+    if (const double distance = distanceWith(unit); distance < nearest) {
+      best = unit;
+      nearest = distance;
+    }
+  const auto size = static_cast<double>(scene.body.bounds().diagonal().norm());
+  if (!(nearest < kClearlyNearer * before && nearest < kOnBody * size)) return;
+  GroomReadOptions units = options.units;
+  units.unit_meters = best;
+  scene.groom = loadGroom(options.groom, units);
+  scene.groom.report.warnings.push_back(fmt::format(
+      "{}: the unit is guessed: {:g} m, with which the roots are {:.1f} mm off the body ({:.1f} mm with "
+      "{:g} m, as the groom's size alone has it); give --unit-meters to be sure",
+      options.groom.front().string(), best, 1e3 * nearest, 1e3 * before, by_size));
+}
+
+/// Hair and body of different units, by their sizes.
+void warnOfSizes(const TriangleMesh& body, const StrandSet& strands, std::vector<std::string>& warnings) {
+  constexpr float kMostRatio = 100;
+  Box hair;
+  for (const Vec3& p : strands.positions) hair.extend(Eigen::Vector3f(p));
+  const float hair_size = hair.sizes().maxCoeff(), body_size = body.bounds().sizes().maxCoeff();
+  if (hair_size > kMostRatio * body_size || body_size > kMostRatio * hair_size)
+    warnings.push_back(
+        fmt::format("the hair is {:.3g} m large and the body {:.3g} m: give the unit of the one that is "
+                    "wrong (--unit-meters, --body-unit-meters)",
+                    hair_size, body_size));
+}
+
 /// Hair and body of different units.
 void warnOfFarRoots(const TriangleMesh& body, const RootBinding& binding,
                     std::vector<std::string>& warnings) {
@@ -289,15 +349,19 @@ void warnOfFarRoots(const TriangleMesh& body, const RootBinding& binding,
   if (binding.mean_distance > kFar * size)
     warnings.push_back(
         fmt::format("roots are {:.3g} m off the body on average, whose diagonal is {:.3g} m: do groom and "
-                    "body have one unit (--unit-meters) and one place?",
+                    "body have the right units (--unit-meters, --body-unit-meters) and one place?",
                     binding.mean_distance, size));
 }
 
 void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
   report(progress, "reading the body", 0.2);
+  const GroomReadOptions units =
+      meshUnits(options.body, options.body_units, {scene.groom.report.unit_meters, options.units.up});
   std::shared_ptr<SkinnedBody> skinned;
   if (options.skinned) {
-    skinned = std::make_shared<SkinnedBody>(loadSkinnedMesh(options.body, options.units), *options.skinned);
+    SkinnedMotion motion = *options.skinned;
+    motion.clip_unit_meters = options.clip_unit_meters;
+    skinned = std::make_shared<SkinnedBody>(loadSkinnedMesh(options.body, units), motion);
     for (const ScenePrimitive& primitive : options.primitives)
       if (!primitive.joint.empty()) skinned->checkJoint(primitive.joint, primitive.where);
     tell(options.body, skinned->skin().report, scene.notes, scene.warnings);
@@ -306,7 +370,7 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
     scene.body = skinned->skin().mesh;
     scene.head_weights = skinned->jointWeights();
   } else {
-    ReadMesh body = loadMesh(options.body, options.units);
+    ReadMesh body = loadMesh(options.body, units);
     tell(options.body, body.report, scene.notes, scene.warnings);
     scene.body = std::move(body.mesh);
   }
@@ -316,7 +380,10 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
     const MeshPoint found = query->closest(point);
     return SurfacePoint{found.position, found.triangle, found.barycentric, found.distance};
   };
+  const bool is_unit_known = isGltf(options.body) || options.body_units.unit_meters > 0;
+  if (scene.groom.report.is_unit_guessed && is_unit_known) fitUnitToBody(options, scalp, scene);
   orientRoots(scene.groom, scalp);
+  warnOfSizes(scene.body, scene.groom.strands, scene.warnings);
   const RootBinding binding = bindRoots(scene.groom.strands, scalp);
   scene.notes.push_back(fmt::format("roots are {:.1f} mm off the body on average, {:.1f} mm at most",
                                     1000 * binding.mean_distance, 1000 * binding.max_distance));
@@ -347,11 +414,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   makeMaterials(options, scene);
   report(progress, "reading the groom", 0.1);
   scene.groom = loadGroom(options.groom, options.units);
-  SceneOptions resolved = options;
-  // A guess is of grooms and .obj bodies: glTF says that it is in metres.
-  if (resolved.units.unit_meters <= 0 && !isGltf(options.body))
-    resolved.units.unit_meters = scene.groom.report.unit_meters;
-  if (!options.body.empty()) fitBody(resolved, progress, scene);
+  if (!options.body.empty()) fitBody(options, progress, scene);
   StrandSet& strands = scene.groom.strands;
   if (options.strands > 0 && static_cast<size_t>(options.strands) < strands.strands()) {
     report(progress, "choosing guides", 0.97);
@@ -381,7 +444,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
     scene.head_pivot.y() -= 0.08f;
   }
   const char* own = scene.skinned && scene.skinned->hasClip() ? "still" : "turn";
-  scene.motion = headMotion(options.motion.empty() ? own : options.motion, scene.head_pivot);
+  moveHead(options, own, scene);
   return scene;
 }
 
@@ -424,6 +487,18 @@ void checkHair(const SceneOptions& options) {
                 "leave length out (--length): it is for procedural scenes");
 }
 
+/// Units of files that are not there.
+void checkUnits(const SceneOptions& options) {
+  const bool has_body_units = options.body_units.unit_meters > 0 || options.body_units.up != UpAxis::kAuto;
+  if (has_body_units && (options.groom.empty() || options.body.empty()))
+    throw Error("there is no body file", "unit or up axis of the body (--body-unit-meters, --body-up)",
+                "leave it out, or name groom and body files (--groom, --body)");
+  const bool has_clip = isBvh(options.motion) || (options.skinned && isBvh(options.skinned->clip));
+  if (options.clip_unit_meters > 0 && !has_clip)
+    throw Error("there is no .bvh clip", "unit of clips (--clip-unit-meters)",
+                "leave it out, or name a clip (--body-clip, --motion)");
+}
+
 void checkNamesAndJoints(const SceneOptions& options) {
   checkNames(options.primitives, options.body_name);
   if (!options.body_name.empty() && !options.groom.empty() && options.body.empty())
@@ -449,11 +524,11 @@ void checkSkinned(const SceneOptions& options) {
 
 MeshBodyOptions meshBodyOptions(const SceneOptions& options, const Scene& scene) {
   MeshBodyOptions out;
-  out.units = {options.units, scene.groom.report.unit_meters};
-  if (options.groom.empty()) {  // procedural scenes are in metres, with Y up
-    out.units.obj_meters = 1;
-    if (out.units.read.up == UpAxis::kAuto) out.units.read.up = UpAxis::kY;
-  }
+  if (options.groom.empty())  // procedural scenes are in metres, with Y up
+    out.obj_units = {options.units.unit_meters > 0 ? options.units.unit_meters : 1,
+                     options.units.up == UpAxis::kAuto ? UpAxis::kY : options.units.up};
+  else
+    out.obj_units = {scene.groom.report.unit_meters, options.units.up};
   out.field = fieldOptions(options, scene);
   out.cache = options.field_cache;
   return out;
@@ -484,6 +559,7 @@ Scene makeScene(const SceneOptions& options, const Progress& progress) {
   checkNamesAndJoints(options);
   checkSkinned(options);
   checkHair(options);
+  checkUnits(options);
   Scene scene =
       options.groom.empty() ? makeProceduralScene(options, progress) : makeFileScene(options, progress);
   scene.pins = options.pins;

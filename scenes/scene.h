@@ -31,8 +31,10 @@ struct SceneOptions {
   std::vector<std::filesystem::path> groom;  ///< groom files, read into one groom
   std::filesystem::path body;                ///< body mesh; empty = none (or the procedural body)
   std::string body_name;                     ///< that commands know it by; empty = none
-  GroomReadOptions units;                    ///< of groom and body files
-  std::string motion;                        ///< see headMotion(); empty = the scene's own
+  GroomReadOptions units;       ///< of groom files, and of .obj bodies that have none of their own
+  GroomReadOptions body_units;  ///< of the body file, whatever its format says; as GroomReadOptions
+  float clip_unit_meters = 0;   ///< metres per unit of .bvh clips, of body and head; 0 = found, see unitOf()
+  std::string motion;           ///< see headMotion(); empty = the scene's own
   uint64_t seed = 1;
   int strands = 0;   ///< procedural: strands grown; files: guides chosen; 0 = the scene's own, all
   int vertices = 0;  ///< per strand; 0 = as they are

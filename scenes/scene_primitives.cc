@@ -39,10 +39,9 @@ Pose takePlace(ContactPrimitive& shape) {
 /// The mesh where it stands while the head, or the joint, is at rest. Fields of colliders that do not follow
 /// the head are neither moved nor turned in them (docs/wire.md), so the mesh is, before anything is made of
 /// it.
-TriangleMesh placedMesh(const ScenePrimitive& primitive, const MeshUnits& units, PrimitiveBodies& made) {
-  GroomReadOptions read = units.read;
-  if (read.unit_meters <= 0 && !isGltf(primitive.file)) read.unit_meters = units.obj_meters;
-  ReadMesh from = loadMesh(primitive.file, read);
+TriangleMesh placedMesh(const ScenePrimitive& primitive, const GroomReadOptions& obj_units,
+                        PrimitiveBodies& made) {
+  ReadMesh from = loadMesh(primitive.file, meshUnits(primitive.file, primitive.units, obj_units));
   tell(primitive.file, from.report, made.notes, made.warnings);
   TriangleMesh mesh = std::move(from.mesh);
   for (Vec3& p : mesh.positions) p = Vec3(primitive.shape.rotation * p + primitive.shape.a);
@@ -120,12 +119,12 @@ PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, c
     const Pose pose = is_apart ? takePlace(primitive.shape) : Pose{};
     ContactPrimitive shape = primitive.shape;
     if (shape.kind == PrimitiveKind::kConvex) {
-      shape = convexShape(primitive, placedMesh(primitive, options.units, made), made);
+      shape = convexShape(primitive, placedMesh(primitive, options.obj_units, made), made);
     } else if (shape.kind == PrimitiveKind::kField) {
       FieldOptions own = options.field;
       if (primitive.cell > 0) own.cell = primitive.cell;
       SceneField baked = fieldOf(
-          placedMesh(primitive, options.units, made), own, FieldCache(options.cache),
+          placedMesh(primitive, options.obj_units, made), own, FieldCache(options.cache),
           [&](const std::string& what, double part) {
             const double done = static_cast<double>(i) + part;
             return !progress ||

@@ -22,19 +22,15 @@ struct ScenePrimitive {
   std::string name;  ///< that commands know it by, as a body of its own; empty = none
   /// Mesh of a convex body or of a field, which is turned by `rotation`, then moved by `a`.
   std::filesystem::path file;
+  GroomReadOptions
+      units;          ///< of that file; unit 0 and kAuto = metres and Y up of glTF, of .obj those of the hair
   float cell = 0;     ///< m, of a field; 0 = the body's
   std::string where;  ///< for errors: file and line
 };
 
-/// How the meshes of primitives are read.
-struct MeshUnits {
-  GroomReadOptions read;
-  float obj_meters = 0;  ///< unit of an .obj where `read` has none: that of its hair; 0 = guessed
-};
-
 /// How meshes of further bodies become them, in a scene and in a daemon that casts it.
 struct MeshBodyOptions {
-  MeshUnits units;
+  GroomReadOptions obj_units;   ///< of .obj files that have none of their own: those of the hair
   FieldOptions field;           ///< the hair's radius, and the cell of meshes that have none of their own
   std::filesystem::path cache;  ///< folder of baked fields; empty = every time anew
 };

@@ -55,12 +55,16 @@ size_t rootedJoint(const SkinnedMesh& skin, const std::string& name) {
               "name the one that hair grows on (--body-joint)");
 }
 
-SkeletonClip clipNamed(SkinnedMesh& skin, const std::string& name, std::vector<std::string>& notes) {
+SkeletonClip clipNamed(SkinnedMesh& skin, const SkinnedMotion& motion, std::vector<std::string>& notes) {
+  const std::string& name = motion.clip;
   if (name.empty()) return {};
   if (lowerExtension(name) == ".bvh") {
     const BvhClip bvh = readBvh(std::filesystem::path(name));
     tell(name, bvh.report, notes, skin.report.warnings);
-    BvhOnSkeleton found = onSkeleton(bvh, skin.skeleton, 0, name);
+    BvhOnSkeleton found = onSkeleton(bvh, skin.skeleton, motion.clip_unit_meters, name);
+    for (const std::string& note : found.notes) notes.push_back(fmt::format("{}: {}", name, note));
+    for (const std::string& warning : found.warnings)
+      skin.report.warnings.push_back(fmt::format("{}: {}", name, warning));
     notes.push_back(fmt::format("{} of {} joints of the body are moved by {}", found.joints,
                                 skin.skeleton.joints.size(), name));
     return std::move(found.clip);
@@ -94,7 +98,7 @@ JointTransform between(const JointTransform& a, const JointTransform& b, double 
 
 SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion)
     : skin_(std::move(skin)), joint_(rootedJoint(skin_, motion.joint)), parts_(cutOriented(skin_, repair_)) {
-  clip_ = clipNamed(skin_, motion.clip, notes_);
+  clip_ = clipNamed(skin_, motion, notes_);
   skin_.clips.clear();
   rest_locals_ = skin_.skeleton.rest();
   rest_ = skin_.skeleton.place(rest_locals_);

@@ -22,6 +22,7 @@ struct SkinnedMotion {
   /// first with "head" in its name.
   std::string joint;
   BodyRoots roots = BodyRoots::kSkin;
+  float clip_unit_meters = 0;  ///< metres per unit of a .bvh clip; 0 = found, see unitOf()
 };
 
 /// A body whose skin is blended from its joints, and its parts, which follow it. A clip starts from rest

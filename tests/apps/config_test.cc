@@ -26,6 +26,9 @@ strands = 500
 vertices = 16
 [body]
 file = "head.obj"
+unit_meters = 0.1
+up = "x"
+clip_unit_meters = 0.01
 contact = "spheres"
 cell = 0.003
 friction = 0.1
@@ -47,6 +50,8 @@ rotation = [0, 0, 2, 0]
 [[body.primitives]]
 kind = "mesh"
 file = "chair.obj"
+unit_meters = 0.5
+up = "z"
 a = [0, 0, -1]
 cell = 0.005
 follows_head = false
@@ -114,6 +119,9 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(s.scene.strands, 500);
   EXPECT_EQ(s.scene.vertices, 16);
   EXPECT_EQ(s.scene.body, "some/head.obj");
+  EXPECT_FLOAT_EQ(s.scene.body_units.unit_meters, 0.1f);
+  EXPECT_EQ(s.scene.body_units.up, UpAxis::kX);
+  EXPECT_FLOAT_EQ(s.scene.clip_unit_meters, 0.01f);
   EXPECT_EQ(s.scene.body_primitives, 12);
   EXPECT_EQ(s.scene.body_contact, BodyContact::kSpheres);
   EXPECT_FLOAT_EQ(s.scene.body_cell, 0.003f);
@@ -137,9 +145,11 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(mesh.shape.kind, PrimitiveKind::kField);
   EXPECT_EQ(mesh.file, "some/chair.obj") << "relative to the file that names it";
   EXPECT_FLOAT_EQ(mesh.shape.a.z(), -1);
+  EXPECT_FLOAT_EQ(mesh.units.unit_meters, 0.5f);
+  EXPECT_EQ(mesh.units.up, UpAxis::kZ);
   EXPECT_FLOAT_EQ(mesh.cell, 0.005f);
   EXPECT_FALSE(mesh.follows_head);
-  EXPECT_EQ(mesh.where, "some/hair.toml line 31");
+  EXPECT_EQ(mesh.where, "some/hair.toml line 34");
   EXPECT_EQ(s.scene.primitives[3].shape.kind, PrimitiveKind::kConvex);
   EXPECT_EQ(s.scene.primitives[3].file, "some/hat.obj");
   ASSERT_EQ(s.scene.materials.size(), 2u);
@@ -242,6 +252,11 @@ TEST(Config, WrongTypesAndRangesAreRefused) {
                            "[[body.primitives]]\nradius = 1\nfollows_head = 1",
                            "[[body.primitives]]\nradius = 1\nfile = \"a.obj\"",
                            "[[body.primitives]]\nradius = 1\ncell = 0.01",
+                           "[[body.primitives]]\nradius = 1\nunit_meters = 0.01",
+                           "[[body.primitives]]\nradius = 1\nup = \"z\"",
+                           "[body]\nunit_meters = 0",
+                           "[body]\nup = \"w\"",
+                           "[body]\nclip_unit_meters = -1",
                            "[[body.primitives]]\nkind = \"convex\"",
                            "[[body.primitives]]\nkind = \"convex\"\nfile = \"a.obj\"\ncell = 0.01",
                            "[[body.primitives]]\nkind = \"mesh\"\nfile = \"\"",

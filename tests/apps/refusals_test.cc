@@ -143,6 +143,9 @@ TEST_F(Refusals, WhatWouldBeIgnoredIsRefused) {
         std::pair{std::string(" --up z"), "--groom"},
         std::pair{hair_file + " --body-contact spheres", "give a --body"},
         std::pair{hair_file + " --body-cell 0.01", "give a --body"},
+        std::pair{hair_file + " --body-unit-meters 0.01", "give a --body"},
+        std::pair{hair_file + " --body-up z", "give a --body"},
+        std::pair{hair_file + " --clip-unit-meters 0.01", "there is no .bvh clip"},
         std::pair{std::string(" --body-contact spheres --body-cell 0.01"), "--body-contact field"}}) {
     const Outcome r = tryFor(20, record + options);
     EXPECT_EQ(r.exit_code, 2) << options << r.out;

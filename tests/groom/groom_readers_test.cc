@@ -115,17 +115,31 @@ TEST(Tfx, OffsetsInTheHeaderOrPastTheEndAreRefusedAtTheirField) {
   expectTfxError(bytes, "byte " + std::to_string(bytes.size() - 8));
 }
 
-TEST(Tfx, PositionsThatAreNotFiniteAreRefusedAtTheirOffset) {
+TEST(Tfx, AStrandThatIsNotFiniteIsLeftOutAndCounted) {
+  using Names = std::vector<std::string>;
   for (const float bad : {kNan, kInfinity, -kInfinity}) {
     Bytes bytes = samples::tfx4();
-    overwrite(bytes, 160 + 5 * 16 + 8, bad);
-    expectTfxError(bytes, "byte 240");
+    overwrite(bytes, 160 + 5 * 16 + 8, bad);  // of strand 1
+    RawGroom groom = readTfx(bytes, "wig.tfx");
+    ASSERT_EQ(groom.strands.strands(), 2u);
+    EXPECT_EQ(groom.strands.strand(1)[3], samples::vertex(2, 3));
+    EXPECT_EQ(groom.strands.uvs[1], Vec2(0.5f, 0.5f)) << "its own";
+    EXPECT_EQ(pinsOf(groom.strands, 1), (std::vector<int>{1, 1, 0, 0}));
+    EXPECT_EQ(groom.report.left_out, Names{"1 strand with a position that is not finite"});
     bytes = samples::tfx3();
     overwrite(bytes, 296 + 7 * 12, bad);
-    expectTfxError(bytes, "byte 380");
+    overwrite(bytes, 296 + 11 * 12, bad);
+    groom = readTfx(bytes, "wig.tfx");
+    EXPECT_EQ(groom.strands.vertices(), 4u);
+    EXPECT_EQ(groom.report.left_out, Names{"2 strands with a position that is not finite"});
+    overwrite(bytes, 296, bad);
+    expectTfxError(bytes, "byte 296");
     bytes = samples::tfx4();
     overwrite(bytes, 160 + 12 * 16, bad);  // a UV
-    expectTfxError(bytes, "byte 352");
+    groom = readTfx(bytes, "wig.tfx");
+    EXPECT_EQ(groom.strands.uvs[0], Vec2(0, 0));
+    EXPECT_EQ(groom.strands.strands(), 3u);
+    EXPECT_EQ(groom.report.warnings, Names{"1 of the strand UVs are not finite: 0 stands for them"});
   }
 }
 
@@ -197,18 +211,34 @@ TEST(Hair, WrongMagicCountsAndSumsAreRefused) {
   expectHairError(bytes, "byte 128");
 }
 
-TEST(Hair, NumbersThatAreNotFiniteAreRefusedAtTheirOffset) {
-  for (const float bad : {kNan, kInfinity}) {
+TEST(Hair, AStrandThatIsNotFiniteIsLeftOutAndCounted) {
+  for (const float bad : {kNan, kInfinity, -kInfinity}) {
     Bytes bytes = samples::hair();
-    overwrite(bytes, 128 + 6 + 12 * 4, bad);
-    expectHairError(bytes, "byte 182");
-    bytes = samples::hair();
-    overwrite(bytes, 128 + 6 + 120 + 4, bad);
-    expectHairError(bytes, "byte 258");
+    overwrite(bytes, 128 + 6 + 12 * 4, bad);  // of the strand of three points
+    const RawGroom groom = readHair(bytes, "wig.hair");
+    EXPECT_EQ(groom.strands.offsets, (std::vector<uint32_t>{0, 2, 7}));
+    EXPECT_EQ(groom.strands.strand(1)[4], samples::vertex(2, 4));
+    EXPECT_FLOAT_EQ(groom.strands.radii[6], 0.09f) << "its own";
+    EXPECT_EQ(groom.report.left_out[2], "1 strand with a position that is not finite");
+    bytes = samples::hairDefaultSegments();
+    overwrite(bytes, 128, bad);
+    EXPECT_EQ(readHair(bytes, "wig.hair").strands.strands(), 1u);
+    overwrite(bytes, 128 + 7 * 12, bad);
+    expectHairError(bytes, "byte 128");
   }
-  Bytes bytes = samples::hair();
-  overwrite(bytes, 128 + 6 + 120, -1.0f);
-  expectHairError(bytes, "byte 254");
+}
+
+TEST(Hair, AThicknessThatIsNoneIsTheDefault) {
+  for (const float bad : {kNan, kInfinity, -1.0f}) {
+    Bytes bytes = samples::hair();
+    overwrite(bytes, 128 + 6 + 120 + 4, bad);
+    RawGroom groom = readHair(bytes, "wig.hair");
+    EXPECT_FLOAT_EQ(groom.strands.radii[1], 0.5f);
+    EXPECT_FLOAT_EQ(groom.strands.radii[2], 0.02f);
+    ASSERT_EQ(groom.report.warnings.size(), 1u);
+    overwrite(bytes, 20, bad);
+    EXPECT_EQ(readHair(bytes, "wig.hair").strands.radii[1], 0);
+  }
 }
 
 TEST(ObjStrands, PolylinesBecomeStrandsWithNegativeIndicesContinuationsAndEdgeByEdge) {
@@ -239,7 +269,7 @@ TEST(ObjStrands, BadLinesAreRefusedWithTheirNumber) {
   expectObjStrandsError("v 0 0 nan\n", "line 1");
   expectObjStrandsError("v 0 0 1e40\n", "line 1");
   expectObjStrandsError("v 0 inf 1\n", "line 1");
-  expectObjStrandsError("v 0 0 0\nl\n", "line 2");
+  expectObjStrandsError("v 0 0 0\nl\n", "no polylines");
   expectObjStrandsError("v 0 0 0\nv 0 1 0\nl 1 0\n", "line 3");
   expectObjStrandsError("v 0 0 0\nv 0 1 0\nl 1 3\n", "line 3");
   expectObjStrandsError("v 0 0 0\nv 0 1 0\nl 1 -3\n", "line 3");

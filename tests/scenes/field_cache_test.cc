@@ -6,7 +6,9 @@
 #include <fstream>
 #include <vector>
 
+#include "collision/field_bake.h"
 #include "core/error.h"
+#include "groom/mesh_file.h"
 #include "tests/collision/shapes.h"
 #include "tests/full_disk.h"
 #include "tests/groom/sample_files.h"
@@ -195,6 +197,52 @@ TEST(FieldCache, LiesWhereTheUsersCachesLie) {
   unsetenv("HOME");
   EXPECT_THROW(defaultFieldCache(), Error);
   if (before != nullptr) setenv("XDG_CACHE_HOME", kept.c_str(), 1);
+}
+
+/// A prism over a U of 0.2 m, its caps one face each that begins with corner `first`, or of three quads.
+TriangleMesh prismOfU(int first, bool of_quads) {
+  std::string text;
+  for (const char* z : {"0.05", "-0.05"})
+    for (const char* xy : {"0.1 0.1", "0.06 0.1", "0.06 -0.06", "-0.06 -0.06", "-0.06 0.1", "-0.1 0.1",
+                           "-0.1 -0.1", "0.1 -0.1"})
+      text += std::string("v ") + xy + " " + z + "\n";
+  const auto face = [&](std::vector<int> corners) {
+    text += "f";
+    for (const int corner : corners) text += " " + std::to_string(corner);
+    text += "\n";
+  };
+  if (of_quads) {
+    for (const std::vector<int>& quad : {std::vector{1, 2, 3, 8}, {3, 4, 7, 8}, {4, 5, 6, 7}}) {
+      face(quad);
+      face({quad[3] + 8, quad[2] + 8, quad[1] + 8, quad[0] + 8});
+    }
+  } else {
+    std::vector<int> top, bottom;
+    for (int i = 0; i < 8; ++i) {
+      top.push_back((first + i) % 8 + 1);
+      bottom.push_back(16 - (first + i) % 8);
+    }
+    face(top);
+    face(bottom);
+  }
+  for (int i = 0; i < 8; ++i) face({i + 1, i + 9, (i + 1) % 8 + 9, (i + 1) % 8 + 1});
+  return readObjMesh(samples::fromText(text), "u.obj").mesh;
+}
+
+TEST(BodyFields, AConcaveFaceHasTheFieldOfItsOutlineFromEveryCorner) {
+  FieldOptions options;
+  options.cell = 0.02f;
+  const DistanceField quads = FieldBaker(prismOfU(0, true), options).bake({});
+  EXPECT_GT(quads.at(Vec3(0, 0.05f, 0)).distance, 0.04f) << "the gap is outside";
+  EXPECT_LT(quads.at(Vec3(0.08f, 0.05f, 0)).distance, -0.01f);
+  for (int first = 0; first < 8; ++first) {
+    const DistanceField field = FieldBaker(prismOfU(first, false), options).bake({});
+    for (int n = 0; n < 6 * 6 * 6; ++n) {
+      const Vec3 p(0.05f * static_cast<float>(n % 6) - 0.125f, 0.05f * static_cast<float>(n / 6 % 6) - 0.125f,
+                   0.03f * static_cast<float>(n / 36) - 0.075f);
+      EXPECT_NEAR(field.at(p).distance, quads.at(p).distance, 1e-5f) << first << " at " << p.transpose();
+    }
+  }
 }
 
 }  // namespace

@@ -37,6 +37,7 @@ inline SceneOptions bendingArm(const ScratchFolder& folder, UpAxis up) {
   options.groom = {folder / "hair.obj"};
   options.body = folder / "arm.glb";
   options.units = {1, up};
+  options.body_units.up = up;
   options.skinned = SkinnedMotion{"bend", "upper"};
   options.body_cell = 0.005f;
   options.field_cache = baked / "fields";

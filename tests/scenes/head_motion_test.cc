@@ -85,7 +85,7 @@ TEST(HeadMotion, HasNoJumpsInSpeed) {
 
 TEST(HeadMotion, AClipLoopsInPlace) {
   const ScratchFile file("loop.bvh", kSampleClip);
-  const HeadMotion motion = bvhMotion(file.path, 0.1f, kPivot);
+  const HeadMotion motion = bvhMotion(file.path, kPivot, {0.1f, ""});
   constexpr double kPeriod = 0.4;
   for (double t = 0.6; t < 1; t += 0.013) {
     EXPECT_LT(degreesBetween(motion(t), motion(t + kPeriod)), 0.2) << t;
@@ -97,11 +97,39 @@ TEST(HeadMotion, AClipLoopsInPlace) {
 TEST(HeadMotion, AClipIsScaledByItsUnit) {
   const ScratchFile file("unit.bvh", kSampleClip);
   // Frame 2 of the sample is 0.5 units to the side; time runs 0.25 s late after the start.
-  const Pose small = bvhMotion(file.path, 0.01f, kPivot)(0.45 + 0.4),
-             large = bvhMotion(file.path, 0.1f, kPivot)(0.45 + 0.4);
+  const Pose small = bvhMotion(file.path, kPivot, {0.01f, ""})(0.45 + 0.4),
+             large = bvhMotion(file.path, kPivot, {0.1f, ""})(0.45 + 0.4);
   const float side = small.apply(kPivot).x();
   EXPECT_NEAR(side, 0.005f, 1e-4);
   EXPECT_NEAR(large.apply(kPivot).x(), 10 * side, 1e-4);
+}
+
+TEST(HeadMotion, TheUnitOfAClipIsToldOfAndFoundByTheBodyWhereItMatches) {
+  const ScratchFile file("told.bvh", kSampleClip);
+  std::vector<std::string> notes, warnings;
+  const auto sideWith = [&](const ClipMotionOptions& options) {
+    notes.clear();
+    warnings.clear();
+    return bvhMotion(file.path, kPivot, options, &notes, &warnings)(0.45 + 0.4).apply(kPivot).x();
+  };
+  const float metres = sideWith({1, ""});
+  EXPECT_TRUE(notes.empty() && warnings.empty());
+  EXPECT_NEAR(sideWith({}), metres, 1e-6f);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("its unit is guessed: 1 m, which makes its skeleton 2.5 m large (2.5 units)"),
+            std::string::npos)
+      << warnings[0];
+  EXPECT_NE(warnings[0].find("--clip-unit-meters"), std::string::npos);
+  Skeleton body;
+  body.joints = {
+      {"Hips", -1, {Vec3(0, 1, 0)}}, {"spine", 0, {Vec3(0, 0.3f, 0)}}, {"MyHead", 1, {Vec3(0, 0.2f, 0)}}};
+  EXPECT_NEAR(sideWith({0, "", &body}), 0.25f * metres, 1e-4f) << "half a metre from hips to head is 2 units";
+  EXPECT_TRUE(warnings.empty());
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("its unit is guessed: 0.25 m, the ratio of 1 bone"), std::string::npos) << notes[0];
+  sideWith({1, "", &body});
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("4 times as long as the body's"), std::string::npos) << warnings[0];
 }
 
 TEST(HeadMotion, AnEndingReturnsSmoothlyAndStays) {
@@ -132,8 +160,8 @@ TEST(HeadMotion, UnknownNamesListTheChoices) {
 
 TEST(HeadMotion, AnUnknownJointIsAnError) {
   const ScratchFile file("joint.bvh", kSampleClip);
-  EXPECT_THROW(bvhMotion(file.path, 0.1f, kPivot, "Tail"), Error);
-  EXPECT_THROW(bvhMotion(file.path, -1, kPivot), Error);
+  EXPECT_THROW(bvhMotion(file.path, kPivot, {0.1f, "Tail"}), Error);
+  EXPECT_THROW(bvhMotion(file.path, kPivot, {-1, ""}), Error);
 }
 
 TEST(HeadMotion, RealClipsStayNearTheRestPose) {

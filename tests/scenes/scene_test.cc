@@ -289,12 +289,70 @@ TEST_F(BallScene, AGltfBodyIsInMetresWhateverTheUnitOfItsHair) {
   const Scene scene = makeScene(options_);
   EXPECT_FLOAT_EQ(scene.groom.report.unit_meters, 0.01f);
   EXPECT_EQ(scene.body.positions, quad.positions);
-  EXPECT_FALSE(isIn(scene.warnings, "off the body"));
-  writeHair(options_.groom[0], quad.positions[0] + Vec3(0, 0, 5));
-  EXPECT_TRUE(isIn(makeScene(options_).warnings, "off the body"));
+  EXPECT_FALSE(isIn(scene.warnings, "and one place?"));
+  options_.units = {0.01f, UpAxis::kX};
+  EXPECT_EQ(makeScene(options_).body.positions, quad.positions) << "unit and axis given are the groom's";
+  options_.body_units = {0.5f, UpAxis::kZ};
+  const Scene small = makeScene(options_);
+  EXPECT_EQ(small.body.positions[0],
+            Vec3(0.5f * quad.positions[0].x(), 0.5f * quad.positions[0].z(), -0.5f * quad.positions[0].y()));
+  EXPECT_TRUE(isIn(small.warnings, "glTF is in metres, a unit of 0.5 m is taken as given"));
+  EXPECT_TRUE(isIn(small.warnings, "in glTF Y is up, Z is taken as given"));
+  options_.body_units = {};
+  options_.units = {0, UpAxis::kY};
+  writeHair(options_.groom[0], quad.positions[0] + Vec3(3, 4, 5));
+  EXPECT_TRUE(isIn(makeScene(options_).warnings, "and one place?"));
   options_.body = folder_ / "ball.obj";
   options_.body_cell = 0;
   EXPECT_NEAR(makeScene(options_).body.bounds().max().x(), 0.001f, 1e-5f) << "the guess is its own too";
+}
+
+TEST_F(BallScene, AGuessedUnitFitsTheRootsToABodyInMetres) {
+  writeFileBytes(folder_ / "quad.glb", samples::glb());
+  const TriangleMesh quad = loadMesh(folder_ / "quad.glb", {}).mesh;
+  options_.body = folder_ / "quad.glb";
+  options_.body_cell = 0.05f;
+  options_.units.unit_meters = 0;
+  for (const float unit : {1.0f, 0.1f, 0.01f, 0.0025f, 0.001f}) {
+    std::ofstream hair(options_.groom[0]);
+    for (const Vec3& root : quad.positions)
+      for (int i = 0; i < 3; ++i)
+        hair << "v " << root.x() / unit << ' ' << root.y() / unit << ' '
+             << (root.z() + 0.1f * static_cast<float>(i)) / unit << '\n';
+    for (size_t s = 0; s < quad.positions.size(); ++s)
+      hair << "l " << 3 * s + 1 << ' ' << 3 * s + 2 << ' ' << 3 * s + 3 << '\n';
+    hair.close();
+    const Scene scene = makeScene(options_);
+    EXPECT_FLOAT_EQ(scene.groom.report.unit_meters, unit) << "hair of 2 m and more looks like a smaller unit";
+    EXPECT_TRUE(isIn(scene.warnings, "the unit is guessed")) << unit;
+    EXPECT_FALSE(isIn(scene.warnings, "and one place?")) << unit;
+  }
+}
+
+TEST_F(BallScene, HairAndBodyOfOtherSizesAreToldOfAsUnits) {
+  EXPECT_FALSE(isIn(makeScene(options_).warnings, "m large and the body"));
+  for (const auto& [unit, cell] : {std::pair{1e-3f, 5e-5f}, {1000.0f, 20.0f}}) {
+    options_.body_units.unit_meters = unit;
+    options_.body_cell = cell;
+    EXPECT_TRUE(isIn(makeScene(options_).warnings, "(--unit-meters, --body-unit-meters)")) << unit;
+  }
+}
+
+TEST_F(BallScene, UnitsOfWhatIsNotThereAreRefused) {
+  const auto refusal = [&] {
+    try {
+      makeScene(options_);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  options_.clip_unit_meters = 0.01f;
+  EXPECT_NE(refusal().find("there is no .bvh clip"), std::string::npos);
+  options_.clip_unit_meters = 0;
+  options_.body_units.up = UpAxis::kZ;
+  options_.body.clear();
+  EXPECT_NE(refusal().find("there is no body file"), std::string::npos);
 }
 
 TEST_F(BallScene, AStrandThatRunsBackAlongItselfIsCleanedAfterResampling) {

@@ -1,0 +1,200 @@
+#include "groom/polyline_join.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+namespace strandcast {
+namespace {
+
+using Edge = std::array<uint32_t, 2>;
+constexpr uint32_t kNoEdge = std::numeric_limits<uint32_t>::max();
+
+/// Consecutive polylines that go on where the one before ended, as one.
+struct Runs {
+  Polylines lines;
+  std::vector<bool> is_of_edges;  ///< of two corners each
+};
+
+Runs runsOf(const Polylines& read) {
+  Runs runs;
+  for (size_t p = 0; p < read.size(); ++p) {
+    const std::span<const uint32_t> line = read.at(p);
+    const bool goes_on = p > 0 && read.at(p - 1).back() == line.front();
+    if (p > 0 && !goes_on) runs.lines.end();
+    if (!goes_on) runs.is_of_edges.push_back(true);
+    if (line.size() != 2) runs.is_of_edges.back() = false;
+    runs.lines.corners.insert(runs.lines.corners.end(), line.begin() + (goes_on ? 1 : 0), line.end());
+  }
+  if (read.size() > 0) runs.lines.end();
+  return runs;
+}
+
+/// Whether the runs of edges look as written strand after strand, from the root on: no tip is in another run,
+/// and no run of a single edge touches another. Roots may be shared.
+bool isInOrder(const Runs& runs, size_t vertices) {
+  std::vector<uint8_t> uses(vertices, 0);  // 2 for more
+  for (size_t r = 0; r < runs.lines.size(); ++r)
+    if (runs.is_of_edges[r])
+      for (const uint32_t v : runs.lines.at(r)) uses[v] = static_cast<uint8_t>(std::min(uses[v] + 1, 2));
+  for (size_t r = 0; r < runs.lines.size(); ++r) {
+    if (!runs.is_of_edges[r]) continue;
+    const std::span<const uint32_t> run = runs.lines.at(r);
+    const bool is_ring = run.front() == run.back() && run.size() > 3;
+    if (!is_ring && (uses[run.back()] > 1 || (run.size() == 2 && uses[run.front()] > 1))) return false;
+  }
+  return true;
+}
+
+/// Edges of a file and, at each vertex, which of them meet there.
+class EdgeGraph {
+ public:
+  EdgeGraph(const Runs& runs, size_t vertices, FileReport& report) : first_(vertices + 1, 0) {
+    collect(runs, report);
+    for (const Edge& edge : edges_)
+      for (const uint32_t v : edge) ++first_[v + 1];
+    for (size_t v = 0; v < vertices; ++v) first_[v + 1] += first_[v];
+    meeting_.resize(2 * edges_.size());
+    std::vector<uint32_t> next(first_.begin(), first_.end() - 1);
+    for (uint32_t e = 0; e < edges_.size(); ++e)
+      for (const uint32_t v : edges_[e]) meeting_[next[v]++] = e;
+    is_used_.resize(edges_.size(), false);
+  }
+
+  size_t edges() const { return edges_.size(); }
+  bool isUsed(uint32_t edge) const { return is_used_[edge]; }
+  size_t runOf(uint32_t edge) const { return run_[edge]; }
+  size_t forks() const {
+    size_t count = 0;
+    for (uint32_t v = 0; v + 1 < first_.size(); ++v) count += degree(v) > 2 ? 1 : 0;
+    return count;
+  }
+
+  /// The strand that an unused edge is in, from its root on. Its edges are used then.
+  std::vector<uint32_t> strandOf(uint32_t edge, bool& is_ring) {
+    const uint32_t middle = edges_[edge][1];
+    std::vector<uint32_t> strand = walk(middle, edge);
+    is_ring = strand.back() == middle && degree(middle) == 2;
+    if (is_ring) {
+      strand.pop_back();
+      std::rotate(strand.begin(), std::min_element(strand.begin(), strand.end()), strand.end());
+      if (strand[1] > strand.back()) std::reverse(strand.begin() + 1, strand.end());
+      strand.push_back(strand.front());
+      return strand;
+    }
+    std::reverse(strand.begin(), strand.end());
+    const uint32_t onward = degree(middle) == 2 ? unusedAt(middle) : kNoEdge;
+    if (onward != kNoEdge) {
+      const std::vector<uint32_t> rest = walk(middle, onward);
+      strand.insert(strand.end(), rest.begin() + 1, rest.end());
+    }
+    if (strand.back() < strand.front()) std::reverse(strand.begin(), strand.end());
+    return strand;
+  }
+
+ private:
+  size_t degree(uint32_t v) const { return first_[v + 1] - first_[v]; }
+
+  /// The edges of all runs of edges, each once.
+  void collect(const Runs& runs, FileReport& report) {
+    size_t points = 0;
+    std::vector<std::pair<Edge, uint32_t>> sorted;
+    for (size_t r = 0; r < runs.lines.size(); ++r) {
+      if (!runs.is_of_edges[r]) continue;
+      const std::span<const uint32_t> run = runs.lines.at(r);
+      for (size_t i = 1; i < run.size(); ++i) {
+        if (run[i] == run[i - 1]) {
+          ++points;
+          continue;
+        }
+        const auto [low, high] = std::minmax(run[i - 1], run[i]);
+        sorted.push_back({{low, high}, static_cast<uint32_t>(edges_.size())});
+        edges_.push_back({run[i - 1], run[i]});
+        run_.push_back(r);
+      }
+    }
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<bool> is_again(edges_.size(), false);
+    for (size_t i = 1; i < sorted.size(); ++i)
+      if (sorted[i].first == sorted[i - 1].first) is_again[sorted[i].second] = true;
+    size_t kept = 0;
+    for (size_t e = 0; e < edges_.size(); ++e) {
+      if (is_again[e]) continue;
+      edges_[kept] = edges_[e];
+      run_[kept++] = run_[e];
+    }
+    const size_t again = edges_.size() - kept;
+    edges_.resize(kept);
+    run_.resize(kept);
+    if (points > 0)
+      report.leaveOut(fmt::format("{} edge{} from a vertex to itself", points, points == 1 ? "" : "s"));
+    if (again > 0) report.leaveOut(fmt::format("{} edge{} written again", again, again == 1 ? "" : "s"));
+  }
+
+  /// The vertices from `from` along `edge` and on, to an end, a fork, or round a ring to `from`.
+  std::vector<uint32_t> walk(uint32_t from, uint32_t edge) {
+    std::vector<uint32_t> out{from};
+    for (uint32_t e = edge; e != kNoEdge;) {
+      is_used_[e] = true;
+      const uint32_t v = edges_[e][0] == out.back() ? edges_[e][1] : edges_[e][0];
+      out.push_back(v);
+      e = degree(v) == 2 ? unusedAt(v) : kNoEdge;
+    }
+    return out;
+  }
+  uint32_t unusedAt(uint32_t v) const {
+    for (uint32_t i = first_[v]; i < first_[v + 1]; ++i)
+      if (!is_used_[meeting_[i]]) return meeting_[i];
+    return kNoEdge;
+  }
+
+  std::vector<Edge> edges_;
+  std::vector<size_t> run_;        ///< per edge
+  std::vector<uint32_t> first_;    ///< per vertex, and one more: into meeting_
+  std::vector<uint32_t> meeting_;  ///< edges
+  std::vector<bool> is_used_;
+};
+
+void reportForks(size_t forks, size_t rings, FileReport& report) {
+  if (forks > 0)
+    report.warnings.push_back(fmt::format("at {} vert{} more than two edges meet: the strands end there",
+                                          forks, forks == 1 ? "ex" : "ices"));
+  if (rings > 0)
+    report.warnings.push_back(
+        fmt::format("{} opened at the lowest vertex index",
+                    rings == 1 ? "1 ring of edges is" : fmt::format("{} rings of edges are", rings)));
+}
+
+}  // namespace
+
+Polylines joinedPolylines(const Polylines& read, size_t vertices, FileReport& report) {
+  Runs runs = runsOf(read);
+  if (isInOrder(runs, vertices)) return std::move(runs.lines);
+  EdgeGraph graph(runs, vertices, report);
+  Polylines out;
+  size_t rings = 0;
+  const auto add = [&](std::span<const uint32_t> strand) {
+    out.corners.insert(out.corners.end(), strand.begin(), strand.end());
+    out.end();
+  };
+  uint32_t edge = 0;
+  for (size_t r = 0; r < runs.lines.size(); ++r) {
+    if (!runs.is_of_edges[r]) {
+      add(runs.lines.at(r));
+      continue;
+    }
+    for (; edge < graph.edges() && graph.runOf(edge) == r; ++edge) {
+      if (graph.isUsed(edge)) continue;
+      bool is_ring = false;
+      add(graph.strandOf(edge, is_ring));
+      rings += is_ring ? 1 : 0;
+    }
+  }
+  reportForks(graph.forks(), rings, report);
+  return out;
+}
+
+}  // namespace strandcast
