@@ -42,7 +42,7 @@ Pose takePlace(ContactPrimitive& shape) {
 TriangleMesh placedMesh(const ScenePrimitive& primitive, const MeshUnits& units, PrimitiveBodies& made) {
   GroomReadOptions read = units.read;
   if (read.unit_meters <= 0 && !isGltf(primitive.file)) read.unit_meters = units.obj_meters;
-  ReadMesh from = loadMesh(primitive.file, read);
+  ReadMesh from = loadMesh(primitive.file, read, kSkippedGroups, primitive.beneath);
   tell(primitive.file, from.report, made.notes, made.warnings);
   TriangleMesh mesh = std::move(from.mesh);
   for (Vec3& p : mesh.positions) p = Vec3(primitive.shape.rotation * p + primitive.shape.a);
