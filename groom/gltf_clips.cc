@@ -29,9 +29,13 @@ class ClipReader {
     if (list == document_.root().end()) return {};
     if (!list->is_array()) document_.fail("this is not an array", "animations");
     for (size_t a = 0; a < list->size(); ++a) {
-      SkeletonClip clip =
-          readClip(document_.entry("animations", a, "animations"), fmt::format("animations[{}]", a));
-      if (!clip.isStill()) into_.clips.push_back(std::move(clip));
+      const std::string part = fmt::format("animations[{}]", a);
+      try {
+        SkeletonClip clip = readClip(document_.entry("animations", a, "animations"), part);
+        if (!clip.isStill()) into_.clips.push_back(std::move(clip));
+      } catch (const Error& error) {  // other clips, and the body, are of use without it
+        report_.leaveOut(fmt::format("animations that cannot be read, as {}", error.what()), part);
+      }
     }
     return std::move(played_);
   }

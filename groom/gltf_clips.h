@@ -19,8 +19,8 @@ struct GltfMovable {
 using GltfPlayed = std::map<std::pair<uint64_t, size_t>, uint32_t>;
 
 /// Reads the animations into SkinnedMesh::clips, and those morph targets that they ever give another weight
-/// than at rest into SkinnedMesh::targets, as yet without vertices. A channel of weights that cannot be read
-/// is left out, and said; others that cannot are an Error.
+/// than at rest into SkinnedMesh::targets, as yet without vertices. An animation, or of one a channel of
+/// weights, that cannot be read is left out, and said.
 GltfPlayed readGltfClips(const GltfDocument& document, const GltfMovable& movable, GltfReport& report,
                          SkinnedMesh& into);
 

@@ -71,8 +71,10 @@ SkeletonClip clipNamed(SkinnedMesh& skin, const std::string& name, std::vector<s
     if (clip.name == name) return clip;
     names.push_back(clip.name);
   }
+  const std::string there = names.empty() ? "it has none; give a .bvh file" : meantOf(name, names);
+  const std::string without = skin.report.leftOutLine();
   throw Error("the body has no clip '" + name + "'", skin.mesh.name,
-              names.empty() ? "it has none; give a .bvh file" : meantOf(name, names));
+              without.empty() ? there : there + "; it was read " + without);
 }
 
 JointTransform between(const JointTransform& a, const JointTransform& b, double t) {

@@ -9,6 +9,7 @@
 #include "tests/apps/daemon_fixture.h"
 #include "tests/collision/shapes.h"
 #include "tests/error_of.h"
+#include "tests/groom/sample_files.h"
 #include "tests/groom/scratch_folder.h"
 #include "transport/chunks.h"
 #include "transport/collider_chunks.h"
@@ -119,6 +120,11 @@ class DaemonColliderFiles : public DaemonFixture {
     writeObj(scratch_ / "bowl.obj", open);
     std::ofstream(scratch_ / "broken.obj") << "v 0 0 0\nf 1 2 x\n";
     std::ofstream(scratch_ / "text.txt") << "no mesh\n";
+    const samples::Bytes gltf = samples::gltf();
+    const std::string text(reinterpret_cast<const char*>(gltf.data()), gltf.size());
+    std::ofstream(scratch_ / "linked.gltf") << text.substr(0, text.find("data:")) << "buffer.bin\"}]}";
+    std::ofstream(elsewhere_ / "buffer.bin") << std::string(60, '\0');
+    std::filesystem::create_symlink(elsewhere_ / "buffer.bin", scratch_ / "buffer.bin");
     settings_ = fewStrands();
     settings_.scene.body_contact = BodyContact::kSpheres;
     settings_.collider_folder = scratch_.path();
@@ -185,7 +191,7 @@ class DaemonColliderFiles : public DaemonFixture {
   }
   size_t colliders() const { return subscriber_->colliders()->colliders.size(); }
 
-  const ScratchFolder scratch_;
+  const ScratchFolder scratch_, elsewhere_;
   Settings settings_;
   size_t scene_bodies_ = 0;
 
@@ -313,7 +319,8 @@ TEST_F(DaemonColliderFiles, WhatCannotBeMadeIsRefused) {
              {"broken.obj", "broken.obj, line 2", PrimitiveKind::kField},
              {"broken.obj", "broken.obj, line 2", PrimitiveKind::kConvex},
              {"text.txt", "no known mesh format", PrimitiveKind::kConvex},
-             {".", "no known mesh format", PrimitiveKind::kField},
+             {".", "is a folder", PrimitiveKind::kField},
+             {"linked.gltf", "'buffer.bin' is a link out of its folder", PrimitiveKind::kField},
              {"bowl.obj", "is open", PrimitiveKind::kConvex}};
   for (const auto& [file, told, kind] : bad)
     EXPECT_NE(refusal(file, kind).find(told), std::string::npos) << file << "\n" << refusal(file, kind);

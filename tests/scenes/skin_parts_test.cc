@@ -299,8 +299,9 @@ TEST(SkinParts, OfTooManyJointsBendAsAWholeWhereTargetsMoveThemAll) {
   options.joints.clear();
   for (int j = 0; j < 60; ++j) options.joints.push_back("joint" + std::to_string(j));
   options.bone = 0.05f;
-  options.blend = 0.01f;
-  options.sectors = 6;
+  options.blend = 0.02f;
+  options.spacing = 0.05f;
+  options.sectors = 4;
   SkinnedMesh skin = readGltfSkin(samples::armGlb(options), "worm.glb");
   for (uint32_t v = 0; v < skin.stored.size(); ++v) skin.targets[0].moves.push_back({v, Vec3(0.01f, 0, 0)});
   skin.bindTargets();

@@ -172,6 +172,12 @@ TEST(SkinnedBody, ClipsThatPlayNoMorphTargetLeaveThemAtRest) {
 
 TEST(SkinnedBody, WhatItDoesNotHaveIsRefused) {
   expectError([] { arm({"walk", "lower"}); }, {"no clip 'walk'", "arm.glb", "bend"});
+  expectError(
+      [] {
+        const auto bytes = samples::armWith({}, R"("input":5)", R"("input":1)");
+        SkinnedBody(readGltfSkin(bytes, "arm.gltf"), {"bend", "lower"});
+      },
+      {"no clip 'bend'", "read without animations that cannot be read", "do not fit"});
   expectError([] { arm({"bend", "louver"}); }, {"no joint 'louver'", "arm.glb", "lower"});
   expectError([] { arm({"bend", ""}); }, {"'head' in its name", "arm.glb", "--body-joint"});
   expectError([] { arm({"/nowhere/walk.bvh", "lower"}); }, {"the file cannot be found", "/nowhere/walk.bvh"});
