@@ -11,6 +11,7 @@
 #include "apps/command_limits.h"
 #include "apps/command_values.h"
 #include "core/error.h"
+#include "groom/folder_files.h"
 #include "transport/chunks.h"
 #include "transport/parameter_table.h"
 
@@ -89,36 +90,18 @@ ColliderFile colliderFileOf(const Command& command, const std::string& where) {
   return out;
 }
 
-std::filesystem::path fileWithin(const std::filesystem::path& folder, const std::string& name,
-                                 const std::string& where) {
+void checkFileWithin(const std::filesystem::path& folder, const std::string& name, const std::string& where) {
   if (folder.empty())
     throw Error("this daemon opens no files for commands", where,
                 "start it with --collider-folder DIR and name a file in there");
-  const std::filesystem::path asked = name;
-  // Before anything is looked for: nobody is told what there is elsewhere.
-  if (asked.empty() || asked.is_absolute() || std::find(asked.begin(), asked.end(), "..") != asked.end() ||
-      name.find('\0') != std::string::npos)
-    throw Error("'" + name + "' is no name within the daemon's collider folder", where,
-                "give one without .. or a / in front");
-  std::error_code failed;
-  const std::filesystem::path home = std::filesystem::canonical(folder, failed);
-  if (failed)
-    throw Error("the daemon's collider folder cannot be read", where, "is it there? " + failed.message());
-  std::filesystem::path file = std::filesystem::canonical(home / asked, failed);
-  if (failed)
-    throw Error("'" + name + "' is not in the daemon's collider folder", where,
-                failed.message() + "; give the name of a file in there");
-  if (std::mismatch(home.begin(), home.end(), file.begin(), file.end()).first != home.end())
-    throw Error("'" + name + "' is a link out of the daemon's collider folder", where,
-                "put the file itself in there");
-  return file;
+  checkBeneath(folder, name, "the daemon's collider folder", where);
 }
 
 void ColliderMaker::begin(const Command& command, const std::string& where) {
   Job job;
   job.command = command.id;
   job.collider = colliderFileOf(command, where);
-  job.file = fileWithin(folder_, job.collider.file, where);
+  checkFileWithin(folder_, job.collider.file, where);
   job.where = where;
   const std::lock_guard lock(mutex_);
   if (jobs_.size() >= kMostWaiting)
@@ -217,7 +200,8 @@ RigidBody ColliderMaker::bodyOf(const Job& job) const {
   primitive.shape.friction = collider.friction;
   primitive.follows_head = collider.follows_head;
   primitive.name = collider.name;
-  primitive.file = job.file;
+  primitive.file = collider.file;
+  primitive.beneath = folder_;
   primitive.cell = collider.cell;
   primitive.where = job.where;
   primitive.units.unit_meters = collider.unit_meters;

@@ -34,11 +34,9 @@ Command colliderFileCommand(const ColliderFile& collider);
 /// The other way round. Throws Error, naming `where`, where it is not sound.
 ColliderFile colliderFileOf(const Command& command, const std::string& where);
 
-/// The file of this name in a folder: of a name that is relative, without "..", and leads to nothing outside
-/// the folder through links. Throws Error, naming `where`, otherwise, where there is no such file, and where
-/// `folder` is empty: then no file may be opened.
-std::filesystem::path fileWithin(const std::filesystem::path& folder, const std::string& name,
-                                 const std::string& where);
+/// Throws Error, naming `where`, unless there is a file of this name beneath the folder (readBeneath: nothing
+/// outside is opened, through whatever links), and where `folder` is empty: then no file may be opened.
+void checkFileWithin(const std::filesystem::path& folder, const std::string& name, const std::string& where);
 
 /// Makes bodies of files beside the frames, one after another, in a thread of its own that gives way to those
 /// of the simulation. Where a field is baked that may take minutes.
@@ -55,14 +53,15 @@ class ColliderMaker {
     std::string refusal;  ///< why there is no body; or empty
   };
 
-  /// Opens files within `folder` and no others; none where it is empty.
+  /// Opens files beneath `folder`, and the buffers there that these name, and no others; none where it is
+  /// empty.
   ColliderMaker(std::filesystem::path folder, MeshBodyOptions options)
       : folder_(std::move(folder)), options_(std::move(options)) {}
   ~ColliderMaker() { stop(); }
   ColliderMaker(const ColliderMaker&) = delete;
   ColliderMaker& operator=(const ColliderMaker&) = delete;
 
-  /// Throws Error where the command is not sound, as fileWithin, and where kMostWaiting are to be made.
+  /// Throws Error where the command is not sound, as checkFileWithin, and where kMostWaiting are to be made.
   void begin(const Command& command, const std::string& where);
   /// Whether a collider of this name was begun and not taken yet.
   bool makes(const std::string& name) const;
@@ -81,7 +80,6 @@ class ColliderMaker {
   struct Job {
     uint64_t command = 0;
     ColliderFile collider;
-    std::filesystem::path file;
     std::string where;
     std::shared_ptr<std::atomic<bool>> dropped = std::make_shared<std::atomic<bool>>(false);
   };

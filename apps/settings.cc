@@ -221,7 +221,8 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), us
   scene->add_option("--groom", groom_, "groom files (.tfx, .hair, .obj, .usda), separated by commas")
       ->delimiter(',');
   scene->add_option("--body", given_.scene.body,
-                    "body mesh (.obj, .gltf, .glb) that the hair grows on and collides with");
+                    "body mesh (.obj, .gltf, .glb; 20 million vertices at most) that the hair grows on and "
+                    "collides with");
   scene
       ->add_option(
           "--body-contact", body_contact_,
@@ -230,8 +231,8 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), us
       ->check(CLI::IsMember({"field", "spheres"}));
   scene->add_option(
       "--body-clip", body_clip_,
-      "lets a glTF body with a skin move: the name of one of its animations, or a .bvh clip whose "
-      "joints have the same names");
+      "lets a glTF body with a skin or morph targets move: the name of one of its animations, or a .bvh clip "
+      "whose joints have the same names");
   scene->add_option("--body-joint", body_joint_,
                     "the joint of a skinned body that the hair grows on and --motion turns; the first with "
                     "'head' in its name if not given. Without --body-clip the rest stands");

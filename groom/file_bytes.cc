@@ -1,5 +1,7 @@
 #include "groom/file_bytes.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -62,23 +64,42 @@ bool mayBeReplaced(const std::filesystem::path& file) {
   return (is_own || !std::filesystem::exists(status)) && isWritable(folderOf(file));
 }
 
-}  // namespace
-
-std::vector<std::byte> readFileBytes(const std::filesystem::path& file) {
-  const uint64_t size = regularFileSize(file);
+void checkSize(uint64_t size, const std::filesystem::path& file) {
   if (size == 0) throw Error("the file is empty", file.string() + ", byte 0", "export or copy it again");
   if (size > kMaxFileBytes)
     throw Error("the file is larger than 4 GiB", file.string() + ", byte 0", "split it into several files");
-  const File stream(std::fopen(file.c_str(), "rb"), &std::fclose);
-  if (!stream)
-    throw Error("the file cannot be opened", file.string() + ", byte 0",
-                std::string(std::strerror(errno)) + ", check its permissions");
+}
+
+std::vector<std::byte> readWhole(std::FILE* stream, uint64_t size, const std::filesystem::path& file) {
   std::vector<std::byte> bytes(size);
-  const size_t got = std::fread(bytes.data(), 1, bytes.size(), stream.get());
+  const size_t got = std::fread(bytes.data(), 1, bytes.size(), stream);
   if (got != bytes.size())
     throw Error("the file cannot be read to its end", file.string() + ", byte " + std::to_string(got),
                 "check the disk, or whether another program is writing it");
   return bytes;
+}
+
+}  // namespace
+
+std::vector<std::byte> readFileBytes(const std::filesystem::path& file) {
+  const uint64_t size = regularFileSize(file);
+  checkSize(size, file);
+  const File stream(std::fopen(file.c_str(), "rb"), &std::fclose);
+  if (!stream)
+    throw Error("the file cannot be opened", file.string() + ", byte 0",
+                std::string(std::strerror(errno)) + ", check its permissions");
+  return readWhole(stream.get(), size, file);
+}
+
+std::vector<std::byte> readOpenFile(int descriptor, const std::filesystem::path& file) {
+  struct stat status {};
+  const int own = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+  const File stream(own >= 0 ? ::fdopen(own, "rb") : nullptr, &std::fclose);
+  if (!stream || ::fstat(descriptor, &status) != 0)
+    throw Error("the file cannot be opened", file.string() + ", byte 0", std::strerror(errno));
+  const auto size = static_cast<uint64_t>(status.st_size);
+  checkSize(size, file);
+  return readWhole(stream.get(), size, file);
 }
 
 std::string_view textOfFile(std::span<const std::byte> bytes) {

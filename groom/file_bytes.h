@@ -12,6 +12,9 @@ namespace strandcast {
 /// larger than 4 GiB (the formats' offsets have 32 bits).
 std::vector<std::byte> readFileBytes(const std::filesystem::path& file);
 
+/// The same of a regular file that is open for reading; `file` names it in errors.
+std::vector<std::byte> readOpenFile(int descriptor, const std::filesystem::path& file);
+
 /// Those of a text file as characters, without the byte-order mark that UTF-8 may begin with.
 std::string_view textOfFile(std::span<const std::byte> bytes);
 /// The same without the zero bytes that some programs fill up a file's end with. Throws Error, naming `name`,

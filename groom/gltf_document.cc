@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
-#include <limits>
-#include <set>
+#include <map>
 
 #include "groom/byte_reader.h"
-#include "groom/file_bytes.h"
+#include "groom/gltf_extensions.h"
 
 namespace strandcast {
 namespace {
@@ -19,44 +18,6 @@ using nlohmann::json;
 constexpr int kMaxJsonDepth =
     64;  ///< real files stay below 10; a limit keeps hostile ones from nesting for ever
 constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-enum ComponentType : uint64_t {
-  kByte = 5120,
-  kUnsignedByte = 5121,
-  kShort = 5122,
-  kUnsignedShort = 5123,
-  kUnsignedInt = 5125,
-  kFloat = 5126
-};
-
-uint64_t componentBytes(uint64_t type) {
-  switch (type) {
-    case kByte:
-    case kUnsignedByte:
-      return 1;
-    case kShort:
-    case kUnsignedShort:
-      return 2;
-    case kUnsignedInt:
-    case kFloat:
-      return 4;
-    default:
-      return 0;
-  }
-}
-
-/// Components of an element.
-uint64_t componentsOf(std::string_view type) {
-  return type == "SCALAR" ? 1 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : type == "MAT4" ? 16 : 0;
-}
-
-/// The number that a normalised whole number stands for (glTF 2.0 specification, "Animations").
-template <class Whole>
-float normalized(const std::byte* from) {
-  Whole whole;
-  std::memcpy(&whole, from, sizeof whole);
-  return std::max(static_cast<float>(whole) / static_cast<float>(std::numeric_limits<Whole>::max()), -1.0f);
-}
-
 int base64Digit(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
   if (c >= 'a' && c <= 'z') return c - 'a' + 26;
@@ -126,8 +87,8 @@ std::optional<size_t> tooDeep(std::string_view text) {
 }  // namespace
 
 GltfDocument::GltfDocument(std::span<const std::byte> bytes, const std::string& name,
-                           const std::optional<std::filesystem::path>& folder)
-    : name_(name) {
+                           const ReadBeside& read_beside, const GltfLimits& limits)
+    : name_(name), limits_(limits) {
   const ByteReader reader(bytes, name);
   if (bytes.empty()) reader.fail("the file is empty", 0);
   std::span<const std::byte> binary;
@@ -135,7 +96,8 @@ GltfDocument::GltfDocument(std::span<const std::byte> bytes, const std::string& 
     binary = splitBinary(bytes);
   else
     parseJson(bytes, 0);
-  loadBuffers(binary, folder);
+  checkRequiredExtensions(*this);
+  loadBuffers(binary, read_beside);
 }
 
 std::span<const std::byte> GltfDocument::splitBinary(std::span<const std::byte> bytes) {
@@ -179,18 +141,11 @@ void GltfDocument::parseJson(std::span<const std::byte> text, uint64_t file_offs
     fail("this is not glTF 2.0", "asset.version", "export it as glTF 2.0");
 }
 
-uint64_t GltfDocument::bufferBytes() const {
-  uint64_t sum = 0;
-  for (const auto& buffer : buffers_) sum += buffer.size();
-  return sum;
-}
-
-void GltfDocument::loadBuffers(std::span<const std::byte> binary,
-                               const std::optional<std::filesystem::path>& folder) {
+void GltfDocument::loadBuffers(std::span<const std::byte> binary, const ReadBeside& read_beside) {
   const auto list = root_.find("buffers");
   if (list == root_.end()) return;
   if (!list->is_array()) fail("this is not an array", "buffers");
-  std::set<std::string> opened;
+  std::map<std::string, size_t> read;  // file -> its place in owned_
   for (size_t b = 0; b < list->size(); ++b) {
     const std::string part = fmt::format("buffers[{}]", b);
     const json& description = entry("buffers", b, "buffers");
@@ -198,17 +153,18 @@ void GltfDocument::loadBuffers(std::span<const std::byte> binary,
     if (!length) fail("a buffer has no byteLength", part);
     const auto uri = description.find("uri");
     if (uri == description.end()) {
-      // Only the first buffer can be the binary chunk; more of them would count its bytes again and again.
+      if (isMeshoptFallback(description)) {  // views of it are refused where they are needed
+        buffers_.push_back({});
+        continue;
+      }
       if (b != 0 || binary.empty()) fail("a buffer has neither a uri nor a binary chunk", part);
       buffers_.push_back(binary);
     } else {
       if (!uri->is_string()) fail("a buffer's uri is not a string", part);
       const auto& text = uri->get_ref<const std::string&>();
-      const auto file = std::filesystem::path(percentDecoded(text)).lexically_normal();
-      if (!text.starts_with("data:") && !opened.insert(file.string()).second)
-        fail("two buffers name the same file", part);
-      owned_.push_back(externalBuffer(text, part, folder));
-      buffers_.push_back(owned_.back());
+      const auto [known, is_new] = read.try_emplace(text, owned_.size());
+      if (is_new) owned_.push_back(externalBuffer(text, part, read_beside));
+      buffers_.push_back(owned_[known->second]);
     }
     if (*length > buffers_.back().size())
       fail(fmt::format("a buffer of {} bytes holds {}", *length, buffers_.back().size()), part);
@@ -216,9 +172,8 @@ void GltfDocument::loadBuffers(std::span<const std::byte> binary,
   }
 }
 
-std::vector<std::byte> GltfDocument::externalBuffer(
-    const std::string& uri, const std::string& part,
-    const std::optional<std::filesystem::path>& folder) const {
+std::vector<std::byte> GltfDocument::externalBuffer(const std::string& uri, const std::string& part,
+                                                    const ReadBeside& read_beside) const {
   if (uri.starts_with("data:")) {
     const size_t comma = uri.find(";base64,");
     auto bytes =
@@ -228,11 +183,11 @@ std::vector<std::byte> GltfDocument::externalBuffer(
   }
   const std::filesystem::path relative = percentDecoded(uri);
   const bool leaves_folder = std::find(relative.begin(), relative.end(), "..") != relative.end();
-  if (!folder || relative.empty() || relative.is_absolute() || leaves_folder ||
+  if (!read_beside || relative.empty() || relative.is_absolute() || leaves_folder ||
       uri.find(':') != std::string::npos || relative.native().find('\0') != std::string::npos)
     fail("a buffer names a file that is not read from here", part,
          "export as .glb, which holds everything in one file");
-  return readFileBytes(*folder / relative);
+  return read_beside(relative);
 }
 
 const json& GltfDocument::entry(const char* array, uint64_t index, const std::string& asked_by) const {
@@ -254,12 +209,11 @@ std::optional<uint64_t> GltfDocument::unsignedMember(const json& object, const c
   return member->get<uint64_t>();
 }
 
-std::optional<std::vector<float>> GltfDocument::numbers(const json& object, const char* key, size_t count,
+std::optional<std::vector<float>> GltfDocument::numbers(const json& object, const char* key,
                                                         const std::string& where) const {
   const auto member = object.find(key);
   if (member == object.end()) return std::nullopt;
-  if (!member->is_array() || member->size() != count)
-    fail(fmt::format("{} is not an array of {} numbers", key, count), where);
+  if (!member->is_array()) fail(fmt::format("{} is not an array", key), where);
   std::vector<float> values;
   for (const json& value : *member) {
     const double number = value.is_number() ? value.get<double>() : HUGE_VAL;
@@ -270,125 +224,11 @@ std::optional<std::vector<float>> GltfDocument::numbers(const json& object, cons
   return values;
 }
 
-GltfDocument::Elements GltfDocument::elements(uint64_t accessor, const char* type) const {
-  const std::string part = fmt::format("accessors[{}]", accessor);
-  const json& description = entry("accessors", accessor, "a primitive");
-  const auto type_member = description.find("type");
-  if (type_member == description.end() || *type_member != type)
-    fail(fmt::format("the accessor's type is not {}", type), part);
-  if (description.contains("sparse")) fail("sparse accessors are not read", part, "export without them");
-  const uint64_t component = unsignedMember(description, "componentType", part).value_or(0);
-  const uint64_t element_bytes = componentBytes(component) * componentsOf(type);
-  if (element_bytes == 0) fail(fmt::format("component type {} does not fit here", component), part);
-  const auto count = unsignedMember(description, "count", part);
-  const auto view_index = unsignedMember(description, "bufferView", part);
-  if (!count || *count == 0) fail("the accessor has no elements", part);
-  if (!view_index) fail("the accessor has no bufferView", part);
-
-  const std::string view_part = fmt::format("bufferViews[{}]", *view_index);
-  const json& view = entry("bufferViews", *view_index, part);
-  const auto buffer = unsignedMember(view, "buffer", view_part);
-  const auto view_bytes = unsignedMember(view, "byteLength", view_part);
-  if (!buffer || *buffer >= buffers_.size()) fail("the view's buffer does not exist", view_part);
-  if (!view_bytes) fail("the view has no byteLength", view_part);
-  const uint64_t view_at = unsignedMember(view, "byteOffset", view_part).value_or(0);
-  const std::span<const std::byte> bytes = buffers_[*buffer];
-  if (view_at > bytes.size() || *view_bytes > bytes.size() - view_at)
-    fail(fmt::format("bytes {} to {} lie outside the buffer of {}", view_at, view_at + *view_bytes,
-                     bytes.size()),
-         view_part);
-  const uint64_t stride = unsignedMember(view, "byteStride", view_part).value_or(element_bytes);
-  if (stride < element_bytes || stride > 252)
-    fail(fmt::format("a byteStride of {} does not fit elements of {} bytes", stride, element_bytes),
-         view_part);
-  const uint64_t at = unsignedMember(description, "byteOffset", part).value_or(0);
-  if (at > *view_bytes || element_bytes > *view_bytes - at ||
-      *count - 1 > (*view_bytes - at - element_bytes) / stride)
-    fail(fmt::format("{} elements from byte {} on do not fit into a view of {} bytes", *count, at,
-                     *view_bytes),
-         part);
-  return {bytes.data() + view_at + at, *count, stride, component};
-}
-
-uint64_t GltfDocument::accessorCount(uint64_t accessor, const char* type) const {
-  return elements(accessor, type).count;
-}
-
-std::vector<Vec3> GltfDocument::positions(uint64_t accessor) const {
-  const Elements found = elements(accessor, "VEC3");
-  const std::string part = fmt::format("accessors[{}]", accessor);
-  if (found.component_type != kFloat)
-    fail("positions are not 32-bit floats", part, "export without quantisation");
-  std::vector<Vec3> points(found.count);
-  for (uint64_t i = 0; i < found.count; ++i) {
-    std::memcpy(points[i].data(), found.data + i * found.stride, 12);
-    if (!points[i].allFinite()) fail(fmt::format("position {} is not a finite number", i), part);
-  }
-  return points;
-}
-
-std::vector<uint32_t> GltfDocument::indices(uint64_t accessor) const {
-  const Elements found = elements(accessor, "SCALAR");
-  if (found.component_type == kFloat || found.component_type == kByte || found.component_type == kShort)
-    fail("indices are not whole numbers without a sign", fmt::format("accessors[{}]", accessor));
-  std::vector<uint32_t> values(found.count);
-  // Little endian: a narrow index fills the low bytes of the wide one.
-  for (uint64_t i = 0; i < found.count; ++i)
-    std::memcpy(&values[i], found.data + i * found.stride, componentBytes(found.component_type));
-  return values;
-}
-
-std::vector<std::array<uint32_t, 4>> GltfDocument::joints(uint64_t accessor) const {
-  const Elements found = elements(accessor, "VEC4");
-  if (found.component_type != kUnsignedByte && found.component_type != kUnsignedShort)
-    fail("joints are not numbers of 8 or 16 bits", fmt::format("accessors[{}]", accessor));
-  const uint64_t bytes = componentBytes(found.component_type);
-  std::vector<std::array<uint32_t, 4>> values(found.count);
-  for (uint64_t i = 0; i < found.count; ++i)
-    for (uint64_t c = 0; c < 4; ++c)
-      std::memcpy(&values[i][c], found.data + i * found.stride + c * bytes, bytes);
-  return values;
-}
-
-std::vector<float> GltfDocument::floats(uint64_t accessor, const char* type, bool or_normalized) const {
-  const Elements found = elements(accessor, type);
-  const std::string part = fmt::format("accessors[{}]", accessor);
-  const json& description = entry("accessors", accessor, part);
-  const auto flag = description.find("normalized");
-  const bool is_normalized = flag != description.end() && flag->is_boolean() && flag->get<bool>();
-  if (found.component_type != kFloat && !(or_normalized && is_normalized))
-    fail(or_normalized ? "its numbers are neither 32-bit floats nor normalised"
-                       : "its numbers are not 32-bit floats",
-         part);
-  const uint64_t components = componentsOf(type), bytes = componentBytes(found.component_type);
-  std::vector<float> values;
-  values.reserve(found.count * components);
-  for (uint64_t i = 0; i < found.count; ++i)
-    for (uint64_t c = 0; c < components; ++c) {
-      const std::byte* from = found.data + i * found.stride + c * bytes;
-      float value = 0;
-      switch (found.component_type) {
-        case kFloat:
-          std::memcpy(&value, from, sizeof value);
-          break;
-        case kByte:
-          value = normalized<int8_t>(from);
-          break;
-        case kUnsignedByte:
-          value = normalized<uint8_t>(from);
-          break;
-        case kShort:
-          value = normalized<int16_t>(from);
-          break;
-        case kUnsignedShort:
-          value = normalized<uint16_t>(from);
-          break;
-        default:
-          fail("its numbers are not normalised", part);
-      }
-      if (!std::isfinite(value)) fail(fmt::format("element {} is not a finite number", i), part);
-      values.push_back(value);
-    }
+std::optional<std::vector<float>> GltfDocument::numbers(const json& object, const char* key, size_t count,
+                                                        const std::string& where) const {
+  auto values = numbers(object, key, where);
+  if (values && values->size() != count)
+    fail(fmt::format("{} is not an array of {} numbers", key, count), where);
   return values;
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "groom/gltf_document.h"
+#include "groom/gltf_extensions.h"
 #include "groom/gltf_primitives.h"
 #include "groom/gltf_scene.h"
 #include "groom/mesh_file.h"
@@ -16,8 +17,10 @@ namespace {
 
 using nlohmann::json;
 
-TriangleMesh placedByNodes(const GltfDocument& document, const std::vector<GltfNode>& nodes) {
-  GltfPrimitives primitives(document);
+TriangleMesh placedByNodes(const GltfDocument& document, const std::vector<GltfNode>& nodes,
+                           GltfReport& report) {
+  GltfPrimitives primitives(document, report);
+  GltfMorphs morphs(document, report);
   std::vector<Placement> to_world;
   for (const GltfNode& visit : nodes) {
     const json& node = document.entry("nodes", visit.index, "a scene or node");
@@ -26,10 +29,17 @@ TriangleMesh placedByNodes(const GltfDocument& document, const std::vector<GltfN
         visit.parent < 0 ? Placement::Identity() : to_world[static_cast<size_t>(visit.parent)];
     const std::optional<Placement> matrix = gltfNodeMatrix(document, node, part);
     to_world.push_back(parent * (matrix ? *matrix : gltfNodeTransform(document, node, part).placement()));
-    if (const auto mesh = document.unsignedMember(node, "mesh", part)) {
+    const auto mesh = document.unsignedMember(node, "mesh", part);
+    if (!mesh || !visit.is_visible) continue;
+    const GltfMorph morph = morphs.of(node, *mesh, part);
+    const bool is_copied = hasInstances(node);
+    const std::vector<JointTransform> instances = gltfInstances(document, node, part);
+    if (instances.empty()) report.leaveOut("meshes of no instance", part);
+    for (const JointTransform& instance : instances) {
       GltfTransform place = GltfTransform::Identity();
-      place.topRows<3>() = to_world.back().matrix().cast<float>();
-      primitives.add(*mesh, place, place.topLeftCorner<3, 3>().determinant() < 0, part);
+      const Placement at = is_copied ? to_world.back() * instance.placement() : to_world.back();
+      place.topRows<3>() = at.matrix().cast<float>();
+      primitives.add(*mesh, morph, place, place.topLeftCorner<3, 3>().determinant() < 0, part);
     }
   }
   return primitives.take();
@@ -38,21 +48,23 @@ TriangleMesh placedByNodes(const GltfDocument& document, const std::vector<GltfN
 }  // namespace
 
 ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
-                      const std::optional<std::filesystem::path>& folder) {
-  const GltfDocument document(bytes, name, folder);
-  const std::vector<GltfNode> nodes = sceneNodes(document);
+                      const ReadBeside& read_beside, const GltfLimits& limits) {
+  const GltfDocument document(bytes, name, read_beside, limits);
+  GltfReport report, of_nodes;
+  tellUnreadExtensions(document, of_nodes);
+  const std::vector<GltfNode> nodes = sceneNodes(document, of_nodes);
   const bool skinned = std::any_of(nodes.begin(), nodes.end(), [&](const GltfNode& visit) {
     const json& node = document.entry("nodes", visit.index, "a scene or node");
     return node.contains("mesh") && node.contains("skin");
   });
-  TriangleMesh mesh = skinned ? skinAtRest(document) : placedByNodes(document, nodes);
+  TriangleMesh mesh = skinned ? skinAtRest(document, report) : placedByNodes(document, nodes, of_nodes);
   mesh.name = name;
   computeNormals(mesh);
-  return {std::move(mesh), {}};
+  return {std::move(mesh), (skinned ? report : of_nodes).report()};
 }
 
-ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name) {
-  return readGltfMesh(bytes, name, std::nullopt);
+ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name, const GltfLimits& limits) {
+  return readGltfMesh(bytes, name, ReadBeside(), limits);
 }
 
 }  // namespace strandcast

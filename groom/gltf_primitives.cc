@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "groom/gltf_extensions.h"
+
 namespace strandcast {
 namespace {
 
@@ -16,63 +20,200 @@ std::array<uint64_t, 3> corners(uint64_t mode, uint64_t t) {
   return {3 * t, 3 * t + 1, 3 * t + 2};
 }
 
+const json& primitivesOf(const GltfDocument& document, uint64_t mesh_index, const std::string& asked_by) {
+  const json& mesh = document.entry("meshes", mesh_index, asked_by);
+  const auto primitives = mesh.find("primitives");
+  if (primitives == mesh.end() || !primitives->is_array())
+    document.fail("the mesh has no primitives", fmt::format("meshes[{}]", mesh_index));
+  return *primitives;
+}
+
+/// Draco leaves the accessors of what it holds without data, unless there is a plain copy for others.
+void refuseDraco(const GltfDocument& document, const json& primitive, const std::string& part) {
+  const char* draco = "KHR_draco_mesh_compression";
+  if (extensionOf(primitive, draco) == nullptr) return;
+  const auto attributes = primitive.find("attributes");
+  const auto has = [&](const json& object, const char* key) {
+    const auto accessor = document.unsignedMember(object, key, part);
+    if (!accessor) return false;
+    const json& description = document.entry("accessors", *accessor, part);
+    return description.contains("bufferView") || description.contains("sparse");
+  };
+  const bool plain = attributes != primitive.end() && attributes->is_object() &&
+                     has(*attributes, "POSITION") &&
+                     (!primitive.contains("indices") || has(primitive, "indices"));
+  if (!plain)
+    document.fail(fmt::format("the primitive is compressed with {}, which is not read", draco), part,
+                  kUncompressed);
+}
+
 }  // namespace
 
-void GltfPrimitives::add(uint64_t mesh_index, const GltfTransform& to_world, bool mirrored,
-                         const std::string& asked_by, const VerticesAdded& added) {
-  const std::string part = fmt::format("meshes[{}]", mesh_index);
-  const json& mesh = document_.entry("meshes", mesh_index, asked_by);
-  const auto primitives = mesh.find("primitives");
-  if (primitives == mesh.end() || !primitives->is_array()) document_.fail("the mesh has no primitives", part);
+size_t GltfMorphs::targetsOf(uint64_t mesh, const std::string& part) {
+  const auto [known, is_new] = targets_.try_emplace(mesh, 0);
+  if (!is_new) return known->second;
+  for (const json& primitive : primitivesOf(document_, mesh, part)) {
+    if (!primitive.is_object()) continue;
+    const auto list = primitive.find("targets");
+    if (list != primitive.end() && list->is_array()) known->second = std::max(known->second, list->size());
+  }
+  return known->second;
+}
+
+GltfMorph GltfMorphs::of(const json& node, uint64_t mesh, const std::string& part) {
+  const size_t targets = targetsOf(mesh, part);
+  const bool own = node.contains("weights");
+  const std::string where = own ? part : fmt::format("meshes[{}]", mesh);
+  GltfMorph out;
+  if (const auto weights =
+          document_.numbers(own ? node : document_.entry("meshes", mesh, part), "weights", where)) {
+    if (weights->size() != targets)
+      report_.warn("weights that are not as many as the morph targets: the missing are taken as 0", where);
+    out.weights = *weights;
+  }
+  out.weights.resize(targets, 0.0f);
+  return out;
+}
+
+std::map<uint64_t, uint64_t> gltfSets(const GltfDocument& document, const json& attributes,
+                                      const std::string& beginning, const std::string& part) {
+  std::map<uint64_t, uint64_t> sets;
+  for (const auto& attribute : attributes.items()) {
+    const std::string& key = attribute.key();
+    if (!key.starts_with(beginning) || key.size() == beginning.size() || key.size() > beginning.size() + 3)
+      continue;
+    if (!std::all_of(key.begin() + static_cast<std::ptrdiff_t>(beginning.size()), key.end(),
+                     [](char c) { return c >= '0' && c <= '9'; }))
+      continue;
+    sets[std::stoul(key.substr(beginning.size()))] =
+        document.unsignedMember(attributes, key.c_str(), part).value();
+  }
+  return sets;
+}
+
+void GltfPrimitives::add(uint64_t mesh_index, const GltfMorph& morph, const GltfTransform& to_world,
+                         bool mirrored, const std::string& asked_by, const VerticesAdded& added) {
+  const json& primitives = primitivesOf(document_, mesh_index, asked_by);
   Shared shared;
-  for (size_t p = 0; p < primitives->size(); ++p)
-    addPrimitive((*primitives)[p], to_world, mirrored, fmt::format("{}.primitives[{}]", part, p), added,
-                 shared);
+  for (size_t p = 0; p < primitives.size(); ++p)
+    addPrimitive(primitives[p], morph, to_world, mirrored,
+                 fmt::format("meshes[{}].primitives[{}]", mesh_index, p), added, shared);
 }
 
 TriangleMesh GltfPrimitives::take() {
-  if (mesh_.triangles.empty())
-    document_.fail("the scene has no triangles", "scenes", "export the body as a mesh");
+  if (mesh_.triangles.empty()) {
+    const std::string without = report_.leftOutLine();
+    document_.fail("the scene has no triangles" + (without.empty() ? "" : ", read " + without), "scenes",
+                   "export the body as a mesh");
+  }
   return std::move(mesh_);
 }
 
-void GltfPrimitives::addPrimitive(const json& primitive, const GltfTransform& to_world, bool mirrored,
-                                  const std::string& part, const VerticesAdded& added, Shared& shared) {
+void GltfPrimitives::addPrimitive(const json& primitive, const GltfMorph& morph,
+                                  const GltfTransform& to_world, bool mirrored, const std::string& part,
+                                  const VerticesAdded& added, Shared& shared) {
   if (!primitive.is_object()) document_.fail("the primitive is not an object", part);
+  spend(primitives_spent_, 1, document_.limits().primitives, "primitives", part);
   const uint64_t mode = document_.unsignedMember(primitive, "mode", part).value_or(kTriangles);
-  if (mode < kTriangles) return;  // points and lines
-  if (mode > kTriangleFan) document_.fail(fmt::format("there is no primitive mode {}", mode), part);
+  if (mode < kTriangles) return report_.leaveOut("primitives of points or lines", part);
+  if (mode > kTriangleFan)
+    return report_.leaveOut(fmt::format("primitives of the unknown mode {}", mode), part);
+  refuseDraco(document_, primitive, part);
   const auto attributes = primitive.find("attributes");
-  if (attributes == primitive.end() || !attributes->is_object()) document_.fail("it has no attributes", part);
+  if (attributes == primitive.end() || !attributes->is_object())
+    return report_.leaveOut("primitives without attributes", part);
   const auto accessor = document_.unsignedMember(*attributes, "POSITION", part);
-  if (!accessor)
-    document_.fail("the primitive has no plain positions", part, "export without mesh compression");
+  if (!accessor) return report_.leaveOut("primitives without POSITION", part);
   const uint64_t vertices = document_.accessorCount(*accessor);
-  const auto skin = [&](const char* key) {
-    const auto member = added ? document_.unsignedMember(*attributes, key, part) : std::nullopt;
-    return member ? *member + 1 : 0;
-  };
-  const auto [known, is_new] =
-      shared.try_emplace(std::tuple(*accessor, skin("JOINTS_0"), skin("WEIGHTS_0")), 0);
-  if (is_new) {
-    known->second = addVertices(*accessor, vertices, to_world, part);
-    if (added) added(*attributes, vertices, part);
-  }
+  if (vertices == 0) return report_.leaveOut("primitives whose accessor of positions is empty", part);
+  const auto indices = document_.unsignedMember(primitive, "indices", part);
+  if (indices && document_.accessorCount(*indices, "SCALAR") == 0)
+    return report_.leaveOut("primitives whose accessor of indices is empty", part);
 
-  const auto index_accessor = document_.unsignedMember(primitive, "indices", part);
-  const std::vector<uint32_t> indices =
-      index_accessor ? document_.indices(*index_accessor) : std::vector<uint32_t>();
-  const uint64_t count = index_accessor ? indices.size() : vertices;
+  const std::vector<Target> targets = targetsOf(primitive, morph, vertices, part);
+  std::vector<uint64_t> key{*accessor, targets.size()};
+  for (const Target& target : targets) key.insert(key.end(), {target.number, target.accessor});
+  if (added)
+    for (const char* beginning : {"JOINTS_", "WEIGHTS_"})
+      for (const auto& [number, set] : gltfSets(document_, *attributes, beginning, part))
+        key.insert(key.end(), {beginning[0] == 'J' ? number : number + 1000, set});
+  const auto [known, is_new] = shared.try_emplace(std::move(key), 0);
+  if (is_new) {
+    Added made{*attributes, 0, vertices, part, {}};
+    known->second = addVertices(*accessor, targets, morph, to_world, made);
+    if (added) added(made);
+  }
+  addTriangles(primitive, mode, known->second, vertices, mirrored, part);
+}
+
+/// Those that have a weight at rest or are played. One that cannot be read is left out: a body without a
+/// dimple is of more use than none.
+std::vector<GltfPrimitives::Target> GltfPrimitives::targetsOf(const json& primitive, const GltfMorph& morph,
+                                                              uint64_t vertices, const std::string& part) {
+  std::vector<Target> out;
+  const auto list = primitive.find("targets");
+  if (list == primitive.end()) return out;
+  if (!list->is_array()) {
+    report_.leaveOut("morph targets that are not in an array", part);
+    return out;
+  }
+  for (size_t t = 0; t < list->size(); ++t) {
+    if (morph.weights[t] == 0 && !morph.isPlayed(t)) continue;
+    const std::string where = fmt::format("{}.targets[{}]", part, t);
+    const json& target = (*list)[t];
+    if (!target.is_object()) {
+      report_.leaveOut("morph targets that are not objects", where);
+      continue;
+    }
+    const auto accessor = document_.unsignedMember(target, "POSITION", where);
+    if (!accessor) continue;  // of normals or colours alone
+    if (document_.accessorCount(*accessor) != vertices) {
+      report_.leaveOut("morph targets of another number of vertices", where);
+      continue;
+    }
+    out.push_back({t, *accessor});
+  }
+  return out;
+}
+
+uint32_t GltfPrimitives::addVertices(uint64_t accessor, const std::vector<Target>& targets,
+                                     const GltfMorph& morph, const GltfTransform& to_world, Added& added) {
+  const auto first = static_cast<uint32_t>(mesh_.positions.size());
+  added.first = first;
+  spend(vertices_spent_, added.count, document_.limits().vertices, "vertices", added.part);
+  spend(targets_spent_, added.count * targets.size(), document_.limits().target_vertices,
+        "vertices of morph targets", added.part);
+  std::vector<Vec3> points = document_.positions(accessor);
+  for (const Target& target : targets) {
+    std::vector<Vec3> moves = document_.positions(target.accessor);
+    const float weight = morph.weights[target.number];
+    if (weight != 0)
+      for (size_t v = 0; v < points.size(); ++v) points[v] += weight * moves[v];
+    if (morph.isPlayed(target.number)) added.moves.emplace_back(target.number, std::move(moves));
+  }
+  for (const Vec3& point : points) {
+    const Vec3 placed = (to_world * point.homogeneous()).head<3>();
+    if (!placed.allFinite()) document_.fail("a vertex is placed at no finite point", added.part);
+    mesh_.positions.push_back(placed);
+  }
+  return first;
+}
+
+void GltfPrimitives::addTriangles(const json& primitive, uint64_t mode, uint32_t first, uint64_t vertices,
+                                  bool mirrored, const std::string& part) {
+  const auto accessor = document_.unsignedMember(primitive, "indices", part);
+  const uint64_t count = accessor ? document_.accessorCount(*accessor, "SCALAR") : vertices;
   const uint64_t triangles = mode == kTriangles ? count / 3 : (count < 3 ? 0 : count - 2);
-  spend(triangles_spent_, triangles + 1, part);
+  spend(triangles_spent_, triangles + 1, document_.limits().triangles, "triangles", part);
+  const std::vector<uint32_t> indices = accessor ? document_.indices(*accessor) : std::vector<uint32_t>();
   for (uint64_t t = 0; t < triangles; ++t) {
     std::array<uint32_t, 3> triangle;
     for (int c = 0; c < 3; ++c) {
       const uint64_t place = corners(mode, t)[c];
-      const uint64_t index = index_accessor ? indices[place] : place;
+      const uint64_t index = accessor ? indices[place] : place;
       if (index >= vertices)
         document_.fail(fmt::format("index {} is out of range, there are {} vertices", index, vertices), part);
-      triangle[c] = known->second + static_cast<uint32_t>(index);
+      triangle[c] = first + static_cast<uint32_t>(index);
     }
     if (mirrored) std::swap(triangle[1], triangle[2]);
     if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0])
@@ -80,25 +221,13 @@ void GltfPrimitives::addPrimitive(const json& primitive, const GltfTransform& to
   }
 }
 
-uint32_t GltfPrimitives::addVertices(uint64_t accessor, uint64_t count, const GltfTransform& to_world,
-                                     const std::string& part) {
-  const auto first = static_cast<uint32_t>(mesh_.positions.size());
-  spend(vertices_spent_, count, part);
-  for (const Vec3& point : document_.positions(accessor)) {
-    const Vec3 placed = (to_world * point.homogeneous()).head<3>();
-    if (!placed.allFinite()) document_.fail("a vertex is placed at no finite point", part);
-    mesh_.positions.push_back(placed);
-  }
-  return first;
-}
-
-/// Nodes and primitives may use the same data many times over. A vertex takes twelve bytes of a buffer and
-/// a triangle six, so a limit of one per byte leaves room for honest repetition and none for a small file
-/// that fills the memory.
-void GltfPrimitives::spend(uint64_t& spent, uint64_t elements, const std::string& part) const {
+/// Nodes and primitives may use the same data many times over, as beads of a necklace do.
+void GltfPrimitives::spend(uint64_t& spent, uint64_t elements, uint64_t limit, const char* what,
+                           const std::string& part) const {
   spent += elements;
-  if (spent > document_.bufferBytes())
-    document_.fail("the scene repeats its meshes too often", part, "export the body as one mesh");
+  if (spent > limit)
+    document_.fail(fmt::format("the scene repeats its meshes into more than {} {}", limit, what), part,
+                   "export fewer copies");
 }
 
 }  // namespace strandcast

@@ -3,44 +3,89 @@
 #include <functional>
 #include <map>
 #include <string>
-#include <tuple>
+#include <vector>
 
 #include "core/triangle_mesh.h"
 #include "groom/gltf_document.h"
+#include "groom/gltf_report.h"
 
 namespace strandcast {
 
 using GltfTransform = Eigen::Matrix<float, 4, 4, Eigen::DontAlign>;
 
-/// Gathers the triangle primitives of meshes into one mesh.
+/// The morph targets of a mesh at one node.
+struct GltfMorph {
+  std::vector<float> weights;  ///< at rest, one for each target
+  std::vector<bool> played;    ///< per target; may be empty: none is moved by a clip
+  bool isPlayed(size_t target) const { return target < played.size() && played[target]; }
+};
+
+/// Reads them.
+class GltfMorphs {
+ public:
+  GltfMorphs(const GltfDocument& document, GltfReport& report) : document_(document), report_(report) {}
+  /// With the weights at rest of the node, or else of the mesh, or else 0. Throws Error.
+  GltfMorph of(const nlohmann::json& node, uint64_t mesh, const std::string& part);
+
+ private:
+  size_t targetsOf(uint64_t mesh, const std::string& part);
+
+  const GltfDocument& document_;
+  GltfReport& report_;
+  std::map<uint64_t, size_t> targets_;  ///< mesh -> how many it has
+};
+
+/// The accessors of a primitive's sets of joints or weights: those of "JOINTS_0", "JOINTS_1" and so on, by
+/// their number.
+std::map<uint64_t, uint64_t> gltfSets(const GltfDocument& document, const nlohmann::json& attributes,
+                                      const std::string& beginning, const std::string& part);
+
+/// Gathers the triangle primitives of meshes into one mesh. The shapes of morph targets are added with their
+/// weights at rest.
 class GltfPrimitives {
  public:
-  /// Told of `count` vertices that were added, and the attributes and part of their primitive.
-  using VerticesAdded =
-      std::function<void(const nlohmann::json& attributes, uint64_t count, const std::string& part)>;
+  /// Vertices of a primitive that were added.
+  struct Added {
+    const nlohmann::json& attributes;
+    uint64_t first, count;
+    std::string part;
+    /// Of the targets that are played: number and, per vertex, how far it moves at weight 1.
+    std::vector<std::pair<size_t, std::vector<Vec3>>> moves;
+  };
+  using VerticesAdded = std::function<void(const Added&)>;
 
-  explicit GltfPrimitives(const GltfDocument& document) : document_(document) {}
+  GltfPrimitives(const GltfDocument& document, GltfReport& report) : document_(document), report_(report) {}
 
   /// Adds all of a mesh, its vertices placed by `to_world`; `mirrored` turns its triangles round. Primitives
-  /// that share their positions, and, where `added` is asked for, joints and weights, share vertices. Throws
-  /// Error.
-  void add(uint64_t mesh, const GltfTransform& to_world, bool mirrored, const std::string& asked_by,
-           const VerticesAdded& added = {});
+  /// that share their positions, the shapes of morph targets that count, and, where `added` is asked for,
+  /// joints and weights, share vertices. Throws Error.
+  void add(uint64_t mesh, const GltfMorph& morph, const GltfTransform& to_world, bool mirrored,
+           const std::string& asked_by, const VerticesAdded& added = {});
   /// Without normals. Throws Error when there is no triangle.
   TriangleMesh take();
 
  private:
-  using Shared = std::map<std::tuple<uint64_t, uint64_t, uint64_t>, uint32_t>;  ///< accessors -> first vertex
+  using Shared = std::map<std::vector<uint64_t>, uint32_t>;  ///< accessors -> first vertex
+  /// A target that moves the vertices of a primitive: its number and its positions' accessor.
+  struct Target {
+    size_t number;
+    uint64_t accessor;
+  };
 
-  void addPrimitive(const nlohmann::json& primitive, const GltfTransform& to_world, bool mirrored,
-                    const std::string& part, const VerticesAdded& added, Shared& shared);
-  uint32_t addVertices(uint64_t accessor, uint64_t count, const GltfTransform& to_world,
-                       const std::string& part);
-  void spend(uint64_t& spent, uint64_t elements, const std::string& part) const;
+  void addPrimitive(const nlohmann::json& primitive, const GltfMorph& morph, const GltfTransform& to_world,
+                    bool mirrored, const std::string& part, const VerticesAdded& added, Shared& shared);
+  std::vector<Target> targetsOf(const nlohmann::json& primitive, const GltfMorph& morph, uint64_t vertices,
+                                const std::string& part);
+  uint32_t addVertices(uint64_t accessor, const std::vector<Target>& targets, const GltfMorph& morph,
+                       const GltfTransform& to_world, Added& added);
+  void addTriangles(const nlohmann::json& primitive, uint64_t mode, uint32_t first, uint64_t vertices,
+                    bool mirrored, const std::string& part);
+  void spend(uint64_t& spent, uint64_t elements, uint64_t limit, const char* what,
+             const std::string& part) const;
 
   const GltfDocument& document_;
-  uint64_t vertices_spent_ = 0;
-  uint64_t triangles_spent_ = 0;
+  GltfReport& report_;
+  uint64_t primitives_spent_ = 0, vertices_spent_ = 0, triangles_spent_ = 0, targets_spent_ = 0;
   TriangleMesh mesh_;
 };
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "groom/gltf_extensions.h"
+
 namespace strandcast {
 namespace {
 
@@ -73,20 +75,69 @@ JointTransform gltfNodeTransform(const GltfDocument& document, const json& node,
   return out;
 }
 
-std::vector<GltfNode> sceneNodes(const GltfDocument& document) {
+bool hasInstances(const json& node) { return extensionOf(node, "EXT_mesh_gpu_instancing") != nullptr; }
+
+std::vector<JointTransform> gltfInstances(const GltfDocument& document, const json& node,
+                                          const std::string& part) {
+  const json* extension = extensionOf(node, "EXT_mesh_gpu_instancing");
+  if (extension == nullptr) return {JointTransform{}};
+  const std::string where = part + ".extensions.EXT_mesh_gpu_instancing";
+  const auto attributes = extension->find("attributes");
+  if (attributes == extension->end() || !attributes->is_object())
+    document.fail("it has no attributes", where);
+  std::vector<JointTransform> out;
+  bool is_first = true;
+  const auto read = [&](const char* key, const char* type, const auto& take) {
+    const auto accessor = document.unsignedMember(*attributes, key, where);
+    if (!accessor) return;
+    const uint64_t count = document.accessorCount(*accessor, type);
+    if (count > document.limits().instances)
+      document.fail(
+          fmt::format("{} instances of a mesh are more than {}", count, document.limits().instances), where,
+          "export the body as one mesh");
+    if (is_first) out.resize(count);
+    is_first = false;
+    if (count != out.size()) document.fail("its attributes are not of one count", where);
+    const std::vector<float> values = document.floats(*accessor, type, true);
+    const size_t each = count > 0 ? values.size() / count : 0;
+    for (size_t i = 0; i < count; ++i) take(out[i], values.data() + each * i);
+  };
+  read("TRANSLATION", "VEC3",
+       [](JointTransform& to, const float* v) { to.translation = Vec3(v[0], v[1], v[2]); });
+  read("ROTATION", "VEC4", [&](JointTransform& to, const float* v) {
+    const Eigen::Quaterniond rotation(v[3], v[0], v[1], v[2]);
+    if (!(rotation.norm() > 0)) document.fail("a rotation has no length", where);
+    to.rotation = rotation.normalized().cast<float>();
+  });
+  read("SCALE", "VEC3", [](JointTransform& to, const float* v) { to.scale = Vec3(v[0], v[1], v[2]); });
+  if (is_first) return {JointTransform{}};  // instances that differ in nothing that places them
+  return out;
+}
+
+std::vector<GltfNode> sceneNodes(const GltfDocument& document, GltfReport& report) {
+  if (const auto scenes = document.root().find("scenes");
+      scenes != document.root().end() && scenes->is_array() && scenes->size() > 1)
+    report.leaveOut(scenes->size() == 2 ? std::string("another scene")
+                                        : fmt::format("{} other scenes", scenes->size() - 1));
   std::vector<bool> visited(nodeCount(document));
   std::vector<GltfNode> out, stack;
   for (const uint64_t root : rootNodes(document)) stack.push_back({root, -1});
   while (!stack.empty()) {
-    const GltfNode visit = stack.back();
+    GltfNode visit = stack.back();
     stack.pop_back();
     const std::string part = gltfNodePart(visit.index);
     const json& node = document.entry("nodes", visit.index, "a scene or node");
     if (visited[visit.index]) document.fail("the node has two parents, or is its own", part);
     visited[visit.index] = true;
+    if (const json* visibility = extensionOf(node, "KHR_node_visibility")) {
+      const auto visible = visibility->find("visible");
+      if (visible != visibility->end() && *visible == false) visit.is_visible = false;
+    }
+    if (!visit.is_visible && node.contains("mesh")) report.leaveOut("hidden meshes", part);
     const int place = static_cast<int>(out.size());
     out.push_back(visit);
-    for (const uint64_t child : nodeList(document, node, "children", part)) stack.push_back({child, place});
+    for (const uint64_t child : nodeList(document, node, "children", part))
+      stack.push_back({child, place, visit.is_visible});
   }
   return out;
 }

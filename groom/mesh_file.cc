@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "groom/axes_and_units.h"
 #include "groom/file_bytes.h"
+#include "groom/folder_files.h"
 #include "groom/gltf_mesh.h"
 
 namespace strandcast {
@@ -31,14 +32,21 @@ void warnOfGltfUnits(const GroomReadOptions& given, FileReport& report) {
     report.warnings.push_back(fmt::format("in glTF Y is up, {} is taken as given", nameOf(given.up)));
 }
 
+ReadBeside besideFile(const std::filesystem::path& file, const std::filesystem::path& beneath) {
+  return [=](const std::filesystem::path& relative) {
+    const std::filesystem::path named = file.parent_path() / relative;
+    return beneath.empty() ? readFileBytes(named) : readBeneath(beneath, named);
+  };
+}
+
 ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
-                  const std::vector<std::string>& skip_groups) {
+                  const std::vector<std::string>& skip_groups, const std::filesystem::path& beneath) {
   checkUnit(options.unit_meters);
   const bool is_gltf = isGltf(file);
   if (!is_gltf && lowerExtension(file) != ".obj")
     throw Error("this is no known mesh format", file.string() + ", byte 0", "use .obj, .gltf or .glb");
-  const std::vector<std::byte> bytes = readFileBytes(file);
-  ReadMesh read = is_gltf ? readGltfMesh(bytes, file.string(), file.parent_path())
+  const std::vector<std::byte> bytes = beneath.empty() ? readFileBytes(file) : readBeneath(beneath, file);
+  ReadMesh read = is_gltf ? readGltfMesh(bytes, file.string(), besideFile(file, beneath))
                           : readObjMesh(bytes, file.string(), skip_groups);
   if (is_gltf) warnOfGltfUnits(options, read.report);
   TriangleMesh& mesh = read.mesh;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/triangle_mesh.h"
+#include "groom/gltf_limits.h"
 #include "groom/groom_file.h"
 
 namespace strandcast {
@@ -13,6 +14,9 @@ struct ReadMesh {
   TriangleMesh mesh;
   FileReport report;
 };
+
+/// Beginnings of the names of groups that are no part of a body, as MakeHuman has them.
+inline const std::vector<std::string> kSkippedGroups{"helper-", "joint-"};
 
 /// Whether a file is glTF 2.0 by its extension: .gltf or .glb.
 bool isGltf(const std::filesystem::path& file);
@@ -29,9 +33,11 @@ void warnOfGltfUnits(const GroomReadOptions& given, FileReport& report);
 /// Throws Error (file, line, byte offset or part, remedy) on bad input. Without `unit_meters` a glTF file is
 /// in metres, as its specification says, and the unit of an .obj file is guessed as a groom's is: pass
 /// GroomReport::unit_meters to give an .obj body the scale of its hair (meshUnits). The buffers that a .gltf
-/// names are read from its own folder and nowhere else.
+/// names are read from its own folder and nowhere else. With `beneath`, `file` is relative to that folder: it
+/// and its buffers are read beneath it and nowhere else, whatever links there are (readBeneath).
 ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
-                  const std::vector<std::string>& skip_groups = {"helper-", "joint-"});
+                  const std::vector<std::string>& skip_groups = kSkippedGroups,
+                  const std::filesystem::path& beneath = {});
 
 /// The same from memory, in the file's units and axes; `name` stands for the file in errors and names the
 /// mesh. The fuzzers' entry points. Triangles with a corner twice are left out; there is at least one
@@ -42,9 +48,11 @@ ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& opt
 /// out, and so are vertices that no triangle uses. An index beyond the file's vertices is an Error.
 ReadMesh readObjMesh(std::span<const std::byte> bytes, const std::string& name,
                      const std::vector<std::string>& skip_groups = {});
-/// glTF: all triangle lists, strips and fans of the default scene, placed by their nodes, or, where there is
-/// a skin, by the joints at rest (as readGltfSkin(), whose demands they must meet, but for clips). External
-/// buffers, sparse accessors and compressed meshes are refused; images are never opened.
-ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name);
+/// glTF: all triangle lists, strips and fans of the default scene, with morph targets at their weights at
+/// rest, placed by their nodes and the instances of these, or, where there is a skin, by the joints at rest
+/// (as readGltfSkin(), whose demands they must meet, but for clips). External buffers, compressed meshes and
+/// required extensions that are not read are refused; images are never opened. docs/formats.md has the rest.
+ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
+                      const GltfLimits& limits = {});
 
 }  // namespace strandcast

@@ -92,4 +92,9 @@ void SkeletonClip::pose(double seconds, std::span<JointTransform> locals) const 
   }
 }
 
+void SkeletonClip::weigh(double seconds, std::span<float> weights) const {
+  for (const MorphChannel& channel : morphs)
+    weights[channel.target] = samplers[channel.sampler].at(seconds)[0];
+}
+
 }  // namespace strandcast

@@ -46,7 +46,7 @@ enum class ClipPath : uint8_t { kTranslation, kRotation, kScale };
 /// Values over time, held before the first key and after the last.
 struct ClipSampler {
   ClipInterpolation interpolation = ClipInterpolation::kLinear;
-  uint32_t components = 3;    ///< 3, or 4: a quaternion x y z w
+  uint32_t components = 3;    ///< 1, 3, or 4: a quaternion x y z w
   std::vector<float> times;   ///< s, at least one, ascending
   std::vector<float> values;  ///< per key `components`; of a cubic spline three times as many: the tangent
                               ///< that comes in, the value, the tangent that goes out
@@ -61,15 +61,26 @@ struct ClipChannel {
   uint32_t sampler = 0;
 };
 
-/// A motion of a skeleton.
+/// The weight of a morph target over time.
+struct MorphChannel {
+  uint32_t target = 0;   ///< of SkinnedMesh::targets
+  uint32_t sampler = 0;  ///< of one component
+};
+
+/// A motion of a skeleton and of the morph targets of the meshes on it.
 struct SkeletonClip {
   std::string name;
   std::vector<ClipSampler> samplers;
   std::vector<ClipChannel> channels;  ///< no two of one joint and path
+  std::vector<MorphChannel> morphs;   ///< no two of one target
   double duration = 0;                ///< s, the time of the last key
+
+  bool isStill() const { return channels.empty() && morphs.empty(); }
 
   /// Overwrites what the clip moves. `locals`: one per joint of the skeleton.
   void pose(double seconds, std::span<JointTransform> locals) const;
+  /// Likewise. `weights`: one per target.
+  void weigh(double seconds, std::span<float> weights) const;
 };
 
 }  // namespace strandcast

@@ -1,5 +1,8 @@
 #include "groom/skinned_mesh.h"
 
+#include <map>
+#include <set>
+
 #include "core/error.h"
 #include "groom/axes_and_units.h"
 #include "groom/file_bytes.h"
@@ -8,19 +11,37 @@
 
 namespace strandcast {
 
-std::vector<Placement> SkinnedMesh::bindingsAt(std::span<const Placement> world) const {
+std::vector<Placement> SkinnedMesh::bindingsAt(std::span<const Placement> world,
+                                               std::span<const float> weights) const {
   std::vector<Placement> out;
-  out.reserve(bindings.size());
+  out.reserve(bindings.size() + target_bindings.size());
   for (const SkinBinding& binding : bindings) out.push_back(world[binding.joint] * binding.inverse_bind);
+  for (const auto& [target, binding] : target_bindings) {
+    const double change =
+        weights.empty() ? 0
+                        : static_cast<double>(weights[target]) - static_cast<double>(targets[target].rest);
+    Placement moved;
+    moved.linear() = change * out[binding].linear();
+    moved.translation().setZero();
+    out.push_back(moved);
+  }
   return out;
 }
 
-std::vector<Vec3> SkinnedMesh::blended(std::span<const Placement> world) const {
+std::vector<Vec3> SkinnedMesh::blended(std::span<const Placement> world,
+                                       std::span<const float> weights) const {
   const std::vector<Placement> moves = bindingsAt(world);
+  std::vector<Vec3> shaped;
+  if (!weights.empty() && !targets.empty()) {
+    shaped = stored;
+    for (size_t t = 0; t < targets.size(); ++t)
+      if (const float change = weights[t] - targets[t].rest; change != 0)
+        for (const auto& [vertex, by] : targets[t].moves) shaped[vertex] += change * by;
+  }
   std::vector<Vec3> out;
   out.reserve(stored.size());
   for (size_t v = 0; v < stored.size(); ++v) {
-    const Eigen::Vector3d from = stored[v].cast<double>();
+    const Eigen::Vector3d from = (shaped.empty() ? stored : shaped)[v].cast<double>();
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const auto& [binding, weight] : influences[v])
       if (weight > 0) sum += static_cast<double>(weight) * (moves[binding] * from);
@@ -29,11 +50,40 @@ std::vector<Vec3> SkinnedMesh::blended(std::span<const Placement> world) const {
   return out;
 }
 
+std::vector<float> SkinnedMesh::restWeights() const {
+  std::vector<float> weights;
+  for (const MorphTarget& target : targets) weights.push_back(target.rest);
+  return weights;
+}
+
+void SkinnedMesh::bindTargets() {
+  target_bindings.clear();
+  for (uint32_t t = 0; t < targets.size(); ++t) {
+    std::set<uint32_t> moved;
+    for (const MorphTarget::Move& move : targets[t].moves)
+      for (const auto& [binding, weight] : influences[move.vertex])
+        if (weight > 0) moved.insert(binding);
+    for (const uint32_t binding : moved) target_bindings.push_back({t, binding});
+  }
+}
+
+void SkinnedMesh::keepTargets(SkeletonClip& clip) {
+  std::vector<MorphTarget> kept;
+  std::map<uint32_t, uint32_t> numbers;
+  for (MorphChannel& channel : clip.morphs) {
+    const auto [known, is_new] = numbers.try_emplace(channel.target, static_cast<uint32_t>(kept.size()));
+    if (is_new) kept.push_back(std::move(targets[channel.target]));
+    channel.target = known->second;
+  }
+  targets = std::move(kept);
+  bindTargets();
+}
+
 SkinnedMesh loadSkinnedMesh(const std::filesystem::path& file, const GroomReadOptions& options) {
   checkUnit(options.unit_meters);
   if (!isGltf(file)) throw Error("this format has no skins", file.string() + ", byte 0", "use .gltf or .glb");
   const std::vector<std::byte> bytes = readFileBytes(file);
-  SkinnedMesh skin = readGltfSkin(bytes, file.string(), file.parent_path());
+  SkinnedMesh skin = readGltfSkin(bytes, file.string(), besideFile(file));
   warnOfGltfUnits(options, skin.report);
   std::array<Vec3, 3> axes{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   turnYUp(axes, options.up);

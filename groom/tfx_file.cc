@@ -40,7 +40,7 @@ uint32_t offsetField(const ByteReader& reader, uint64_t field, uint32_t header_b
   return offset;
 }
 
-TfxHeader readHeader(const ByteReader& reader) {
+TfxHeader readTfxHeader(const ByteReader& reader) {
   TfxHeader header;
   const auto version = reader.at<float>(0);
   if (version != 3.0f && version != 4.0f)
@@ -134,7 +134,7 @@ void readStrandUvs(const ByteReader& reader, const TfxHeader& header, StrandSet&
 RawGroom readTfx(std::span<const std::byte> bytes, const std::string& name) {
   const ByteReader reader(bytes, name);
   if (bytes.empty()) reader.fail("the file is empty", 0);
-  const TfxHeader header = readHeader(reader);
+  const TfxHeader header = readTfxHeader(reader);
   checkCounts(reader, header);
 
   RawGroom groom;

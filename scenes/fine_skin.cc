@@ -11,6 +11,7 @@ namespace {
 class Refiner {
  public:
   explicit Refiner(const SkinnedMesh& skin) : skin_(skin) {
+    std::vector<std::vector<SkinShare>> shares = skinShares(skin);
     // Vertices that lie on one another are one: files have several where normals or textures break.
     std::map<std::array<float, 3>, uint32_t> first;
     std::vector<uint32_t> welded;
@@ -22,7 +23,7 @@ class Refiner {
       if (is_new) {
         fine_.positions.push_back(p);
         fine_.normals.push_back(skin.mesh.normals[v]);
-        fine_.shares.push_back(sharesOf(v));
+        fine_.shares.push_back(std::move(shares[v]));
       } else {
         fine_.normals[at->second] += skin.mesh.normals[v];
       }
@@ -43,23 +44,16 @@ class Refiner {
   }
 
  private:
-  std::vector<SkinShare> sharesOf(size_t vertex) const {
-    std::map<uint32_t, double> weights;
-    for (const auto& [binding, weight] : skin_.influences[vertex])
-      if (weight > 0) weights[binding] += static_cast<double>(weight);
-    std::vector<SkinShare> out;
-    for (const auto& [binding, weight] : weights)
-      out.push_back({binding, weight * skin_.stored[vertex].cast<double>().homogeneous()});
-    return out;
-  }
-
   /// How much of what carries them changes from one vertex to another, 0 to 1.
   double change(uint32_t a, uint32_t b) const {
+    // Targets move edges evenly: what they do needs no vertices between.
     std::map<uint32_t, double> weights;
     for (const SkinShare& share : fine_.shares[a])
-      weights[skin_.bindings[share.binding].joint] += share.weight();
+      if (share.binding < skin_.bindings.size())
+        weights[skin_.bindings[share.binding].joint] += share.weight();
     for (const SkinShare& share : fine_.shares[b])
-      weights[skin_.bindings[share.binding].joint] -= share.weight();
+      if (share.binding < skin_.bindings.size())
+        weights[skin_.bindings[share.binding].joint] -= share.weight();
     double sum = 0;
     for (const auto& joint : weights) sum += 0.5 * std::fabs(joint.second);
     return sum;
@@ -161,6 +155,33 @@ class Refiner {
 };
 
 }  // namespace
+
+std::vector<std::vector<SkinShare>> skinShares(const SkinnedMesh& skin) {
+  std::vector<std::map<uint32_t, Eigen::Vector4d>> terms(skin.stored.size());
+  for (size_t v = 0; v < terms.size(); ++v) {
+    std::map<uint32_t, double> weights;
+    for (const auto& [binding, weight] : skin.influences[v])
+      if (weight > 0) weights[binding] += static_cast<double>(weight);
+    for (const auto& [binding, weight] : weights)
+      terms[v][binding] = weight * skin.stored[v].cast<double>().homogeneous();
+  }
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> numbers;  // of target and binding
+  for (size_t i = 0; i < skin.target_bindings.size(); ++i)
+    numbers[{skin.target_bindings[i].target, skin.target_bindings[i].binding}] =
+        static_cast<uint32_t>(skin.bindings.size() + i);
+  for (uint32_t t = 0; t < skin.targets.size(); ++t)
+    for (const auto& [vertex, by] : skin.targets[t].moves)
+      for (const auto& [binding, weight] : skin.influences[vertex]) {
+        if (!(weight > 0)) continue;
+        Eigen::Vector4d move = Eigen::Vector4d::Zero();
+        move.head<3>() = static_cast<double>(weight) * by.cast<double>();
+        terms[vertex].try_emplace(numbers.at({t, binding}), Eigen::Vector4d::Zero()).first->second += move;
+      }
+  std::vector<std::vector<SkinShare>> out(terms.size());
+  for (size_t v = 0; v < terms.size(); ++v)
+    for (const auto& [binding, stored] : terms[v]) out[v].push_back({binding, stored});
+  return out;
+}
 
 FineSkin fineSkin(const SkinnedMesh& skin) { return Refiner(skin).run(); }
 

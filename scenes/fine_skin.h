@@ -9,9 +9,10 @@ namespace strandcast {
 
 /// What of a point of a skin moves with a binding.
 struct SkinShare {
-  uint32_t binding;
-  Eigen::Matrix<double, 4, 1, Eigen::DontAlign>
-      stored;  ///< as SkinnedMesh::stored, with a 1, times its weight
+  uint32_t binding;  ///< of SkinnedMesh::bindingsAt
+  /// As SkinnedMesh::stored, with a 1, times its weight; of a target's binding how far the target moves it,
+  /// with a 0, times the weight of the joint's binding.
+  Eigen::Matrix<double, 4, 1, Eigen::DontAlign> stored;
   double weight() const { return stored[3]; }
 };
 
@@ -24,6 +25,9 @@ struct FineSkin {
   std::vector<std::vector<SkinShare>> shares;  ///< per vertex, by binding
 };
 FineSkin fineSkin(const SkinnedMesh& skin);
+
+/// The shares of every vertex of a skin, each by binding.
+std::vector<std::vector<SkinShare>> skinShares(const SkinnedMesh& skin);
 
 /// Where what has these shares is, by `bindings` as of SkinnedMesh::bindingsAt.
 Eigen::Vector3d blended(const std::vector<SkinShare>& shares, std::span<const Placement> bindings);

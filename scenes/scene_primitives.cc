@@ -41,7 +41,8 @@ Pose takePlace(ContactPrimitive& shape) {
 /// it.
 TriangleMesh placedMesh(const ScenePrimitive& primitive, const GroomReadOptions& obj_units,
                         PrimitiveBodies& made) {
-  ReadMesh from = loadMesh(primitive.file, meshUnits(primitive.file, primitive.units, obj_units));
+  ReadMesh from = loadMesh(primitive.file, meshUnits(primitive.file, primitive.units, obj_units),
+                           kSkippedGroups, primitive.beneath);
   tell(primitive.file, from.report, made.notes, made.warnings);
   TriangleMesh mesh = std::move(from.mesh);
   for (Vec3& p : mesh.positions) p = Vec3(primitive.shape.rotation * p + primitive.shape.a);

@@ -22,8 +22,11 @@ struct ScenePrimitive {
   std::string name;  ///< that commands know it by, as a body of its own; empty = none
   /// Mesh of a convex body or of a field, which is turned by `rotation`, then moved by `a`.
   std::filesystem::path file;
-  GroomReadOptions
-      units;          ///< of that file; unit 0 and kAuto = metres and Y up of glTF, of .obj those of the hair
+  /// Of that file; unit 0 and kAuto = metres and Y up of glTF, of .obj those of the hair.
+  GroomReadOptions units;
+  /// Folder that `file` is relative to and that it and its buffers are read beneath (readBeneath); empty =
+  /// they may be anywhere.
+  std::filesystem::path beneath;
   float cell = 0;     ///< m, of a field; 0 = the body's
   std::string where;  ///< for errors: file and line
 };

@@ -22,7 +22,9 @@ struct Place {
   uint32_t a = 0, b = 0;
   float share = 0;  ///< of b, of what both have
 };
-using PartKey = std::array<uint32_t, 3>;  ///< a joint, another or itself, and which part between them
+/// A joint, another or itself, and which part between them. With itself: 0 is its own, others are of what
+/// morph targets move of that.
+using PartKey = std::array<uint32_t, 3>;
 
 /// What is between two joints.
 struct Pair {
@@ -37,7 +39,8 @@ Place placeOf(const FineSkin& fine, std::span<const SkinBinding> bindings,
   std::map<uint32_t, float> weights;
   for (const uint32_t v : triangle)
     for (const SkinShare& share : fine.shares[v])
-      weights[bindings[share.binding].joint] += static_cast<float>(share.weight());
+      if (share.binding < bindings.size())
+        weights[bindings[share.binding].joint] += static_cast<float>(share.weight());
   std::pair<uint32_t, float> most{0, -1}, next{0, -1};
   for (const auto& joint : weights) {
     if (joint.second > most.second) {
@@ -65,7 +68,7 @@ class Cutter {
     }
     const std::vector<Placement> world = skin.skeleton.place(skin.skeleton.rest());
     const std::vector<Placement> rest = skin.bindingsAt(world);
-    for (size_t b = 0; b < rest.size(); ++b) {
+    for (size_t b = 0; b < skin.bindings.size(); ++b) {
       const Eigen::Matrix3d linear = rest[b].linear();
       back_.push_back(linear.inverse());
       if (!back_.back().allFinite())
@@ -73,12 +76,24 @@ class Cutter {
                     skin.mesh.name + ", joint " + nameOf(skin.bindings[b].joint),
                     "export it with a scale above 0");
     }
+    back_.resize(rest.size(), Eigen::Matrix3d::Zero());  // of targets: they turn nothing
+    moved_ = movedByTargets(rest);
+    for (size_t t = 0; t < places_.size(); ++t)
+      if (moved_[t]) boxes_[ownOf(places_[t])[0]].extend(Eigen::Vector3f(middleOf(t)));
   }
 
   std::vector<SkinPart> run() {
     for (assign(); cores_.size() > kMostSkinParts; assign()) {
       bool less = false;
+      if (cells_ > 1 && !boxes_.empty()) {
+        cells_ = 1;
+        continue;
+      }
       for (size_t over = cores_.size() - kMostSkinParts; over > 0 && lessBetween(); --over) less = true;
+      if (!less && cells_ > 0 && !boxes_.empty()) {
+        cells_ = 0;
+        continue;
+      }
       if (!less)
         throw Error(fmt::format("{} joints carry the mesh", cores_.size()), skin_.mesh.name,
                     fmt::format("export it with {} at most", kMostSkinParts));
@@ -101,17 +116,51 @@ class Cutter {
     const uint32_t joint = place.share < 0.5f ? place.a : place.b;
     return {joint, joint, 0};
   }
-  PartKey keyOf(const Place& place) const {
+  PartKey keyOf(size_t triangle) const {
+    const Place& place = places_[triangle];
     const int between = place.a == place.b ? 0 : pairs_.at({place.a, place.b}).between;
-    if (between == 0) return ownOf(place);
+    if (between == 0) return movedOf(triangle);
     const float done = (place.share - kOwn) / (1 - 2 * kOwn);
-    if (done < 0 || done >= 1) return ownOf(place);
+    if (done < 0 || done >= 1) return movedOf(triangle);
     return {place.a, place.b, 1 + static_cast<uint32_t>(done * static_cast<float>(between))};
   }
   static float shareOf(uint32_t joint, const Place& place) {
     return (joint == place.a ? 1 - place.share : 0) +
            (joint == place.b && place.b != place.a ? place.share : 0);
   }
+  /// The part of what targets move of a joint's own, by its cell of the box about all that they move of it.
+  PartKey movedOf(size_t triangle) const {
+    PartKey key = ownOf(places_[triangle]);
+    if (!moved_[triangle] || cells_ == 0) return key;
+    const Box& box = boxes_.at(key[0]);
+    const Vec3 size = box.sizes(),
+               at = (middleOf(triangle) - Vec3(box.min())).cwiseQuotient(size.cwiseMax(1e-9f));
+    key[2] = 1;
+    for (int c = 0; c < 3; ++c)
+      if (cells_ > 1 && at[c] >= 0.5f && size[c] > 0.5f * size.maxCoeff()) key[2] += 1u << c;
+    return key;
+  }
+  Vec3 middleOf(size_t triangle) const {
+    Vec3 sum = Vec3::Zero();
+    for (const uint32_t v : fine_.triangles[triangle]) sum += fine_.positions[v] / 3;
+    return sum;
+  }
+  /// Per triangle, whether a target moves a corner of it, from where the joints are at rest.
+  std::vector<bool> movedByTargets(std::span<const Placement> rest) const {
+    constexpr double kLeast = 1e-5;  // m, at a weight of 1
+    std::vector<bool> vertices;
+    for (const std::vector<SkinShare>& shares : fine_.shares)
+      vertices.push_back(std::any_of(shares.begin(), shares.end(), [&](const SkinShare& share) {
+        if (share.binding < skin_.bindings.size()) return false;
+        const uint32_t binding = skin_.target_bindings[share.binding - skin_.bindings.size()].binding;
+        return (rest[binding].linear() * share.stored.head<3>()).norm() > kLeast;
+      }));
+    std::vector<bool> out;
+    for (const auto& t : fine_.triangles)
+      out.push_back(std::any_of(t.begin(), t.end(), [&](uint32_t v) { return vertices[v]; }));
+    return out;
+  }
+
   /// One part fewer between the two joints whose parts are the smallest; none only after all have but one.
   /// False where there are none.
   bool lessBetween() {
@@ -126,13 +175,15 @@ class Cutter {
   void assign() {
     constexpr size_t kFewest = 8;  // triangles of a part between joints
     cores_.clear();
-    for (size_t t = 0; t < places_.size(); ++t) cores_[keyOf(places_[t])].push_back(t);
+    for (size_t t = 0; t < places_.size(); ++t) cores_[keyOf(t)].push_back(t);
     for (auto core = cores_.begin(); core != cores_.end();) {
-      if (core->first[2] == 0 || core->second.size() >= kFewest) {
+      const auto& [a, b, number] = core->first;
+      const bool is_moved = a == b && number != 0;
+      if (number == 0 || core->second.size() >= kFewest || (is_moved && number == 1)) {
         ++core;
         continue;
       }
-      for (const size_t t : core->second) cores_[ownOf(places_[t])].push_back(t);
+      for (const size_t t : core->second) cores_[is_moved ? PartKey{a, a, 1} : movedOf(t)].push_back(t);
       core = cores_.erase(core);
     }
     bends_.assign(places_.size(), false);
@@ -142,8 +193,9 @@ class Cutter {
 
   SkinPart partOf(const PartKey& key, const std::vector<size_t>& core) const {
     SkinPart part;
-    part.name =
-        key[2] == 0 ? nameOf(key[0]) : fmt::format("{}-{} {}", nameOf(key[0]), nameOf(key[1]), key[2]);
+    part.name = key[2] == 0        ? nameOf(key[0])
+                : key[0] == key[1] ? fmt::format("{} moved {}", nameOf(key[0]), key[2])
+                                   : fmt::format("{}-{} {}", nameOf(key[0]), nameOf(key[1]), key[2]);
     part.mesh.name = fmt::format("{}, part {}", skin_.mesh.name, part.name);
     std::set<uint32_t> own;
     for (const size_t t : core) own.insert(fine_.triangles[t].begin(), fine_.triangles[t].end());
@@ -157,7 +209,8 @@ class Cutter {
           (key[2] == 0 && shareOf(key[0], places_[t]) > kReach))
         triangles.push_back(triangle);
     }
-    if (key[2] != 0) sample(triangles, part);
+    const bool is_moved = std::any_of(core.begin(), core.end(), [&](size_t t) { return moved_[t]; });
+    if (key[2] != 0 || is_moved) sample(triangles, part);
     part.mesh = closed(std::move(triangles), part.mesh.name);
     fit(key, core, part);
     return part;
@@ -282,7 +335,10 @@ class Cutter {
   const FineSkin fine_;
   std::map<std::pair<uint32_t, uint32_t>, Pair> pairs_;
   std::vector<Place> places_;          ///< per triangle
-  std::vector<bool> bends_;            ///< per triangle: it is of a part between joints
+  std::vector<bool> bends_;            ///< per triangle: it is of a part that bends
+  std::vector<bool> moved_;            ///< per triangle, by targets
+  std::map<uint32_t, Box> boxes_;      ///< joint -> about what of its own targets move, m
+  int cells_ = 2;                      ///< of such a box along its long axes; 0 = own parts bend as a whole
   std::vector<Eigen::Matrix3d> back_;  ///< per binding
   std::map<PartKey, std::vector<size_t>> cores_;
 };

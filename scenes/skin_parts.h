@@ -21,7 +21,7 @@ struct SkinPart {
   };
   std::vector<Moment> moments;
   Eigen::Matrix<double, 3, 1, Eigen::DontAlign> middle;  ///< at rest, m
-  /// Points all over a part between joints, by which its bend is found.
+  /// Points all over a part that bends, by which its bend is found.
   struct Sample {
     Vec3 rest, normal;  ///< m, at rest
     std::vector<SkinShare> shares;
@@ -32,8 +32,10 @@ struct SkinPart {
 /// Cuts a skinned mesh, as FineSkin has it, into closed parts, at most kMostSkinParts: where there would be
 /// more, with fewer between the joints that have the smallest. A triangle belongs to the two joints with the
 /// largest sum of weights over its corners, and to the part for their shares: a joint's own, which is rigid,
-/// or one of `between`, 0 or more, parts where their weights go over from one to the other, which bend.
-/// Throws Error on a joint that has no inverse at rest, and on too many joints.
+/// or one of `between`, 0 or more, parts where their weights go over from one to the other, which bend. What
+/// morph targets move of a joint's own is up to eight parts beside it, which bend; where these would be too
+/// many, the joint's own bends as a whole. Throws Error on a joint that has no inverse at rest, and on too
+/// many joints.
 std::vector<SkinPart> cutSkin(const SkinnedMesh& skin, int between = 5);
 inline constexpr size_t kMostSkinParts = 100;
 

@@ -41,6 +41,16 @@ std::pair<uint32_t, bool> mostOf(const SkinnedMesh& skin, const MeshPoint& on) {
   return {most->first, weights.size() == 1};
 }
 
+/// Whether morph targets move it. `shares`: of all vertices; empty where there are no targets.
+bool isMoved(const SkinnedMesh& skin, const std::vector<std::vector<SkinShare>>& shares,
+             const MeshPoint& on) {
+  if (shares.empty()) return false;
+  const auto& corners = skin.mesh.triangles[on.triangle];
+  return std::any_of(corners.begin(), corners.end(), [&](uint32_t v) {
+    return !shares[v].empty() && shares[v].back().binding >= skin.bindings.size();
+  });
+}
+
 BoneKey keyOf(const TiedRoot& root, float cell) {
   if (root.whole) return {root.joint, kNoCell, 0, 0};
   if (cell == 0) return {root.joint, static_cast<int64_t>(root.strand), 0, 0};
@@ -71,14 +81,18 @@ SkinRoots::SkinRoots(const SkinnedMesh& skin, const std::vector<bool>& rigid, ui
                      const StrandSet& strands, size_t most)
     : root_bones_(strands.strands(), 0) {
   const std::vector<Placement> rest = skin.bindingsAt(skin.skeleton.place(skin.skeleton.rest()));
-  for (const Placement& binding : rest) back_.push_back(binding.linear().inverse());
+  rest_weights_ = skin.restWeights();
+  joint_bindings_ = skin.bindings.size();
+  for (size_t b = 0; b < joint_bindings_; ++b) back_.push_back(rest[b].linear().inverse());
+  const std::vector<std::vector<SkinShare>> shares =
+      skin.targets.empty() ? std::vector<std::vector<SkinShare>>() : skinShares(skin);
   const MeshQuery query(skin.mesh);
   std::vector<TiedRoot> roots;
   for (size_t s = 0; s < strands.strands(); ++s) {
     const MeshPoint on = query.closest(strands.strand(s)[0]);
     if (on.distance > kFarthestFromSkin) continue;
     const auto [carrier, all] = mostOf(skin, on);
-    roots.push_back({s, on, carrier, all && rigid[carrier]});
+    roots.push_back({s, on, carrier, all && rigid[carrier] && !isMoved(skin, shares, on)});
   }
   const BoneKey head{joint, kNoCell, 0, 0};
   const float cell = cellOf(roots, head, most);
@@ -86,7 +100,7 @@ SkinRoots::SkinRoots(const SkinnedMesh& skin, const std::vector<bool>& rigid, ui
   size_t on_head = 0;
   for (const TiedRoot& root : roots) {
     const auto [bone, is_new] = bones.try_emplace(keyOf(root, cell), static_cast<uint16_t>(bones.size()));
-    if (is_new) addPoint(skin, rest, skin.mesh.triangles[root.on.triangle], root.on.barycentric);
+    if (is_new) addPoint(skin, shares, rest, skin.mesh.triangles[root.on.triangle], root.on.barycentric);
     root_bones_[root.strand] = bone->second;
     on_head += bone->second == 0;
   }
@@ -103,9 +117,11 @@ SkinRoots::SkinRoots(const SkinnedMesh& skin, const std::vector<bool>& rigid, ui
                                  far, strands.strands(), 1e3f * kFarthestFromSkin, name));
 }
 
-void SkinRoots::addPoint(const SkinnedMesh& skin, std::span<const Placement> rest,
-                         const std::array<uint32_t, 3>& triangle, const Vec3& barycentric) {
+void SkinRoots::addPoint(const SkinnedMesh& skin, const std::vector<std::vector<SkinShare>>& shares,
+                         std::span<const Placement> rest, const std::array<uint32_t, 3>& triangle,
+                         const Vec3& barycentric) {
   std::map<uint32_t, Eigen::Vector4d> terms;
+  std::map<uint32_t, std::array<Eigen::Vector3d, 3>> moves;  // target -> of the corners at rest, m
   for (int c = 0; c < 3; ++c) {
     const uint32_t v = triangle[static_cast<size_t>(c)];
     for (const auto& [binding, weight] : skin.influences[v]) {
@@ -114,12 +130,51 @@ void SkinRoots::addPoint(const SkinnedMesh& skin, std::span<const Placement> res
         terms.try_emplace(binding, Eigen::Vector4d::Zero()).first->second +=
             share * skin.stored[v].cast<double>().homogeneous();
     }
+    if (shares.empty()) continue;
+    for (const SkinShare& share : shares[v]) {
+      if (share.binding < joint_bindings_) continue;
+      terms.try_emplace(share.binding, Eigen::Vector4d::Zero()).first->second +=
+          static_cast<double>(barycentric[c]) * share.stored;
+      const auto& [target, binding] = skin.target_bindings[share.binding - joint_bindings_];
+      const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+      moves.try_emplace(target, std::array{zero, zero, zero}).first->second[static_cast<size_t>(c)] +=
+          rest[binding].linear() * share.stored.head<3>();
+    }
   }
-  points_.push_back({terms_.size(), Eigen::Vector3d::Zero()});
+  Point& point = points_.emplace_back();
+  point.rest.setZero();
   for (const auto& [binding, stored] : terms) {
-    points_.back().rest += rest[binding].matrix() * stored;
-    terms_.push_back({binding, stored});
+    point.rest += rest[binding].matrix() * stored;
+    point.terms.push_back({binding, stored});
   }
+  const Vec3& origin = skin.mesh.positions[triangle[0]];
+  for (size_t e = 0; e < 2; ++e)
+    point.edges.col(static_cast<int>(e)) = (skin.mesh.positions[triangle[e + 1]] - origin).cast<double>();
+  for (const auto& [target, corners] : moves) {
+    Tilt tilt{target, {}};
+    tilt.edges.col(0) = corners[1] - corners[0];
+    tilt.edges.col(1) = corners[2] - corners[0];
+    point.tilts.push_back(tilt);
+  }
+}
+
+/// How targets turn the triangle under a root, from where joints are at rest: the nearest rotation to what
+/// takes its edges and its normal there.
+Eigen::Matrix3d SkinRoots::turnByTargets(const Point& point, std::span<const float> weights) const {
+  Columns edges = point.edges;
+  for (const Tilt& tilt : point.tilts)
+    edges += (static_cast<double>(weights[tilt.target]) - static_cast<double>(rest_weights_[tilt.target])) *
+             tilt.edges;
+  const auto frame = [](const Columns& of, double thickness) {
+    Eigen::Matrix3d columns;
+    const Eigen::Vector3d normal = of.col(0).cross(of.col(1));
+    columns << of.col(0), of.col(1), thickness / std::max(normal.norm(), 1e-30) * normal;
+    return columns;
+  };
+  const double thickness = std::sqrt(point.edges.col(0).cross(point.edges.col(1)).norm());
+  const Eigen::Matrix3d turn = frame(edges, thickness) * frame(point.edges, thickness).inverse();
+  return turn.allFinite() ? nearestRotation(turn).cast<double>().toRotationMatrix()
+                          : Eigen::Matrix3d::Identity();
 }
 
 void SkinRoots::addTo(StrandModel& model) const {
@@ -131,18 +186,18 @@ void SkinRoots::addTo(StrandModel& model) const {
   model.root_bones = root_bones_;
 }
 
-void SkinRoots::place(std::span<const Placement> bindings, std::span<Pose> poses) const {
+void SkinRoots::place(std::span<const Placement> bindings, std::span<const float> weights,
+                      std::span<Pose> poses) const {
   std::vector<Eigen::Matrix3d> turns;
-  for (size_t b = 0; b < bindings.size(); ++b) turns.emplace_back(bindings[b].linear() * back_[b]);
+  for (size_t b = 0; b < joint_bindings_; ++b) turns.emplace_back(bindings[b].linear() * back_[b]);
   for (size_t p = 0; p < points_.size(); ++p) {
-    const size_t end = p + 1 < points_.size() ? points_[p + 1].first_term : terms_.size();
     Eigen::Vector3d now = Eigen::Vector3d::Zero();
     Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
-    for (size_t t = points_[p].first_term; t < end; ++t) {
-      const Term& term = terms_[t];
+    for (const SkinShare& term : points_[p].terms) {
       now += bindings[term.binding].matrix() * term.stored;
-      turn += term.stored[3] * turns[term.binding];
+      if (term.binding < joint_bindings_) turn += term.stored[3] * turns[term.binding];
     }
+    if (!points_[p].tilts.empty() && !weights.empty()) turn = turn * turnByTargets(points_[p], weights);
     const Quat rotation = nearestRotation(turn);
     poses[p] = {Vec3((now - rotation.cast<double>() * points_[p].rest).cast<float>()), rotation};
   }

@@ -51,6 +51,7 @@ size_t rootedJoint(const SkinnedMesh& skin, const std::string& name) {
   }
   const int found = carrying.find("");
   if (found >= 0) return joints[static_cast<size_t>(found)];
+  if (joints.size() == 1) return joints.front();
   throw Error("no joint of the body has 'head' in its name", skin.mesh.name,
               "name the one that hair grows on (--body-joint)");
 }
@@ -74,8 +75,10 @@ SkeletonClip clipNamed(SkinnedMesh& skin, const SkinnedMotion& motion, std::vect
     if (clip.name == name) return clip;
     names.push_back(clip.name);
   }
+  const std::string there = names.empty() ? "it has none; give a .bvh file" : meantOf(name, names);
+  const std::string without = skin.report.leftOutLine();
   throw Error("the body has no clip '" + name + "'", skin.mesh.name,
-              names.empty() ? "it has none; give a .bvh file" : meantOf(name, names));
+              without.empty() ? there : there + "; it was read " + without);
 }
 
 /// The parts of the skin wound as orientSurface has it: their fans close them as their triangles are wound.
@@ -97,9 +100,9 @@ JointTransform between(const JointTransform& a, const JointTransform& b, double 
 }  // namespace
 
 SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion)
-    : skin_(std::move(skin)), joint_(rootedJoint(skin_, motion.joint)), parts_(cutOriented(skin_, repair_)) {
-  clip_ = clipNamed(skin_, motion, notes_);
-  skin_.clips.clear();
+    : skin_(std::move(skin)), joint_(rootedJoint(skin_, motion.joint)) {
+  choose(motion);
+  parts_ = cutOriented(skin_, repair_);
   rest_locals_ = skin_.skeleton.rest();
   rest_ = skin_.skeleton.place(rest_locals_);
   for (size_t j = 0; j < rest_.size(); ++j) {
@@ -109,6 +112,21 @@ SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion)
   first_ = last_ = rest_locals_;
   clip_.pose(0, first_);
   clip_.pose(clip_.duration, last_);
+}
+
+/// Of the clips and of the targets only those that are played stay.
+void SkinnedBody::choose(const SkinnedMotion& motion) {
+  clip_ = clipNamed(skin_, motion, notes_);
+  skin_.clips.clear();
+  skin_.keepTargets(clip_);
+  rest_weights_ = first_weights_ = skin_.restWeights();
+  clip_.weigh(0, first_weights_);
+  if (skin_.targets.empty()) return;
+  std::vector<std::string> names;
+  for (const MorphTarget& target : skin_.targets)
+    if (names.size() < 8) names.push_back(target.name);
+  notes_.push_back(fmt::format("the clip plays {} morph targets ({}{})", skin_.targets.size(),
+                               fmt::join(names, ", "), skin_.targets.size() > names.size() ? ", ..." : ""));
 }
 
 Vec3 SkinnedBody::pivot() const { return Vec3(rest_[joint_].translation().cast<float>()); }
@@ -124,23 +142,38 @@ std::vector<float> SkinnedBody::jointWeights() const {
   return out;
 }
 
+SkinnedBody::ClipTime SkinnedBody::clipTime(double seconds) const {
+  const double period = clip_.duration;
+  const double t = period > 0 ? std::fmod(std::max(seconds, 0.0), period) : 0;
+  const double blend = std::min(kLoopBlend, 0.5 * period);
+  return {t, period > 0 ? t / period : 0, blend > 0 ? 1 - ease((period - t) / blend) : 0,
+          ease(seconds / kStartSeconds)};
+}
+
 std::vector<JointTransform> SkinnedBody::played(double seconds) const {
   std::vector<JointTransform> locals = rest_locals_;
   if (clip_.channels.empty()) return locals;
-  const double period = clip_.duration;
-  const double t = period > 0 ? std::fmod(std::max(seconds, 0.0), period) : 0;
-  const double share = period > 0 ? t / period : 0;
-  const double blend = std::min(kLoopBlend, 0.5 * period);
-  const double back = blend > 0 ? 1 - ease((period - t) / blend) : 0;
-  clip_.pose(t, locals);
+  const ClipTime at = clipTime(seconds);
+  clip_.pose(at.seconds, locals);
   for (size_t j = 0; j < locals.size(); ++j) {
-    const auto travelled = static_cast<float>(share) * (last_[j].translation - first_[j].translation);
+    const auto travelled = static_cast<float>(at.share) * (last_[j].translation - first_[j].translation);
     const Vec3 stays = locals[j].translation - travelled;
-    locals[j] = between(locals[j], first_[j], back);
+    locals[j] = between(locals[j], first_[j], at.back);
     locals[j].translation = stays;
-    locals[j] = between(rest_locals_[j], locals[j], ease(seconds / kStartSeconds));
+    locals[j] = between(rest_locals_[j], locals[j], at.from_rest);
   }
   return locals;
+}
+
+std::vector<float> SkinnedBody::weightsAt(double seconds) const {
+  std::vector<float> weights = rest_weights_;
+  const ClipTime at = clipTime(seconds);
+  clip_.weigh(at.seconds, weights);
+  for (size_t t = 0; t < weights.size(); ++t) {
+    const float looped = std::lerp(weights[t], first_weights_[t], static_cast<float>(at.back));
+    weights[t] = std::lerp(rest_weights_[t], looped, static_cast<float>(at.from_rest));
+  }
+  return weights;
 }
 
 Pose SkinnedBody::carried(double seconds) const {
@@ -153,8 +186,9 @@ SkinnedBody::Moment SkinnedBody::at(double seconds, const Pose& head) const {
   const Placement turn = placementOf(carried * head * carried.inverse());
   for (size_t j = 0; j < joints.size(); ++j)
     if (below_[j]) joints[j] = turn * joints[j];
-  std::vector<Placement> bindings = skin_.bindingsAt(joints);
-  return {carried, std::move(joints), std::move(bindings)};
+  std::vector<float> weights = weightsAt(seconds);
+  std::vector<Placement> bindings = skin_.bindingsAt(joints, weights);
+  return {carried, std::move(joints), std::move(weights), std::move(bindings)};
 }
 
 std::vector<SkinnedBody::PlacedPart> SkinnedBody::placedParts(const Moment& moment) const {
@@ -167,7 +201,8 @@ std::vector<SkinnedBody::PlacedPart> SkinnedBody::placedParts(const Moment& mome
 }
 
 std::vector<Vec3> SkinnedBody::surface(double seconds, const Pose& head) const {
-  return skin_.blended(at(seconds, head).joints);
+  const Moment moment = at(seconds, head);
+  return skin_.blended(moment.joints, moment.weights);
 }
 
 /// Per joint, whether neither it nor what it hangs on ever stretches what hangs on it.
@@ -192,7 +227,7 @@ void SkinnedBody::growOnSkin(const StrandSet& strands, size_t most_bones) {
 
 std::vector<Pose> SkinnedBody::placedRoots(const Moment& moment) const {
   std::vector<Pose> poses(roots_ ? roots_->bones() : 0);
-  if (!poses.empty()) roots_->place(moment.bindings, poses);
+  if (!poses.empty()) roots_->place(moment.bindings, moment.weights, poses);
   return poses;
 }
 

@@ -19,14 +19,15 @@ struct SkinnedMotion {
   /// it is at rest.
   std::string clip;
   /// The joint that hair grows on and that the head's motion turns, with all that hangs on it; empty = the
-  /// first with "head" in its name.
+  /// first with "head" in its name, or the only one that carries the body.
   std::string joint;
   BodyRoots roots = BodyRoots::kSkin;
   float clip_unit_meters = 0;  ///< metres per unit of a .bvh clip; 0 = found, see unitOf()
 };
 
-/// A body whose skin is blended from its joints, and its parts, which follow it. A clip starts from rest
-/// within half a second and is played in a loop: travel is taken out and the end returns to the start. The
+/// A body whose skin is blended from its joints and its clip's morph targets, and its parts, which follow it.
+/// A clip starts from rest within half a second and is played in a loop: travel is taken out and the end
+/// returns to the start. The
 /// head's motion is relative to where the clip has the joint.
 class SkinnedBody {
  public:
@@ -38,7 +39,7 @@ class SkinnedBody {
   const std::string& joint() const { return nameOf(joint_); }
   Vec3 pivot() const;                                 ///< m, where the joint is at rest
   double duration() const { return clip_.duration; }  ///< s, of the clip; 0 without one
-  bool hasClip() const { return !clip_.channels.empty(); }
+  bool hasClip() const { return !clip_.isStill(); }
   /// How much of each vertex hangs on the joint and what hangs on it, 0 to 1.
   std::vector<float> jointWeights() const;
   /// What was found while making it, a line each.
@@ -52,6 +53,7 @@ class SkinnedBody {
   struct Moment {
     Pose carried;                     ///< see carried()
     std::vector<Placement> joints;    ///< m
+    std::vector<float> weights;       ///< of SkinnedMesh::targets
     std::vector<Placement> bindings;  ///< SkinnedMesh::bindingsAt
   };
   Moment at(double seconds, const Pose& head) const;
@@ -90,7 +92,14 @@ class SkinnedBody {
 
  private:
   const std::string& nameOf(size_t joint) const { return skin_.skeleton.joints[joint].name; }
+  /// Where in the clip a time is: within a loop, and how much of the start is blended in towards its end.
+  struct ClipTime {
+    double seconds, share, back, from_rest;
+  };
+  ClipTime clipTime(double seconds) const;
   std::vector<JointTransform> played(double seconds) const;
+  std::vector<float> weightsAt(double seconds) const;
+  void choose(const SkinnedMotion& motion);
   std::vector<bool> rigidJoints() const;
 
   SkinnedMesh skin_;
@@ -100,6 +109,7 @@ class SkinnedBody {
   std::vector<Placement> rest_;
   std::vector<JointTransform> rest_locals_, first_, last_;  ///< at rest, and the clip's ends
   SurfaceRepair repair_;
+  std::vector<float> rest_weights_, first_weights_;
   std::vector<SkinPart> parts_;
   std::vector<std::pair<BodyId, size_t>> hanging_;  ///< bodies, and the joints that they hang on
   std::optional<SkinRoots> roots_;

@@ -7,6 +7,7 @@
 #include <array>
 #include <random>
 
+#include "tests/groom/gltf_builder.h"
 #include "tests/groom/reader_checks.h"
 #include "tests/groom/sample_files.h"
 #include "tests/groom/skinned_arm.h"
@@ -110,11 +111,17 @@ TEST(DamagedFiles, ObjStrands) { expectDamageIsBorne(checkObjStrandsReader, {sam
 TEST(DamagedFiles, Usda) { expectDamageIsBorne(checkUsdaReader, {samples::usda(), samples::usdaStage()}); }
 TEST(DamagedFiles, ObjMesh) { expectDamageIsBorne(checkObjMeshReader, {samples::objMesh()}); }
 TEST(DamagedFiles, Sdf) { expectDamageIsBorne(checkSdfReader, {samples::sdf()}); }
-TEST(DamagedFiles, Gltf) { expectDamageIsBorne(checkGltfReader, {samples::glb(), samples::gltf()}); }
+TEST(DamagedFiles, Gltf) {
+  expectDamageIsBorne(checkGltfReader, {samples::glb(), samples::gltf(), samples::gltfOfAllKinds()});
+}
 TEST(DamagedFiles, GltfSkin) {
   samples::ArmOptions cubic = samples::smallArm();
   cubic.interpolation = "CUBICSPLINE";
-  expectDamageIsBorne(checkGltfSkinReader, {samples::armGlb(samples::smallArm()), samples::armGltf(cubic)});
+  samples::ArmOptions swelling = samples::smallArm();
+  swelling.bulge = 0.05f;
+  swelling.bulge_at_rest = 0.5f;
+  expectDamageIsBorne(checkGltfSkinReader, {samples::armGlb(samples::smallArm()), samples::armGltf(cubic),
+                                            samples::armGltf(swelling)});
 }
 
 }  // namespace

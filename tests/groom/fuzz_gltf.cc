@@ -1,3 +1,4 @@
+#include "tests/groom/gltf_builder.h"
 #include "tests/groom/reader_checks.h"
 #include "tests/groom/sample_files.h"
 #include "tests/groom/skinned_arm.h"
@@ -5,7 +6,12 @@
 // Run as: fuzz_gltf FOLDER. The folder, which may be empty at first, receives the seeds and what is found.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   using namespace strandcast::samples;
-  strandcast::writeFuzzSeeds(*argc, *argv, {glb(), gltf(), armGlb(smallArm()), armGltf(smallArm())});
+  ArmOptions swelling = smallArm();
+  swelling.bulge = 0.05f;
+  swelling.bulge_at_rest = 0.5f;
+  strandcast::writeFuzzSeeds(*argc, *argv,
+                             {glb(), gltf(), armGlb(smallArm()), armGltf(smallArm()), armGltf(swelling),
+                              armGlb(swelling), gltfOfAllKinds()});
   return 0;
 }
 

@@ -112,7 +112,7 @@ TEST(GltfMesh, StripsAndFansAndPlainListsAreRead) {
 
 TEST(GltfMesh, AccessorsAndViewsOutsideTheirBufferAreRefused) {
   expectGltfError(gltfWith(R"("count":4)", R"("count":5)"), "accessors[0]");
-  expectGltfError(gltfWith(R"("count":4)", R"("count":0)"), "accessors[0]");
+  expectGltfError(gltfWith(R"("count":4)", R"("count":0)"), "positions is empty");
   expectGltfError(gltfWith(R"("count":4)", R"("count":-4)"), "accessors[0]");
   expectGltfError(gltfWith(R"("count":4)", R"("count":4.5)"), "accessors[0]");
   expectGltfError(gltfWith(R"("count":4)", R"("count":281474976710655)"), "accessors[0]");
@@ -121,8 +121,7 @@ TEST(GltfMesh, AccessorsAndViewsOutsideTheirBufferAreRefused) {
   expectGltfError(gltfWith(R"("bufferView":0,)", R"("bufferView":9,)"), "accessors[0]");
   expectGltfError(gltfWith(R"("bufferView":0,)", R"("bufferView":0,"byteOffset":4,)"), "accessors[0]");
   expectGltfError(gltfWith(R"("bufferView":0,)", R"("bufferView":0,"sparse":{},)"), "accessors[0]");
-  expectGltfError(gltfWith(R"("bufferView":0,)", ""), "accessors[0]");
-  expectGltfError(gltfWith("5126", "5123"), "accessors[0]");
+  expectGltfError(gltfWith("5126", "5125"), "accessors[0]");
   expectGltfError(gltfWith("5123", "5126"), "accessors[1]");
   expectGltfError(gltfWith("VEC3", "VEC2"), "accessors[0]");
   expectGltfError(gltfWith(R"("byteOffset":48)", R"("byteOffset":49)"), "bufferViews[1]");
@@ -174,18 +173,6 @@ TEST(GltfMesh, BadJsonAndBadContainersAreRefused) {
     overwrite(bytes, offset, value);
     expectGltfError(bytes, "byte ");
   }
-}
-
-TEST(GltfMesh, ASmallFileThatRepeatsItsMeshForEverIsRefused) {
-  std::string nodes = R"("nodes":[)", roots = R"("nodes":[0)";
-  for (int n = 0; n < 2000; ++n) nodes += n > 0 ? R"(,{"mesh":0})" : R"({"mesh":0})";
-  for (int n = 1; n < 2000; ++n) roots.append(",").append(std::to_string(n));
-  const Bytes whole = samples::gltf();
-  std::string text(reinterpret_cast<const char*>(whole.data()), whole.size());
-  const size_t from = text.find(R"("nodes":[{"mesh")"), to = text.find(R"("meshes":[)");
-  text.replace(from, to - from, nodes + "],");
-  text.replace(text.find(R"("nodes":[0)"), 10, roots);
-  expectGltfError(fromText(text), "too often");
 }
 
 TEST(LoadMesh, UnitsAxesAndBuffersBesideTheFile) {

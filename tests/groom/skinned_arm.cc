@@ -14,11 +14,11 @@
 namespace strandcast::samples {
 namespace {
 
+float lengthOf(const ArmOptions& o) { return o.bone * static_cast<float>(o.joints.size()); }
+
 struct Ring {
   float y, radius;
 };
-
-float lengthOf(const ArmOptions& o) { return o.bone * static_cast<float>(o.joints.size()); }
 
 /// From the bottom of the lower cap to the top of the upper one; the poles are apart.
 std::vector<Ring> ringsOf(const ArmOptions& o) {
@@ -112,6 +112,7 @@ class Asset {
       if (cubic) bytes_.zeros(16);
     }
     const size_t turns = close();
+    const size_t bulge = o.bulge != 0 ? putBulge(made) : 0, weights_over_time = bulge + 1;
     while (bytes_.size() % 12 != 0) bytes_.zeros(1);  // for base64 and for the binary chunk
     bytes_total_ = bytes_.size();
 
@@ -122,6 +123,9 @@ class Asset {
     accessor(inverse, 5126, o.joints.size(), "MAT4");
     accessor(times, 5126, 3, "SCALAR");
     accessor(turns, 5126, o.interpolation == "CUBICSPLINE" ? 9 : 3, "VEC4");
+    if (o.bulge == 0) return;
+    accessor(bulge, 5126, made.positions.size(), "VEC3");
+    accessor(weights_over_time, 5126, o.interpolation == "CUBICSPLINE" ? 9 : 3, "SCALAR");
   }
 
   std::string json(const std::string& uri) const {
@@ -136,14 +140,14 @@ class Asset {
     }
     const size_t mesh_node = o_.joints.size();
     return R"({"asset":{"version":"2.0"},"scene":0,)" +
-           fmt::format(R"("scenes":[{{"nodes":[0,{}]}}],"nodes":[{}{{"mesh":0,"skin":0}}],)", mesh_node,
-                       nodes) +
+           fmt::format(R"("scenes":[{{"nodes":[0,{}]}}],"nodes":[{}{{"mesh":0{}}}],)", mesh_node, nodes,
+                       o_.skinned ? R"(,"skin":0)" : R"(,"name":"figure")") +
            R"("meshes":[{"primitives":[{"attributes":)" +
-           R"({"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1}]}],)" +
-           fmt::format(R"("skins":[{{"inverseBindMatrices":4,"joints":[{}]}}],)", joints) +
+           R"({"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1)" + target() + "}]" + targetWeights() +
+           "}]," + fmt::format(R"("skins":[{{"inverseBindMatrices":4,"joints":[{}]}}],)", joints) +
            fmt::format(R"("animations":[{{"name":"bend","channels":[{}],)", channels) +
-           fmt::format(R"("samplers":[{{"input":5,"output":6,"interpolation":"{}"}}]}}],)",
-                       o_.interpolation) +
+           fmt::format(R"("samplers":[{{"input":5,"output":6,"interpolation":"{}"}}]}}{}],)",
+                       o_.interpolation, swell()) +
            fmt::format(R"("accessors":[{}],"bufferViews":[{}],)", accessors_, views_) +
            fmt::format(R"("buffers":[{{"byteLength":{}{}}}]}})", bytes_total_,
                        uri.empty() ? "" : R"(,"uri":")" + uri + "\"");
@@ -151,6 +155,31 @@ class Asset {
   Bytes take() { return bytes_.take(); }
 
  private:
+  /// Two views: the target, and its weight over time.
+  size_t putBulge(const Arm& made) {
+    for (const Vec3& p : made.positions) bytes_.put(bulgeAt(o_, p));
+    const size_t bulge = close();
+    const bool cubic = o_.interpolation == "CUBICSPLINE";
+    for (const float weight : {0.0f, 1.0f, 0.0f}) {
+      if (cubic) bytes_.put(0.0f);
+      bytes_.put(weight);
+      if (cubic) bytes_.put(0.0f);
+    }
+    close();
+    return bulge;
+  }
+  std::string target() const { return o_.bulge == 0 ? "" : R"(,"targets":[{"POSITION":7}])"; }
+  std::string targetWeights() const {
+    if (o_.bulge == 0) return "";
+    return fmt::format(R"(,"weights":[{}],"extras":{{"targetNames":["bulge"]}})", o_.bulge_at_rest);
+  }
+  std::string swell() const {
+    if (o_.bulge == 0) return "";
+    return fmt::format(
+               R"(,{{"name":"swell","channels":[{{"sampler":0,"target":{{"node":{},"path":"weights"}}}}],)",
+               o_.joints.size()) +
+           fmt::format(R"("samplers":[{{"input":5,"output":8,"interpolation":"{}"}}]}})", o_.interpolation);
+  }
   /// Ends a view; gives its number.
   size_t close(const std::string& target = "") {
     while (bytes_.size() % 4 != 0) bytes_.zeros(1);
@@ -188,6 +217,12 @@ ArmOptions smallArm() {
   options.sectors = 4;
   options.spacing = 0.2f;
   return options;
+}
+
+Vec3 bulgeAt(const ArmOptions& o, const Vec3& p) {
+  const Vec3 from(p.x() - o.radius, p.y() - (lengthOf(o) - 0.5f * o.bone), p.z());
+  const float near = 1 - smoothStep(from.norm() / (1.5f * o.radius));
+  return {o.bulge * near, 0, 0};
 }
 
 Bytes armGlb(const ArmOptions& options) {

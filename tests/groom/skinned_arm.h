@@ -20,6 +20,12 @@ struct ArmOptions {
   float seconds = 1;                     ///< to there, and as long back
   std::string interpolation = "LINEAR";  ///< or STEP or CUBICSPLINE
   bool narrow_weights = false;           ///< 8 bits, not floats
+  /// m, by which a morph target, "bulge", moves the skin along X about the middle of the last bone, on the
+  /// side of +X; the clip "swell" gives it the weight 1 within `seconds`, and 0 as long after. 0 = no such
+  /// target.
+  float bulge = 0;
+  float bulge_at_rest = 0;  ///< its weight then
+  bool skinned = true;      ///< else the mesh has no skin and its node, "figure", no joints
 };
 
 /// As .glb; as .gltf with its buffer in a data URI; and the JSON of that, for tests to damage.
@@ -29,5 +35,7 @@ std::vector<std::byte> armGltf(const ArmOptions& options = {});
 std::vector<std::byte> armWith(const ArmOptions& options, const std::string& from, const std::string& to);
 /// A tube of few vertices: what the fuzzers start from.
 ArmOptions smallArm();
+/// How far the target of an arm with a bulge moves what is at `p` at rest without it, m.
+Vec3 bulgeAt(const ArmOptions& options, const Vec3& p);
 
 }  // namespace strandcast::samples

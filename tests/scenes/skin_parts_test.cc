@@ -232,6 +232,84 @@ TEST(SkinParts, AtRestNothingIsBent) {
   }
 }
 
+samples::ArmOptions swellingArm(float bulge) {
+  samples::ArmOptions options;
+  options.bulge = bulge;
+  options.spacing = 0.016f;
+  options.sectors = 20;
+  return options;
+}
+
+/// The skin and its parts where its only target has a weight.
+Blended swollen(const SkinnedMesh& skin, const std::vector<SkinPart>& parts, float weight) {
+  const std::vector<Placement> world = skin.skeleton.place(skin.skeleton.rest()),
+                               bindings = skin.bindingsAt(world, std::vector<float>{weight});
+  Blended out;
+  out.skin = skin.mesh;
+  out.skin.positions = skin.blended(world, std::vector<float>{weight});
+  for (const SkinPart& part : parts) {
+    out.poses.push_back(partPose(part, bindings));
+    out.bends.push_back(partBend(part, bindings, out.poses.back()));
+  }
+  return out;
+}
+
+// docs/architecture.md, "Skinned bodies", has these numbers.
+TEST(SkinParts, FollowWhatMorphTargetsMove) {
+  for (const float bulge : {0.01f, -0.01f}) {
+    const SkinnedMesh skin = readGltfSkin(samples::armGlb(swellingArm(bulge)), "arm.glb");
+    const std::vector<SkinPart> parts = cutSkin(skin);
+    const Apart all = apart(swollen(skin, parts, 1), parts);
+    std::printf("a bulge of %.0f mm, %zu parts: mean %.2f mm, %.1f below, %.1f above\n",
+                1e3 * static_cast<double>(bulge), parts.size(), 1e3 * all.mean, 1e3 * all.most_below,
+                1e3 * all.most_above);
+    for (const SurfaceBend& bend : swollen(skin, parts, 0).bends) EXPECT_TRUE(bend.isNone());
+    const double size = std::fabs(static_cast<double>(bulge));
+    EXPECT_LT(all.mean, 0.02 * size);
+    EXPECT_LT(all.most_below, 0.3 * size);
+    EXPECT_LT(all.most_above, 0.3 * size);
+  }
+}
+
+TEST(SkinParts, OfAJointBendOnlyWhereTargetsMoveThem) {
+  SkinnedMesh skin = readGltfSkin(samples::armGlb(swellingArm(0.01f)), "arm.glb");
+  size_t moved = 0;
+  for (const SkinPart& part : cutSkin(skin)) {
+    const bool is_moved = part.name.starts_with("lower moved");
+    moved += is_moved;
+    if (part.name == "upper" || part.name == "lower") {
+      EXPECT_TRUE(part.samples.empty()) << part.name;
+    }
+    EXPECT_EQ(is_moved, is_moved && !part.samples.empty()) << part.name;
+  }
+  EXPECT_GT(moved, 1u);
+  SkeletonClip none;
+  skin.keepTargets(none);
+  const std::vector<SkinPart> plain = cutSkin(readGltfSkin(samples::armGlb(swellingArm(0)), "arm.glb")),
+                              parts = cutSkin(skin);
+  ASSERT_EQ(parts.size(), plain.size());
+  for (size_t i = 0; i < parts.size(); ++i) {
+    EXPECT_EQ(parts[i].mesh.positions, plain[i].mesh.positions);
+    EXPECT_EQ(parts[i].mesh.triangles, plain[i].mesh.triangles);
+  }
+}
+
+TEST(SkinParts, OfTooManyJointsBendAsAWholeWhereTargetsMoveThemAll) {
+  samples::ArmOptions options = swellingArm(0.01f);
+  options.joints.clear();
+  for (int j = 0; j < 60; ++j) options.joints.push_back("joint" + std::to_string(j));
+  options.bone = 0.05f;
+  options.blend = 0.02f;
+  options.spacing = 0.05f;
+  options.sectors = 4;
+  SkinnedMesh skin = readGltfSkin(samples::armGlb(options), "worm.glb");
+  for (uint32_t v = 0; v < skin.stored.size(); ++v) skin.targets[0].moves.push_back({v, Vec3(0.01f, 0, 0)});
+  skin.bindTargets();
+  const std::vector<SkinPart> parts = cutSkin(skin, 0);
+  EXPECT_EQ(parts.size(), 60u);
+  for (const SkinPart& part : parts) EXPECT_FALSE(part.samples.empty()) << part.name;
+}
+
 TEST(SkinParts, MoreJointsThanTheWireHasPlacesForGetFewerPartsBetween) {
   samples::ArmOptions options;
   options.joints.clear();

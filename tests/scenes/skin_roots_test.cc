@@ -231,8 +231,8 @@ TEST_F(SkinRootsOfAnArm, ShareBonesWhereThereAreTooFew) {
     return skin.bindingsAt(skin.skeleton.place(locals));
   }();
   std::vector<Pose> exact(each.bones() + 1), shared(few.bones() + 1);
-  each.place(bent, std::span(exact).subspan(1));
-  few.place(bent, std::span(shared).subspan(1));
+  each.place(bent, {}, std::span(exact).subspan(1));
+  few.place(bent, {}, std::span(shared).subspan(1));
   float worst = 0, way = 0;
   for (size_t s = 0; s < scene.groom.strands.strands(); ++s) {
     const Vec3 rest = scene.groom.strands.strand(s)[0], there = exact[each.rootBones()[s]].apply(rest);
@@ -242,6 +242,45 @@ TEST_F(SkinRootsOfAnArm, ShareBonesWhereThereAreTooFew) {
   EXPECT_LT(worst, 0.01f) << "m";
   EXPECT_GT(way, 0.2f);
   expectError([&] { SkinRoots(skin, rigid, 0, scene.groom.strands, 0); }, {"too few bones", "0 of"});
+}
+
+TEST(SkinRootsOnAFace, GoAndTurnWithTheSkinThatMorphTargetsMove) {
+  samples::ArmOptions options;
+  options.bulge = 0.012f;
+  for (const char* joint : {"upper", "lower"}) {
+    SkinnedBody body(readGltfSkin(samples::armGlb(options), "arm.glb"), {"swell", joint});
+    StrandSet strands;
+    for (const std::vector<Vec3>& strand : fur(400, 0.25f, 0.48f, 0.0395f, 0.02f)) strands.append(strand);
+    body.growOnSkin(strands, 65535);
+    const TriangleMesh& rest = body.skin().mesh;
+    const MeshQuery query(rest);
+    for (const double t : {0.7, 1.0, 1.3}) {
+      const std::vector<Vec3> now = body.surface(t, {});
+      const std::vector<Pose> poses = body.placedRoots(body.at(t, {}));
+      float most = 0, lean = 0;
+      for (size_t s = 0; s < strands.strands(); ++s) {
+        const Vec3 root = strands.strand(s)[0];
+        const MeshPoint on = query.closest(root);
+        const auto& c = rest.triangles[on.triangle];
+        const auto place = [&](const std::vector<Vec3>& p) {
+          return Vec3(on.barycentric[0] * p[c[0]] + on.barycentric[1] * p[c[1]] +
+                      on.barycentric[2] * p[c[2]]);
+        };
+        const auto normal = [&](const std::vector<Vec3>& p) {
+          return Vec3((p[c[1]] - p[c[0]]).cross(p[c[2]] - p[c[0]]).normalized());
+        };
+        const uint16_t bone = body.roots()->rootBones()[s];
+        const Pose pose = bone > 0 ? poses[bone - 1u] : Pose{};
+        ASSERT_LT((pose.apply(place(rest.positions)) - place(now)).norm(), 1e-6f)
+            << "strand " << s << " at " << t;
+        EXPECT_LT((pose.rotation * normal(rest.positions) - normal(now)).norm(), 0.12f) << "strand " << s;
+        most = std::max(most, (place(now) - place(rest.positions)).norm());
+        lean = std::max(lean, (normal(now) - normal(rest.positions)).norm());
+      }
+      EXPECT_GT(most, 0.005f);
+      EXPECT_GT(lean, 0.2f) << "so that turns matter";
+    }
+  }
 }
 
 TEST_F(SkinRootsOfAnArm, OfAJointThatAClipStretchesAreStretchedAlong) {

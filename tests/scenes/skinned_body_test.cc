@@ -118,8 +118,68 @@ TEST(SkinnedBody, AMirroredSkeletonMovesAsTheMirrorImage) {
   }
 }
 
+samples::ArmOptions swellingArm(bool skinned = true) {
+  samples::ArmOptions options;
+  options.spacing = 0.02f;
+  options.bulge = 0.01f;
+  options.skinned = skinned;
+  return options;
+}
+
+TEST(SkinnedBody, AClipOfMorphTargetsStartsFromRestAndLoopsWithoutAJump) {
+  for (const float rest : {0.0f, 1.0f}) {
+    samples::ArmOptions options = swellingArm();
+    options.bulge_at_rest = rest;
+    const SkinnedBody body = arm({"swell", "lower"}, options);
+    EXPECT_TRUE(body.hasClip());
+    EXPECT_EQ(body.notes().back(), "the clip plays 1 morph targets (bulge)");
+    const std::vector<Vec3>& still = body.skin().mesh.positions;
+    EXPECT_LT(worstBetween(body.surface(0, {}), still), 1e-7);
+    const std::vector<Vec3> swollen = body.surface(1, {}), shrunk = body.surface(2, {});
+    float most = 0;
+    for (size_t v = 0; v < still.size(); ++v) {
+      if (rest == 0) {
+        EXPECT_LT((swollen[v] - still[v] - samples::bulgeAt(options, still[v])).norm(), 1e-6f);
+      }
+      most = std::max(most, (swollen[v] - shrunk[v]).norm());
+    }
+    EXPECT_NEAR(most, 0.01f, 1e-3f);
+    for (double t = 0; t < 2.5; t += 5e-3)
+      ASSERT_LT(worstBetween(body.surface(t, {}), body.surface(t + 5e-3, {})), 4e-4) << t;
+  }
+}
+
+TEST(SkinnedBody, WithoutASkinIsOneWhereItsMorphTargetsArePlayed) {
+  const SkinnedBody body = arm({"swell", ""}, swellingArm(false));
+  EXPECT_EQ(body.joint(), "figure") << "nothing else carries it";
+  EXPECT_GT(worstBetween(body.surface(1, {}), body.skin().mesh.positions), 9e-3);
+  const Pose head{Vec3(0.1f, 0, 0), Quat(Eigen::AngleAxisf(0.5f, Vec3::UnitY()))};
+  const std::vector<Vec3> swollen = body.surface(1, {}), moved = body.surface(1, head);
+  for (size_t v = 0; v < moved.size(); ++v) EXPECT_LT((moved[v] - head.apply(swollen[v])).norm(), 1e-6f);
+  size_t bent = 0;
+  for (const SkinnedBody::PlacedPart& part : body.placedParts(body.at(1, head))) bent += !part.bend.isNone();
+  EXPECT_GT(bent, 0u);
+  EXPECT_LT(bent, body.parts().size()) << "the rest of it is rigid";
+}
+
+TEST(SkinnedBody, ClipsThatPlayNoMorphTargetLeaveThemAtRest) {
+  samples::ArmOptions options = swellingArm();
+  const SkinnedBody body = arm({"bend", "lower"}, options), still = arm({"", "lower"}, options);
+  options.bulge = 0;
+  const SkinnedBody plain = arm({"bend", "lower"}, options);
+  EXPECT_EQ(body.parts().size(), plain.parts().size());
+  EXPECT_EQ(still.parts().size(), plain.parts().size());
+  EXPECT_EQ(body.surface(1, {}), plain.surface(1, {}));
+}
+
 TEST(SkinnedBody, WhatItDoesNotHaveIsRefused) {
   expectError([] { arm({"walk", "lower"}); }, {"no clip 'walk'", "arm.glb", "bend"});
+  expectError(
+      [] {
+        const auto bytes = samples::armWith({}, R"("input":5)", R"("input":1)");
+        SkinnedBody(readGltfSkin(bytes, "arm.gltf"), {"bend", "lower"});
+      },
+      {"no clip 'bend'", "read without animations that cannot be read", "do not fit"});
   expectError([] { arm({"bend", "louver"}); }, {"no joint 'louver'", "arm.glb", "lower"});
   expectError([] { arm({"bend", ""}); }, {"'head' in its name", "arm.glb", "--body-joint"});
   expectError([] { arm({"/nowhere/walk.bvh", "lower"}); }, {"the file cannot be found", "/nowhere/walk.bvh"});
