@@ -138,7 +138,7 @@ void Daemon::apply(const Command& command) {
     case CommandKind::kHeadPose:
       return moveHead(command, where);
     case CommandKind::kHeadMotion:  // files are this machine's own
-      return setCourse({HeadCourse::Kind::kNamed, command.name, motionPose(), {}, simulation_.time()});
+      return setCourse({SteeredHead::Kind::kNamed, command.name, motionPose(), {}, simulation_.time()});
     case CommandKind::kReset:
       simulation_.reset();
       ++resets_;
@@ -190,7 +190,7 @@ void Daemon::pull(const Command& command, const std::string& where) {
 void Daemon::moveHead(const Command& command, const std::string& where) {
   if (command.values.size() != 7)
     throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
-  setCourse({HeadCourse::Kind::kPose, "", motionPose(), commandedPose(command.values, 0, where),
+  setCourse({SteeredHead::Kind::kPose, "", motionPose(), commandedPose(command.values, 0, where),
              simulation_.time()});
 }
 
@@ -199,7 +199,7 @@ Pose Daemon::motionPose() const {
   return carried.inverse() * simulation_.headPose();
 }
 
-void Daemon::setCourse(HeadCourse course) {
+void Daemon::setCourse(SteeredHead course) {
   motion_ = motionOf(course, scene_motion_, head_pivot_);
   course_ = std::move(course);
 }

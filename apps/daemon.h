@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "apps/collider_files.h"
-#include "apps/head_course.h"
 #include "apps/rival_watch.h"
 #include "apps/settings.h"
+#include "apps/steered_head.h"
 #include "apps/wind_control.h"
 #include "core/simulation.h"
 #include "transport/publisher.h"
@@ -70,7 +70,7 @@ class Daemon {
   void moveHead(const Command& command, const std::string& where);
   /// Where the motion has the head; a clip goes on, and carries it there.
   Pose motionPose() const;
-  void setCourse(HeadCourse course);
+  void setCourse(SteeredHead course);
   void addCollider(const Command& command, const std::string& where);
   void addColliderFile(const Command& command, const std::string& where);
   /// One that can be moved or removed by command; else throws Error.
@@ -143,6 +143,8 @@ class Daemon {
   uint32_t resets_ = 0;
   std::optional<uint64_t> show_session_;  ///< whose show it went on with last
   std::chrono::steady_clock::time_point show_due_{}, waits_since_ = std::chrono::steady_clock::now();
+  int news_ = 0;       ///< of the show that came in time, since the hair did
+  double behind_ = 0;  ///< s of simulation, the show at its newest news
   bool said_wait_ = false, warned_wait_ = false;
 
   Settings settings_;
@@ -164,8 +166,8 @@ class Daemon {
   uint32_t collider_revision_ = 0;
   std::shared_ptr<const SkinnedBody> skinned_;
   HeadMotion scene_motion_, motion_;
-  HeadCourse course_;  ///< what motion_ is made of
-  Vec3 head_pivot_;    ///< m, the joint that procedural motions turn about
+  SteeredHead course_;  ///< what motion_ is made of
+  Vec3 head_pivot_;     ///< m, the joint that procedural motions turn about
   Simulation simulation_;
   WindControl wind_;
   GuideFrame frame_;

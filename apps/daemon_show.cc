@@ -71,12 +71,12 @@ bool makes(const Command& command, const ShowEntry& entry) {
   return true;
 }
 
-HeadCourse courseOf(const ShowEntry& entry, const std::string& where) {
+SteeredHead courseOf(const ShowEntry& entry, const std::string& where) {
   checkCount(entry, 2 + 2 * kPoseValues, where);
-  HeadCourse course;
+  SteeredHead course;
   const double kind = entry.values[0];
   if (kind != 0 && kind != 1 && kind != 2) throw Error("a head moves in no known way", where, "");
-  course.kind = static_cast<HeadCourse::Kind>(static_cast<int>(kind));
+  course.kind = static_cast<SteeredHead::Kind>(static_cast<int>(kind));
   course.name = entry.name;
   course.start = entry.values[1];
   course.from = commandedPose(entry.values, 2, where);
@@ -84,7 +84,7 @@ HeadCourse courseOf(const ShowEntry& entry, const std::string& where) {
   return course;
 }
 
-ShowEntry entryOf(const HeadCourse& course) {
+ShowEntry entryOf(const SteeredHead& course) {
   ShowEntry entry{ShowKind::kHead, course.name, {static_cast<double>(course.kind), course.start}};
   addPose(entry.values, course.from);
   addPose(entry.values, course.to);
@@ -206,6 +206,7 @@ bool Daemon::hasShow(SharedTurn turn) {
                  show->simulation_time);
     follows_ = true;
     part_ = Part::kCatchesUp;
+    news_ = 0;
     return true;
   }
   const auto waited = Clock::now() - waits_since_;
@@ -241,8 +242,11 @@ void Daemon::followShow() {
              std::any_of(steps_.begin(), steps_.end(),
                          [&](const Steps& steps) { return steps.command == command.id; });
     });
-    const bool is_there = owed_ < 2 / settings_.rate && !maker_.isBusy();
-    if (part_ == Part::kCatchesUp && is_there && missing_.empty()) part_ = Part::kTakesPart;
+    // Not by the first news, which may have waited with the hair while this daemon was busy.
+    constexpr int kEnoughNews = 3;
+    const bool is_there = std::fabs(behind_) < 3 / settings_.rate && ++news_ >= kEnoughNews;
+    if (part_ == Part::kCatchesUp && is_there && !maker_.isBusy() && missing_.empty())
+      part_ = Part::kTakesPart;
   }
 }
 
@@ -273,7 +277,7 @@ void Daemon::goOnWith(const Show& show) {
   Parameters parameters = simulation_.parameters();
   std::vector<NamedWindSource> sources;
   std::vector<WindControl::Way> wind_ways;
-  HeadCourse course;
+  SteeredHead course;
   const ShowEntry* pull = nullptr;
   uint32_t resets = 0;
   paused_ = false;
@@ -346,7 +350,7 @@ void Daemon::goOnWith(const Show& show) {
 }
 
 void Daemon::keepTime(double time) {
-  const double behind = time - simulation_.time();
+  const double behind = behind_ = time - simulation_.time();
   owed_ = paused_ ? behind : behind - 1 / settings_.rate;  // the frame that is under way adds that
   if (std::fabs(behind) <= kMostBehind) return;
   // This machine is too slow, or it stood still: its hair goes on from where it is, at the show's time.

@@ -52,7 +52,6 @@ class DdsPublisher final : public Publisher {
     guide_writer_ = participant_.createWriter(kGuidesTopic, new GuideChunkType, &readers_);
     if (options.claim) {
       relay_ = participant_.createWriterIfPermitted(kCommandTopic, new CommandType, nullptr);
-      participant_.createReader(kShowTopic, new ShowChunkType, &show_listener_);
       show_writer_ = participant_.createWriter(kShowTopic, new ShowChunkType, &sharers_);
       claim_->join(participant_, options.keys.empty() ? kSettles : kSecureRivalListenTime);
     }
@@ -120,8 +119,10 @@ class DdsPublisher final : public Publisher {
 
   SharedTurn sharedTurn() const override { return claim_ ? claim_->sharedTurn() : SharedTurn::kUnshared; }
 
-  // The writer is matched with this daemon's own reader too.
-  size_t sharers() const override { return std::max(sharers_.matched(), 1u) - 1; }
+  size_t sharers() const override {
+    const uint32_t own = reads_shows_ ? 1 : 0;  // the writer is matched with this daemon's own reader too
+    return std::max(sharers_.matched(), own) - own;
+  }
   bool wantsHair() const override { return sharers() > 0 && sharers_.everMatched() != hair_sent_to_; }
 
   void publishShow(const Show& show) override {
@@ -139,6 +140,10 @@ class DdsPublisher final : public Publisher {
   }
 
   std::optional<Show> takeShow() override {
+    // Not before: who casts sends the hair to a new reader at once, and it would grow old while the scene is
+    // loaded.
+    if (!std::exchange(reads_shows_, true))
+      participant_.createReader(kShowTopic, new ShowChunkType, &show_listener_);
     const std::lock_guard lock(show_mutex_);
     for (std::optional<Show>* const newest : {&newest_hair_, &newest_state_}) {
       if (!*newest) continue;
@@ -281,6 +286,7 @@ class DdsPublisher final : public Publisher {
   ShowAssembler state_shows_, hair_shows_;
   std::optional<Show> newest_state_, newest_hair_;
   std::deque<ShowChunk> waiting_hair_;
+  bool reads_shows_ = false;
   uint32_t show_revision_ = 0, hair_sent_to_ = 0;  // hair_sent_to_: of MatchCounter::everMatched()
   DdsNeighbours neighbours_;
   std::optional<DdsClaim> claim_;

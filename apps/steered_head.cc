@@ -1,4 +1,4 @@
-#include "apps/head_course.h"
+#include "apps/steered_head.h"
 
 #include <utility>
 
@@ -25,7 +25,7 @@ HeadMotion rampInto(HeadMotion motion, const Pose& from) {
 
 }  // namespace
 
-bool HeadCourse::operator==(const HeadCourse& other) const {
+bool SteeredHead::operator==(const SteeredHead& other) const {
   return kind == other.kind && name == other.name && start == other.start && isSame(from, other.from) &&
          isSame(to, other.to);
 }
@@ -34,13 +34,13 @@ Pose onTheWay(const Pose& from, const Pose& to, double seconds, double of) {
   return interpolate(from, to, static_cast<float>(partGone(seconds, of)));
 }
 
-HeadMotion motionOf(const HeadCourse& course, const HeadMotion& scene, const Vec3& pivot) {
+HeadMotion motionOf(const SteeredHead& course, const HeadMotion& scene, const Vec3& pivot) {
   switch (course.kind) {
-    case HeadCourse::Kind::kNamed:
+    case SteeredHead::Kind::kNamed:
       return rampInto(proceduralMotion(course.name, pivot), course.from);
-    case HeadCourse::Kind::kPose:
+    case SteeredHead::Kind::kPose:
       return rampTo(course.from, course.to);
-    case HeadCourse::Kind::kScene:
+    case SteeredHead::Kind::kScene:
       break;
   }
   return scene;
