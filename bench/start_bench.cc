@@ -60,7 +60,7 @@ class Program {
     if (failed != 0) throw Error("a program cannot be started", words[0], "is it there?");
   }
   ~Program() {
-    kill(pid_, SIGINT);
+    if (pid_ > 0) kill(pid_, SIGINT);
     awaitEnd();
   }
   Program(const Program&) = delete;
