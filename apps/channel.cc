@@ -55,30 +55,63 @@ std::string networkName(const Settings& settings) {
 std::unique_ptr<Subscriber> subscribe(const Settings& settings) { return join(settings, true); }
 std::unique_ptr<Subscriber> steer(const Settings& settings) { return join(settings, false); }
 
-std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session) {
+GroomClaim::GroomClaim(const Settings& settings, uint64_t session) : settings_(settings), session_(session) {
   if (settings.claim && usesLcm(settings))
     throw Error("daemons cannot share a groom over LCM", "--claim", "use --transport dds");
-  std::unique_ptr<Publisher> publisher = usesLcm(settings) ? makeLcmPublisher(lcmOptions(settings, session))
-                                                           : makeDdsPublisher(ddsOptions(settings, session));
-  // Nobody else writes into a log.
-  if (usesLcm(settings) && isLcmLog(settings.lcm_url)) return publisher;
-  const auto listen_time = (settings.keys.empty() ? kRivalListenTime : kSecureRivalListenTime) *
-                           (settings.claim ? kSharedListens : 1);
-  const auto start = std::chrono::steady_clock::now();
-  for (;;) {
-    if (g_interrupted) throw Interrupted();
-    const auto listened = std::chrono::steady_clock::now() - start;
-    const std::optional<Rival> rival = publisher->rival();
-    if (!rival && listened >= listen_time) return publisher;
-    // One that starts too and has the higher session hears of this one and goes. Others stay, and it may have
-    // begun to cast before it heard.
-    const bool goes = rival && !rival->casts && rival->session > session && listened < 3 * listen_time;
-    if (rival && !goes)
-      throw Error(fmt::format("another daemon already casts groom {}", settings.groom_id),
-                  fmt::format("{}, session {:016x}", networkName(settings), rival->session),
-                  "stop it (`strandcast ctl stop`) or choose another --groom-id");
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  owned_ = usesLcm(settings) ? makeLcmPublisher(lcmOptions(settings, session))
+                             : makeDdsPublisher(ddsOptions(settings, session));
+  publisher_ = owned_.get();
+  joined_ = std::chrono::steady_clock::now();
+}
+
+void GroomClaim::check() {
+  const std::optional<Rival> rival = publisher_->rival();
+  const auto now = std::chrono::steady_clock::now();
+  if (!rival) {
+    rival_heard_.reset();
+    return;
   }
+  if (!rival_heard_) rival_heard_ = now;
+  // One that starts too and has the higher session hears of this one and goes. Others stay, and it may have
+  // begun to cast before it heard.
+  const bool goes = !rival->casts && rival->session > session_ && now - *rival_heard_ < 3 * kRivalListenTime;
+  if (goes) return;
+  throw Error(fmt::format("another daemon already {} groom {}", rival->casts ? "casts" : "gets ready to cast",
+                          settings_.groom_id),
+              fmt::format("{}, session {:016x}", networkName(settings_), rival->session),
+              "stop it (`strandcast ctl stop`) or choose another --groom-id");
+}
+
+void GroomClaim::await() {
+  constexpr std::chrono::milliseconds kLook{5}, kWorthSaying{300};
+  // Nobody else writes into a log.
+  if (usesLcm(settings_) && isLcmLog(settings_.lcm_url)) return;
+  const auto begin = std::chrono::steady_clock::now();
+  for (bool said = false;; std::this_thread::sleep_for(kLook)) {
+    if (g_interrupted) throw Interrupted();
+    check();
+    const auto now = std::chrono::steady_clock::now();
+    const auto listen_time = publisher_->listenTime();
+    if (!rival_heard_ && now - joined_ >= listen_time) return;
+    if (said || now - begin < kWorthSaying) continue;
+    said = true;
+    if (rival_heard_)
+      spdlog::info("waiting for another daemon that starts too, session {:016x}, to give way",
+                   publisher_->rival().value_or(Rival{}).session);
+    else
+      spdlog::info("listening for up to {:.1f} s for another daemon of groom {} on {}: {}",
+                   std::chrono::duration<double>(listen_time - (now - joined_)).count(), settings_.groom_id,
+                   networkName(settings_),
+                   publisher_->possibleRivals() > 0
+                       ? fmt::format("{} of the programs there may be one", publisher_->possibleRivals())
+                       : "it would be heard within that time");
+  }
+}
+
+std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session) {
+  GroomClaim claim(settings, session);
+  claim.await();
+  return claim.take();
 }
 
 BakeAnnouncement announceBakes(ProgressBar& bar) {
@@ -112,17 +145,32 @@ void tellOutlook(const SceneOptions& options) {
 
 }  // namespace
 
-Scene makeSceneAloud(SceneOptions options) {
+Scene makeSceneAloud(SceneOptions options, const std::function<void()>& meanwhile) {
   if (options.field_cache.empty()) options.field_cache = fieldCacheAloud();
   tellOutlook(options);
   Scene scene;
+  std::exception_ptr stops;  // progress is told in threads that work on a bake
   {
     ProgressBar bar;
     options.bake_begins = announceBakes(bar);
-    scene = makeScene(options, [&](const std::string& what, double part) {
-      bar.show(what, part);
-      return !g_interrupted.load();
-    });
+    const auto goesOn = [&] {
+      if (g_interrupted || stops) return false;
+      try {
+        if (meanwhile) meanwhile();
+      } catch (...) {
+        stops = std::current_exception();
+      }
+      return !stops;
+    };
+    try {
+      scene = makeScene(options, [&](const std::string& what, double part) {
+        bar.show(what, part);
+        return goesOn();
+      });
+    } catch (const BakeStopped&) {
+      if (stops) std::rethrow_exception(stops);
+      throw;
+    }
   }
   for (const std::string& warning : scene.warnings) spdlog::warn("{}: {}", scene.name, warning);
   for (const std::string& note : scene.notes) spdlog::info("{}: {}", scene.name, note);
@@ -163,7 +211,10 @@ Stream::Stream(const Settings& settings, bool here, double timeout, SimulationOb
   if (!subscriber().waitForGroom(std::chrono::milliseconds(static_cast<int>(1000 * timeout))))
     throw Error("no daemon casts this groom",
                 fmt::format("groom {} on {}", settings.groom_id, networkName(settings)),
-                "start strandcastd, or name a --scene or --groom to simulate here");
+                settings.keys.empty()
+                    ? "start strandcastd, or name a --scene or --groom to simulate here"
+                    : "start strandcastd, or check the keys: a daemon refuses those of another CA, and "
+                      "those that are out of force or do not permit this groom");
 }
 
 }  // namespace strandcast

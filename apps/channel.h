@@ -1,10 +1,12 @@
 #pragma once
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "apps/daemon.h"
@@ -21,8 +23,29 @@ std::string networkName(const Settings& settings);
 std::unique_ptr<Subscriber> subscribe(const Settings& settings);
 /// Joins the network to steer the daemon of settings.groom_id: no hair comes, statuses and answers alone.
 std::unique_ptr<Subscriber> steer(const Settings& settings);
-/// Joins the network as the daemon of settings.groom_id; an Error when another daemon has that id,
-/// Interrupted where Ctrl-C comes while it listens for one. Into a log it casts at once.
+/// A daemon's claim to settings.groom_id while it gets ready: others hear of it from the beginning, and it
+/// listens for them while the scene is loaded. Into a log it casts at once.
+class GroomClaim {
+ public:
+  /// Joins the network. Throws Error.
+  GroomClaim(const Settings& settings, uint64_t session);
+  /// Throws an Error where another daemon that was heard by now has the groom. Any thread, one at a time.
+  void check();
+  /// Listens on for as long as another may take to be heard, and says so where that takes time. Throws as
+  /// check(), and Interrupted where Ctrl-C comes.
+  void await();
+  /// The channel, once; it outlives this.
+  std::unique_ptr<Publisher> take() { return std::move(owned_); }
+
+ private:
+  const Settings settings_;
+  const uint64_t session_;
+  std::chrono::steady_clock::time_point joined_;
+  std::optional<std::chrono::steady_clock::time_point> rival_heard_;
+  std::unique_ptr<Publisher> owned_;
+  Publisher* publisher_;
+};
+/// The same at once, without a scene to load meanwhile.
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session);
 
 /// Looks at a simulation after each frame, in the daemon's thread.
@@ -76,7 +99,7 @@ BakeAnnouncement announceBakes(ProgressBar& bar);
 /// The user's cache of fields; empty, with a warning, where there is no folder for it.
 std::filesystem::path fieldCacheAloud();
 /// makeScene with a progress bar and the user's cache of fields, its notes logged. Ctrl-C stops it:
-/// BakeStopped.
-Scene makeSceneAloud(SceneOptions options);
+/// BakeStopped. `meanwhile` (may be empty) is called now and then; what it throws stops it too.
+Scene makeSceneAloud(SceneOptions options, const std::function<void()>& meanwhile = {});
 
 }  // namespace strandcast

@@ -14,6 +14,7 @@
 #include "apps/command_limits.h"
 #include "apps/command_values.h"
 #include "apps/scene_simulation.h"
+#include "apps/show_fingerprint.h"
 #include "apps/void_settings.h"
 #include "core/error.h"
 #include "core/quantile.h"
@@ -31,22 +32,6 @@ constexpr size_t kStepWindow = 1200;  // steps that the timing statistics look b
 constexpr double kPullSeconds = 1;    // of simulation, after which a hand lets go that nobody moves
 
 double milliseconds(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
-
-/// From one pose to another and then still, with no jump in velocity.
-Pose onTheWay(const Pose& from, const Pose& to, double seconds, double of) {
-  return interpolate(from, to, static_cast<float>(partGone(seconds, of)));
-}
-
-HeadMotion rampTo(const Pose& from, const Pose& to) {
-  return [=](double seconds) { return onTheWay(from, to, seconds, kRampSeconds); };
-}
-
-/// A motion that begins at the pose `from`, and not at rest.
-HeadMotion rampInto(HeadMotion motion, const Pose& from) {
-  return [motion = std::move(motion), way = rampTo(from, {})](double seconds) {
-    return way(seconds) * motion(seconds);
-  };
-}
 
 /// docs/wire.md, "Command": kind, whether it follows the head, pose, and the numbers of a shape.
 ContactPrimitive commandedShape(const std::vector<double>& values, const std::string& where) {
@@ -86,16 +71,21 @@ uint64_t newSession() {
 Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint64_t session)
     : settings_(settings),
       publisher_(publisher),
-      rival_warning_(settings.groom_id),
+      rival_watch_(settings.groom_id),
       named_(scene.named_bodies),
       body_name_(scene.body_name),
       named_parts_(scene.named_parts),
       maker_(settings.collider_folder, scene.mesh_bodies),
       skinned_(scene.skinned),
+      scene_motion_(scene.motion),
       motion_(scene.motion),
       head_pivot_(scene.head_pivot),
       simulation_(makeSimulation(scene, settings)),
       wind_(settings.wind_sources, simulation_) {
+  if (publisher.sharedTurn() != SharedTurn::kUnshared) {
+    part_ = Part::kWaits;
+    fingerprint_ = fingerprintOf(scene, settings);
+  }
   frame_.groom_id = settings.groom_id;
   frame_.session = session;
   frame_.revision = 1;
@@ -150,7 +140,7 @@ void Daemon::apply(const Command& command) {
     case CommandKind::kHeadPose:
       return moveHead(command, where);
     case CommandKind::kHeadMotion:  // files are this machine's own
-      return setMotion(rampInto(proceduralMotion(command.name, head_pivot_), motionPose()));
+      return setCourse({SteeredHead::Kind::kNamed, command.name, motionPose(), {}, simulation_.time()});
     case CommandKind::kReset:
       return reset();
     case CommandKind::kShutdown:
@@ -190,6 +180,7 @@ void Daemon::apply(const Command& command) {
 /// as they are, and the clock goes on.
 void Daemon::reset() {
   simulation_.reset();
+  ++resets_;
   looked_ = {};
   looked_at_ = 0;
   status_.mean_stretch = status_.max_stretch = status_.max_penetration = 0;
@@ -212,12 +203,14 @@ void Daemon::pull(const Command& command, const std::string& where) {
   const auto at = [&](size_t i) { return Vec3(Eigen::Vector3d(v[i], v[i + 1], v[i + 2]).cast<float>()); };
   simulation_.pullHair(at(0), static_cast<float>(v[3]), at(4), static_cast<float>(v[7]));
   pull_until_ = simulation_.time() + kPullSeconds;
+  std::copy(v.begin(), v.end(), pulled_.begin());
 }
 
 void Daemon::moveHead(const Command& command, const std::string& where) {
   if (command.values.size() != 7)
     throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
-  setMotion(rampTo(motionPose(), commandedPose(command.values, 0, where)));
+  setCourse({SteeredHead::Kind::kPose, "", motionPose(), commandedPose(command.values, 0, where),
+             simulation_.time()});
 }
 
 Pose Daemon::motionPose() const {
@@ -225,9 +218,9 @@ Pose Daemon::motionPose() const {
   return carried.inverse() * simulation_.headPose();
 }
 
-void Daemon::setMotion(HeadMotion motion) {
-  motion_ = std::move(motion);
-  motion_start_ = simulation_.time();
+void Daemon::setCourse(SteeredHead course) {
+  motion_ = motionOf(course, scene_motion_, head_pivot_);
+  course_ = std::move(course);
 }
 
 void Daemon::addCollider(const Command& command, const std::string& where) {
@@ -237,11 +230,13 @@ void Daemon::addCollider(const Command& command, const std::string& where) {
   body.follows_head = command.values[1] != 0;
   body.pose = commandedPose(command.values, 2, where);
   addNamed(command.name, std::move(body), where);
+  made_by_[command.name] = command;
 }
 
 void Daemon::addColliderFile(const Command& command, const std::string& where) {
   checkColliderName(colliderFileOf(command, where).name, where);
   maker_.begin(command, where);
+  being_made_[command.id] = command;
 }
 
 BodyId Daemon::namedCollider(const std::string& name, const std::string& where) const {
@@ -284,7 +279,12 @@ void Daemon::takeMadeBodies() {
         tellParameters();
       });
     }
-    answer(made->command, made->refusal);
+    auto command = being_made_.extract(made->command);
+    if (made->refusal.empty() && !command.empty()) made_by_[made->name] = std::move(command.mapped());
+    if (const auto of_show = of_show_.extract(made->command); !of_show.empty())
+      noteMade(of_show.mapped(), made->refusal);
+    else
+      answer(made->command, made->refusal);
   }
 }
 
@@ -323,6 +323,7 @@ void Daemon::removeCollider(const Command& command, const std::string& where) {
   const BodyId id = namedCollider(command.name, where);
   simulation_.removeBody(id);
   named_.erase(command.name);
+  made_by_.erase(command.name);
   ways_.erase(id);
   announceColliders();
 }
@@ -357,8 +358,13 @@ void Daemon::obey(const Command& command) {
 }
 
 void Daemon::answer(uint64_t command, const std::string& refusal) {
+  if (follows_) return;  // the one that casts answers
   status_.last_command = command;
   status_.last_command_error = refusal;
+  constexpr size_t kAnswersKept = 64;
+  answered_.emplace_back(command, refusal);
+  if (answered_.size() > kAnswersKept) answered_.pop_front();
+  publishShow(false);  // before the answer: what was answered is in the show
   if (!refusal.empty()) spdlog::warn("refused: {}", refusal);
   publisher_.publishStatus(status_);  // its measured numbers are those of the last look
 }
@@ -388,12 +394,8 @@ void Daemon::advance() {
   const Clock::time_point start = Clock::now();
   if (simulation_.pulledVertices() > 0 && simulation_.time() > pull_until_) simulation_.letGo();
   const double end = simulation_.time() + simulation_.parameters().time_step;
-  moveTo(skinned_.get(), end, motion_(end - motion_start_), simulation_);
-  for (auto way = ways_.begin(); way != ways_.end();) {
-    const auto& [id, w] = *way;
-    simulation_.setBodyPose(id, onTheWay(w.from, w.to, end - w.start, w.seconds));
-    way = end - w.start >= w.seconds ? ways_.erase(way) : std::next(way);
-  }
+  moveTo(skinned_.get(), end, motion_(end - course_.start), simulation_);
+  goOnWithWays(end);
   wind_.goOn(end);
   simulation_.step();
   status_.strands_reset +=
@@ -404,6 +406,14 @@ void Daemon::advance() {
   else
     step_ms_[step_count_ % kStepWindow] = ms;
   ++step_count_;
+}
+
+void Daemon::goOnWithWays(double time) {
+  for (auto way = ways_.begin(); way != ways_.end();) {
+    const auto& [id, w] = *way;
+    simulation_.setBodyPose(id, onTheWay(w.from, w.to, time - w.start, w.seconds));
+    way = time - w.start >= w.seconds ? ways_.erase(way) : std::next(way);
+  }
 }
 
 void Daemon::placeColliders() {
@@ -423,7 +433,7 @@ void Daemon::publishFrame() {
   frame_.publish_time = static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
                                                   std::chrono::system_clock::now().time_since_epoch())
                                                   .count());
-  publisher_.publish(frame_);
+  if (part_ == Part::kTakesPart) publisher_.publish(frame_);
   status_.frames = frame_.frame;
   lookAt(static_cast<size_t>(std::ceil(static_cast<double>(simulation_.model().strands()) /
                                        std::max(kStatusInterval * settings_.rate, 1.0))));
@@ -462,28 +472,45 @@ void Daemon::publishStatus() {
   status_.readers = publisher_.matchedReaders();
   status_.encoding = publisher_.encoding();
   publisher_.publishStatus(status_);
-  rival_warning_.look(publisher_);
+  if (const auto why =
+          rival_watch_.look(publisher_, status_.session, status_.frames, Clock::now() - cast_since_))
+    failure_ = *why;
 }
 
-bool Daemon::castFrame(const std::atomic<bool>& stop) {
-  takeMadeBodies();
+bool Daemon::obeyCommands(const std::atomic<bool>& stop) {
   for (size_t taken = 0; taken < kMaxCommandsPerFrame; ++taken) {
     const std::optional<Command> command = publisher_.takeCommand();
     if (!command) break;
     obey(*command);
     if (waits_for_bodies_ && !awaitBodies(stop)) return false;
   }
+  return true;
+}
+
+bool Daemon::castFrame(const std::atomic<bool>& stop) {
+  const SharedTurn turn = publisher_.sharedTurn();
+  if (part_ == Part::kWaits && !hasShow(turn)) return true;
+  takeMadeBodies();
+  if (turn == SharedTurn::kAnothers) {
+    followShow();
+    if (!failure_.empty()) return true;
+  } else {
+    if (follows_) takeOver();
+    if (!obeyCommands(stop)) return false;
+  }
   const double step = simulation_.parameters().time_step;
-  if (paused_) {
+  if (paused_ && !follows_) {
     if (!steps_.empty() && !takeSteps(stop)) return false;
     publishFrame();
+    tellShow();
     return true;
   }
-  for (owed_ += 1 / settings_.rate; owed_ > step * (1 - 1e-6); owed_ -= step) {
+  for (owed_ += paused_ ? 0 : 1 / settings_.rate; owed_ > step * (1 - 1e-6); owed_ -= step) {
     if (stop) return false;
     advance();
   }
   publishFrame();
+  if (turn == SharedTurn::kOwn) tellShow();
   return true;
 }
 
@@ -493,7 +520,8 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
   const auto interval =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / settings_.rate));
   Clock::time_point due = start, status_due = start;
-  while (!stop && !shutdown_) {
+  cast_since_ = start;
+  while (!stop && !shutdown_ && failure_.empty()) {
     if (!castFrame(stop)) break;
     const Clock::time_point now = Clock::now();
     if (now >= status_due) {
@@ -515,6 +543,7 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
   publishStatus();
   summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   summary.status = status_;
+  summary.failure = failure_;
   return summary;
 }
 

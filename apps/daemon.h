@@ -1,15 +1,21 @@
 #pragma once
+#include <array>
 #include <atomic>
+#include <chrono>
 #include <deque>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "apps/collider_files.h"
-#include "apps/rival_warning.h"
+#include "apps/rival_watch.h"
 #include "apps/settings.h"
+#include "apps/steered_head.h"
 #include "apps/wind_control.h"
 #include "core/simulation.h"
 #include "transport/publisher.h"
@@ -23,6 +29,7 @@ struct DaemonSummary {
   Status status;
   double seconds = 0;        ///< of wall time
   uint64_t late_frames = 0;  ///< frames that came after their time, because the machine was too slow
+  std::string failure;       ///< why it has ended by itself; empty where it was told to end
 };
 
 /// Simulates one scene at a steady rate and publishes it: commands in, steps, frames and status out.
@@ -67,7 +74,7 @@ class Daemon {
   void moveHead(const Command& command, const std::string& where);
   /// Where the motion has the head; a clip goes on, and carries it there.
   Pose motionPose() const;
-  void setMotion(HeadMotion motion);
+  void setCourse(SteeredHead course);
   void addCollider(const Command& command, const std::string& where);
   void addColliderFile(const Command& command, const std::string& where);
   /// One that can be moved or removed by command; else throws Error.
@@ -76,6 +83,8 @@ class Daemon {
   void checkColliderName(const std::string& name, const std::string& where) const;
   /// Throws Error where there is no room for it.
   void addNamed(const std::string& name, RigidBody body, const std::string& where);
+  /// Where a collider that commands have moved is on its way at `time`.
+  void goOnWithWays(double time);
   /// Adds the bodies of files that are made by now, and answers their commands.
   void takeMadeBodies();
   /// Until none is still to be made. False when `stop` came first.
@@ -96,9 +105,55 @@ class Daemon {
   void lookAt(size_t strands);
   void publishStatus();
 
+  // Of daemons that share a groom, in daemon_show.cc.
+  /// What another daemon needs to go on with the show.
+  Show showNow(bool with_hair);
+  void addColliderEntries(std::vector<ShowEntry>& entries) const;
+  void publishShow(bool with_hair);
+  /// On this daemon's turn, tells the others the show where it is time to.
+  void tellShow();
+  /// Until this daemon has the show of the one that casts, or there is none. False: wait on.
+  bool hasShow(SharedTurn turn);
+  /// Another one casts: keeps to what that one tells, and keeps commands for the case that it takes over.
+  void followShow();
+  /// Throws Error where the show is not of this scene.
+  void goOnWith(const Show& show);
+  void takeColliders(const Show& show);
+  void takeCollider(const ShowEntry& entry);
+  /// A collider of the show was made of its file, or was not and why.
+  void noteMade(const ShowEntry& entry, const std::string& refusal);
+  void keepTime(double time);
+  /// What came to this daemon while another one cast, and was not carried out.
+  void takeOver();
+  /// False when `stop` came first.
+  bool obeyCommands(const std::atomic<bool>& stop);
+
+  /// Of a daemon that shares its groom.
+  enum class Part {
+    kWaits,      ///< for the show; claims nothing
+    kCatchesUp,  ///< has it, and comes to the time at which it is by now; claims nothing
+    kTakesPart   ///< claims, and casts on its turn
+  };
+  Part part_ = Part::kTakesPart;
+  bool follows_ = false;                ///< another one casts
+  std::vector<ShowEntry> fingerprint_;  ///< of scene and settings: of who shares the groom they are the same
+  std::vector<Command> held_;           ///< that came while another one cast
+  std::deque<std::pair<uint64_t, std::string>> answered_;  ///< the newest commands, and why they were refused
+  std::map<std::string, Command> made_by_;    ///< the command that added a collider, by the collider's name
+  std::map<uint64_t, Command> being_made_;    ///< commands whose colliders are made of files, by id
+  std::map<uint64_t, ShowEntry> of_show_;     ///< what the show has of being_made_, by the same ids
+  std::map<std::string, ShowEntry> missing_;  ///< colliders of the show that could not be made here
+  std::array<double, 8> pulled_{};            ///< of the newest pull
+  uint32_t resets_ = 0;
+  std::optional<uint64_t> show_session_;  ///< whose show it went on with last
+  std::chrono::steady_clock::time_point show_due_{}, waits_since_ = std::chrono::steady_clock::now();
+  int news_ = 0;       ///< of the show that came in time, since the hair did
+  double behind_ = 0;  ///< s of simulation, the show at its newest news
+  bool said_wait_ = false, warned_wait_ = false;
+
   Settings settings_;
   Publisher& publisher_;
-  RivalWarning rival_warning_;
+  RivalWatch rival_watch_;
   GroomDescription groom_;  ///< until announce()
   BodyDescription body_;
   /// Of a collider that a command has moved, until it is there.
@@ -114,9 +169,9 @@ class Daemon {
   std::map<BodyId, Way> ways_;
   uint32_t collider_revision_ = 0;
   std::shared_ptr<const SkinnedBody> skinned_;
-  HeadMotion motion_;
-  Vec3 head_pivot_;          ///< m, the joint that procedural motions turn about
-  double motion_start_ = 0;  ///< s of simulation time
+  HeadMotion scene_motion_, motion_;
+  SteeredHead course_;  ///< what motion_ is made of
+  Vec3 head_pivot_;     ///< m, the joint that procedural motions turn about
   Simulation simulation_;
   WindControl wind_;
   GuideFrame frame_;
@@ -127,6 +182,8 @@ class Daemon {
   size_t step_count_ = 0;
   double owed_ = 0;  ///< s of simulation time
   bool shutdown_ = false;
+  std::string failure_;                               ///< why it ends by itself
+  std::chrono::steady_clock::time_point cast_since_;  ///< of the first frame
   bool paused_ = false;
   /// That a command has asked for while paused, and that are still to be taken.
   struct Steps {

@@ -49,7 +49,7 @@ void checkReplay(const Recording& recording, const ReplayOptions& options) {
 
 Replay::Replay(Recording& recording, Publisher& publisher, uint32_t groom_id, uint64_t session,
                const ReplayOptions& options)
-    : recording_(recording), publisher_(publisher), rival_warning_(groom_id), options_(options) {
+    : recording_(recording), publisher_(publisher), rival_watch_(groom_id), options_(options) {
   frame_.groom_id = status_.groom_id = groom_id;
   frame_.session = status_.session = session;
   status_.backend = "replay";
@@ -149,7 +149,8 @@ void Replay::publishStatus() {
   status_.encoding = publisher_.encoding();
   tellParameters();
   publisher_.publishStatus(status_);
-  rival_warning_.look(publisher_);
+  summary_.failure =
+      rival_watch_.look(publisher_, status_.session, status_.frames, Clock::now() - cast_since_).value_or("");
 }
 
 ReplaySummary Replay::run(const std::atomic<bool>& stop) {
@@ -157,7 +158,8 @@ ReplaySummary Replay::run(const std::atomic<bool>& stop) {
   const Clock::time_point start = Clock::now();
   Clock::time_point shown = start, status_due = start;
   target_ = options_.from;
-  while (!stop && !shutdown_) {
+  cast_since_ = start;
+  while (!stop && !shutdown_ && summary_.failure.empty()) {
     for (size_t taken = 0; taken < kMaxCommandsPerFrame; ++taken) {
       const std::optional<Command> command = publisher_.takeCommand();
       if (!command) break;

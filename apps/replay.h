@@ -1,9 +1,11 @@
 #pragma once
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
 
-#include "apps/rival_warning.h"
+#include "apps/rival_watch.h"
 #include "transport/publisher.h"
 #include "transport/recording/recording.h"
 
@@ -28,6 +30,7 @@ struct ReplaySummary {
   uint64_t frames = 0;   ///< published
   uint64_t damaged = 0;  ///< that could not be read and were left out
   double seconds = 0;    ///< of wall time
+  std::string failure;   ///< why it has ended by itself, before its end; else empty
 };
 
 /// Casts a recording as a daemon casts its simulation: readers need not know. Commands move it: set `speed`,
@@ -51,7 +54,7 @@ class Replay {
 
   Recording& recording_;
   Publisher& publisher_;
-  RivalWarning rival_warning_;
+  RivalWatch rival_watch_;
   ReplayOptions options_;
   RecordedFrame read_;
   GuideFrame frame_;
@@ -62,6 +65,7 @@ class Replay {
   uint64_t number_ = 0;           ///< of the frame that is shown
   std::optional<double> target_;  ///< s, where to go next
   bool shutdown_ = false;
+  std::chrono::steady_clock::time_point cast_since_;
 };
 
 }  // namespace strandcast

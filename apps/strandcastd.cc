@@ -78,10 +78,12 @@ int main(int argc, char** argv) {
       ->needs(records);
   uint32_t claim = 0;
   const CLI::Option* claims =
-      app.add_option(
-             "--claim", claim,
-             "share the groom with other daemons that claim it (DDS): the one with the largest number casts, "
-             "the others simulate in silence, and within half a second of its end the next takes over")
+      app.add_option("--claim", claim,
+                     "share the groom with other daemons that claim it (DDS), of the same scene and options: "
+                     "the one with "
+                     "the largest number casts, the others keep to its show in silence, and within half a "
+                     "second of its end the "
+                     "next goes on with it. One that joins has the show before it may take over")
           ->transform(wholeRange(0, 4294967295.0));
   app.add_flag("--json", json, "print the closing summary as one JSON object");
   app.add_flag("--quiet", quiet, "log warnings only");
@@ -103,9 +105,11 @@ int main(int argc, char** argv) {
     if (!settings.collider_folder.empty() && !std::filesystem::is_directory(settings.collider_folder))
       throw Error("the collider folder is not there", settings.collider_folder.string(),
                   "name a folder of meshes (--collider-folder)");
-    Scene scene = makeSceneAloud(settings.scene);
     const uint64_t session = newSession();
-    std::unique_ptr<Publisher> publisher = claimGroom(settings, session);
+    GroomClaim groom(settings,
+                     session);  // others hear of this one, and it of them, while the scene is loaded
+    std::unique_ptr<Publisher> publisher = groom.take();
+    Scene scene = makeSceneAloud(settings.scene, [&] { groom.check(); });
     RecordingPublisher* recording = nullptr;
     if (!file.empty()) {
       auto recorded = std::make_unique<RecordingPublisher>(std::move(publisher));
@@ -113,6 +117,7 @@ int main(int argc, char** argv) {
       publisher = std::move(recorded);
     }
     Daemon daemon(settings, std::move(scene), *publisher, session);
+    groom.await();
     if (recording != nullptr) {
       const std::vector<std::string> words(argv + 1, argv + argc);
       recording->open(file,
@@ -122,14 +127,18 @@ int main(int argc, char** argv) {
     if (grids_every > 0) daemon.setObserver(gridRecorder(*recording, grids_every));
     if (g_interrupted) throw Interrupted();
     daemon.announce();
-    spdlog::info("casting groom {} on {} at {:g} frames/s; Ctrl-C ends it", settings.groom_id,
-                 networkName(settings), settings.rate);
+    spdlog::info("{} groom {} on {} at {:g} frames/s; Ctrl-C ends it", settings.claim ? "sharing" : "casting",
+                 settings.groom_id, networkName(settings), settings.rate);
     const DaemonSummary summary = daemon.run(g_interrupted);
     const std::string failure = recording != nullptr ? recording->close() : "";
     const bool is_kept = failure.empty() && publisher->failure().empty();
     report(summary, json);
     if (grids_every > 0) warnWithoutGrids(recording->recorder());
     if (!failure.empty()) spdlog::error("{}", failure);
+    if (!summary.failure.empty()) {
+      spdlog::error("{}", summary.failure);
+      return kExitBadInput;
+    }
     if (g_interrupted) return kExitInterrupted;
     return is_kept ? 0 : kExitCheckFailed;
   });

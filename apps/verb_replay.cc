@@ -229,6 +229,10 @@ int cast(Recording& recording, const ReplayVerbOptions& o) {
   out.addCount("frames_damaged", "frames damaged", summary.damaged);
   out.add("wall_seconds", "ran for", summary.seconds, "s", 1);
   out.print(o.json);
+  if (!summary.failure.empty()) {
+    spdlog::error("{}", summary.failure);
+    return kExitBadInput;
+  }
   if (g_interrupted) return kExitInterrupted;
   return summary.damaged == 0 && publisher->failure().empty() ? 0 : kExitCheckFailed;
 }

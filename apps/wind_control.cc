@@ -170,6 +170,23 @@ void WindControl::remove(const Command& command, const std::string& where) {
   std::erase_if(ways_, [&](const Way& way) { return way.name == command.name; });
 }
 
+void WindControl::goOnWith(std::vector<NamedWindSource> sources, std::vector<Way> ways,
+                           const std::string& where) {
+  for (const NamedWindSource& source : sources) {
+    checkWindSourceName(source.name, where);
+    checkWindSource(source.source, where);
+  }
+  if (sources.size() > kMostWindSources)
+    throw Error(fmt::format("there are {} sources of wind", sources.size()), where, "remove some");
+  const auto valuesOf = [](const std::vector<NamedWindSource>& all) {
+    std::vector<std::pair<std::string, std::vector<double>>> values;
+    for (const auto& [name, source] : all) values.emplace_back(name, windSourceValues(source));
+    return values;
+  };
+  if (valuesOf(sources) != valuesOf(sources_)) replace(std::move(sources), where);
+  ways_ = std::move(ways);
+}
+
 void WindControl::goOn(double time) {
   if (ways_.empty()) return;
   for (const Way& way : ways_) {

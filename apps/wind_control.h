@@ -23,8 +23,6 @@ class WindControl {
   void goOn(double time);
 
   const std::vector<NamedWindSource>& sources() const { return sources_; }
-
- private:
   /// Of some parts of a source, until they are there.
   struct Way {
     std::string name;
@@ -32,6 +30,12 @@ class WindControl {
     WindSource from, to;
     double start, seconds;  ///< of simulation time
   };
+  const std::vector<Way>& ways() const { return ways_; }
+  /// These in place of its own, as another daemon has them. Throws Error, naming `where`, where they are not
+  /// sound, and leaves everything as it was.
+  void goOnWith(std::vector<NamedWindSource> sources, std::vector<Way> ways, const std::string& where);
+
+ private:
   NamedWindSource& find(const std::string& name, const std::string& where);
   /// Has the simulation blow with these in place of sources_, from which one came or went.
   void replace(std::vector<NamedWindSource> sources, const std::string& where);

@@ -19,6 +19,7 @@
 #include "bench/reader_process.h"
 #include "bench/report_verb.h"
 #include "bench/scaling_bench.h"
+#include "bench/start_bench.h"
 #include "bench/step_bench.h"
 #include "bench/table.h"
 #include "bench/wire_bench.h"
@@ -44,6 +45,8 @@ int main(int argc, char** argv) {
   add("end-to-end", "latency from a motion of the head to hair that is grown in another process",
       addEndToEndBench);
   add("wire", "size, error and latency of what is cast, by codec", addWireBench);
+  add("start", "from a daemon's start to the first frame in another process, beside loading its scene",
+      addStartBench);
   add("peers", "cost and error beside Bullet's ropes and gauss_seidel", addPeersBench);
   add("accuracy", "cost of the solvers' settings against their error", addAccuracy);
   add("grid", "time of wind on a grid and of forces between hairs", addGridBench);
@@ -52,7 +55,7 @@ int main(int argc, char** argv) {
 #ifdef STRANDCAST_HAS_RENDER
   add("render", "time of growing hair and of every pass of a picture", addRenderBench);
 #endif
-  add("all", "all of these but accuracy, in under ten minutes, one table", addAllBench);
+  add("all", "all of these but accuracy and start, in under ten minutes, one table", addAllBench);
   add("report", "docs/performance.md from the results that are kept", addReport);
   add("reader", "the other process of scaling and end-to-end", addReader);
   verbs.back().first->group("");

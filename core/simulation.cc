@@ -456,6 +456,36 @@ void Simulation::teleport(const Pose& head) {
   if (surroundings_) surroundings_->reset(origin_);
 }
 
+void Simulation::goOnAs(const StrandState& state, double time) {
+  const size_t vertices = model_->vertices();
+  const auto fits = [&](const auto& array, const auto& isFinite, bool may_lack = false) {
+    return (array.size() == vertices || (may_lack && array.empty())) &&
+           std::all_of(array.begin(), array.end(), isFinite);
+  };
+  const auto vector = [](const Vec3& v) { return v.allFinite(); };
+  const bool sound = fits(state.positions, vector) && fits(state.velocities, vector) &&
+                     fits(
+                         state.frames, [](const Quat& q) { return q.coeffs().allFinite(); }, true) &&
+                     fits(
+                         state.tensions, [](float t) { return std::isfinite(t); }, true) &&
+                     fits(state.contacts, vector, true) && std::isfinite(time) && time >= 0;
+  if (!sound)
+    throw Error("this hair does not fit the model", "Simulation::goOnAs",
+                fmt::format("it has {} vertices of {}, or numbers that are not finite",
+                            state.positions.size(), vertices));
+  bones_begin_ = bones_end_;
+  for (PlacedBody& body : bodies_) {
+    body.begin = body.end;
+    body.bend_begin = body.bend_end;
+  }
+  chooseOrigin(bones_begin_[0]);
+  StrandState own = state;
+  for (Vec3& position : own.positions) position -= origin_;
+  goOnFrom(own);
+  if (surroundings_) surroundings_->reset(origin_);
+  time_ = time;
+}
+
 std::span<const Vec3> Simulation::guides() {
   const std::span<const Vec3> own = backend_->guides();
   if (origin_.isZero()) return own;

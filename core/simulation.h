@@ -114,6 +114,12 @@ class Simulation {
   /// checkPose.
   void teleport(const Pose& head);
 
+  /// Goes on where another simulation of the same model was after `time` s: hair as `state` has it (state()
+  /// of that one), bones and bodies where they were last told to be, with no motion before. The air is as at
+  /// the start. Error where the arrays of `state` are not of the model or not finite, and where `time` is no
+  /// time.
+  void goOnAs(const StrandState& state, double time);
+
   double time() const { return time_; }  ///< s, simulated since the start
   uint64_t steps() const { return steps_; }
   const StrandModel& model() const { return *model_; }

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <span>
 #include <string>
+#include <thread>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "core/smooth_step.h"
@@ -218,6 +222,20 @@ CellSheets makeSheets(int inside) {
   return sheets;
 }
 
+/// work(i) for i in 0 .. count - 1, in any order, on all processors at the same time.
+template <class Work>
+void forEachAtOnce(int count, const Work& work) {
+  std::atomic<int> next{0};
+  const auto take = [&] {
+    for (int i = next++; i < count; i = next++) work(i);
+  };
+  std::vector<std::thread> others;
+  for (unsigned t = 1; t < std::thread::hardware_concurrency() && static_cast<int>(t) < count; ++t)
+    others.emplace_back(take);
+  take();
+  for (std::thread& other : others) other.join();
+}
+
 class Polygoniser {
  public:
   explicit Polygoniser(float cell) : cell_(cell), values_(0) {
@@ -228,9 +246,10 @@ class Polygoniser {
   }
 
   TriangleMesh run() {
-    for (int z = 0; z < n_[2]; z += kBlock)
-      for (int y = 0; y < n_[1]; y += kBlock)
-        for (int x = 0; x < n_[0]; x += kBlock) fill({x, y, z}, kBlock);
+    forEachAtOnce((n_[1] + kBlock - 1) / kBlock, [this](int row) {
+      for (int z = 0; z < n_[2]; z += kBlock)
+        for (int x = 0; x < n_[0]; x += kBlock) fill({x, row * kBlock, z}, kBlock);
+    });
     settleFaces();
     placeVertices();
     joinFaces();
@@ -301,6 +320,7 @@ class Polygoniser {
   }
 
   void placeVertices() {
+    std::vector<std::pair<Index, int>> vertices;  // cell and sheet
     Index i;
     for (i[2] = 0; i[2] + 1 < n_[2]; ++i[2])
       for (i[1] = 0; i[1] + 1 < n_[1]; ++i[1])
@@ -308,13 +328,22 @@ class Polygoniser {
           const int mask = insideMask(i);
           if (mask == 0 || mask == 255) continue;
           const CellSheets& sheets = sheets_[mask];
-          first_vertex_[at(i)] = static_cast<uint32_t>(mesh_.positions.size());
-          for (int s = 0; s < sheets.count; ++s) placeVertex(i, sheets, s);
+          first_vertex_[at(i)] = static_cast<uint32_t>(vertices.size());
+          for (int s = 0; s < sheets.count; ++s) vertices.emplace_back(i, s);
         }
+    mesh_.positions.resize(vertices.size());
+    mesh_.normals.resize(vertices.size());
+    constexpr size_t kAtOnce = 256;
+    forEachAtOnce(static_cast<int>((vertices.size() + kAtOnce - 1) / kAtOnce), [&](int run) {
+      const size_t first = static_cast<size_t>(run) * kAtOnce,
+                   end = std::min(first + kAtOnce, vertices.size());
+      for (size_t v = first; v < end; ++v)
+        placeVertex(vertices[v].first, sheets_[insideMask(vertices[v].first)], vertices[v].second, v);
+    });
   }
 
   // The mean of the crossings, then Newton steps to the surface.
-  void placeVertex(const Index& cell, const CellSheets& sheets, int sheet) {
+  void placeVertex(const Index& cell, const CellSheets& sheets, int sheet, size_t vertex) {
     Vec3 p = Vec3::Zero();
     float crossings = 0;
     for (int e = 0; e < 12; ++e) {
@@ -334,8 +363,8 @@ class Polygoniser {
       p -= gradient * (std::clamp(d / steepness, -0.4f * cell_, 0.4f * cell_) / steepness);
     }
     gradient = slope(p);
-    mesh_.positions.push_back(p / kMetre);
-    mesh_.normals.push_back(gradient.norm() > 1e-6f ? Vec3(gradient.normalized()) : Vec3(0, 1, 0));
+    mesh_.positions[vertex] = p / kMetre;
+    mesh_.normals[vertex] = gradient.norm() > 1e-6f ? Vec3(gradient.normalized()) : Vec3(0, 1, 0);
   }
   static Vec3 slope(const Vec3& p) {
     constexpr float h = 0.4f;  // mm; the corners of a tetrahedron: four evaluations

@@ -238,8 +238,16 @@ bool isSound(const Command& command) {
 
 void checkCommand(const Command& command, uint32_t groom_id) {
   const std::string where = "command to groom " + std::to_string(groom_id);
+  constexpr size_t kShown = 40;  // bytes of a long name
+  const std::string& name = command.name;
+  if (name.size() > kMaxTextBytes)
+    throw Error("the name is too long: " + std::to_string(name.size()) + " bytes",
+                where + ", name '" + name.substr(0, kShown) + "...'",
+                "give one of at most " + std::to_string(kMaxTextBytes) + " bytes");
+  require(isSoundName(name), "the name has a line break or another control character", where,
+          "give one of one line");
   require(isSound(command), "the command does not fit the wire", where,
-          "give it an id other than 0, a known kind, a short name of one line and at most 64 finite values");
+          "give it an id other than 0, a known kind and at most 64 finite values");
   require(command.groom_id == 0 || command.groom_id == groom_id, "the command is for another groom", where,
           "use a subscriber of that groom");
 }

@@ -5,42 +5,69 @@
 namespace strandcast {
 namespace {
 constexpr std::chrono::milliseconds kClaimPeriod{40};
-constexpr size_t kProgramBytes = 12;  // of a GUID: they are alike in all that a participant writes
+/// After its writer of claims is found, one that casts is heard within so long.
+constexpr std::chrono::milliseconds kFirstClaim{250};
+/// So long after the last claim nobody claims any more: the deadline of the topic, and time for the next one.
+constexpr std::chrono::milliseconds kClaimSilence{1000};
 }  // namespace
 
-DdsClaim::DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength)
+DdsClaim::DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength, const DdsNeighbours& neighbours)
     : groom_id_(groom_id),
       session_(session),
       strength_(strength),
+      neighbours_(neighbours),
       listener_(
           [this](v6::Claim& claim, const auto&) {
-            if (claim.groom_id() != groom_id_ || holder_.exchange(claim.session()) == claim.session()) return;
+            if (claim.groom_id() != groom_id_) return;
+            heard_ = Clock::now();
+            if (holder_.exchange(claim.session()) == claim.session()) return;
             if (claim.session() == session_) ++turns_;
           },
           {.found =
                [this](const auto& writer) {
                  const std::lock_guard lock(writers_mutex_);
-                 writers_.insert(writer);
+                 writers_[prefixOf(writer)] = Clock::now();
                },
            .left =
                [this](const auto& writer) {
                  const std::lock_guard lock(writers_mutex_);
-                 writers_.erase(writer);
+                 writers_.erase(prefixOf(writer));
                }}) {}
 
-uint64_t DdsClaim::turn() const {
-  return holder_ == session_ && std::chrono::steady_clock::now() >= settled_ ? turns_.load() : 0;
+bool DdsClaim::hasHeardOthers() const {
+  if (has_heard_others_) return true;
+  const Clock::time_point now = Clock::now();
+  if (now - joined_ < kSharedListens * kQuietListenTime) return false;
+  if (neighbours_.possibleRivals(groom_id_, true) > 0 && now - joined_ < settles_) return false;
+  const DdsNeighbours::Times claimants = neighbours_.claimants(groom_id_);
+  const std::lock_guard lock(writers_mutex_);
+  const bool all = std::all_of(claimants.begin(), claimants.end(), [&](const auto& claimant) {
+    const auto writer = writers_.find(claimant.first);
+    if (writer != writers_.end()) return now - writer->second >= kFirstClaim;
+    return now - claimant.second >= kRivalListenTime;
+  });
+  if (all) has_heard_others_ = true;
+  return all;
+}
+
+uint64_t DdsClaim::turn() const { return holder_ == session_ && hasHeardOthers() ? turns_.load() : 0; }
+
+SharedTurn DdsClaim::sharedTurn() const {
+  if (!hasHeardOthers()) return SharedTurn::kUnknown;
+  const uint64_t holder = holder_;
+  if (holder == session_) return SharedTurn::kOwn;
+  const bool is_alive = holder != 0 && Clock::now() - heard_.load() < kClaimSilence;
+  return is_alive ? SharedTurn::kAnothers : SharedTurn::kNobodys;
 }
 
 bool DdsClaim::isClaimants(const StatusBoard::WriterId& writer) const {
   const std::lock_guard lock(writers_mutex_);
-  return std::any_of(writers_.begin(), writers_.end(), [&](const StatusBoard::WriterId& known) {
-    return std::equal(known.begin(), known.begin() + kProgramBytes, writer.begin());
-  });
+  return writers_.contains(prefixOf(writer));
 }
 
 void DdsClaim::join(DdsParticipant& participant, std::chrono::milliseconds settles) {
-  settled_ = std::chrono::steady_clock::now() + settles;
+  joined_ = Clock::now();
+  settles_ = settles;
   participant.createReader(kClaimTopic, new ClaimType, &listener_);
   writer_ = participant.createWriter(kClaimTopic, new ClaimType, nullptr, strength_);
 }

@@ -2,10 +2,11 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <map>
 #include <mutex>
-#include <set>
 #include <thread>
 
+#include "transport/dds_neighbours.h"
 #include "transport/dds_participant.h"
 #include "transport/wire_type_support.h"
 
@@ -16,10 +17,11 @@ namespace strandcast {
 /// the lower GUID).
 class DdsClaim {
  public:
-  DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength);
+  DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength, const DdsNeighbours& neighbours);
   ~DdsClaim() { stop(); }
-  /// Is known for a claimant from now on, and knows the others; it is nobody's turn here for the time that
-  /// they may take to be heard. `participant` is taken down between stop() and the end of this.
+  /// Is known for a claimant from now on, and knows the others. Where programs are there that say no role, it
+  /// is nobody's turn here for the time that such a one may take to be heard, `settles`. `participant` is
+  /// taken down between stop() and the end of this.
   void join(DdsParticipant& participant, std::chrono::milliseconds settles);
   /// Claims from now on, in a thread of its own: a weaker one falls silent at once. Again, it changes
   /// nothing.
@@ -28,20 +30,31 @@ class DdsClaim {
 
   /// How often it has become this daemon's turn, where it is; else 0.
   uint64_t turn() const;
+  /// Whose turn it is, as far as is known.
+  SharedTurn sharedTurn() const;
+  /// The session whose claim was heard last; 0 where none was.
+  uint64_t holder() const { return holder_; }
   /// Whether the program that this writer of any topic is of claims the groom too.
   bool isClaimants(const StatusBoard::WriterId& writer) const;
 
  private:
+  using Clock = std::chrono::steady_clock;
   void write();
+  /// Whether every claimant that is there has had the time to be heard.
+  bool hasHeardOthers() const;
 
   const uint32_t groom_id_;
   const uint64_t session_;
   const uint32_t strength_;
-  std::atomic<uint64_t> holder_{0};  // session of the daemon whose turn it is; 0 while that is not known
+  const DdsNeighbours& neighbours_;
+  std::atomic<uint64_t> holder_{0};
   std::atomic<uint64_t> turns_{0};
-  std::chrono::steady_clock::time_point settled_;
+  std::atomic<Clock::time_point> heard_{Clock::time_point()};  // the newest claim
+  mutable std::atomic<bool> has_heard_others_{false};
+  Clock::time_point joined_;
+  std::chrono::milliseconds settles_{0};
   mutable std::mutex writers_mutex_;
-  std::set<StatusBoard::WriterId> writers_;  // of claims, that are there
+  std::map<DdsNeighbours::Prefix, Clock::time_point> writers_;  // of claims, that are there, and since when
   TakingListener<v6::Claim> listener_;
   eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
   std::mutex mutex_;

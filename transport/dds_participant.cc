@@ -35,6 +35,7 @@ const TopicProfile kGuidesTopic{"strandcast/guides", false, 4, kMaxChunks, true}
 const TopicProfile kCommandTopic{"strandcast/command", false, 64, 4, true};
 const TopicProfile kStatusTopic{"strandcast/status", true, 1, 1024, false, false, true};
 const TopicProfile kClaimTopic{"strandcast/claim", false, 1, 4, true, true};
+const TopicProfile kShowTopic{"strandcast/show", false, 1, 2 * kMaxChunks, true};
 
 namespace {
 
@@ -288,7 +289,8 @@ DdsNetwork::DdsNetwork(const DdsOptions& options)
   }
 }
 
-DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id)
+DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id,
+                               const std::optional<DdsRole>& role, DdsNeighbours* neighbours)
     : domain_(network.domain), keys_(network.keys) {
   const int domain = network.domain;
   if (domain < 0 || domain > kMaxDomain) {
@@ -299,8 +301,10 @@ DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id)
   checkInterfaces(domain);
   checkDiscoveryPort(domain);
   for (int tries = network.uses_shared_memory ? kFreshTries : 1; !participant_ && tries > 0; --tries) {
+    dds::DomainParticipantQos qos = participantQos(network);
+    if (role && keys_.empty()) qos.user_data().setValue(userDataOf(*role));
     participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
-        static_cast<dds::DomainId_t>(domain), participantQos(network));
+        static_cast<dds::DomainId_t>(domain), qos, neighbours, dds::StatusMask::none());
   }
   if (!participant_) fail("no DDS participant can be made");
   const std::string partition = "groom" + std::to_string(groom_id);

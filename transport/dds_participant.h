@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "transport/dds.h"
+#include "transport/dds_neighbours.h"
 #include "transport/status_board.h"
 
 namespace strandcast {
@@ -30,7 +31,7 @@ struct TopicProfile {
   bool is_withdrawn = false;  // writers dispose of what they wrote
 };
 extern const TopicProfile kGroomTopic, kBodiesTopic, kCollidersTopic, kGuidesTopic, kCommandTopic,
-    kStatusTopic, kClaimTopic;
+    kStatusTopic, kClaimTopic, kShowTopic;
 
 /// How a participant is carried and finds others.
 struct DdsNetwork {
@@ -48,8 +49,11 @@ struct DdsNetwork {
 /// A participant of the domain with what hangs on it; taken down as a whole.
 class DdsParticipant {
  public:
-  /// Throws Error as makeDdsPublisher does.
-  DdsParticipant(const DdsNetwork& network, uint32_t groom_id);
+  /// Says `role` to others unless it has keys, whose participants' user data would be sent in the clear.
+  /// `neighbours` (may be null) learns of the others; it outlives this. Throws Error as makeDdsPublisher
+  /// does.
+  DdsParticipant(const DdsNetwork& network, uint32_t groom_id, const std::optional<DdsRole>& role = {},
+                 DdsNeighbours* neighbours = nullptr);
   ~DdsParticipant();
   DdsParticipant(const DdsParticipant&) = delete;
   DdsParticipant& operator=(const DdsParticipant&) = delete;
@@ -144,11 +148,14 @@ class MatchCounter final : public eprosima::fastdds::dds::DataWriterListener {
   void on_publication_matched(eprosima::fastdds::dds::DataWriter*,
                               const eprosima::fastdds::dds::PublicationMatchedStatus& status) override {
     matched_ = status.current_count;
+    ever_matched_ = status.total_count;
   }
   uint32_t matched() const { return static_cast<uint32_t>(matched_.load()); }
+  /// With those that have left since.
+  uint32_t everMatched() const { return static_cast<uint32_t>(ever_matched_.load()); }
 
  private:
-  std::atomic<int> matched_{0};
+  std::atomic<int> matched_{0}, ever_matched_{0};
 };
 
 }  // namespace strandcast

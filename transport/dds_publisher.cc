@@ -1,3 +1,8 @@
+#include <algorithm>
+#include <deque>
+#include <iterator>
+#include <mutex>
+
 #include "core/error.h"
 #include "transport/announced_groom.h"
 #include "transport/chunks.h"
@@ -15,8 +20,10 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 
 const eprosima::fastrtps::Duration_t kFarewell{1, 0};
-/// A new daemon that shares its groom hears of no other for so long.
+/// A new daemon that shares its groom may hear of no other for so long, where those say no role.
 constexpr std::chrono::milliseconds kSettles{1500};
+/// Of a show's hair: some 30 MB/s at 60 frames a second.
+constexpr int kHairChunksPerFrame = 8;
 /// Who shares a groom is found by its claims and by its statuses, in either order, within so long.
 constexpr std::chrono::milliseconds kClaimsLate{2000};
 
@@ -29,9 +36,13 @@ class DdsPublisher final : public Publisher {
         status_listener_([this](v6::Status& wire, const auto& writer) { hear(wire, writer); },
                          {.left = [this](const auto& writer) { others_.remove(writer); },
                           .disposed = [this](const auto& writer) { others_.remove(writer); }}),
-        participant_(DdsNetwork(options), options.groom_id) {
+        show_listener_([this](v6::ShowChunk& wire, const auto&) { receive(wire); }),
+        state_shows_(options.groom_id, ShowChunk::kState),
+        hair_shows_(options.groom_id, ShowChunk::kStateAndHair),
+        participant_(DdsNetwork(options), options.groom_id,
+                     DdsRole{true, options.groom_id, options.claim.has_value()}, &neighbours_) {
     // Before the reader whose thread asks it.
-    if (options.claim) claim_.emplace(options.groom_id, options.session, *options.claim);
+    if (options.claim) claim_.emplace(options.groom_id, options.session, *options.claim, neighbours_);
     participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
     participant_.createReader(kCommandTopic, new CommandType, &command_listener_);
     status_writer_ = participant_.createWriter(kStatusTopic, new StatusType, nullptr);
@@ -41,6 +52,7 @@ class DdsPublisher final : public Publisher {
     guide_writer_ = participant_.createWriter(kGuidesTopic, new GuideChunkType, &readers_);
     if (options.claim) {
       relay_ = participant_.createWriterIfPermitted(kCommandTopic, new CommandType, nullptr);
+      show_writer_ = participant_.createWriter(kShowTopic, new ShowChunkType, &sharers_);
       claim_->join(participant_, options.keys.empty() ? kSettles : kSecureRivalListenTime);
     }
     publishStatus({});  // so that rivals hear of this session at once
@@ -71,6 +83,7 @@ class DdsPublisher final : public Publisher {
   void publish(const GuideFrame& frame) override {
     if (claim_) claim_->claim();  // not before: who casts so far falls silent, and here are frames now
     if (claim_ && !takeTurn()) return;
+    sendHair();
     announced_.divide(frame, [this](GuideChunk& chunk) {
       toWire(chunk, guide_sample_);
       guide_writer_->write(&guide_sample_);
@@ -104,16 +117,78 @@ class DdsPublisher final : public Publisher {
     return command;
   }
 
+  SharedTurn sharedTurn() const override { return claim_ ? claim_->sharedTurn() : SharedTurn::kUnshared; }
+
+  size_t sharers() const override {
+    const uint32_t own = reads_shows_ ? 1 : 0;  // the writer is matched with this daemon's own reader too
+    return std::max(sharers_.matched(), own) - own;
+  }
+  bool wantsHair() const override { return sharers() > 0 && sharers_.everMatched() != hair_sent_to_; }
+
+  void publishShow(const Show& show) override {
+    if (!claim_ || claim_->turn() == 0) return;
+    if (show.hasHair()) hair_sent_to_ = sharers_.everMatched();
+    Show own = show;
+    own.session = options_.session;
+    own.revision = ++show_revision_;
+    std::vector<ShowChunk> chunks = splitShow(own, options_.groom_id);
+    if (show.hasHair()) {
+      waiting_hair_.assign(std::make_move_iterator(chunks.begin()), std::make_move_iterator(chunks.end()));
+      return;
+    }
+    for (ShowChunk& chunk : chunks) write(chunk);
+  }
+
+  std::optional<Show> takeShow() override {
+    // Not before: who casts sends the hair to a new reader at once, and it would grow old while the scene is
+    // loaded.
+    if (!std::exchange(reads_shows_, true))
+      participant_.createReader(kShowTopic, new ShowChunkType, &show_listener_);
+    const std::lock_guard lock(show_mutex_);
+    for (std::optional<Show>* const newest : {&newest_hair_, &newest_state_}) {
+      if (!*newest) continue;
+      std::optional<Show> show = std::exchange(*newest, std::nullopt);
+      if (show->session == claim_->holder()) return show;
+    }
+    return std::nullopt;
+  }
+
   uint32_t matchedReaders() const override { return readers_.matched(); }
   EncodingReport encoding() const override { return announced_.encoding(); }
   std::optional<Rival> rival() const override {
     if (!claim_) return others_.rivalOf(options_.groom_id, options_.session);
     return others_.rivalOf(options_.groom_id, options_.session, [this](const auto& writer, auto heard) {
-      return heard > kClaimsLate && !claim_->isClaimants(writer);
+      if (claim_->isClaimants(writer)) return false;
+      const std::optional<DdsRole> role = neighbours_.roleOfWriter(writer);
+      return role ? !role->claims : heard > kClaimsLate;
     });
+  }
+  size_t possibleRivals() const override {
+    return neighbours_.possibleRivals(options_.groom_id, options_.claim.has_value());
+  }
+  std::chrono::milliseconds listenTime() const override {
+    // Clients of a discovery server find each other through its own, slower exchange.
+    if (possibleRivals() == 0 && options_.discovery_server.empty()) return kQuietListenTime;
+    return (options_.keys.empty() ? kRivalListenTime : kSecureRivalListenTime) *
+           (options_.claim ? kSharedListens : 1);
   }
 
  private:
+  void write(ShowChunk& chunk) {
+    v6::ShowChunk sample;
+    toWire(chunk, sample);
+    show_writer_->write(&sample);
+  }
+
+  /// A part of what waits: all at once would be more than the others' sockets hold, and would hold up the
+  /// frame.
+  void sendHair() {
+    for (int sent = 0; sent < kHairChunksPerFrame && !waiting_hair_.empty(); ++sent) {
+      write(waiting_hair_.front());
+      waiting_hair_.pop_front();
+    }
+  }
+
   void write(AnnouncedGroom::Chunks chunks) {
     groom_chunks_ = replace<v6::GroomChunk>(*groom_writer_, std::move(chunks.groom), groom_chunks_);
     body_chunks_ = replace<v6::BodyChunk>(*body_writer_, std::move(chunks.body), body_chunks_);
@@ -174,6 +249,16 @@ class DdsPublisher final : public Publisher {
     commands_.push(std::move(command));
   }
 
+  void receive(v6::ShowChunk& wire) {
+    if (wire.session() == options_.session) return;
+    ShowChunk chunk;
+    fromWire(wire, chunk);
+    const std::lock_guard lock(show_mutex_);
+    const bool has_hair = chunk.part == ShowChunk::kStateAndHair;
+    std::optional<Show> show = (has_hair ? hair_shows_ : state_shows_).add(std::move(chunk));
+    if (show) (has_hair ? newest_hair_ : newest_state_) = std::move(show);
+  }
+
   void hear(const v6::Status& wire, const StatusBoard::WriterId& writer) {
     if (wire.groom_id() != options_.groom_id || wire.session() == options_.session) return;
     Status status;
@@ -195,6 +280,15 @@ class DdsPublisher final : public Publisher {
   MatchCounter readers_;
   TakingListener<v6::Command> command_listener_;
   TakingListener<v6::Status> status_listener_;
+  MatchCounter sharers_;
+  std::mutex show_mutex_;  // of what is received
+  TakingListener<v6::ShowChunk> show_listener_;
+  ShowAssembler state_shows_, hair_shows_;
+  std::optional<Show> newest_state_, newest_hair_;
+  std::deque<ShowChunk> waiting_hair_;
+  bool reads_shows_ = false;
+  uint32_t show_revision_ = 0, hair_sent_to_ = 0;  // hair_sent_to_: of MatchCounter::everMatched()
+  DdsNeighbours neighbours_;
   std::optional<DdsClaim> claim_;
   DdsParticipant participant_;
   dds::DataWriter* status_writer_ = nullptr;
@@ -202,6 +296,7 @@ class DdsPublisher final : public Publisher {
   dds::DataWriter* body_writer_ = nullptr;
   dds::DataWriter* collider_writer_ = nullptr;
   dds::DataWriter* guide_writer_ = nullptr;
+  dds::DataWriter* show_writer_ = nullptr;
   dds::DataWriter* relay_ = nullptr;  ///< of commands, to those that share the groom
 };
 

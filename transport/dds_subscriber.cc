@@ -1,8 +1,11 @@
+#include <spdlog/spdlog.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -20,6 +23,10 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 
 constexpr std::chrono::milliseconds kWatchPeriod{400};
+/// The writers of a participant that is known are found within so long.
+constexpr std::chrono::milliseconds kFindingTime{1200};
+/// One that shares its groom tells nothing while it gets ready or stands by.
+constexpr std::chrono::milliseconds kStandbyTime{5000};
 /// Fast DDS 2.9.1 repeats a message of a handshake that was lost only after a second: on two busy cores one
 /// program in three needs a second more, one in twelve two, one in sixty four.
 constexpr std::chrono::milliseconds kSecureAnswerTime{12000};
@@ -62,8 +69,10 @@ class DdsSubscriber final : public ReceivingSubscriber {
     }
     const std::string where =
         "groom " + std::to_string(options_.groom_id) + " in DDS domain " + std::to_string(options_.domain);
-    const char* const remedy = "start strandcastd, or check --domain and the groom id";
-    const auto answer_time = options_.keys.empty() ? kAnswerTime : kSecureAnswerTime;
+    const auto answer_time = !options_.keys.empty() ? kSecureAnswerTime
+                             : options_.profile == DdsProfile::kLocal
+                                 ? kAnswerTime + kFindingTime + kWatchPeriod
+                                 : kAnswerTime;
     const auto within = [&gives_up](std::chrono::milliseconds time) {
       return [&gives_up, deadline = std::chrono::steady_clock::now() + time] {
         return std::chrono::steady_clock::now() <= deadline && !(gives_up && gives_up());
@@ -72,23 +81,23 @@ class DdsSubscriber final : public ReceivingSubscriber {
     // Its status is what it answers with.
     for (const auto may_come = within(answer_time); daemons_.matched() == 0 || !status();
          std::this_thread::sleep_for(std::chrono::milliseconds(5)))
-      if (!may_come()) throw Error("no daemon answers", where, remedy);
+      if (!may_come()) throw Error("no daemon answers", where, remedyOfSilence());
     const std::lock_guard lock(send_mutex_);
     v6::Command sample;
     toWire(command, sample);
     sample.groom_id(options_.groom_id);
     if (!command_writer_ || !command_writer_->write(&sample))
-      throw Error("the command cannot be written", where, remedy);
+      throw Error("the command cannot be written", where, remedyOfSilence());
     // So that a program may end right after it.
     const auto may_come = within(kAnswerTime);
     while (command_writer_->wait_for_acknowledgments(kAcknowledgmentLook) !=
            eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
-      if (!may_come()) throw Error("the daemon does not acknowledge the command", where, remedy);
+      if (!may_come()) throw Error("the daemon does not acknowledge the command", where, remedyOfSilence());
   }
 
  private:
   void join(const DdsNetwork& network) {
-    participant_.emplace(network, options_.groom_id);
+    participant_.emplace(network, options_.groom_id, DdsRole{false, options_.groom_id, false}, &neighbours_);
     if (options_.frames) {
       participant_->createReader(kGroomTopic, new GroomChunkType, &groom_listener_);
       participant_->createReader(kBodiesTopic, new BodyChunkType, &body_listener_);
@@ -100,6 +109,23 @@ class DdsSubscriber final : public ReceivingSubscriber {
     command_writer_ = participant_->createWriterIfPermitted(kCommandTopic, new CommandType, &daemons_);
   }
 
+  std::string remedyOfSilence() const {
+    if (!options_.keys.empty())
+      return "start strandcastd, or check --domain, the groom id and the keys: a daemon refuses those of "
+             "another CA, "
+             "and those that are out of force or do not permit this groom";
+    if (neighbours_.strangers() > 0)
+      return "start strandcastd, or check --domain and the groom id; a program there says nothing to this "
+             "one: a "
+             "daemon with --profile secure answers only who has --keys";
+    return "start strandcastd, or check --domain and the groom id";
+  }
+
+  /// Whether there is a daemon of whose writers nothing gets here.
+  bool hearsNobody() {
+    return !status() && neighbours_.hasSilentDaemon(options_.groom_id, kFindingTime, kStandbyTime);
+  }
+
   /// Whether there is a daemon that casts, as far as its status gets here, and none of its chunks has come
   /// since the last look.
   bool isStarved() {
@@ -109,19 +135,26 @@ class DdsSubscriber final : public ReceivingSubscriber {
     return may_cast && chunks == std::exchange(watched_chunks_, chunks);
   }
 
-  /// Fast DDS 2.9.1 now and then gives a reader nothing through shared memory whose predecessor was killed.
+  /// Fast DDS 2.9.1 now and then gives a reader nothing through shared memory whose predecessor was killed,
+  /// and never anything where the daemon runs as another user, whose segments cannot be opened.
   void watch() {
     std::unique_lock lock(watch_mutex_);
     int starved = 0;
     while (!wake_.wait_for(lock, kWatchPeriod, [&] { return stop_; })) {
       starved = isStarved() ? starved + 1 : 0;
-      if (participant_ && starved < kPatience) continue;
+      const bool is_deaf = participant_ && hearsNobody();
+      if (participant_ && !is_deaf && starved < kPatience) continue;
       const std::lock_guard sending(send_mutex_);
       command_writer_ = nullptr;
       participant_.reset();
       statuses_.clear();
       DdsNetwork network(options_);
       network.uses_shared_memory = false;
+      if (is_deaf)
+        spdlog::info(
+            "nothing comes through shared memory from the daemon of groom {}, as where it runs as another "
+            "user: going on over UDP",
+            options_.groom_id);
       try {
         join(network);
         return;
@@ -168,6 +201,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
   std::mutex send_mutex_;
   // Listeners before the participant: it goes first and with it the threads that call them.
   MatchCounter daemons_;
+  DdsNeighbours neighbours_;
   TakingListener<v6::GroomChunk> groom_listener_;
   TakingListener<v6::BodyChunk> body_listener_;
   TakingListener<v6::ColliderChunk> collider_listener_;

@@ -6,12 +6,17 @@
 #include <vector>
 
 #include "transport/messages.h"
+#include "transport/show.h"
 
 namespace strandcast {
 
-/// How long a new daemon listens for a rival on its own machine's network. Of 500 starts, half heard it
-/// within 35 ms, 99 % within 1 s, and the slowest after 1.1 s.
+/// How long a new daemon listens for the status of a rival where programs are there that may be one. Of 500
+/// starts, half heard it within 35 ms, 99 % within 1 s, and the slowest after 1.1 s.
 inline constexpr std::chrono::milliseconds kRivalListenTime{3000};
+/// How long it listens where no such program has shown itself.
+inline constexpr std::chrono::milliseconds kQuietListenTime{400};
+/// Over LCM, where every daemon tells its status twice a second and answers that of one that starts.
+inline constexpr std::chrono::milliseconds kLcmListenTime{700};
 /// With keys: Fast DDS 2.9.1 repeats a message of a handshake that was lost only after a second. Of 25 starts
 /// on a busy machine 19 heard it within 0.7 s, 6 after 1.3 to 1.5 s; four losses in a row would be needed.
 inline constexpr std::chrono::milliseconds kSecureRivalListenTime{4500};
@@ -25,10 +30,20 @@ inline constexpr int kSharedListens = 2;
 /// Another live daemon of the same groom id.
 struct Rival {
   uint64_t session = 0;
-  bool casts = false;  ///< or is about to: it has told what it simulates
+  bool casts = false;   ///< or is about to: it has told what it simulates
+  uint64_t frames = 0;  ///< that it has cast
 
-  static Rival of(const Status& status) { return {status.session, status.strands > 0}; }
+  static Rival of(const Status& status) { return {status.session, status.strands > 0, status.frames}; }
   bool operator==(const Rival&) const = default;
+};
+
+/// Of daemons that share a groom: whose turn it is to cast.
+enum class SharedTurn {
+  kUnshared,  ///< the daemon does not share its groom
+  kUnknown,   ///< others are there that may cast and were not heard yet
+  kNobodys,
+  kAnothers,
+  kOwn
 };
 
 /// The daemon's end of a channel. One thread at a time.
@@ -58,13 +73,32 @@ class Publisher {
   virtual uint32_t matchedReaders() const = 0;
   /// What became of the newest frame on the wire; in-process nothing is encoded.
   virtual EncodingReport encoding() const = 0;
-  /// The rival, if one was heard; of several one that casts, else the one of the lowest session. Over DDS
-  /// every publisher names itself from its creation on; ask again for kRivalListenTime (with keys
-  /// kSecureRivalListenTime) and before announce(), which would take the readers over. Two daemons started at
-  /// once hear each other: let the one with the higher session give way, and the other wait until it has
-  /// gone. A rival that was killed is never heard by a daemon started after its end, and is forgotten after
-  /// its lease of 3 s by one that ran before. In-process: always empty.
+  /// The rival, if one was heard; of several one that casts, else the one of the lowest session. A
+  /// publisher names itself from its creation on; ask again for listenTime() and before announce(), which
+  /// would take the readers over. Two daemons started at once hear each other: let the one with the higher
+  /// session give way, and the other wait until it has gone. A rival that was killed is never heard by a
+  /// daemon started after its end, and is forgotten after its lease of 3 s by one that ran before.
+  /// In-process: always empty.
   virtual std::optional<Rival> rival() const = 0;
+  /// How long after its creation a rival may still be heard for the first time, as far as is known now: over
+  /// DDS kQuietListenTime where no program is there that may be one, else kRivalListenTime (with keys
+  /// kSecureRivalListenTime; kSharedListens times as long where the groom is shared); over LCM
+  /// kLcmListenTime. None in-process.
+  virtual std::chrono::milliseconds listenTime() const { return std::chrono::milliseconds(0); }
+  /// How many programs are there that may be rivals and have not said so.
+  virtual size_t possibleRivals() const { return 0; }
+  /// Of a daemon that shares its groom: whose turn it is. What it publishes is cast on its own turn alone,
+  /// and its first frame is its claim: it has the show by then, or there is none.
+  virtual SharedTurn sharedTurn() const { return SharedTurn::kUnshared; }
+  /// How many others share the groom.
+  virtual size_t sharers() const { return 0; }
+  /// Whether others have joined since the last show with hair.
+  virtual bool wantsHair() const { return false; }
+  /// On this daemon's turn: tells the others the show. `session` and `revision` are filled in by the channel.
+  /// Hair is sent by and by with the frames that follow.
+  virtual void publishShow(const Show&) {}
+  /// The newest show of the daemon whose turn it is, with hair and then without, each once.
+  virtual std::optional<Show> takeShow() { return std::nullopt; }
   /// Why what was published is not kept where it was to be, in an LCM log; empty where nothing went wrong. It
   /// was logged, once.
   virtual std::string failure() const { return {}; }

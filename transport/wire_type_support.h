@@ -26,6 +26,7 @@ using ColliderChunkType = GuardedType<v6::ColliderChunkPubSubType>;
 using GuideChunkType = GuardedType<v6::GuideChunkPubSubType>;
 using CommandType = GuardedType<v6::CommandPubSubType>;
 using ClaimType = GuardedType<v6::ClaimPubSubType>;
+using ShowChunkType = GuardedType<v6::ShowChunkPubSubType>;
 using StatusType = GuardedType<v6::StatusPubSubType>;
 
 }  // namespace strandcast

@@ -121,6 +121,16 @@ void commandFields(auto copy, auto& own, auto& wire) {
   copy.array(own.values, wire.values());
 }
 
+void showFields(auto copy, auto& own, auto& wire) {
+  copy.value(own.session, wire.session());
+  copy.value(own.groom_id, wire.groom_id());
+  copy.value(own.part, wire.part());
+  copy.value(own.chunk_index, wire.chunk_index());
+  copy.value(own.chunk_count, wire.chunk_count());
+  copy.value(own.revision, wire.revision());
+  copy.array(own.payload, wire.payload());
+}
+
 void statusFields(auto copy, auto& own, auto& wire) {
   copy.value(own.session, wire.session());
   copy.value(own.strands, wire.strands());
@@ -163,6 +173,8 @@ void toWire(GuideChunk& chunk, v6::GuideChunk& wire) { guideFields(ToWire(), chu
 void fromWire(v6::GuideChunk& wire, GuideChunk& chunk) { guideFields(FromWire(), chunk, wire); }
 void toWire(const Command& command, v6::Command& wire) { commandFields(ToWire(), command, wire); }
 void fromWire(const v6::Command& wire, Command& command) { commandFields(FromWire(), command, wire); }
+void toWire(ShowChunk& chunk, v6::ShowChunk& wire) { showFields(ToWire(), chunk, wire); }
+void fromWire(v6::ShowChunk& wire, ShowChunk& chunk) { showFields(FromWire(), chunk, wire); }
 void toWire(const Status& status, v6::Status& wire) { statusFields(ToWire(), status, wire); }
 void fromWire(const v6::Status& wire, Status& status) { statusFields(FromWire(), status, wire); }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include "idl/strandcast.h"
 #include "transport/chunks.h"
+#include "transport/show.h"
 
 namespace strandcast {
 
@@ -17,6 +18,8 @@ void toWire(GuideChunk& chunk, v6::GuideChunk& wire);
 void fromWire(v6::GuideChunk& wire, GuideChunk& chunk);
 void toWire(const Command& command, v6::Command& wire);
 void fromWire(const v6::Command& wire, Command& command);
+void toWire(ShowChunk& chunk, v6::ShowChunk& wire);
+void fromWire(v6::ShowChunk& wire, ShowChunk& chunk);
 void toWire(const Status& status, v6::Status& wire);
 void fromWire(const v6::Status& wire, Status& status);
 

@@ -207,24 +207,46 @@ class RivalChannel final : public Publisher {
   EncodingReport encoding() const override { return {}; }
 };
 
-TEST(RivalWarningTest, TellsOnceOfEachThatCasts) {
+/// What a watch of session 0x80 says of `heard`, having cast `frames` for so long, and why it ends.
+struct Looked {
+  std::string said, ends;
+};
+Looked look(RivalWatch& watch, std::optional<Rival> heard, uint64_t frames, std::chrono::seconds casting) {
   RivalChannel channel;
-  RivalWarning warning(7);
+  channel.heard = heard;
+  std::ostringstream text;
+  const auto logger = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_st>(text)));
+  const std::optional<std::string> ends = watch.look(channel, 0x80, frames, casting);
+  spdlog::set_default_logger(logger);
+  return {text.str(), ends.value_or("")};
+}
+
+TEST(RivalWatchTest, TellsOnceOfEachThatCasts) {
+  RivalWatch watch(7);
   const auto said = [&](std::optional<Rival> heard) {
-    channel.heard = heard;
-    std::ostringstream text;
-    const auto logger = spdlog::default_logger();
-    spdlog::set_default_logger(
-        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_st>(text)));
-    warning.look(channel);
-    spdlog::set_default_logger(logger);
-    return text.str();
+    const Looked looked = look(watch, heard, 6000, std::chrono::seconds(100));
+    EXPECT_EQ(looked.ends, "") << "who has cast for long stays";
+    return looked.said;
   };
   EXPECT_EQ(said(std::nullopt), "");
   EXPECT_EQ(said(Rival{0xab, false}), "") << "it starts, hears of this one and goes";
   EXPECT_NE(said(Rival{0xab, true}).find("session 00000000000000ab, casts groom 7 too"), std::string::npos);
   EXPECT_EQ(said(Rival{0xab, true}), "");
   EXPECT_NE(said(Rival{0xcd, true}).find("session 00000000000000cd"), std::string::npos);
+}
+
+TEST(RivalWatchTest, OfTwoThatHearEachOtherLateTheOneThatHasCastForLessEnds) {
+  const auto ends = [](Rival heard, uint64_t frames) {
+    RivalWatch watch(7);
+    return !look(watch, heard, frames, std::chrono::seconds(3)).ends.empty();
+  };
+  EXPECT_TRUE(ends({0xff, true, 100000}, 180)) << "the other one was there before";
+  EXPECT_FALSE(ends({0x01, true, 10}, 180)) << "the other one came later";
+  EXPECT_TRUE(ends({0x01, true, 170}, 180)) << "both began at once: the higher session ends";
+  EXPECT_FALSE(ends({0xff, true, 170}, 180));
+  EXPECT_FALSE(ends({0x01, false, 0}, 180)) << "one that starts gives way";
 }
 
 }  // namespace

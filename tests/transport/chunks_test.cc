@@ -12,6 +12,7 @@
 #include "chunk_fuzz.h"
 #include "core/error.h"
 #include "sample_messages.h"
+#include "tests/error_of.h"
 #include "transport/assembler.h"
 #include "transport/frame_queue.h"
 
@@ -510,6 +511,22 @@ TEST(Chunks, ArbitraryBytesNeverBreakAnAssembler) {
     completed += fuzzChunks(bytes.data(), bytes.size());
   }
   EXPECT_GT(completed, 1000u) << "the bytes no longer reach past the checks";
+}
+
+TEST(CheckCommand, ANameThatDoesNotFitIsCalledAName) {
+  const auto refusal = [](const std::string& name) {
+    Command command;
+    command.id = 1;
+    command.name = name;
+    return errorOf([&] { checkCommand(command, 7); });
+  };
+  EXPECT_EQ(refusal(std::string(255, 'x')), "");
+  const std::string too_long = refusal(std::string(300, 'x'));
+  EXPECT_NE(too_long.find("the name is too long: 300 bytes"), std::string::npos) << too_long;
+  EXPECT_LT(too_long.size(), 200u) << "it is not repeated in full";
+  for (const char* const name : {"two\nlines", "a\ttab", "bell\a"})
+    EXPECT_NE(refusal(name).find("the name has a line break or another control character"), std::string::npos)
+        << name;
 }
 
 }  // namespace

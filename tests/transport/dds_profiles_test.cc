@@ -86,6 +86,34 @@ TEST(DdsProfiles, ReadersKilledOnSharedMemoryComeBack) {
               all.c_str());
 }
 
+/// A transport_peer that runs as another user than this program, who has to be root.
+std::vector<std::string> asNobody(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(),
+                   {"--reuid=65534", "--regid=65534", "--clear-groups", STRANDCAST_TRANSPORT_PEER});
+  return arguments;
+}
+const char* const kAsOther = "/usr/bin/setpriv";
+
+TEST(DdsProfiles, SharedMemoryOfAnotherUserIsLeftForUdp) {
+  if (geteuid() != 0 || access(kAsOther, X_OK) != 0) GTEST_SKIP() << "takes two users";
+  const PeerSetting local("STRANDCAST_PEER_PROFILE", "local");
+  const auto expectFrames = [](Peer& reader, const char* who) {
+    const Results read = reader.finish();
+    ASSERT_TRUE(read.contains("received")) << who << reader.text();
+    EXPECT_GE(read.at("received"), 10) << who << reader.text();
+    EXPECT_EQ(read.at("wrong"), 0) << who << reader.text();
+    EXPECT_NE(reader.text().find("another user"), std::string::npos) << who << reader.text();
+  };
+  const std::string domain = std::to_string(testDomain(10)), other = std::to_string(testDomain(11));
+  Peer daemon({"cast", domain, "60"}), others_daemon(asNobody({"cast", other, "60"}), kAsOther);
+  Peer others_reader(asNobody({"read", domain, "1", "0"}), kAsOther), reader({"read", other, "1", "0"});
+  Peer sender(asNobody({"send", domain, "101"}), kAsOther);
+  expectFrames(others_reader, "another user's reader");
+  expectFrames(reader, "a reader of another user's daemon");
+  sender.finish();
+  EXPECT_EQ(sender.exitCode(), 0) << "a command of another user" << sender.text();
+}
+
 TEST(DdsProfiles, NumbersOfOtherProgramsAreLeftToThem) {
   const int domain = testDomain(4);
   constexpr int kFirst = 20, kLast = 114, kFree = 77;  // of participants on shared memory

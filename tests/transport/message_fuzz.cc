@@ -7,6 +7,7 @@
 #include "transport/collider_chunks.h"
 #include "transport/lcm/lcm_messages.h"
 #include "transport/parameter_table.h"
+#include "transport/show.h"
 
 namespace strandcast {
 
@@ -42,6 +43,11 @@ size_t fuzzMessages(const uint8_t* data, size_t size) {
     if (isSound(status.parameters) &&
         namedValues(status.parameters).size() != status.parameters.components.size())
       std::abort();
+  }
+  if (const auto show = showOf(bytes)) {
+    ++read;
+    for (const Vec3& position : show->hair.positions)
+      if (!position.allFinite()) std::abort();
   }
   return read;
 }
@@ -81,6 +87,11 @@ std::vector<FuzzSeeds> messageSeeds() {
   telling.parameters = parameterTable(Parameters());
   add("status", telling);
   add("reader", ReaderSign{1, 1, true});
+  Show show;
+  show.entries = {{ShowKind::kParameter, "wind", {7, 0, 1}}, {ShowKind::kAnswered, "5 refused", {}}};
+  seeds.push_back({"show", {showBytes(show)}});
+  show.hair.positions = show.hair.velocities = {{1, 2, 3}, {4, 5, 6}};
+  seeds.back().inputs.push_back(showBytes(show));
   return seeds;
 }
 

@@ -113,5 +113,43 @@ TEST(Claims, AStatusThatComesBeforeItsClaimIsNoRivals) {
   EXPECT_EQ(publisher->rival(), (Rival{33, true})) << "who claims nothing shares nothing";
 }
 
+TEST(Neighbours, ARoleIsReadAsItWasSaid) {
+  for (const DdsRole& role :
+       {DdsRole{true, 1, false}, DdsRole{true, 4294967295u, true}, DdsRole{false, 7, false}})
+    EXPECT_EQ(roleOf(userDataOf(role)), role);
+  const auto read = [](const std::string& text) {
+    return roleOf(std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size())).has_value();
+  };
+  EXPECT_TRUE(read("strandcast;daemon;7;claim"));
+  for (const char* const none :
+       {"", "strandcast", "strandcast;", "strandcast;daemon;", "strandcast;daemon;x", "strandcast;daemon;7x",
+        "strandcast;daemon;4294967296", "strandcast;king;7", "strandcast;reader;7;claim", "other;daemon;7"})
+    EXPECT_FALSE(read(none)) << none;
+}
+
+TEST(Neighbours, ADaemonListensForLongOnlyWhereARivalMayBe) {
+  const int domain = testDomain(9);
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
+  EXPECT_EQ(publisher->listenTime(), kQuietListenTime);
+  const auto becomes = [&](size_t rivals) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+    while (publisher->possibleRivals() != rivals && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    return publisher->possibleRivals() == rivals;
+  };
+  {
+    // Who is known when a later one is known is taken for what it says.
+    const DdsParticipant reader(DdsNetwork(domain), 1, DdsRole{false, 1, false});
+    const DdsParticipant of_another_groom(DdsNetwork(domain), 2, DdsRole{true, 2, false});
+    const DdsParticipant says_nothing(DdsNetwork(domain), 1);
+    EXPECT_TRUE(becomes(1));
+    EXPECT_EQ(publisher->listenTime(), kRivalListenTime);
+  }
+  EXPECT_TRUE(becomes(0)) << "those that leave are forgotten";
+  const DdsParticipant rival(DdsNetwork(domain), 1, DdsRole{true, 1, true});
+  EXPECT_TRUE(becomes(1));
+  EXPECT_EQ(publisher->listenTime(), kRivalListenTime);
+}
+
 }  // namespace
 }  // namespace strandcast

@@ -115,8 +115,11 @@ TEST_F(Secure, WhoIsNotKnownHearsNothingAndWhoIsNotPermittedMovesNothing) {
   const auto refusal = [](Subscriber& subscriber) { return errorOf([&] { subscriber.send(commandOf(7)); }); };
   auto of_cheat = std::async(std::launch::async, refusal, std::ref(*cheat));
   auto of_foreigner = std::async(std::launch::async, refusal, std::ref(*foreigner));
-  EXPECT_NE(refusal(*stranger).find("no daemon answers"), std::string::npos);
-  EXPECT_NE(of_foreigner.get().find("no daemon answers"), std::string::npos);
+  const std::string of_stranger = refusal(*stranger), foreign = of_foreigner.get();
+  EXPECT_NE(of_stranger.find("no daemon answers"), std::string::npos) << of_stranger;
+  EXPECT_NE(of_stranger.find("answers only who has --keys"), std::string::npos) << of_stranger;
+  EXPECT_NE(foreign.find("no daemon answers"), std::string::npos) << foreign;
+  EXPECT_NE(foreign.find("the keys: a daemon refuses those of another CA"), std::string::npos) << foreign;
   EXPECT_NE(of_cheat.get(), "");
   for (Subscriber* const subscriber : {stranger.get(), foreigner.get()}) {
     EXPECT_FALSE(subscriber->groom());

@@ -131,6 +131,8 @@ class LcmPublisher final : public Publisher {
     return Clock::now() - rival_heard_ > kLcmSilence ? std::nullopt : rival_;
   }
 
+  std::chrono::milliseconds listenTime() const override { return kLcmListenTime; }
+
   std::string failure() const override { return link_->failure(); }
 
  private:
@@ -170,6 +172,10 @@ class LcmPublisher final : public Publisher {
     const std::lock_guard lock(mutex_);
     rival_ = Rival::of(status);
     rival_heard_ = Clock::now();
+    // It starts, and listens for this one.
+    if (rival_->casts || std::exchange(answered_rival_, status.session) == status.session) return;
+    status_due_ = rival_heard_;
+    wake_.notify_all();
   }
 
   void serve() {
@@ -244,6 +250,7 @@ class LcmPublisher final : public Publisher {
   mutable std::map<uint64_t, Clock::time_point> readers_;
   std::optional<Rival> rival_;  // that was heard last
   Clock::time_point rival_heard_{};
+  uint64_t answered_rival_ = 0;  // session of one that starts and was told the status for it
   bool is_asked_ = false, stop_ = false;
 
   std::shared_ptr<MessageLink> link_;

@@ -33,6 +33,13 @@ class RecordingPublisher final : public Publisher {
   uint32_t matchedReaders() const override { return publisher_->matchedReaders(); }
   EncodingReport encoding() const override { return publisher_->encoding(); }
   std::optional<Rival> rival() const override { return publisher_->rival(); }
+  std::chrono::milliseconds listenTime() const override { return publisher_->listenTime(); }
+  size_t possibleRivals() const override { return publisher_->possibleRivals(); }
+  SharedTurn sharedTurn() const override { return publisher_->sharedTurn(); }
+  size_t sharers() const override { return publisher_->sharers(); }
+  bool wantsHair() const override { return publisher_->wantsHair(); }
+  void publishShow(const Show& show) override { publisher_->publishShow(show); }
+  std::optional<Show> takeShow() override { return publisher_->takeShow(); }
   std::string failure() const override { return publisher_->failure(); }
 
   /// Those of the frame that was published last, as Recorder.

@@ -26,8 +26,9 @@ std::string rules(KeyRole role) {
   const std::string hears_status = criteria("subscribe", "status", "");
   switch (role) {
     case KeyRole::kDaemon:
-      return ofGrooms("publish", {"groom", "bodies", "colliders", "guides", "claim"}) +
-             criteria("publish", "status", "") + ofGrooms("subscribe", {"command", "claim"}) + hears_status;
+      return ofGrooms("publish", {"groom", "bodies", "colliders", "guides", "claim", "show"}) +
+             criteria("publish", "status", "") + ofGrooms("subscribe", {"command", "claim", "show"}) +
+             hears_status;
     case KeyRole::kRenderer:
       return ofGrooms("publish", {"command"}) +
              ofGrooms("subscribe", {"groom", "bodies", "colliders", "guides"}) + hears_status;

@@ -1,0 +1,447 @@
+// How daemons that share a groom hand a show on: who casts tells it, the others keep to it (docs/wire.md,
+// "ShowChunk").
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "apps/command_limits.h"
+#include "apps/command_values.h"
+#include "apps/daemon.h"
+#include "apps/show_fingerprint.h"
+#include "core/error.h"
+#include "transport/answers.h"
+#include "transport/command_queue.h"
+#include "transport/parameter_table.h"
+
+namespace strandcast {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kShowPeriod{100};
+constexpr double kMostBehind = 1;  // s; who is farther from the show's time jumps to it
+constexpr size_t kPoseValues = 7, kPoseOfCommand = 2;
+constexpr size_t kAnswersRepeated = 16;
+
+void addPose(std::vector<double>& values, const Pose& pose) {
+  for (int c = 0; c < 3; ++c) values.push_back(static_cast<double>(pose.position[c]));
+  for (int c = 0; c < 4; ++c) values.push_back(static_cast<double>(pose.rotation.coeffs()[c]));
+}
+
+void addSource(std::vector<double>& values, const WindSource& source) {
+  const std::vector<double> numbers = windSourceValues(source);
+  values.insert(values.end(), numbers.begin(), numbers.end());
+}
+
+std::string whereOf(const Show& show) { return fmt::format("show of session {:016x}", show.session); }
+
+/// Throws Error, naming `where`, unless an entry has so many values.
+void checkCount(const ShowEntry& entry, size_t count, const std::string& where) {
+  if (entry.values.size() != count)
+    throw Error(fmt::format("an entry of kind {} has {} values, not {}", static_cast<uint32_t>(entry.kind),
+                            entry.values.size(), count),
+                where, "is the daemon that casts of another version?");
+}
+
+bool isCollider(const ShowEntry& entry) {
+  return entry.kind == ShowKind::kCollider || entry.kind == ShowKind::kColliderFile ||
+         entry.kind == ShowKind::kSceneCollider;
+}
+
+bool followsHead(const ShowEntry& entry) { return entry.values.size() > 1 && entry.values[1] != 0; }
+
+/// The name of a collider that an entry is of; of one of a file, which has two names, its own.
+std::string nameOf(const ShowEntry& entry) {
+  if (entry.kind != ShowKind::kColliderFile) return entry.name;
+  return withSpaces(std::string_view(entry.name).substr(0, entry.name.find(' ')));
+}
+
+/// Whether a command makes the collider of an entry; where it stands may differ, of one that can be moved.
+bool makes(const Command& command, const ShowEntry& entry) {
+  const CommandKind kind =
+      entry.kind == ShowKind::kColliderFile ? CommandKind::kAddColliderFile : CommandKind::kAddCollider;
+  if (command.kind != kind || command.name != entry.name || command.values.size() != entry.values.size())
+    return false;
+  for (size_t i = 0; i < entry.values.size(); ++i) {
+    const bool is_place = i >= kPoseOfCommand && i < kPoseOfCommand + kPoseValues;
+    if (command.values[i] != entry.values[i] && (!is_place || followsHead(entry))) return false;
+  }
+  return true;
+}
+
+SteeredHead courseOf(const ShowEntry& entry, const std::string& where) {
+  checkCount(entry, 2 + 2 * kPoseValues, where);
+  SteeredHead course;
+  const double kind = entry.values[0];
+  if (kind != 0 && kind != 1 && kind != 2) throw Error("a head moves in no known way", where, "");
+  course.kind = static_cast<SteeredHead::Kind>(static_cast<int>(kind));
+  course.name = entry.name;
+  course.start = entry.values[1];
+  course.from = commandedPose(entry.values, 2, where);
+  course.to = commandedPose(entry.values, 2 + kPoseValues, where);
+  return course;
+}
+
+ShowEntry entryOf(const SteeredHead& course) {
+  ShowEntry entry{ShowKind::kHead, course.name, {static_cast<double>(course.kind), course.start}};
+  addPose(entry.values, course.from);
+  addPose(entry.values, course.to);
+  return entry;
+}
+
+ShowEntry entryOf(const WindControl::Way& way) {
+  ShowEntry entry{ShowKind::kWindWay, way.name, {static_cast<double>(way.parts), way.start, way.seconds}};
+  addSource(entry.values, way.from);
+  addSource(entry.values, way.to);
+  return entry;
+}
+
+WindControl::Way windWayOf(const ShowEntry& entry, const std::string& where) {
+  const size_t numbers = windSourceValues({}).size();
+  checkCount(entry, 3 + 2 * numbers, where);
+  const auto& v = entry.values;
+  if (!(v[0] >= 1 && v[0] <= kAllSourceParts) || !(v[2] >= 0 && v[2] <= kLongestWay))
+    throw Error("a source of wind moves in no known way", where, "");
+  const auto sourceAt = [&](size_t first) {
+    const auto begin = v.begin() + static_cast<ptrdiff_t>(first);
+    return windSourceOf({begin, begin + static_cast<ptrdiff_t>(numbers)}, where);
+  };
+  return {entry.name, static_cast<WindSourceParts>(v[0]), sourceAt(3), sourceAt(3 + numbers), v[1], v[2]};
+}
+
+/// The command of an answer or of steps, and what stands behind it.
+std::pair<uint64_t, std::string> numbered(const ShowEntry& entry) {
+  uint64_t id = 0;
+  const char* const end = entry.name.data() + entry.name.size();
+  const char* rest = std::from_chars(entry.name.data(), end, id).ptr;
+  if (rest != end) ++rest;  // a space
+  return {id, std::string(rest, end)};
+}
+
+}  // namespace
+
+void Daemon::addColliderEntries(std::vector<ShowEntry>& entries) const {
+  for (const auto& [name, id] : named_) {
+    const bool free = !simulation_.body(id).follows_head;
+    ShowEntry entry{ShowKind::kSceneCollider, name, {}};
+    if (const auto made = made_by_.find(name); made != made_by_.end()) {
+      const Command& command = made->second;
+      entry.kind =
+          command.kind == CommandKind::kAddColliderFile ? ShowKind::kColliderFile : ShowKind::kCollider;
+      entry.name = command.name;
+      entry.values = command.values;
+      std::vector<double> now;
+      addPose(now, simulation_.bodyPose(id));
+      if (free) std::copy(now.begin(), now.end(), entry.values.begin() + kPoseOfCommand);
+    } else if (free && !(skinned_ && skinned_->jointOf(id))) {
+      addPose(entry.values, simulation_.bodyPose(id));
+    }
+    entries.push_back(std::move(entry));
+    const auto way = ways_.find(id);
+    if (way == ways_.end()) continue;
+    ShowEntry moves{ShowKind::kColliderWay, name, {way->second.start, way->second.seconds}};
+    addPose(moves.values, way->second.from);
+    addPose(moves.values, way->second.to);
+    entries.push_back(std::move(moves));
+  }
+}
+
+Show Daemon::showNow(bool with_hair) {
+  Show show;
+  show.simulation_time = simulation_.time();
+  show.entries = fingerprint_;
+  for (const auto& [name, values] : namedValues(parameterTable(simulation_.parameters())))
+    show.entries.push_back({ShowKind::kParameter, name, values});
+  for (const auto& [name, source] : wind_.sources())
+    show.entries.push_back({ShowKind::kWindSource, name, windSourceValues(source)});
+  for (const WindControl::Way& way : wind_.ways()) show.entries.push_back(entryOf(way));
+  addColliderEntries(show.entries);
+  show.entries.push_back(entryOf(course_));
+  if (paused_) show.entries.push_back({ShowKind::kPaused, "", {}});
+  for (const Steps& steps : steps_)
+    show.entries.push_back(
+        {ShowKind::kSteps, fmt::format("{}", steps.command), {static_cast<double>(steps.left)}});
+  if (simulation_.pulledVertices() > 0) {
+    ShowEntry pull{ShowKind::kPull, "", {pulled_.begin(), pulled_.end()}};
+    pull.values.push_back(pull_until_);
+    show.entries.push_back(std::move(pull));
+  }
+  show.entries.push_back({ShowKind::kResets, "", {static_cast<double>(resets_)}});
+  for (const auto& [id, refusal] : answered_)
+    show.entries.push_back({ShowKind::kAnswered, shortened(fmt::format("{} {}", id, refusal)), {}});
+  if (with_hair) show.hair = simulation_.state();
+  return show;
+}
+
+void Daemon::publishShow(bool with_hair) {
+  if (publisher_.sharedTurn() != SharedTurn::kOwn || publisher_.sharers() == 0) return;
+  publisher_.publishShow(showNow(with_hair));
+}
+
+void Daemon::tellShow() {
+  if (publisher_.sharedTurn() != SharedTurn::kOwn || publisher_.sharers() == 0) return;
+  if (publisher_.wantsHair()) publishShow(true);
+  if (Clock::now() < show_due_) return;
+  show_due_ = Clock::now() + kShowPeriod;
+  publishShow(false);
+}
+
+bool Daemon::hasShow(SharedTurn turn) {
+  constexpr std::chrono::milliseconds kWorthSaying{500};
+  constexpr std::chrono::seconds kTooLong{10};
+  if (turn == SharedTurn::kNobodys || turn == SharedTurn::kOwn) {
+    if (said_wait_)
+      spdlog::warn("nobody casts groom {} any more, and no show has come: it starts anew",
+                   settings_.groom_id);
+    part_ = Part::kTakesPart;
+    return true;
+  }
+  while (std::optional<Show> show = publisher_.takeShow()) {
+    if (!show->hasHair()) continue;
+    failure_ = refusalOf([&] { goOnWith(*show); });
+    if (!failure_.empty()) return false;
+    spdlog::info("goes on with the show of session {:016x}, at {:.1f} s", show->session,
+                 show->simulation_time);
+    follows_ = true;
+    part_ = Part::kCatchesUp;
+    news_ = 0;
+    return true;
+  }
+  const auto waited = Clock::now() - waits_since_;
+  if (!said_wait_ && waited > kWorthSaying) {
+    said_wait_ = true;
+    spdlog::info("another daemon casts groom {}: waiting for its show before this one may take over",
+                 settings_.groom_id);
+  }
+  if (!warned_wait_ && waited > kTooLong) {
+    warned_wait_ = true;
+    spdlog::warn(
+        "no show of groom {} has come for {} s: is the daemon that casts it older, or without the keys for "
+        "it? This "
+        "one stands by, and casts when that one ends",
+        settings_.groom_id, kTooLong.count());
+  }
+  return false;
+}
+
+void Daemon::followShow() {
+  follows_ = true;
+  while (std::optional<Command> command = publisher_.takeCommand()) {
+    if (command->kind == CommandKind::kShutdown) shutdown_ = true;  // of all that share the groom
+    if (held_.size() < kMaxQueuedCommands) held_.push_back(std::move(*command));
+  }
+  while (std::optional<Show> show = publisher_.takeShow()) {
+    if (show->hasHair()) continue;
+    failure_ = refusalOf([&] { goOnWith(*show); });
+    if (!failure_.empty()) return;
+    std::erase_if(held_, [&](const Command& command) {
+      return std::any_of(answered_.begin(), answered_.end(),
+                         [&](const auto& answer) { return answer.first == command.id; }) ||
+             std::any_of(steps_.begin(), steps_.end(),
+                         [&](const Steps& steps) { return steps.command == command.id; });
+    });
+    // Not by the first news, which may have waited with the hair while this daemon was busy.
+    constexpr int kEnoughNews = 3;
+    const bool is_there = std::fabs(behind_) < 3 / settings_.rate && ++news_ >= kEnoughNews;
+    if (part_ == Part::kCatchesUp && is_there && !maker_.isBusy() && missing_.empty())
+      part_ = Part::kTakesPart;
+  }
+}
+
+void Daemon::takeOver() {
+  follows_ = false;
+  part_ = Part::kTakesPart;
+  spdlog::info("takes over groom {} at {:.1f} s", settings_.groom_id, simulation_.time());
+  for (const auto& [name, entry] : missing_) spdlog::warn("the show goes on without collider {}", name);
+  // Who sent these may not have heard the answer.
+  const size_t repeated = std::min(answered_.size(), kAnswersRepeated);
+  for (auto answer = answered_.end() - static_cast<ptrdiff_t>(repeated); answer != answered_.end();
+       ++answer) {
+    status_.last_command = answer->first;
+    status_.last_command_error = answer->second;
+    publisher_.publishStatus(status_);
+  }
+  for (const Command& command : std::exchange(held_, {})) obey(command);
+}
+
+void Daemon::goOnWith(const Show& show) {
+  const std::string where = whereOf(show);
+  const std::string difference = differenceOf(fingerprint_, show.entries);
+  if (!difference.empty())
+    throw Error(
+        fmt::format("groom {} is cast from another scene; different are: {}", settings_.groom_id, difference),
+        where,
+        "start daemons that --claim one groom with the same scene and options, or choose another --groom-id");
+  Parameters parameters = simulation_.parameters();
+  std::vector<NamedWindSource> sources;
+  std::vector<WindControl::Way> wind_ways;
+  SteeredHead course;
+  const ShowEntry* pull = nullptr;
+  uint32_t resets = 0;
+  paused_ = false;
+  steps_.clear();
+  answered_.clear();
+  for (const ShowEntry& entry : show.entries) {
+    switch (entry.kind) {
+      case ShowKind::kParameter:
+        setParameter(parameters, entry.name, entry.values, where);
+        break;
+      case ShowKind::kWindSource:
+        sources.push_back({entry.name, windSourceOf(entry.values, where)});
+        break;
+      case ShowKind::kWindWay:
+        wind_ways.push_back(windWayOf(entry, where));
+        break;
+      case ShowKind::kHead:
+        course = courseOf(entry, where);
+        break;
+      case ShowKind::kPaused:
+        paused_ = true;
+        break;
+      case ShowKind::kSteps:
+        checkCount(entry, 1, where);
+        steps_.push_back(
+            {numbered(entry).first, static_cast<int>(std::clamp(entry.values[0], 1.0, double{kMostSteps}))});
+        break;
+      case ShowKind::kPull:
+        checkCount(entry, 9, where);
+        pull = &entry;
+        break;
+      case ShowKind::kResets:
+        checkCount(entry, 1, where);
+        resets = static_cast<uint32_t>(std::clamp(entry.values[0], 0.0, 4e9));
+        break;
+      case ShowKind::kAnswered:
+        answered_.push_back(numbered(entry));
+        break;
+      default:
+        break;  // colliders: below
+    }
+  }
+  if (namedValues(parameterTable(parameters)) != namedValues(parameterTable(simulation_.parameters())))
+    simulation_.setParameters(parameters);
+  wind_.goOnWith(std::move(sources), std::move(wind_ways), where);
+  if (!(course == course_)) setCourse(course);
+  takeColliders(show);
+  const bool is_new = show_session_ != show.session;
+  if (show.hasHair()) {
+    moveTo(skinned_.get(), show.simulation_time, motion_(show.simulation_time - course_.start), simulation_);
+    goOnWithWays(show.simulation_time);
+    simulation_.goOnAs(show.hair, show.simulation_time);
+    owed_ = 0;
+  } else {
+    if (!is_new && resets != resets_) reset();
+    keepTime(show.simulation_time);
+  }
+  resets_ = resets;
+  show_session_ = show.session;
+  if (pull == nullptr) {
+    simulation_.letGo();
+  } else {
+    const auto& v = pull->values;
+    std::copy_n(v.begin(), pulled_.size(), pulled_.begin());
+    const auto at = [&](size_t i) { return Vec3(Eigen::Vector3d(v[i], v[i + 1], v[i + 2]).cast<float>()); };
+    simulation_.pullHair(at(0), static_cast<float>(v[3]), at(4), static_cast<float>(v[7]));
+    pull_until_ = v[8];
+  }
+  tellParameters();
+}
+
+void Daemon::keepTime(double time) {
+  const double behind = behind_ = time - simulation_.time();
+  owed_ = paused_ ? behind : behind - 1 / settings_.rate;  // the frame that is under way adds that
+  if (std::fabs(behind) <= kMostBehind) return;
+  // This machine is too slow, or it stood still: its hair goes on from where it is, at the show's time.
+  moveTo(skinned_.get(), time, motion_(time - course_.start), simulation_);
+  goOnWithWays(time);
+  simulation_.goOnAs(simulation_.state(), time);
+  owed_ = 0;
+}
+
+void Daemon::takeColliders(const Show& show) {
+  const std::string where = whereOf(show);
+  bool changed = false;
+  const auto entryFor = [&](const std::string& name) {
+    return std::find_if(show.entries.begin(), show.entries.end(),
+                        [&](const ShowEntry& entry) { return isCollider(entry) && nameOf(entry) == name; });
+  };
+  for (auto known = named_.begin(); known != named_.end();) {
+    const auto entry = entryFor(known->first);
+    const auto made = made_by_.find(known->first);
+    const bool stays =
+        entry != show.entries.end() &&
+        (made == made_by_.end() ? entry->kind == ShowKind::kSceneCollider : makes(made->second, *entry));
+    if (stays) {
+      ++known;
+      continue;
+    }
+    simulation_.removeBody(known->second);
+    ways_.erase(known->second);
+    if (made != made_by_.end()) made_by_.erase(made);
+    known = named_.erase(known);
+    changed = true;
+  }
+  for (auto missing = missing_.begin(); missing != missing_.end();)
+    missing = entryFor(missing->first) == show.entries.end() ? missing_.erase(missing) : std::next(missing);
+  const size_t before = simulation_.bodies();
+  for (const ShowEntry& entry : show.entries)
+    if (isCollider(entry)) takeCollider(entry);
+  changed = changed || simulation_.bodies() != before;
+  std::map<BodyId, Way> ways;
+  for (const ShowEntry& entry : show.entries) {
+    const auto known = named_.find(entry.name);
+    if (entry.kind != ShowKind::kColliderWay || known == named_.end()) continue;
+    checkCount(entry, 2 + 2 * kPoseValues, where);
+    if (simulation_.body(known->second).follows_head) continue;
+    ways[known->second] = {commandedPose(entry.values, 2, where),
+                           commandedPose(entry.values, 2 + kPoseValues, where), entry.values[0],
+                           entry.values[1]};
+  }
+  for (const ShowEntry& entry : show.entries) {
+    const auto known = isCollider(entry) ? named_.find(nameOf(entry)) : named_.end();
+    if (known == named_.end() || ways.contains(known->second)) continue;
+    if (simulation_.body(known->second).follows_head || (skinned_ && skinned_->jointOf(known->second)))
+      continue;
+    const size_t first = entry.kind == ShowKind::kSceneCollider ? 0 : kPoseOfCommand;
+    if (entry.values.size() >= first + kPoseValues)
+      simulation_.setBodyPose(known->second, commandedPose(entry.values, first, where));
+  }
+  ways_ = std::move(ways);
+  if (changed) announceColliders();
+}
+
+void Daemon::takeCollider(const ShowEntry& entry) {
+  const std::string name = nameOf(entry);
+  if (named_.contains(name) || maker_.makes(name) || missing_.contains(name)) return;
+  Command command;
+  command.groom_id = settings_.groom_id;
+  command.id = newSession();
+  command.name = entry.name;
+  command.values = entry.values;
+  const std::string refusal = refusalOf([&] {
+    if (entry.kind == ShowKind::kSceneCollider)
+      throw Error("collider '" + name + "' of the scene is gone here", "the show", "");
+    if (entry.kind == ShowKind::kColliderFile) {
+      command.kind = CommandKind::kAddColliderFile;
+      of_show_[command.id] = entry;
+      addColliderFile(command, "collider " + name + " of the show");
+    } else {
+      command.kind = CommandKind::kAddCollider;
+      addCollider(command, "collider " + name + " of the show");
+    }
+  });
+  if (refusal.empty()) return;
+  of_show_.erase(command.id);
+  noteMade(entry, refusal);
+}
+
+void Daemon::noteMade(const ShowEntry& entry, const std::string& refusal) {
+  if (refusal.empty()) return;
+  missing_[nameOf(entry)] = entry;
+  spdlog::warn("this daemon lacks a collider of the show, and takes over only where no other one can: {}",
+               refusal);
+}
+
+}  // namespace strandcast

@@ -1,0 +1,102 @@
+#include "transport/dds_neighbours.h"
+
+#include <algorithm>
+#include <charconv>
+#include <string>
+#include <string_view>
+
+namespace strandcast {
+namespace {
+
+constexpr std::string_view kMark = "strandcast;", kDaemonWord = "daemon;", kReaderWord = "reader;",
+                           kClaimWord = ";claim";
+
+/// Takes `word` from the front of `text`.
+bool takeWord(std::string_view& text, std::string_view word) {
+  if (text.substr(0, word.size()) != word) return false;
+  text.remove_prefix(word.size());
+  return true;
+}
+
+}  // namespace
+
+std::vector<uint8_t> userDataOf(const DdsRole& role) {
+  std::string text(kMark);
+  text += role.is_daemon ? kDaemonWord : kReaderWord;
+  text += std::to_string(role.groom_id);
+  if (role.claims) text += kClaimWord;
+  return {text.begin(), text.end()};
+}
+
+std::optional<DdsRole> roleOf(std::span<const uint8_t> user_data) {
+  std::string_view text(reinterpret_cast<const char*>(user_data.data()), user_data.size());
+  if (!takeWord(text, kMark)) return std::nullopt;
+  DdsRole role;
+  role.is_daemon = takeWord(text, kDaemonWord);
+  if (!role.is_daemon && !takeWord(text, kReaderWord)) return std::nullopt;
+  const auto [rest, failure] = std::from_chars(text.data(), text.data() + text.size(), role.groom_id);
+  if (failure != std::errc()) return std::nullopt;
+  text.remove_prefix(static_cast<size_t>(rest - text.data()));
+  role.claims = role.is_daemon && takeWord(text, kClaimWord);
+  return text.empty() ? std::optional(role) : std::nullopt;
+}
+
+DdsNeighbours::Prefix prefixOf(const StatusBoard::WriterId& writer) {
+  DdsNeighbours::Prefix prefix;
+  std::copy_n(writer.begin(), prefix.size(), prefix.begin());
+  return prefix;
+}
+
+void DdsNeighbours::on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
+                                             eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) {
+  using Discovery = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
+  Prefix prefix;
+  std::copy_n(info.info.m_guid.guidPrefix.value, prefix.size(), prefix.begin());
+  const std::lock_guard lock(mutex_);
+  if (info.status == Discovery::REMOVED_PARTICIPANT || info.status == Discovery::DROPPED_PARTICIPANT)
+    known_.erase(prefix);
+  else
+    known_[prefix].role = roleOf(info.info.m_userData.data_vec());
+}
+
+size_t DdsNeighbours::possibleRivals(uint32_t groom_id, bool own_claims) const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<size_t>(std::count_if(known_.begin(), known_.end(), [&](const auto& known) {
+    const std::optional<DdsRole>& role = known.second.role;
+    return !role || (role->is_daemon && role->groom_id == groom_id && !(own_claims && role->claims));
+  }));
+}
+
+size_t DdsNeighbours::strangers() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<size_t>(
+      std::count_if(known_.begin(), known_.end(), [](const auto& known) { return !known.second.role; }));
+}
+
+bool DdsNeighbours::hasSilentDaemon(uint32_t groom_id, std::chrono::milliseconds finding,
+                                    std::chrono::milliseconds claimant) const {
+  const auto now = std::chrono::steady_clock::now();
+  const std::lock_guard lock(mutex_);
+  return std::any_of(known_.begin(), known_.end(), [&](const auto& known) {
+    const std::optional<DdsRole>& role = known.second.role;
+    return role && role->is_daemon && role->groom_id == groom_id &&
+           now - known.second.since > (role->claims ? claimant : finding);
+  });
+}
+
+std::optional<DdsRole> DdsNeighbours::roleOfWriter(const StatusBoard::WriterId& writer) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = known_.find(prefixOf(writer));
+  return known == known_.end() ? std::nullopt : known->second.role;
+}
+
+DdsNeighbours::Times DdsNeighbours::claimants(uint32_t groom_id) const {
+  Times times;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [prefix, neighbour] : known_)
+    if (neighbour.role && neighbour.role->claims && neighbour.role->groom_id == groom_id)
+      times[prefix] = neighbour.since;
+  return times;
+}
+
+}  // namespace strandcast

@@ -1,0 +1,88 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/strand_model.h"
+#include "transport/chunks.h"
+
+namespace strandcast {
+
+/// What a daemon that casts a shared groom tells the others that share it (DdsOptions::claim), so that each
+/// of them can go on with the show: docs/wire.md, "ShowChunk".
+
+enum class ShowKind : uint32_t {
+  kFingerprint = 0,
+  kParameter = 1,
+  kWindSource = 2,
+  kWindWay = 3,
+  kCollider = 4,
+  kColliderFile = 5,
+  kSceneCollider = 6,
+  kColliderWay = 7,
+  kHead = 8,
+  kPaused = 9,
+  kSteps = 10,
+  kPull = 11,
+  kResets = 12,
+  kAnswered = 13
+};
+inline constexpr uint32_t kShowKinds = 14;
+
+/// One thing that commands steer, as it is now.
+struct ShowEntry {
+  ShowKind kind = ShowKind::kParameter;
+  std::string name;            ///< kMaxTextBytes at most
+  std::vector<double> values;  ///< kMaxShowValues at most, finite
+
+  bool operator==(const ShowEntry&) const = default;
+};
+
+struct Show {
+  uint64_t session = 0;        ///< of the daemon that casts it
+  uint32_t revision = 0;       ///< counts up within a session
+  double simulation_time = 0;  ///< s
+  std::vector<ShowEntry> entries;
+  /// World, m; as Simulation::state(). Without positions there is no hair in it.
+  StrandState hair;
+
+  bool hasHair() const { return !hair.positions.empty(); }
+};
+
+inline constexpr size_t kMaxShowValues = 64, kMaxShowEntries = 8192;
+
+/// A piece of a Show. Shows with and without hair are different parts, whose chunks replace only their own.
+struct ShowChunk {
+  enum Part : uint32_t { kState = 0, kStateAndHair = 1 };
+  uint64_t session = 0;
+  uint32_t groom_id = 0, part = kState, chunk_index = 0, chunk_count = 0, revision = 0;
+  std::vector<uint8_t> payload;
+};
+
+/// The bytes of all chunks of a show, one behind the other.
+std::vector<uint8_t> showBytes(const Show& show);
+/// The other way round, but for session and revision; nothing where the bytes are no sound show.
+std::optional<Show> showOf(std::span<const uint8_t> bytes);
+
+/// Empty where it would take more than kMaxChunks chunks.
+std::vector<ShowChunk> splitShow(const Show& show, uint32_t groom_id);
+
+/// Puts shows of one part together from chunks in any order. Not thread-safe.
+class ShowAssembler {
+ public:
+  ShowAssembler(uint32_t groom_id, ShowChunk::Part part) : groom_id_(groom_id), part_(part) {}
+  /// The show that this chunk completed.
+  std::optional<Show> add(ShowChunk&& chunk);
+  uint64_t chunksRejected() const { return chunks_rejected_; }
+
+ private:
+  const uint32_t groom_id_;
+  const ShowChunk::Part part_;
+  std::map<uint32_t, ShowChunk> chunks_;  // of the newest revision of one session
+  uint64_t chunks_rejected_ = 0;
+};
+
+}  // namespace strandcast
