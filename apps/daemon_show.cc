@@ -300,11 +300,12 @@ void Daemon::goOnWith(const Show& show) {
       case ShowKind::kPaused:
         paused_ = true;
         break;
-      case ShowKind::kSteps:
+      case ShowKind::kSteps: {
         checkCount(entry, 1, where);
-        steps_.push_back(
-            {numbered(entry).first, static_cast<int>(std::clamp(entry.values[0], 1.0, double{kMostSteps}))});
+        const int left = static_cast<int>(std::clamp(entry.values[0], 1.0, double{kMostSteps}));
+        steps_.push_back({numbered(entry).first, fmt::format("strandcast ctl step {}", left), left});
         break;
+      }
       case ShowKind::kPull:
         checkCount(entry, 9, where);
         pull = &entry;
