@@ -31,8 +31,8 @@ ElasticaStep stepOf(const Cantilever& c) {
 
 Material materialOf(const Cantilever& c) {
   auto jump = [&](double factor) {
-    const auto place = static_cast<float>(c.place);
-    return RootTipCurve{{{place, 1.0f}, {place, static_cast<float>(factor)}}};
+    const auto place = static_cast<float>(c.place), beyond = static_cast<float>(factor);
+    return place > 0 ? RootTipCurve{{{place, 1.0f}, {place, beyond}}} : RootTipCurve{{{0.0f, beyond}}};
   };
   Material material;
   if (c.stiffness != 1) material.stiffness_scale = jump(c.stiffness);
