@@ -153,6 +153,11 @@ Scene makeSceneAloud(SceneOptions options, const std::function<void()>& meanwhil
   {
     ProgressBar bar;
     options.bake_begins = announceBakes(bar);
+    const std::string name = options.groom.empty() ? options.name : options.groom.front().stem().string();
+    options.warns_early = [&](const std::string& warning) {
+      bar.clear();
+      spdlog::warn("{}: {}", name, warning);
+    };
     const auto goesOn = [&] {
       if (g_interrupted || stops) return false;
       try {
@@ -208,7 +213,14 @@ Stream::Stream(const Settings& settings, bool here, double timeout, SimulationOb
     embedded_ = std::make_unique<EmbeddedDaemon>(settings, std::move(observer));
   else
     remote_ = subscribe(settings);
-  if (!subscriber().waitForGroom(std::chrono::milliseconds(static_cast<int>(1000 * timeout))))
+  constexpr std::chrono::milliseconds kLook{100};
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout);
+  bool found = false;
+  while (!found && std::chrono::steady_clock::now() < end) {
+    if (g_interrupted) throw Interrupted();
+    found = subscriber().waitForGroom(kLook);
+  }
+  if (!found)
     throw Error("no daemon casts this groom",
                 fmt::format("groom {} on {}", settings.groom_id, networkName(settings)),
                 settings.keys.empty()

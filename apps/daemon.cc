@@ -488,10 +488,13 @@ bool Daemon::obeyCommands(const std::atomic<bool>& stop) {
 }
 
 bool Daemon::castFrame(const std::atomic<bool>& stop) {
+  if (publisher_.lapsed()) waitForShow();
   const SharedTurn turn = publisher_.sharedTurn();
   if (part_ == Part::kWaits && !hasShow(turn)) return true;
   takeMadeBodies();
-  if (turn == SharedTurn::kAnothers) {
+  // Who has a show and does not know of all others yet does not take it over.
+  const bool follows = turn == SharedTurn::kAnothers || (turn == SharedTurn::kUnknown && follows_);
+  if (follows) {
     followShow();
     if (!failure_.empty()) return true;
   } else {

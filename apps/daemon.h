@@ -114,6 +114,8 @@ class Daemon {
   void tellShow();
   /// Until this daemon has the show of the one that casts, or there is none. False: wait on.
   bool hasShow(SharedTurn turn);
+  /// Of a daemon that stood still: it joins the show anew.
+  void waitForShow();
   /// Another one casts: keeps to what that one tells, and keeps commands for the case that it takes over.
   void followShow();
   /// Throws Error where the show is not of this scene.
@@ -150,6 +152,7 @@ class Daemon {
   int news_ = 0;       ///< of the show that came in time, since the hair did
   double behind_ = 0;  ///< s of simulation, the show at its newest news
   bool said_wait_ = false, warned_wait_ = false;
+  bool has_own_hair_ = false;  ///< it has cast, and stood still: a show without hair will do
 
   Settings settings_;
   Publisher& publisher_;

@@ -188,18 +188,28 @@ void Daemon::tellShow() {
   publishShow(false);
 }
 
+void Daemon::waitForShow() {
+  spdlog::warn("groom {}: this daemon stood still, and its turn has passed: it waits for the show",
+               settings_.groom_id);
+  part_ = Part::kWaits;
+  has_own_hair_ = true;
+  follows_ = said_wait_ = warned_wait_ = false;
+  waits_since_ = Clock::now();
+  held_.clear();
+}
+
 bool Daemon::hasShow(SharedTurn turn) {
   constexpr std::chrono::milliseconds kWorthSaying{500};
   constexpr std::chrono::seconds kTooLong{10};
   if (turn == SharedTurn::kNobodys || turn == SharedTurn::kOwn) {
     if (said_wait_)
-      spdlog::warn("nobody casts groom {} any more, and no show has come: it starts anew",
-                   settings_.groom_id);
+      spdlog::warn("nobody casts groom {} any more, and no show has come: it {}", settings_.groom_id,
+                   has_own_hair_ ? "goes on with its own" : "starts anew");
     part_ = Part::kTakesPart;
     return true;
   }
   while (std::optional<Show> show = publisher_.takeShow()) {
-    if (!show->hasHair()) continue;
+    if (!show->hasHair() && !has_own_hair_) continue;
     failure_ = refusalOf([&] { goOnWith(*show); });
     if (!failure_.empty()) return false;
     spdlog::info("goes on with the show of session {:016x}, at {:.1f} s", show->session,

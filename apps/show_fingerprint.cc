@@ -46,12 +46,11 @@ void addShape(ContentHash& hash, const ContactPrimitive& shape) {
   hash.add(grid.bricks);
 }
 
-ShowEntry entryOf(const char* what, size_t count, const ContentHash& hash) {
+ShowEntry entryOf(const char* what, double count, const ContentHash& hash) {
   const uint64_t value = hash.value();
   return {ShowKind::kFingerprint,
           what,
-          {static_cast<double>(count), static_cast<double>(value >> 32),
-           static_cast<double>(value & 0xffffffff)}};
+          {count, static_cast<double>(value >> 32), static_cast<double>(value & 0xffffffff)}};
 }
 
 }  // namespace
@@ -82,13 +81,14 @@ std::vector<ShowEntry> fingerprintOf(const Scene& scene, const Settings& setting
   const std::string clip =
       settings.scene.motion + "\n" + (settings.scene.skinned ? settings.scene.skinned->clip : "");
   motion.add(clip.data(), clip.size());
-  return {entryOf("strands", strands.strands(), rest),
+  return {entryOf("strands", static_cast<double>(strands.strands()), rest),
           entryOf("solver", 1, solver),
-          entryOf("materials", scene.materials.size(), materials),
-          entryOf("pins", scene.pins.size(), pins),
-          entryOf("body", scene.body.positions.size(), body),
-          entryOf("colliders", scene.bodies.size(), colliders),
-          entryOf("motion", 1, motion)};
+          entryOf("materials", static_cast<double>(scene.materials.size()), materials),
+          entryOf("pins", static_cast<double>(scene.pins.size()), pins),
+          entryOf("body", static_cast<double>(scene.body.positions.size()), body),
+          entryOf("colliders", static_cast<double>(scene.bodies.size()), colliders),
+          entryOf("motion", 1, motion),
+          entryOf("frames a second", settings.rate, {})};
 }
 
 std::string differenceOf(const std::vector<ShowEntry>& own, const std::vector<ShowEntry>& other) {

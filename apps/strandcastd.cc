@@ -120,9 +120,14 @@ int main(int argc, char** argv) {
     groom.await();
     if (recording != nullptr) {
       const std::vector<std::string> words(argv + 1, argv + argc);
-      recording->open(file,
-                      {settings.groom_id, settings.codec,
-                       simulationSource(words, options, daemon.status().backend, daemon.status().device)});
+      if (settings.claim)
+        spdlog::warn(
+            "{} can be replayed, not resimulated: the show of a shared groom is not one daemon's alone",
+            file.string());
+      recording->open(file, {settings.groom_id, settings.codec,
+                             settings.claim ? ""
+                                            : simulationSource(words, options, daemon.status().backend,
+                                                               daemon.status().device)});
     }
     if (grids_every > 0) daemon.setObserver(gridRecorder(*recording, grids_every));
     if (g_interrupted) throw Interrupted();

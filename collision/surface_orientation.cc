@@ -267,6 +267,11 @@ std::vector<std::string> SurfaceRepair::lines() const {
     out.push_back(fmt::format("{} of {} pieces of the surface {} wound inside out, and {} turned",
                               turned_pieces, pieces, turned_pieces == 1 ? "is" : "are",
                               turned_pieces == 1 ? "is" : "are"));
+  if (hollows > 0)
+    out.push_back(fmt::format(
+        "{} of {} pieces of the surface {} wound against the rest within it, and {} taken as a hollow: hair "
+        "goes in there",
+        hollows, pieces, hollows == 1 ? "is" : "are", hollows == 1 ? "is" : "are each"));
   if (inner > 0)
     out.push_back(fmt::format("{} within the body, at edges of three or more, {} left out",
                               counted(inner, "triangle", "triangles"), inner == 1 ? "is" : "are"));

@@ -52,7 +52,14 @@ ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& opt
   TriangleMesh& mesh = read.mesh;
   turnYUp(mesh.positions, options.up);
   float unit = options.unit_meters;
-  if (unit == 0) unit = is_gltf ? 1.0f : guessUnit(mesh.bounds());
+  if (unit == 0 && is_gltf) unit = 1;
+  if (unit == 0) {
+    unit = guessUnit(mesh.bounds());
+    const float size = mesh.bounds().sizes().maxCoeff();
+    read.report.warnings.push_back(fmt::format(
+        "the unit is guessed: {:g} m, which makes the body {:.3g} m large; give its unit to be sure", unit,
+        unit * size));
+  }
   scaleToMeters(mesh.positions, unit, file.string());
   computeNormals(mesh);
   return read;

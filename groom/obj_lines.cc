@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "groom/text_number.h"
 
@@ -55,6 +58,17 @@ bool isUnbounded(std::string_view word) {
   return is_whole ? failure == std::errc::result_out_of_range : word.find(".#") != std::string_view::npos;
 }
 
+/// Of the format's version 3, and those before it that programs still write; in lower case.
+bool isKeyword(const std::string& word) {
+  static const std::set<std::string, std::less<>> kAll{
+      "v",      "vt",    "vn",   "vp",     "f",      "fo",       "l",        "p",          "g",
+      "o",      "s",     "mg",   "usemtl", "mtllib", "usemap",   "maplib",   "lod",        "bevel",
+      "cstype", "deg",   "bmat", "step",   "curv",   "curv2",    "surf",     "parm",       "trim",
+      "hole",   "scrv",  "sp",   "end",    "con",    "c_interp", "d_interp", "shadow_obj", "trace_obj",
+      "ctech",  "stech", "bsp",  "bzp",    "cdc",    "cdp",      "res",      "call",       "csh"};
+  return kAll.contains(word);
+}
+
 }  // namespace
 
 std::string_view ObjLines::takeLine() {
@@ -80,9 +94,18 @@ bool ObjLines::next() {
       line = joined_;
     }
     splitWords(line, words_);
-    if (!words_.empty()) return true;
+    if (words_.empty()) continue;
+    if (!isKeyword(keyword())) ++unknown_;
+    return true;
   }
   return false;
+}
+
+std::string ObjLines::keyword() const {
+  std::string out(words_[0]);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
 }
 
 float ObjLines::coordinate(std::string_view word) const {

@@ -27,6 +27,10 @@ class ObjLines {
   bool next();
   /// The statement's words; the first is its keyword. Valid until next().
   const std::vector<std::string_view>& words() const { return words_; }
+  /// The first word in lower case, as no two keywords differ by case alone.
+  std::string keyword() const;
+  /// Statements so far whose keyword the format does not have.
+  size_t unknown() const { return unknown_; }
   size_t line() const { return line_; }  ///< 1-based, where the statement starts
 
   std::string where(size_t line) const { return name_ + ", line " + std::to_string(line); }
@@ -56,6 +60,7 @@ class ObjLines {
   size_t next_byte_ = 0;
   size_t lines_read_ = 0;
   size_t line_ = 0;
+  size_t unknown_ = 0;
   std::string joined_;
   std::vector<std::string_view> words_;
 };

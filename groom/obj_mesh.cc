@@ -50,7 +50,7 @@ struct ObjMeshReader {
     static const std::set<std::string_view> kFreeForms{"curv", "curv2", "surf"};
     while (lines.next()) {
       const auto& words = lines.words();
-      const std::string_view keyword = words[0];
+      const std::string keyword = lines.keyword();
       if (keyword == "v") {
         mesh().positions.push_back(lines.position());
       } else if (keyword == "g") {
@@ -99,8 +99,9 @@ struct ObjMeshReader {
     leaveOutCount(read_mesh.report, flat, "face", " of fewer than three different corners");
     if (unclear > 0)
       read_mesh.report.warnings.push_back(
-          fmt::format("{} face{} no area or cross{} itself, the first in line {}: its triangles are a guess",
-                      unclear, unclear == 1 ? " has" : "s have", unclear == 1 ? "es" : "", first_unclear));
+          fmt::format("{} face{}, the first in line {}: the triangles are a guess", unclear,
+                      unclear == 1 ? " has no area or crosses itself" : "s have no area or cross themselves",
+                      first_unclear));
   }
 
   void reportRest() {
@@ -110,6 +111,7 @@ struct ObjMeshReader {
     leaveOutCount(report, polylines, "polyline", " (l)");
     leaveOutCount(report, points, "statement", " of points (p)");
     leaveOutCount(report, free_forms, "free-form shape", " (curv, surf)");
+    leaveOutCount(report, lines.unknown(), "statement", " that the format does not have");
   }
 
   /// Vertices that no triangle uses (those of skipped groups) would spoil the bounding box.

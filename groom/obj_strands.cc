@@ -32,7 +32,7 @@ ObjPolylines readPolylines(ObjLines& lines) {
   ObjPolylines found;
   while (lines.next()) {
     const auto& words = lines.words();
-    const std::string_view keyword = words[0];
+    const std::string keyword = lines.keyword();
     if (keyword == "v") {
       found.vertices.push_back(lines.position());
       found.has_colours |= words.size() >= 7;
@@ -101,6 +101,7 @@ RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& nam
   leaveOutCount(groom.report, found.faces, "face", " (f)");
   leaveOutCount(groom.report, found.points, "statement", " of points (p)");
   leaveOutCount(groom.report, found.free_forms, "free-form shape", " (curv, surf)");
+  leaveOutCount(groom.report, lines.unknown(), "statement", " that the format does not have");
   if (found.has_colours) groom.report.leaveOut("vertex colours");
   return groom;
 }

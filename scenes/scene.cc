@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "collision/field_bake.h"
 #include "collision/mesh_query.h"
@@ -353,6 +354,13 @@ void warnOfFarRoots(const TriangleMesh& body, const RootBinding& binding,
                     binding.mean_distance, size));
 }
 
+/// A wrong unit is to be known before minutes are spent on it.
+void tellWarnings(const SceneOptions& options, Scene& scene) {
+  if (!options.warns_early) return;
+  for (std::vector<std::string>* lines : {&scene.groom.report.warnings, &scene.warnings})
+    for (const std::string& line : std::exchange(*lines, {})) options.warns_early(line);
+}
+
 void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
   report(progress, "reading the body", 0.2);
   const GroomReadOptions units =
@@ -388,6 +396,7 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
   scene.notes.push_back(fmt::format("roots are {:.1f} mm off the body on average, {:.1f} mm at most",
                                     1000 * binding.mean_distance, 1000 * binding.max_distance));
   warnOfFarRoots(scene.body, binding, scene.warnings);
+  tellWarnings(options, scene);
   if (skinned) {
     bakeParts(options, progress, scene, std::move(skinned));
     noteFollowing(scene);

@@ -50,6 +50,9 @@ struct SceneOptions {
   std::vector<MaterialRule> materials;                ///< what the hair of its parts is made of
   std::vector<PinRule> pins;                          ///< what of its parts moves with bones
   BakeAnnouncement bake_begins;                       ///< may be empty; its line names the body
+  /// Told what there is to warn of before bodies are baked, which may take minutes; such lines are then not
+  /// in Scene::warnings. May be empty.
+  std::function<void(const std::string& warning)> warns_early;
 };
 
 /// All that a simulation and a renderer need, made once and shared by daemon, tests and benchmarks.

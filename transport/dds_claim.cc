@@ -5,6 +5,8 @@
 namespace strandcast {
 namespace {
 constexpr std::chrono::milliseconds kClaimPeriod{40};
+/// So long after its last claim another claimant has taken the turn: the deadline of the topic is 250 ms.
+constexpr std::chrono::milliseconds kStandstill{700};
 /// After its writer of claims is found, one that casts is heard within so long.
 constexpr std::chrono::milliseconds kFirstClaim{250};
 /// So long after the last claim nobody claims any more: the deadline of the topic, and time for the next one.
@@ -85,14 +87,42 @@ void DdsClaim::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
+bool DdsClaim::isLate() const {
+  const Clock::time_point written = written_;
+  return written != Clock::time_point() && Clock::now() - written > kStandstill;
+}
+
+bool DdsClaim::hasStoodStill() const { return thread_.joinable() && (stood_still_ || isLate()); }
+
+void DdsClaim::claimAgain() {
+  stop();
+  stop_ = false;
+  stood_still_ = false;
+  written_ = Clock::time_point();
+  claim();
+}
+
+void DdsClaim::joinAgain() {
+  stop();
+  stop_ = false;
+  stood_still_ = false;
+  written_ = Clock::time_point();
+  holder_ = 0;
+  has_heard_others_ = false;
+  joined_ = Clock::now();
+}
+
 void DdsClaim::write() {
   v6::Claim sample;
   sample.groom_id(groom_id_);
   sample.session(session_);
   std::unique_lock lock(mutex_);
   do {
+    if (isLate()) stood_still_ = true;
+    if (stood_still_) break;
     lock.unlock();
     writer_->write(&sample);
+    written_ = Clock::now();
     lock.lock();
   } while (!wake_.wait_for(lock, kClaimPeriod, [&] { return stop_; }));
 }

@@ -27,6 +27,11 @@ class DdsClaim {
   /// nothing.
   void claim();
   void stop();
+  /// Whether so long has passed between two claims of this daemon that others have taken its turn. From then
+  /// on it claims nothing, until claimAgain() or joinAgain().
+  bool hasStoodStill() const;
+  void claimAgain();  ///< as before
+  void joinAgain();   ///< as after join(): not before claim()
 
   /// How often it has become this daemon's turn, where it is; else 0.
   uint64_t turn() const;
@@ -40,6 +45,7 @@ class DdsClaim {
  private:
   using Clock = std::chrono::steady_clock;
   void write();
+  bool isLate() const;
   /// Whether every claimant that is there has had the time to be heard.
   bool hasHeardOthers() const;
 
@@ -60,6 +66,8 @@ class DdsClaim {
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;
+  std::atomic<Clock::time_point> written_{Clock::time_point()};  // the newest claim of its own
+  std::atomic<bool> stood_still_{false};
   std::thread thread_;
 };
 

@@ -119,6 +119,20 @@ class DdsPublisher final : public Publisher {
 
   SharedTurn sharedTurn() const override { return claim_ ? claim_->sharedTurn() : SharedTurn::kUnshared; }
 
+  bool lapsed() override {
+    if (!claim_ || !claim_->hasStoodStill()) return false;
+    if (sharers() == 0) {
+      claim_->claimAgain();
+      return false;
+    }
+    claim_->joinAgain();
+    takeTurn();
+    const std::lock_guard lock(show_mutex_);
+    newest_hair_.reset();
+    newest_state_.reset();
+    return true;
+  }
+
   size_t sharers() const override {
     const uint32_t own = reads_shows_ ? 1 : 0;  // the writer is matched with this daemon's own reader too
     return std::max(sharers_.matched(), own) - own;

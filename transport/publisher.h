@@ -90,6 +90,10 @@ class Publisher {
   /// Of a daemon that shares its groom: whose turn it is. What it publishes is cast on its own turn alone,
   /// and its first frame is its claim: it has the show by then, or there is none.
   virtual SharedTurn sharedTurn() const { return SharedTurn::kUnshared; }
+  /// Of a daemon that shares its groom: true, once, where it stood still for so long (a suspended machine, a
+  /// debugger, a GPU that hangs) that another has taken its turn. From then on it is silent; it joins anew and
+  /// has to take the show before it publishes again.
+  virtual bool lapsed() { return false; }
   /// How many others share the groom.
   virtual size_t sharers() const { return 0; }
   /// Whether others have joined since the last show with hair.

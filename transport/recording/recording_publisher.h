@@ -36,6 +36,7 @@ class RecordingPublisher final : public Publisher {
   std::chrono::milliseconds listenTime() const override { return publisher_->listenTime(); }
   size_t possibleRivals() const override { return publisher_->possibleRivals(); }
   SharedTurn sharedTurn() const override { return publisher_->sharedTurn(); }
+  bool lapsed() override { return publisher_->lapsed(); }
   size_t sharers() const override { return publisher_->sharers(); }
   bool wantsHair() const override { return publisher_->wantsHair(); }
   void publishShow(const Show& show) override { publisher_->publishShow(show); }
