@@ -394,7 +394,7 @@ class StageReader {
     if (property.numbers.empty() || (numbers == 1 && !holds(kScalars, type))) return;
     if (sizes.fewest != side_by_side || sizes.most != side_by_side)
       property.misfit =
-          fmt::format("has {} numbers side by side where {} takes {}",
+          fmt::format("has tuples of {} where {} takes {}",
                       sizes.fewest != side_by_side ? sizes.fewest : sizes.most, type, side_by_side);
   }
   static size_t sizeOfRow(size_t numbers) { return numbers == 4 ? 2 : numbers == 9 ? 3 : 4; }
@@ -445,6 +445,8 @@ class StageReader {
   }
   static void inheritPrimvars(UsdaPrim& prim, size_t index, const UsdaPrim* above) {
     if (above != nullptr) prim.constant_primvars = above->constant_primvars;
+    const auto first = prim.properties.lower_bound(kPrimvars);
+    if (first == prim.properties.end() || !first->first.starts_with(kPrimvars)) return;
     std::map<std::string, size_t, std::less<>> all;
     if (prim.constant_primvars != nullptr) all = *prim.constant_primvars;
     bool differs = false;

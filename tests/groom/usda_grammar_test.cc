@@ -473,18 +473,17 @@ TEST(UsdaCurves, TuplesOfAnotherSizeThanTheirTypeCostTheirPrimOnly) {
               (std::vector<float>{9}));
     return out;
   };
-  EXPECT_EQ(
-      said("point3f[] points = [(0, 0), (0, 1, 0, 1)]"),
-      "without 1 prim that cannot be read (/c: points has 2 numbers side by side where point3f takes 3)");
-  EXPECT_NE(said("point3f[] points.timeSamples = { 1: [(0, 0, 0, 1), (1, 0)] }").find("has 2 numbers"),
+  EXPECT_EQ(said("point3f[] points = [(0, 0), (0, 1, 0, 1)]"),
+            "without 1 prim that cannot be read (/c: points has tuples of 2 where point3f takes 3)");
+  EXPECT_NE(said("point3f[] points.timeSamples = { 1: [(0, 0, 0, 1), (1, 0)] }").find("has tuples of 2"),
             std::string::npos);
-  EXPECT_NE(said("float3[] points = [0, 0, 0, 0, 1, 0]").find("has 1 numbers"), std::string::npos);
-  EXPECT_NE(said("point3d[] points = [(0, 0, 0, 0, 1, 0)]").find("has 6 numbers"), std::string::npos);
+  EXPECT_NE(said("float3[] points = [0, 0, 0, 0, 1, 0]").find("has tuples of 1"), std::string::npos);
+  EXPECT_NE(said("point3d[] points = [(0, 0, 0, 0, 1, 0)]").find("has tuples of 6"), std::string::npos);
   std::string uvs;
   EXPECT_EQ(
       shown(lockPrim("c", "float2[] primvars:st = [(0, 0, 1), (1)] ( interpolation = \"vertex\" )", 1), &uvs),
       (std::vector<float>{1, 9}));
-  EXPECT_NE(uvs.find("UVs (/c: primvars:st has 1 numbers side by side"), std::string::npos) << uvs;
+  EXPECT_NE(uvs.find("UVs (/c: primvars:st has tuples of 1"), std::string::npos) << uvs;
   EXPECT_NE(
       said("point3f[] points = [(0, 0, 0), (0, 1, 0)]\nmatrix4d xformOp:transform = ((1,0,0,0,0), (1,0,0),"
            "(0,0,1,0), (0,0,0,1))\nuniform token[] xformOpOrder = [\"xformOp:transform\"]")
