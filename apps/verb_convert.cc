@@ -54,6 +54,7 @@ int convert(const ConvertOptions& o) {
     up = raw.native_up;
     unit_meters = raw.unit_meters;
     report = std::move(raw.report);
+    if (const std::string doubt = defaultUnitWarning(raw); !doubt.empty()) report.warnings.push_back(doubt);
   }
   if (o.vertices > 0) {
     strands = resample(strands, o.vertices);

@@ -18,7 +18,8 @@ struct GroomReport {
       0;  ///< metres per unit of the files, given or guessed; a body of the same origin has it too
   bool is_unit_guessed = false;       ///< it is neither given nor said by the files
   std::vector<std::string> warnings;  ///< one line each, e.g. that the unit was guessed, and from what
-  std::vector<std::string> left_out;  ///< what else the files have (FileReport), each once
+  std::vector<std::string> left_out;  ///< what else the file has (FileReport); of several files a
+                                      ///< line each, "NAME: A, B"
 
   std::vector<std::string> lines() const;  ///< what to tell of it but for warnings
 };

@@ -56,6 +56,10 @@ RawGroom readHair(std::span<const std::byte> bytes, const std::string& name);
 RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& name);
 RawGroom readUsda(std::span<const std::byte> bytes, const std::string& name);
 
+/// Where the file's unit is only its format's default, a warning that asks for the unit; else empty. Readers
+/// cannot give it, as the unit may be given by hand.
+std::string defaultUnitWarning(const RawGroom& raw);
+
 /// Writes by extension, turned from `up`, which is up in `strands`, to what readers of the format take for
 /// up: Z for .hair, Y for .tfx and .usda. Quarter turns keep every bit: .hair -> .hair and .tfx -> .hair ->
 /// .tfx through raw grooms and their native_up give the same positions.

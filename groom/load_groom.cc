@@ -35,7 +35,7 @@ void freeSecondVertices(StrandSet& strands) {
 /// pins default to the root, radii and UVs are left out with a warning.
 class GroomMerger {
  public:
-  explicit GroomMerger(Groom& groom) : groom_(groom) {}
+  GroomMerger(Groom& groom, bool several) : groom_(groom), several_(several) {}
 
   void add(const RawGroom& raw, size_t file, const std::string& name) {
     const StrandSet& part = raw.strands;
@@ -71,8 +71,10 @@ class GroomMerger {
  private:
   void report(const FileReport& found, const std::string& name) {
     std::vector<std::string>& left_out = groom_.report.left_out;
-    for (const std::string& what : found.left_out)
-      if (std::find(left_out.begin(), left_out.end(), what) == left_out.end()) left_out.push_back(what);
+    if (!several_)
+      left_out = found.left_out;
+    else if (!found.left_out.empty())
+      left_out.push_back(fmt::format("{}: {}", name, fmt::join(found.left_out, ", ")));
     for (const std::string& warning : found.warnings)
       groom_.report.warnings.push_back(fmt::format("{}: {}", name, warning));
   }
@@ -87,6 +89,7 @@ class GroomMerger {
   }
 
   Groom& groom_;
+  bool several_;  // files
   bool any_pins_ = false;
 };
 
@@ -177,6 +180,15 @@ RawGroom readRawGroom(const std::filesystem::path& file) {
   throw Error("this is no known groom format", name + ", byte 0", "use .tfx, .hair, .obj or .usda");
 }
 
+std::string defaultUnitWarning(const RawGroom& raw) {
+  if (!raw.unit_is_default) return {};
+  return fmt::format(
+      "metersPerUnit is not given: by the USD specification a unit is {:g} m then; give --unit-meters if it "
+      "is "
+      "another",
+      raw.unit_meters);
+}
+
 void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpAxis up, float unit_meters) {
   const std::string extension = lowerExtension(file);
   StrandSet turned = strands;
@@ -209,7 +221,7 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
     throw Error(fmt::format("{} groom files are too many", files.size()), "loading a groom",
                 "give at most 65535");
   Groom groom;
-  GroomMerger merger(groom);
+  GroomMerger merger(groom, files.size() > 1);
   float said = 0;
   for (size_t f = 0; f < files.size(); ++f) {
     RawGroom raw = readRawGroom(files[f]);
@@ -218,6 +230,8 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
       said = raw.unit_meters;
     else if (options.unit_meters == 0)
       toUnit(raw, said, files[f].string());
+    if (const std::string doubt = defaultUnitWarning(raw); options.unit_meters == 0 && !doubt.empty())
+      groom.report.warnings.push_back(fmt::format("{}: {}", files[f].string(), doubt));
     if (options.unit_meters > 0 && raw.unit_meters > 0 && !raw.unit_is_default &&
         !isSameUnit(options.unit_meters, raw.unit_meters))
       groom.report.warnings.push_back(

@@ -23,6 +23,9 @@ UsdaCurves::UsdaCurves(const UsdaPrim& prim) {
 
   const UsdaProperty* points = prim.find("points");
   const UsdaProperty* counts = prim.find("curveVertexCounts");
+  for (const std::string_view name : {"points", "curveVertexCounts"})
+    if (const UsdaProperty* property = prim.find(name); property != nullptr && !property->misfit.empty())
+      throw UsdaFault{fmt::format("{} {}", name, property->misfit), property->line};
   const size_t numbers = points == nullptr ? 0 : points->numbers.size();
   const auto most = static_cast<double>(numbers / 3);
   double sum = 0;

@@ -114,9 +114,12 @@ class HairReader {
   /// Whether a prim is seen where it stands. What is hidden is counted.
   bool shows(size_t index) {
     const UsdaPrim& prim = stage_.prims[index];
-    if (!prim.is_there) return false;
     Tally* hidden = nullptr;
-    if (prim.is_prototype)
+    if (!prim.is_active)
+      hidden = &inactive_;
+    else if (!prim.is_there)
+      hidden = prim.is_abstract ? &abstract_ : &undefined_;
+    else if (prim.is_prototype)
       hidden = &prototypes_;
     else if (!prim.is_visible)
       hidden = &invisible_;
@@ -245,6 +248,9 @@ class HairReader {
           tally.count() == 1 ? fmt::format("1 {}", one) : fmt::format("{} {}", tally.count(), many);
       out.leaveOut(fmt::format("{} ({})", counted, tally.places()));
     };
+    leaveOut(inactive_, "inactive prim", "inactive prims");
+    leaveOut(abstract_, "prim of a class", "prims of classes");
+    leaveOut(undefined_, "prim of an over without a def", "prims of overs without a def");
     leaveOut(invisible_, "invisible prim", "invisible prims");
     leaveOut(guides_, "prim of purpose guide", "prims of purpose guide");
     leaveOut(proxies_, "prim of purpose proxy", "prims of purpose proxy");
@@ -259,23 +265,20 @@ class HairReader {
     if (has_colors_) out.leaveOut("colours");
     leaveOut(other_names_, "other primvar", "other primvars");
     if (is_sampled_) out.leaveOut("time samples");
-    if (stage_.meters_per_unit == 0)
-      out.warnings.emplace_back(
-          "metersPerUnit is not given: by the USD specification a unit is 0.01 m then; give --unit-meters if "
-          "it "
-          "is another");
   }
 
   [[noreturn]] void failEmpty() const {
     if (first_fault_)
       text_.failAt(first_fault_->line, first_fault_->what,
                    "export the hair as linear, bezier, bspline or catmullRom curves that are open");
-    const bool hidden = invisible_.count() + guides_.count() + proxies_.count() + prototypes_.count() > 0;
+    const bool hidden = inactive_.count() + abstract_.count() + undefined_.count() + invisible_.count() +
+                            guides_.count() + proxies_.count() + prototypes_.count() >
+                        0;
     const std::string without = groom_.report.leftOutLine();
     throw Error(fmt::format("the file has no BasisCurves with points in them{}{}", hidden ? " that show" : "",
                             without.empty() ? "" : fmt::format(" ({})", without)),
                 name_,
-                hidden ? "make the hair visible and its purpose default or render"
+                hidden ? "make the hair visible, active and defined (def), and its purpose default or render"
                        : "export the hair as curves; what other files hold (references, sublayers) is not "
                          "read: usdcat --flatten");
   }
@@ -284,8 +287,8 @@ class HairReader {
   UsdaStage stage_;
   const std::string& name_;
   RawGroom groom_;
-  Tally invisible_, guides_, proxies_, prototypes_, no_basis_, unreadable_, unfit_, unbounded_, along_,
-      other_names_;
+  Tally inactive_, abstract_, undefined_, invisible_, guides_, proxies_, prototypes_, no_basis_, unreadable_,
+      unfit_, unbounded_, along_, other_names_;
   Coverage widths_, uvs_;
   std::optional<UsdaFault> first_fault_;
   std::set<std::string> other_primvars_;

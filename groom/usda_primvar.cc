@@ -11,18 +11,6 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kInterpolations = {"constant", "uniform", "varying", "vertex"};
 
-/// Numbers that a value of a type has: 2 of "texCoord2f", 16 of "matrix4d", 4 of "quatf".
-size_t numbersOf(std::string_view type) {
-  if (type.starts_with("quat")) return 4;
-  if (!type.empty() && std::string_view("fdh").find(type.back()) != std::string_view::npos)
-    type.remove_suffix(1);  // "texCoord2f"
-  if (type.size() < 2 || type.back() < '2' || type.back() > '4') return 1;
-  const char before = type[type.size() - 2];
-  if (before >= '0' && before <= '9') return 1;  // "int64"
-  const auto count = static_cast<size_t>(type.back() - '0');
-  return type.starts_with("matrix") ? count * count : count;
-}
-
 size_t valuesOf(const UsdaCurves& curves, UsdaPrimvar::Interpolation interpolation) {
   switch (interpolation) {
     case UsdaPrimvar::Interpolation::kUniform:
@@ -49,19 +37,22 @@ std::optional<UsdaPrimvar> UsdaPrimvar::of(const UsdaStage& stage, size_t prim, 
     owner = &stage.prims[found->second];
     property = owner->find(name);
   }
+  if (!property->misfit.empty()) throw UsdaFault{property->misfit, property->line};
   UsdaPrimvar out;
-  const double element = property->element_size;
+  const double element = property->element_size.value_or(1);
   if (!(element >= 1 && element <= 1024) || element != std::floor(element))
     throw UsdaFault{fmt::format("has an elementSize of {}", element), property->line};
-  out.components_ = numbersOf(property->type) * static_cast<size_t>(element);
+  out.components_ = usdaNumbersOf(property->type) * static_cast<size_t>(element);
   out.values_ = property->numbers;
   if (!property->strings.empty() || out.values_.size() % out.components_ != 0)
     throw UsdaFault{
         fmt::format("has {} numbers, which are no values of {}", out.values_.size(), out.components_),
         property->line};
-  out.unauthored_ = property->unauthored_index;
+  out.unauthored_ = property->unauthored_index.value_or(-1);
   const UsdaProperty* indices = owner->find(name + ":indices");
   out.indexed_ = indices != nullptr && indices->has_value;
+  if (out.indexed_ && !indices->misfit.empty())
+    throw UsdaFault{fmt::format("has indices and each {}", indices->misfit), indices->line};
   if (out.indexed_) out.indices_ = indices->numbers;
   out.choose(*property, curves, otherwise);
   return out;

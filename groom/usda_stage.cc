@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
+#include <utility>
 
 #include "groom/usda_xform.h"
 
@@ -12,8 +14,11 @@ namespace strandcast {
 namespace {
 
 constexpr std::string_view kSamples = ".timeSamples", kIndicesSuffix = ":indices", kPrimvars = "primvars:";
-constexpr size_t kDeepest = 1000;  // prims in prims
-constexpr size_t kMostNamed = 3;   // in a report
+constexpr size_t kDeepest = 1000;        // prims in prims
+constexpr size_t kDeepestVariants = 64;  // variant sets in variants: each level is passed over once more
+constexpr size_t kMostNamed = 3;         // in a report
+constexpr std::array<std::string_view, 8> kScalars = {"float", "double", "half",   "int",
+                                                      "uint",  "int64",  "uint64", "uchar"};
 
 template <class List>
 bool holds(const List& list, std::string_view what) {
@@ -24,14 +29,44 @@ bool holds(const List& list, std::string_view what) {
 struct OpenBlock {
   enum class Kind { kPrim, kVariantSet, kVariant } kind = Kind::kPrim;
   size_t prim = 0;
-  std::string selection;  // of a variant set
-  bool weak = false;      // within a variant
+  bool weak = false;  // within a variant
+  size_t number = 0;  // counts blocks from 1
+
+  /// The variant sets in a prim or variant. They are read when all else of it is, so that the stronger comes
+  /// first.
+  struct VariantSet {
+    size_t order;    // the less, the stronger
+    UsdaText block;  // behind its opening bracket
+    std::string name;
+  };
+  std::vector<VariantSet> sets;
+  bool is_ordered = false;  // the sets are, the strongest last
+
+  // Of a variant set.
+  std::string selection;
+  std::optional<UsdaText> back;  // where reading goes on behind it
 };
 
 /// What is known of a prim while it is read.
 struct PrimSpecs {
-  bool defined = false, abstract = false, active = true, weak = false;
+  bool defined = false, abstract = false, weak = false;
+  std::optional<bool> active;                                  // none where it is not said
   std::map<std::string, std::string, std::less<>> selections;  // variants by the names of their sets
+  std::map<std::string, size_t, std::less<>> set_order;        // of `variantSets`: the less, the stronger
+  size_t next_order = 0;
+
+  /// Adds what weaker specs say.
+  void addWeaker(const PrimSpecs& weaker) {
+    if (!defined && !abstract) {
+      defined = weaker.defined;
+      abstract = weaker.abstract;
+    }
+    if (!active) active = weaker.active;
+    selections.insert(weaker.selections.begin(), weaker.selections.end());
+    for (const auto& [name, order] : weaker.set_order) set_order.try_emplace(name, next_order + order);
+    next_order += weaker.next_order;
+    weak = weak && weaker.weak;
+  }
 };
 
 class StageReader {
@@ -44,9 +79,8 @@ class StageReader {
     while (text_.kind() != UsdaText::Kind::kEnd) {
       if (text_.isMark('}')) {
         if (open_.empty()) text_.fail("there is a '}' too many");
-        text_.next();
-        open_.pop_back();
-      } else if (!takeSeparator() && !readVariant() && !readPrim() && !openVariants() && !takeOrder()) {
+        close();
+      } else if (!takeSeparator() && !readVariant() && !readPrim() && !deferVariants() && !takeOrder()) {
         if (open_.empty()) text_.fail("there should be a prim (def, over or class)");
         readProperty(stage_.prims[open_.back().prim]);
       }
@@ -123,13 +157,18 @@ class StageReader {
       specs.weak = open_.back().weak;
     }
     const bool weak = specs.weak;
-    open_.push_back({OpenBlock::Kind::kPrim, add(std::move(prim), std::move(specs)), {}, weak});
+    open(OpenBlock::Kind::kPrim, add(std::move(prim), std::move(specs)), weak);
     return true;
   }
   bool readOfPrim(PrimSpecs& specs, std::string_view key, bool removes) {
     if (key == "active") {
-      specs.active = !(text_.isWord("false") || text_.isWord("no") || text_.text() == "0");
+      if (!specs.active) specs.active = !(text_.isWord("false") || text_.isWord("no") || text_.text() == "0");
       return false;
+    }
+    if (key == "variantSets") {
+      for (const std::string& name : text_.takeStrings())
+        if (!removes) specs.set_order.try_emplace(name, specs.next_order++);
+      return true;
     }
     if (key == "variants") {
       readSelections(specs);
@@ -149,7 +188,7 @@ class StageReader {
       std::string set(text_.text());
       text_.next();
       if (!text_.takeMark('=')) continue;  // it was the type
-      specs.selections[set] = text_.takeString();
+      specs.selections.try_emplace(set, text_.takeString());
     }
   }
   /// A variant may say more of a prim that is there: both are one.
@@ -161,29 +200,64 @@ class StageReader {
       specs_.push_back(std::move(specs));
       return stage_.prims.size() - 1;
     }
-    UsdaPrim& known = stage_.prims[same];
-    PrimSpecs& all = specs_[same];
-    if (known.type.empty() || (all.weak && !specs.weak && !prim.type.empty())) known.type = prim.type;
-    all.defined = all.defined || specs.defined;
-    all.active = all.weak == specs.weak ? all.active && specs.active : all.weak ? specs.active : all.active;
-    all.selections.merge(specs.selections);
-    all.weak = all.weak && specs.weak;
+    UsdaPrim& known = stage_.prims[same];  // stronger: deferVariants() sees to it
+    if (known.type.empty()) known.type = prim.type;
+    specs_[same].addWeaker(specs);
     return same;
   }
 
-  bool openVariants() {
+  void open(OpenBlock::Kind kind, size_t prim, bool weak) {
+    OpenBlock block;
+    block.kind = kind;
+    block.prim = prim;
+    block.weak = weak;
+    block.number = ++blocks_;
+    open_.push_back(std::move(block));
+  }
+  /// At the bracket that closes the last block: opens its next variant set, or leaves it.
+  void close() {
+    OpenBlock& block = open_.back();
+    if (!block.sets.empty()) return openVariants(block);
+    if (block.kind == OpenBlock::Kind::kVariantSet)
+      text_ = std::move(*block.back);
+    else
+      text_.next();
+    open_.pop_back();
+  }
+  /// Passes over the block of a variant set, which close() opens.
+  bool deferVariants() {
     if (open_.empty() || !text_.takeWord("variantSet")) return false;
-    const std::string set(text_.takeString());
+    std::string name(text_.takeString());
     text_.expectMark('=');
-    text_.expectMark('{');
-    const size_t prim = open_.back().prim;
-    const auto& selections = specs_[prim].selections;
-    const auto found = selections.find(set);
-    if (open_.size() == kDeepest)
-      text_.fail(fmt::format("blocks lie more than {} deep in one another", kDeepest));
-    open_.push_back(
-        {OpenBlock::Kind::kVariantSet, prim, found == selections.end() ? "" : found->second, true});
+    if (!text_.isMark('{')) text_.fail("there should be a '{'");
+    UsdaText block = text_;
+    block.next();
+    open_.back().sets.push_back({0, std::move(block), std::move(name)});
+    text_.skipValue();
     return true;
+  }
+  void openVariants(OpenBlock& block) {
+    const PrimSpecs& specs = specs_[block.prim];
+    if (!block.is_ordered) {
+      for (OpenBlock::VariantSet& set : block.sets) {
+        const auto order = specs.set_order.find(set.name);
+        set.order = order == specs.set_order.end() ? std::numeric_limits<size_t>::max() : order->second;
+      }
+      std::stable_sort(block.sets.begin(), block.sets.end(),
+                       [](const auto& a, const auto& b) { return a.order < b.order; });
+      std::reverse(block.sets.begin(), block.sets.end());
+      block.is_ordered = true;
+    }
+    const auto is_set = [](const OpenBlock& one) { return one.kind == OpenBlock::Kind::kVariantSet; };
+    if (open_.size() == kDeepest ||
+        std::count_if(open_.begin(), open_.end(), is_set) == static_cast<std::ptrdiff_t>(kDeepestVariants))
+      text_.fail(fmt::format("variant sets lie more than {} deep in one another", kDeepestVariants));
+    OpenBlock::VariantSet set = std::move(block.sets.back());
+    block.sets.pop_back();
+    const auto selected = specs.selections.find(set.name);
+    open(OpenBlock::Kind::kVariantSet, block.prim, true);
+    if (selected != specs.selections.end()) open_.back().selection = selected->second;
+    open_.back().back = std::exchange(text_, std::move(set.block));
   }
   /// One variant of a set that is open.
   bool readVariant() {
@@ -192,13 +266,12 @@ class StageReader {
     const bool selected = text_.takeString() == open_.back().selection;
     if (text_.takeMark('('))
       readMetadata([&](std::string_view key, bool removes) {
-        PrimSpecs unused;
-        return selected && key != "variants" && readOfPrim(unused, key, removes);
+        return selected && readOfPrim(specs_[prim], key, removes);
       });
     if (!text_.isMark('{')) text_.fail("there should be a '{'");
     if (selected) {
       text_.next();
-      open_.push_back({OpenBlock::Kind::kVariant, prim, {}, true});
+      open(OpenBlock::Kind::kVariant, prim, true);
     } else {
       stage_.report.leaveOut("variants that are not selected");
       text_.skipValue();
@@ -219,7 +292,7 @@ class StageReader {
                                                          "prepend", "append",  "delete",  "add"};
     while (text_.kind() == UsdaText::Kind::kWord && holds(kBefore, text_.text())) text_.next();
     if (text_.kind() != UsdaText::Kind::kWord) text_.fail("there should be a property");
-    std::string type(text_.text());  // or rel
+    const std::string type(text_.text());  // or rel
     text_.next();
     if (text_.takeMark('[')) text_.expectMark(']');
     if (text_.kind() != UsdaText::Kind::kWord) text_.fail("there should be the name of a property");
@@ -228,59 +301,61 @@ class StageReader {
     text_.next();
     const bool sampled = name.ends_with(kSamples);
     if (sampled) name.resize(name.size() - kSamples.size());
-    UsdaProperty* property = isKept(prim, name) ? &prim.properties[name] : nullptr;
-    const bool weak = open_.back().weak;
-    if (property != nullptr && property->line > 0 && weak && !property->weak) property = nullptr;
-    if (property != nullptr && !weak && property->weak) *property = {};
-    if (property != nullptr) {
-      property->type = std::move(type);
-      property->weak = weak;
-      if (property->line == 0) property->line = line;
+    // An over may be of the wanted type, too: a weaker def tells.
+    const bool may_be_wanted = prim.type.empty() || prim.type == wanted_;
+    UsdaProperty* property = isKept(name, may_be_wanted) ? &prim.properties[name] : nullptr;
+    if (property != nullptr && property->line == 0) {
+      property->type = type;
+      property->line = line;
     }
     if (text_.takeMark('=')) {
-      noteOther(prim, name);
-      if (property == nullptr)
-        text_.skipValue();
-      else if (sampled)
-        readSamples(*property, line);
-      else
-        readDefault(*property, line);
+      if (may_be_wanted) noteOther(prim, name);
+      const size_t block = open_.back().number;
+      if (property == nullptr || (property->source != 0 && property->source != block)) {
+        text_.skipValue();  // a stronger block has the value
+      } else {
+        property->source = block;
+        if (sampled)
+          readSamples(*property, type, line);
+        else
+          readDefault(*property, type, line);
+      }
     }
     if (text_.takeMark('('))
       readMetadata(
           [&](std::string_view key, bool) { return property != nullptr && readOfProperty(*property, key); });
   }
-  bool isKept(const UsdaPrim& prim, std::string_view name) const {
+  bool isKept(std::string_view name, bool wanted_prim) const {
     if (name.starts_with("xformOp:")) return name.find('.') == std::string_view::npos;
     if (name == "xformOpOrder" || name == "visibility" || name == "purpose") return true;
     const bool primvar = name.starts_with(kPrimvars);
     if (primvar && name.ends_with(kIndicesSuffix)) name.remove_suffix(kIndicesSuffix.size());
-    return (primvar || prim.type == wanted_) && holds(wanted_properties_, name);
+    return (primvar || wanted_prim) && holds(wanted_properties_, name);
   }
   void noteOther(UsdaPrim& prim, std::string_view name) const {
-    if (prim.type != wanted_ || !name.starts_with(kPrimvars) || name.ends_with(kIndicesSuffix)) return;
+    if (!name.starts_with(kPrimvars) || name.ends_with(kIndicesSuffix)) return;
     if (name.find('.') != std::string_view::npos || holds(wanted_properties_, name)) return;
     prim.other_primvars.emplace(name.substr(kPrimvars.size()));
   }
   bool readOfProperty(UsdaProperty& property, std::string_view key) {
     if (key == "interpolation") {
       const std::vector<std::string> how = text_.takeStrings();
-      if (how.size() == 1) property.interpolation = how[0];
+      if (how.size() == 1 && property.interpolation.empty()) property.interpolation = how[0];
       return true;
     }
     if (key != "elementSize" && key != "unauthoredValuesIndex") return false;
     const std::vector<double> number = text_.takeNumbers();
-    if (number.size() == 1)
-      (key == "elementSize" ? property.element_size : property.unauthored_index) = number[0];
+    std::optional<double>& known = key == "elementSize" ? property.element_size : property.unauthored_index;
+    if (number.size() == 1 && !known) known = number[0];
     return true;
   }
-  void readDefault(UsdaProperty& property, size_t line) {
+  void readDefault(UsdaProperty& property, const std::string& type, size_t line) {
     property.line = line;
     property.sampled = false;
-    readValue(property);
+    readValue(property, type);
   }
   /// Keeps the earliest that is no `None`.
-  void readSamples(UsdaProperty& property, size_t line) {
+  void readSamples(UsdaProperty& property, const std::string& type, size_t line) {
     const bool has_default = property.has_value && !property.sampled;
     property.has_samples = true;
     text_.expectMark('{');
@@ -297,28 +372,46 @@ class StageReader {
       property.line = line;
       property.sampled = true;
       property.time = time[0];
-      readValue(property);
+      readValue(property, type);
     }
   }
-  void readValue(UsdaProperty& property) {
+  void readValue(UsdaProperty& property, const std::string& type) {
     property.numbers.clear();
     property.strings.clear();
+    property.misfit.clear();
     property.has_value = !text_.isWord("None");
     // An array says what it is by its first member.
     UsdaText ahead = text_;
     while (ahead.isMark('[') || ahead.isMark('(')) ahead.next();
-    if (ahead.kind() == UsdaText::Kind::kString)
+    if (ahead.kind() == UsdaText::Kind::kString) {
       property.strings = text_.takeStrings();
-    else
-      property.numbers = text_.takeNumbers();
+      return;
+    }
+    UsdaText::TupleSizes sizes;
+    property.numbers = text_.takeNumbers(&sizes);
+    const size_t numbers = usdaNumbersOf(type);
+    const size_t side_by_side = type.starts_with("matrix") ? sizeOfRow(numbers) : numbers;
+    if (property.numbers.empty() || (numbers == 1 && !holds(kScalars, type))) return;
+    if (sizes.fewest != side_by_side || sizes.most != side_by_side)
+      property.misfit =
+          fmt::format("has tuples of {} where {} takes {}",
+                      sizes.fewest != side_by_side ? sizes.fewest : sizes.most, type, side_by_side);
   }
+  static size_t sizeOfRow(size_t numbers) { return numbers == 4 ? 2 : numbers == 9 ? 3 : 4; }
 
   /// What a prim has from those above it.
   void inherit(size_t index) {
     UsdaPrim& prim = stage_.prims[index];
     const PrimSpecs& specs = specs_[index];
     const UsdaPrim* above = prim.parent == UsdaPrim::kNoParent ? nullptr : &stage_.prims[prim.parent];
-    prim.is_there = specs.defined && !specs.abstract && specs.active && (above == nullptr || above->is_there);
+    if (prim.type != wanted_) {  // what was kept while its type was not known
+      std::erase_if(prim.properties, [&](const auto& property) { return !isKept(property.first, false); });
+      prim.other_primvars.clear();
+    }
+    prim.is_active = specs.active.value_or(true) && (above == nullptr || above->is_active);
+    prim.is_abstract = specs.abstract || (above != nullptr && above->is_abstract);
+    prim.is_defined = (specs.defined || specs.abstract) && (above == nullptr || above->is_defined);
+    prim.is_there = prim.is_active && prim.is_defined && !prim.is_abstract;
     prim.is_prototype = above != nullptr && (above->is_prototype || above->type == "PointInstancer");
     prim.is_visible =
         (above == nullptr || above->is_visible) && prim.token("visibility", "inherited") != "invisible";
@@ -352,16 +445,22 @@ class StageReader {
   }
   static void inheritPrimvars(UsdaPrim& prim, size_t index, const UsdaPrim* above) {
     if (above != nullptr) prim.constant_primvars = above->constant_primvars;
-    std::map<std::string, size_t, std::less<>> own;
-    for (const auto& [name, property] : prim.properties)
-      if (name.starts_with(kPrimvars) && !name.ends_with(kIndicesSuffix) && property.has_value &&
-          (property.interpolation.empty() || property.interpolation == "constant"))
-        own[name] = index;
-    if (own.empty()) return;
-    if (prim.constant_primvars != nullptr)
-      own.insert(prim.constant_primvars->begin(), prim.constant_primvars->end());
-    prim.constant_primvars =
-        std::make_shared<const std::map<std::string, size_t, std::less<>>>(std::move(own));
+    const auto first = prim.properties.lower_bound(kPrimvars);
+    if (first == prim.properties.end() || !first->first.starts_with(kPrimvars)) return;
+    std::map<std::string, size_t, std::less<>> all;
+    if (prim.constant_primvars != nullptr) all = *prim.constant_primvars;
+    bool differs = false;
+    for (const auto& [name, property] : prim.properties) {
+      if (!name.starts_with(kPrimvars) || name.ends_with(kIndicesSuffix) || !property.has_value) continue;
+      if (property.interpolation.empty() || property.interpolation == "constant")
+        all[name] = index;
+      else if (all.erase(name) == 0)  // others end the inheritance
+        continue;
+      differs = true;
+    }
+    if (differs)
+      prim.constant_primvars =
+          std::make_shared<const std::map<std::string, size_t, std::less<>>>(std::move(all));
   }
   static void addTo(std::vector<std::string>& all, const std::vector<std::string>& more) {
     for (const std::string& one : more)
@@ -389,6 +488,7 @@ class StageReader {
   std::vector<PrimSpecs> specs_;  // of the stage's prims
   std::map<std::pair<size_t, std::string>, size_t> children_;
   std::vector<OpenBlock> open_;
+  size_t blocks_ = 0;
   std::vector<std::string> sublayers_, references_;
   size_t missing_ = 0;
   std::string first_missing_;
@@ -414,6 +514,17 @@ std::string UsdaStage::pathOf(size_t prim) const {
   size_t top = prim;
   while (prims[top].parent != UsdaPrim::kNoParent) top = prims[top].parent;
   return fmt::format("/{}/...{}", printableName(prims[top].name), path);
+}
+
+size_t usdaNumbersOf(std::string_view type) {
+  if (type.starts_with("quat")) return 4;
+  if (!type.empty() && std::string_view("fdh").find(type.back()) != std::string_view::npos)
+    type.remove_suffix(1);  // "texCoord2f"
+  if (type.size() < 2 || type.back() < '2' || type.back() > '4') return 1;
+  const char before = type[type.size() - 2];
+  if (before >= '0' && before <= '9') return 1;  // "int64"
+  const auto count = static_cast<size_t>(type.back() - '0');
+  return type.starts_with("matrix") ? count * count : count;
 }
 
 UsdaStage readUsdaStage(UsdaText& text, std::string_view wanted, const std::vector<std::string>& properties) {

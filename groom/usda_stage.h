@@ -3,6 +3,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -19,15 +20,16 @@ struct UsdaProperty {
   std::string type;             ///< as declared, without brackets: "float2", "token"
   std::vector<double> numbers;  ///< of all values, flat; infinite ones and NaN as the text has them
   std::vector<std::string> strings;
+  std::string misfit;         ///< how the tuples of the value do not fit the type, or empty
   bool has_value = false;     ///< false where it is only declared, or blocked by `None`
   bool sampled = false;       ///< the value is a time sample
   bool has_samples = false;   ///< there are time samples, whether or not a default goes before them
-  bool weak = false;          ///< comes from a variant, which is weaker than the prim itself
+  size_t source = 0;          ///< number of the block of the text that has the value; 0 where none has
   double time = 0;            ///< of the sample
   std::string interpolation;  ///< as its metadata names it, or empty
-  double element_size = 1;    ///< of its metadata
-  double unauthored_index = -1;
-  size_t line = 0;  ///< 1-based
+  std::optional<double> element_size;      ///< of its metadata; 1 where it is not given
+  std::optional<double> unauthored_index;  ///< likewise; -1
+  size_t line = 0;                         ///< 1-based
 };
 
 /// A prim (node) of the stage with what is wanted of it.
@@ -41,7 +43,10 @@ struct UsdaPrim {
   std::set<std::string> other_primvars;  ///< names of primvars that have a value and are not wanted
 
   // Inherited from the prims above.
-  bool is_there = true;       ///< defined and active, and not abstract
+  bool is_active = true;     ///< neither it nor a prim above has `active = false`
+  bool is_abstract = false;  ///< it, or a prim above, is a `class`
+  bool is_defined = true;    ///< it and those above are each a `def` or `class` somewhere, not only an `over`
+  bool is_there = true;      ///< defined and active, and not abstract
   bool is_prototype = false;  ///< of a PointInstancer: it does not show where it stands
   bool is_visible = true;     ///< computed visibility
   std::string purpose;        ///< computed purpose: "default", "render", "proxy" or "guide"
@@ -76,8 +81,12 @@ struct UsdaFault {
 
 /// Parses the text. Of the properties those are kept that place or hide a prim; of prims of type `wanted`
 /// those named in `properties`; of other prims the primvars among them, since primvars are inherited. Those
-/// named "primvars:..." bring their ":indices". Of variants the selected ones are read, weaker than the prim
-/// itself. Throws Error (file, line, remedy).
+/// named "primvars:..." bring their ":indices". Of variants the selected ones are read. What the prim itself
+/// says is stronger, whatever the order in the text, then the variant sets as `variantSets` lists them.
+/// Throws Error (file, line, remedy).
 UsdaStage readUsdaStage(UsdaText& text, std::string_view wanted, const std::vector<std::string>& properties);
+
+/// Numbers that a value of a type has: 2 of "texCoord2f", 16 of "matrix4d", 4 of "quatf".
+size_t usdaNumbersOf(std::string_view type);
 
 }  // namespace strandcast

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "groom/text_number.h"
 
@@ -178,8 +179,8 @@ std::string_view UsdaText::takeString() {
   return text;
 }
 
-template <class Take>
-void UsdaText::forEach(const Take& take) {
+template <class Take, class Close>
+void UsdaText::forEach(const Take& take, const Close& close) {
   std::string open;  // what is to close the brackets
   do {
     if (kind_ == Kind::kEnd) fail("the file ends within a value");
@@ -189,9 +190,10 @@ void UsdaText::forEach(const Take& take) {
     } else if (closes(mark)) {
       if (open.empty()) fail("a value is missing");
       if (open.back() != mark) fail(fmt::format("there should be a '{}'", open.back()));
+      close(mark);
       open.pop_back();
     } else if (mark != ',') {
-      take();
+      take(open.empty() ? '\0' : open.back());
     }
     next();
   } while (!open.empty());
@@ -203,15 +205,32 @@ void UsdaText::skipValue() {
   if (asset && kind_ == Kind::kPath) next();  // a place in it
 }
 
-std::vector<double> UsdaText::takeNumbers() {
+void UsdaText::TupleSizes::add(size_t size) {
+  fewest = most == 0 ? size : std::min(fewest, size);
+  most = std::max(most, size);
+}
+
+std::vector<double> UsdaText::takeNumbers(TupleSizes* sizes) {
   std::vector<double> numbers;
+  TupleSizes found;
+  size_t in_tuple = 0;
   if (takeWord("None")) return numbers;
-  forEach([&] {
-    const bool may_be = kind_ == Kind::kNumber || isWord("inf") || isWord("nan");
-    const std::optional<double> number = may_be ? numberOrInfinite(text_) : std::nullopt;
-    if (!number) fail("there should be a number");
-    numbers.push_back(*number);
-  });
+  forEach(
+      [&](char closing) {
+        const bool may_be = kind_ == Kind::kNumber || isWord("inf") || isWord("nan");
+        const std::optional<double> number = may_be ? numberOrInfinite(text_) : std::nullopt;
+        if (!number) fail("there should be a number");
+        numbers.push_back(*number);
+        if (closing == ')')
+          ++in_tuple;
+        else
+          found.add(1);
+      },
+      [&](char closing) {
+        if (closing != ')' || in_tuple == 0) return;
+        found.add(std::exchange(in_tuple, 0));
+      });
+  if (sizes != nullptr) *sizes = found;
   return numbers;
 }
 

@@ -15,6 +15,13 @@ namespace strandcast {
 /// CR. Source: https://openusd.org/release/spec_usda.html and OpenUSD's textFileFormatParser.h.
 class UsdaText {
  public:
+  /// How many numbers stand in a pair of round brackets, at the least and at the most: 1 of those that stand
+  /// in none; 0 without numbers.
+  struct TupleSizes {
+    size_t fewest = 0, most = 0;
+    void add(size_t size);
+  };
+
   enum class Kind { kEnd, kWord, kNumber, kString, kAsset, kPath, kMark };
 
   /// Throws Error unless it begins with `#usda 1.` and a number.
@@ -38,7 +45,8 @@ class UsdaText {
   void skipValue();
   /// The numbers of a value, in their order, whatever brackets they are in: `None` has none. They may be
   /// infinite or not a number (`inf`, `nan`, or out of a double's range). Throws Error for anything else.
-  std::vector<double> takeNumbers();
+  /// Tells the sizes of their tuples where `sizes` is given.
+  std::vector<double> takeNumbers(TupleSizes* sizes = nullptr);
   /// The strings of a value, likewise.
   std::vector<std::string> takeStrings();
   /// What a value refers to, likewise, for a report: assets as `@name@`, and paths that no asset precedes as
@@ -61,9 +69,14 @@ class UsdaText {
   void takeQuoted(char quote);
   void takeAsset();
   void takePath();
-  /// Calls take() for each word between the brackets of a value, or for the one that it is.
+  /// Calls take(mark) for each word between the brackets of a value, or for the one that it is, and
+  /// close(mark) at each closing bracket; `mark` is that which closes the innermost, or 0.
+  template <class Take, class Close>
+  void forEach(const Take& take, const Close& close);
   template <class Take>
-  void forEach(const Take& take);
+  void forEach(const Take& take) {
+    forEach([&](char) { take(); }, [](char) {});
+  }
 
   std::string name_;
   std::string_view all_;

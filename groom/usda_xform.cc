@@ -19,6 +19,7 @@ class XformOp {
   XformOp(std::string_view name, const UsdaProperty& property) : name_(name), property_(property) {}
 
   Eigen::Affine3d matrix() const {
+    if (!property_.misfit.empty()) fail(fmt::format("{:?} {}", name_, property_.misfit));
     for (const double number : property_.numbers)
       if (!std::isfinite(number)) fail(fmt::format("{:?} has a number that is not finite", name_));
     std::string_view kind = name_.substr(std::min(kXformOp.size(), name_.size()));

@@ -280,6 +280,24 @@ TEST(UsdaVisibility, PrototypesInactiveAndAbstractPrimsDoNotShow) {
       (std::vector<float>{9}));
 }
 
+TEST(UsdaVisibility, InactiveAbstractAndUndefinedHairIsNamed) {
+  std::string left_out;
+  shown("def \"g\" ( active = false ) {\n" + lockPrim("a", "", 1) + "}\n", &left_out);
+  EXPECT_EQ(left_out, "without 1 inactive prim (/g/a)");
+  std::string self = lockPrim("a", "", 1), typed = lockPrim("b", "", 2);
+  self.insert(self.find('{'), "( active = 0 ) ");
+  typed.replace(0, 3, "over");
+  EXPECT_EQ(shown(self + "class \"h\" {\n" + lockPrim("b", "", 2) + "}\nover \"i\" {\n" +
+                      lockPrim("c", "", 3) + "}\n" + typed + "def \"empty\" ( active = false ) {}\n",
+                  &left_out),
+            (std::vector<float>{9}));
+  EXPECT_EQ(
+      left_out,
+      "without 1 inactive prim (/a), 1 prim of a class (/h/b), 2 prims of overs without a def (/i/c, /b)");
+  expectError([&] { readText(kHead + self); },
+              {"no BasisCurves", "that show", "1 inactive prim (/a)", "make the hair visible, active"});
+}
+
 TEST(UsdaVisibility, OnlyTheSelectedVariantIsReadAndThePrimItselfIsStronger) {
   std::string left_out;
   const auto read = [&](const std::string& selected, const std::string& more = "") {
@@ -296,6 +314,102 @@ TEST(UsdaVisibility, OnlyTheSelectedVariantIsReadAndThePrimItselfIsStronger) {
   EXPECT_EQ(read("none"), (std::vector<float>{9}));
   EXPECT_EQ(read("short", "over \"b\" {\n token visibility = \"invisible\"\n}"), (std::vector<float>{2, 9}));
   EXPECT_EQ(read("short", "token visibility = \"invisible\""), (std::vector<float>{9}));
+}
+
+/// A group of variant sets `a` and `b`, of which "x" and "y" are selected.
+std::string groupOf(const std::string& blocks, const std::string& sets = "[\"a\", \"b\"]") {
+  return "def \"g\" (\n variants = { string a = \"x\"; string b = \"y\" }\n prepend variantSets = " + sets +
+         "\n)\n{\n" + blocks + "\n}\n";
+}
+std::string variantOf(const std::string& set, const std::string& name, const std::string& content,
+                      const std::string& metadata = "") {
+  return "variantSet \"" + set + "\" = {\n \"" + name + "\" " + metadata + " {\n" + content + "\n}\n}\n";
+}
+
+TEST(UsdaVariants, WhatAnOverSaysIsKeptWhereverItsDefStands) {
+  const std::string over =
+      "over \"a\" {\n point3f[] points = [(5, 0, 0), (5, 4, 0)]\n float[] widths = [2, 2]\n int[] "
+      "primvars:clump = [1]\n}\n";
+  const std::string variant = variantOf("a", "x", lockPrim("a", "", 1));
+  for (const std::string& blocks : {over + variant, variant + over}) {
+    const RawGroom groom = readText(kHead + groupOf(blocks));
+    EXPECT_EQ(groom.strands.positions, (std::vector<Vec3>{{5, 0, 0}, {5, 4, 0}})) << blocks;
+    EXPECT_EQ(groom.strands.radii, (std::vector<float>{1, 1})) << blocks;
+    EXPECT_EQ(groom.report.leftOutLine(), "without 1 other primvar (clump)") << blocks;
+  }
+  const std::string weak_over = variantOf(
+      "a", "x", "over \"a\" {\n point3f[] points = [(5, 0, 0), (5, 4, 0)]\n float[] widths = [2, 2]\n}\n");
+  for (const std::string& blocks : {weak_over + lockPrim("a", "", 1), lockPrim("a", "", 1) + weak_over}) {
+    const RawGroom groom = readText(kHead + groupOf(blocks));
+    EXPECT_EQ(groom.strands.positions, (std::vector<Vec3>{{1, 0, 0}, {1, 4, 0}})) << blocks;
+    EXPECT_EQ(groom.strands.radii, (std::vector<float>{1, 1})) << blocks;
+  }
+  std::string left_out;  // what is kept of an over that is no curves says nothing of those below it
+  shown(
+      "def \"g\" ( variants = { string a = \"x\" } ) {\n over \"m\" {\n point3f[] points.timeSamples = { 1: "
+      "[(0, 0, 0)] }\n" +
+          lockPrim("a", "", 1) + "}\n" + variantOf("a", "x", "def Mesh \"m\" {}") + "}\n",
+      &left_out);
+  EXPECT_EQ(left_out, "");
+}
+
+TEST(UsdaVariants, ActiveIsTheStrongestThatIsSaid) {
+  const std::string lock = lockPrim("a", "", 1);
+  std::string active = lock;
+  active.insert(active.find('{'), "( active = true ) ");
+  const std::string off = variantOf("a", "x", "over \"a\" ( active = false ) {}");
+  EXPECT_EQ(shown(groupOf(lock + off)), (std::vector<float>{9}));
+  EXPECT_EQ(shown(groupOf(off + lock)), (std::vector<float>{9}));
+  EXPECT_EQ(shown(groupOf(active + off)), (std::vector<float>{1, 9}));
+  EXPECT_EQ(shown(groupOf(off + active)), (std::vector<float>{1, 9}));
+  EXPECT_EQ(shown(groupOf(lock + variantOf("a", "x", "", "( active = false )"))), (std::vector<float>{9}));
+  EXPECT_EQ(shown(groupOf(lock + variantOf("a", "other", "", "( active = false )"))),
+            (std::vector<float>{1, 9}));
+}
+
+TEST(UsdaVariants, TheSetListedFirstIsTheStronger) {
+  const auto rootAt = [](const std::string& x) {
+    return "over \"a\" {\n point3f[] points = [(" + x + ", 0, 0), (" + x + ", 4, 0)]\n}\n";
+  };
+  const std::string def =
+      "def BasisCurves \"a\" {\n uniform token type = \"linear\"\n int[] "
+      "curveVertexCounts = [2]\n}\n";
+  const std::string a = variantOf("a", "x", rootAt("3")), b = variantOf("b", "y", rootAt("4"));
+  for (const std::string& blocks : {def + a + b, b + def + a, b + a + def}) {
+    EXPECT_EQ(shown(groupOf(blocks)), (std::vector<float>{3, 9})) << blocks;
+    EXPECT_EQ(shown(groupOf(blocks, "[\"b\", \"a\"]")), (std::vector<float>{4, 9})) << blocks;
+    EXPECT_EQ(shown(groupOf(blocks, "\"b\"")), (std::vector<float>{4, 9})) << blocks;
+  }
+}
+
+TEST(UsdaVariants, ADeclarationWithoutAValueHidesNone) {
+  const std::string value =
+      "over \"a\" {\n float2[] primvars:st = [(0.5, 0.25)] ( interpolation = "
+      "\"vertex\" )\n}\n";
+  const std::string declared = "float2[] primvars:st ( interpolation = \"uniform\" )";
+  const auto uvs = [&](const std::string& local) {
+    return readText(kHead + groupOf(lockPrim("a", local) + variantOf("a", "x", value))).strands.uvs;
+  };
+  EXPECT_EQ(uvs(declared), (std::vector<Vec2>{{0.5f, 0.25f}}));
+  EXPECT_EQ(uvs("float2[] primvars:st = None"), std::vector<Vec2>()) << "blocked";
+  EXPECT_EQ(uvs("float2[] primvars:st = [(1, 1)] ( interpolation = \"uniform\" )"),
+            (std::vector<Vec2>{{1, 1}}));
+}
+
+TEST(UsdaVariants, VariantsInVariantsAreSelectedByThem) {
+  const std::string nested = variantOf("b", "y", lockPrim("a", "", 1)) + variantOf("b", "z", "");
+  const auto group = [&](const std::string& own, const std::string& metadata) {
+    return "def \"g\" ( variants = { string a = \"x\"" + own + " } prepend variantSets = \"a\" ) {\n" +
+           variantOf("a", "x", nested, metadata) + "}\n";
+  };
+  const std::string picks = "( variants = { string b = \"y\" } prepend variantSets = \"b\" )";
+  EXPECT_EQ(shown(group("", picks)), (std::vector<float>{1, 9}));
+  EXPECT_EQ(shown(group("", "")), (std::vector<float>{9}));
+  EXPECT_EQ(shown(group("; string b = \"z\"", picks)), (std::vector<float>{9})) << "the prim is stronger";
+  std::string deep;
+  for (int i = 0; i < 200; ++i) deep += "variantSet \"a\" = { \"x\" {";
+  for (int i = 0; i < 200; ++i) deep += "} }";
+  expectError([&] { readText(kHead + groupOf(deep)); }, {"variant sets lie more than 64 deep"});
 }
 
 TEST(UsdaStages, OtherFilesThatAStageNeedsAreNamed) {
@@ -347,6 +461,34 @@ TEST(UsdaCurves, CurvesThatFitNoSegmentAreLeftOutAndCounted) {
     EXPECT_FLOAT_EQ(groom.strands.radii.front(), 0.5f);
     EXPECT_FLOAT_EQ(groom.strands.radii.back(), 1.5f) << "values stay with their curves";
   }
+}
+
+TEST(UsdaCurves, TuplesOfAnotherSizeThanTheirTypeCostTheirPrimOnly) {
+  const auto said = [](const std::string& property) {
+    std::string out;
+    EXPECT_EQ(shown("def BasisCurves \"c\" {\n uniform token type = \"linear\"\n int[] curveVertexCounts = "
+                    "[2]\n" +
+                        property + "\n}\n",
+                    &out),
+              (std::vector<float>{9}));
+    return out;
+  };
+  EXPECT_EQ(said("point3f[] points = [(0, 0), (0, 1, 0, 1)]"),
+            "without 1 prim that cannot be read (/c: points has tuples of 2 where point3f takes 3)");
+  EXPECT_NE(said("point3f[] points.timeSamples = { 1: [(0, 0, 0, 1), (1, 0)] }").find("has tuples of 2"),
+            std::string::npos);
+  EXPECT_NE(said("float3[] points = [0, 0, 0, 0, 1, 0]").find("has tuples of 1"), std::string::npos);
+  EXPECT_NE(said("point3d[] points = [(0, 0, 0, 0, 1, 0)]").find("has tuples of 6"), std::string::npos);
+  std::string uvs;
+  EXPECT_EQ(
+      shown(lockPrim("c", "float2[] primvars:st = [(0, 0, 1), (1)] ( interpolation = \"vertex\" )", 1), &uvs),
+      (std::vector<float>{1, 9}));
+  EXPECT_NE(uvs.find("UVs (/c: primvars:st has tuples of 1"), std::string::npos) << uvs;
+  EXPECT_NE(
+      said("point3f[] points = [(0, 0, 0), (0, 1, 0)]\nmatrix4d xformOp:transform = ((1,0,0,0,0), (1,0,0),"
+           "(0,0,1,0), (0,0,0,1))\nuniform token[] xformOpOrder = [\"xformOp:transform\"]")
+          .find("where matrix4d takes 4"),
+      std::string::npos);
 }
 
 TEST(UsdaCurves, CurvesAndPrimsOutOfRangeDoNotCostTheOthers) {

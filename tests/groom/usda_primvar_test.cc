@@ -187,6 +187,24 @@ TEST(UsdaPrimvars, ConstantOnesAreInheritedFromThePrimsAbove) {
   EXPECT_TRUE(uvs("", above + "( interpolation = \"vertex\" )").empty()) << "only constant ones are";
 }
 
+TEST(UsdaPrimvars, ThoseBetweenThatAreNotConstantEndTheInheritance) {
+  const std::string above = "texCoord2f[] primvars:st = [(0.25, 0.5)]\n";
+  const auto between = [&](const std::string& middle) {
+    return readPrims("def Xform \"g\" {\n" + above + "def Xform \"h\" {\n" + middle + "\n" +
+                     twoCurves(kKinds[0], "") + "}\n}")
+        .strands.uvs;
+  };
+  const std::vector<Vec2> same = {{0.25f, 0.5f}, {0.25f, 0.5f}};
+  EXPECT_EQ(between(""), same);
+  EXPECT_EQ(between("texCoord2f[] primvars:st ( interpolation = \"vertex\" )"), same) << "without a value";
+  EXPECT_EQ(between("texCoord2f[] primvars:st = [(1, 1)]"), (std::vector<Vec2>{{1, 1}, {1, 1}}));
+  for (const char* other : {"uniform", "varying", "vertex", "faceVarying"})
+    EXPECT_TRUE(
+        between("texCoord2f[] primvars:st = [(1, 1)] ( interpolation = \"" + std::string(other) + "\" )")
+            .empty())
+        << other;
+}
+
 TEST(UsdaPrimvars, WidthsWithoutInterpolationAreTakenByTheirCountAndThatIsSaid) {
   const auto read = [](const std::string& widths) {
     return readPrims(twoCurves(kKinds[2], "float[] widths = [" + widths + "]\n"));

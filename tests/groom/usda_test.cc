@@ -1,6 +1,7 @@
 // USD text: what of a scene's curves become strands, where they stand, and what is refused.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "groom/file_bytes.h"
@@ -37,7 +38,9 @@ TEST(Usda, CurvesOfASceneStandWhereItsTransformsPlaceThem) {
   ASSERT_EQ(strands.radii.size(), 11u);
   for (const float radius : strands.radii) EXPECT_FLOAT_EQ(radius, 0.01f);
   EXPECT_EQ(strands.uvs, (std::vector<Vec2>{{0.25f, 0.5f}, {0.75f, 0.5f}, {0, 0}}));
-  EXPECT_EQ(groom.report.left_out, (std::vector<std::string>{"time samples"}));
+  EXPECT_EQ(groom.report.left_out,
+            (std::vector<std::string>{"1 prim of a class (/head/kind)",
+                                      "1 prim of an over without a def (/head/hat/none)", "time samples"}));
 }
 
 TEST(Usda, CubicCurvesGiveThePointsThatTheyGoThrough) {
@@ -162,15 +165,41 @@ TEST(Usda, AUnitThatIsNotGivenIsACentimetreAndThatIsSaid) {
     const RawGroom groom = read(head + curves(""));
     EXPECT_FLOAT_EQ(groom.unit_meters, 0.01f);
     EXPECT_TRUE(groom.unit_is_default);
-    ASSERT_EQ(groom.report.warnings.size(), 1u) << head;
-    EXPECT_NE(groom.report.warnings[0].find("metersPerUnit is not given"), std::string::npos);
+    EXPECT_TRUE(groom.report.warnings.empty()) << "whether a unit is given by hand is not known here";
+    EXPECT_NE(defaultUnitWarning(groom).find("metersPerUnit is not given"), std::string::npos) << head;
   }
   const RawGroom said = read("( metersPerUnit = 0.01 )\n" + curves(""));
   EXPECT_FALSE(said.unit_is_default);
-  EXPECT_TRUE(said.report.warnings.empty());
+  EXPECT_EQ(defaultUnitWarning(said), "");
+  const ScratchFolder folder;
+  const auto warned = [&](float unit) {
+    const Groom groom = loadGroom({folder / "a.usda"}, {.unit_meters = unit});
+    return std::count_if(groom.report.warnings.begin(), groom.report.warnings.end(), [](const auto& line) {
+      return line.find("a.usda: metersPerUnit is not given") != std::string::npos;
+    });
+  };
+  writeFileBytes(folder / "a.usda", samples::fromText("#usda 1.0\n" + curves("")));
+  EXPECT_EQ(warned(0), 1);
+  EXPECT_EQ(warned(0.01f), 0);
+  EXPECT_EQ(warned(0.1f), 0);
   for (const char* unit : {"0", "-1", "nan", "1e12", "inf"})
     expectError([&] { read("( metersPerUnit = " + std::string(unit) + " )\n" + curves("")); },
                 {"line 2", "metersPerUnit is out of range"});
+}
+
+TEST(Usda, WhatSeveralFilesLackIsToldOfEach) {
+  const ScratchFolder folder;
+  const std::string hidden =
+      "( metersPerUnit = 1 )\ndef BasisCurves \"h\" { token visibility = \"invisible\" }\n";
+  writeFileBytes(folder / "a.usda", samples::fromText("#usda 1.0\n" + hidden + curves("")));
+  writeFileBytes(folder / "b.usda", samples::fromText("#usda 1.0\n( metersPerUnit = 1 )\n" + curves("")));
+  writeFileBytes(folder / "c.usda",
+                 samples::fromText("#usda 1.0\n" + hidden + curves("color3f[] primvars:displayColor = []")));
+  const std::string lack = "1 invisible prim (/h)";
+  EXPECT_EQ(loadGroom({folder / "a.usda"}, {}).report.left_out, std::vector<std::string>{lack});
+  EXPECT_EQ(loadGroom({folder / "a.usda", folder / "b.usda", folder / "c.usda"}, {}).report.left_out,
+            (std::vector<std::string>{(folder / "a.usda").string() + ": " + lack,
+                                      (folder / "c.usda").string() + ": " + lack + ", colours"}));
 }
 
 TEST(Usda, NamesInReportsStayOnOneLineAndShort) {
