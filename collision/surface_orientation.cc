@@ -54,6 +54,7 @@ class Orienter {
     SurfaceRepair repair;
     repair.triangles = mesh_.triangles.size();
     repair.pieces = pieces_.size();
+    repair.is_inside_out = is_inside_out_;
     for (const uint8_t repeated : surface_.repeated()) repair.repeated += repeated;
     for (size_t p = 0; p < pieces_.size(); ++p) {
       const Piece& piece = pieces_[p];
@@ -267,11 +268,11 @@ std::vector<std::string> SurfaceRepair::lines() const {
     out.push_back(fmt::format("{} of {} pieces of the surface {} wound inside out, and {} turned",
                               turned_pieces, pieces, turned_pieces == 1 ? "is" : "are",
                               turned_pieces == 1 ? "is" : "are"));
-  if (hollows > 0)
+  if (is_inside_out && hollows > 0)  // an inverted hull about a body looks the same
     out.push_back(fmt::format(
-        "{} of {} pieces of the surface {} wound against the rest within it, and {} taken as a hollow: hair "
-        "goes in there",
-        hollows, pieces, hollows == 1 ? "is" : "are", hollows == 1 ? "is" : "are each"));
+        "the surface is inside out, and {} within it {} taken as hollow: hair goes in there; turn the outer "
+        "surface, or leave it out",
+        counted(hollows, "piece", "pieces"), hollows == 1 ? "is" : "are"));
   if (inner > 0)
     out.push_back(fmt::format("{} within the body, at edges of three or more, {} left out",
                               counted(inner, "triangle", "triangles"), inner == 1 ? "is" : "are"));

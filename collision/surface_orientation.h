@@ -16,6 +16,7 @@ struct SurfaceRepair {
   size_t turned_triangles = 0;  ///< wound against the rest of their piece
   size_t turned_pieces = 0;     ///< turned as a whole: they were wound against the other pieces
   size_t hollows = 0;           ///< pieces within others that stay wound against them: they are hollows
+  bool is_inside_out = false;   ///< the surface as a whole: it is taken as it is meant
 
   bool changed() const { return repeated + inner + turned_triangles + turned_pieces > 0; }
   /// A line for each kind of change, for people.
