@@ -95,6 +95,9 @@ RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& nam
     for (const uint32_t corner : found.lines.at(l))
       lines.checkIndex(corner, found.vertices.size(), found.line_of[l]);
   const Polylines joined = joinedPolylines(found.lines, found.vertices.size(), groom.report);
+  if (joined.size() == 0)
+    lines.fail("every polyline (l) goes from a vertex to itself", found.line_of.front(),
+               "export the hair as curves or polylines");
   groom.strands = strandsOf(found, joined);
   leaveOutNotFinite(groom.strands, groom.report, lines.where(found.line_of.front()));
   leaveOutCount(groom.report, found.empty, "polyline", " without vertices");

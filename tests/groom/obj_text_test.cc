@@ -214,5 +214,16 @@ TEST(ObjStrands, AStrandThatIsNotFiniteIsLeftOutAndCounted) {
   expectError([] { groomOf("v 0 0 0\nv 0 nan 0\nl 1 2\n"); }, {"wig.obj, line 3", "finite"});
 }
 
+TEST(ObjStrands, EdgesFromAVertexToItselfAreNoStrands) {
+  EXPECT_EQ(groomOf("v 0 0 0\nv 0 1 0\nl 2 2\nl 1 2\n").strands.strands(), 1u);
+  expectError([] { groomOf("v 0 0 0\nv 0 1 0\nl 2 2\nl 1 1\n"); }, {"wig.obj, line 3", "to itself"});
+}
+
+TEST(ObjText, KeywordsAreReadInAnyCaseAndUnknownOnesAreCounted) {
+  const RawGroom groom = groomOf("V 0 0 0\nV 0 1 0\nL 1 2\nfoo 1\nbar\nusemtl skin\n");
+  EXPECT_EQ(groom.strands.vertices(), 2u);
+  EXPECT_EQ(groom.report.left_out, (std::vector<std::string>{"2 statements that the format does not have"}));
+}
+
 }  // namespace
 }  // namespace strandcast
