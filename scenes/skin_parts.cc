@@ -288,7 +288,8 @@ class Cutter {
     const auto wholly = [&](uint32_t v) {
       double weight = 0;
       for (const SkinShare& share : fine_.shares[v])
-        if (skin_.bindings[share.binding].joint == key[0]) weight += share.weight();
+        if (share.binding < skin_.bindings.size() && skin_.bindings[share.binding].joint == key[0])
+          weight += share.weight();  // targets' shares have none
       return weight > kWhole;
     };
     std::map<uint32_t, double> areas;
