@@ -94,19 +94,20 @@ bool DdsClaim::isLate() const {
 
 bool DdsClaim::hasStoodStill() const { return thread_.joinable() && (stood_still_ || isLate()); }
 
-void DdsClaim::claimAgain() {
+void DdsClaim::forgetClaims() {
   stop();
   stop_ = false;
   stood_still_ = false;
   written_ = Clock::time_point();
+}
+
+void DdsClaim::claimAgain() {
+  forgetClaims();
   claim();
 }
 
 void DdsClaim::joinAgain() {
-  stop();
-  stop_ = false;
-  stood_still_ = false;
-  written_ = Clock::time_point();
+  forgetClaims();
   holder_ = 0;
   has_heard_others_ = false;
   joined_ = Clock::now();

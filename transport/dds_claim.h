@@ -46,6 +46,7 @@ class DdsClaim {
   using Clock = std::chrono::steady_clock;
   void write();
   bool isLate() const;
+  void forgetClaims();  ///< of its own, and stops them
   /// Whether every claimant that is there has had the time to be heard.
   bool hasHeardOthers() const;
 
