@@ -5,11 +5,28 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "core/pose_check.h"
 
 namespace strandcast {
+namespace {
+
+/// How far a size is from that of a head of hair, by their ratio.
+double offHeadOfHair(double meters) {
+  constexpr double kTypicalSize = 0.3;  // m: the middle of 0.1 to 1 m, on a logarithmic scale
+  return std::abs(std::log(meters / kTypicalSize));
+}
+
+const char* plainNameOf(float unit) {
+  if (unit == 0.3048f) return " (feet)";
+  if (unit == 0.0254f) return " (inches)";
+  return unit == 0.01f ? " (centimetres)" : unit == 0.001f ? " (millimetres)" : "";
+}
+
+}  // namespace
 
 void checkUnit(float unit_meters) {
   if (!(unit_meters >= 0) || !std::isfinite(unit_meters))
@@ -57,20 +74,44 @@ const char* nameOf(UpAxis axis) {
 }
 
 std::span<const float> usualUnits() {
-  static constexpr std::array<float, 5> kUnits{1.0f, 0.1f, 0.01f, 0.0025f, 0.001f};
+  static constexpr std::array<float, 7> kUnits{1.0f, 0.1f, 0.01f, 0.0025f, 0.001f, 0.0254f, 0.3048f};
   return kUnits;
 }
 
 float guessUnit(const Box& bounds) {
-  constexpr double kTypicalSize = 0.3;  // m: the middle of 0.1 to 1 m, on a logarithmic scale
+  constexpr size_t kBySize = 5;  // inches and feet would change grooms in centimetres and metres
   if (bounds.isEmpty()) return 1.0f;
   const double size = (bounds.max().cast<double>() - bounds.min().cast<double>()).maxCoeff();
   if (!(size > 0)) return 1.0f;
   float best = 1.0f;
-  for (const float unit : usualUnits())
-    if (std::abs(std::log(size * unit / kTypicalSize)) < std::abs(std::log(size * best / kTypicalSize)))
-      best = unit;
+  for (const float unit : usualUnits().first(kBySize))
+    if (offHeadOfHair(size * unit) < offHeadOfHair(size * best)) best = unit;
   return best;
+}
+
+bool isUnlikelySize(float meters) {
+  constexpr float kSmallest = 1e-3f, kLargest = 20;  // m
+  return meters < kSmallest || meters > kLargest;
+}
+
+std::string likelierUnits(float size, float taken) {
+  constexpr double kSmallest = 0.1, kLargest = 1;  // m
+  constexpr size_t kMost = 3;
+  std::vector<std::pair<double, float>> found;  // how far off, unit
+  for (const float unit : usualUnits()) {
+    const double meters = static_cast<double>(size) * unit;
+    const double off = offHeadOfHair(meters);
+    if (!isSameUnit(unit, taken) && meters >= kSmallest && meters <= kLargest &&
+        off < offHeadOfHair(static_cast<double>(size) * taken))
+      found.emplace_back(off, unit);
+  }
+  std::sort(found.begin(), found.end());
+  if (found.size() > kMost) found.resize(kMost);
+  std::string out;
+  for (const auto& [off, unit] : found)
+    out += fmt::format("{}{:g} m{} would make it {:.2g} m large", out.empty() ? "" : ", ", unit,
+                       plainNameOf(unit), unit * size);
+  return out;
 }
 
 }  // namespace strandcast

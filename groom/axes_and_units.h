@@ -13,6 +13,13 @@ void checkUnit(float unit_meters);
 /// Whether two units are one but for rounding.
 bool isSameUnit(float a, float b);
 
+/// Whether something is below 1 mm or above 20 m large, as neither hair nor a body is.
+bool isUnlikelySize(float meters);
+
+/// Usual units, other than `taken`, with which a groom of `size` file units is more nearly as large as a head
+/// of hair, at most three: "0.0254 m (inches) would make it 0.38 m large"; empty where there are none.
+std::string likelierUnits(float size, float taken);
+
 /// "X", "Y", "Z" or "auto".
 const char* nameOf(UpAxis axis);
 

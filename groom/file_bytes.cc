@@ -109,12 +109,26 @@ std::string_view textOfFile(std::span<const std::byte> bytes) {
   return text;
 }
 
+namespace {
+
+/// iconv's name of a text's encoding where that is UTF-16, by its mark or by zero bytes in its first few
+/// characters; else null.
+const char* wideEncodingOf(std::string_view text) {
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return "UTF-16";
+  constexpr size_t kLooks = 8;  // bytes
+  if (text.size() < 2 || (text[0] == 0) == (text[1] == 0)) return nullptr;
+  for (size_t i = 2; i < std::min(kLooks, text.size()); ++i)
+    if ((text[i] == 0) != (text[i % 2] == 0)) return nullptr;
+  return text[0] == 0 ? "UTF-16BE" : "UTF-16LE";
+}
+
+}  // namespace
+
 std::string_view textOfFile(std::span<const std::byte> bytes, const std::string& name) {
   std::string_view text = textOfFile(bytes);
-  // A mark of UTF-16, or a first character that has a zero byte beside it.
-  const bool is_wide = text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") ||
-                       (text.size() > 1 && (text[0] == 0) != (text[1] == 0));
-  if (is_wide) throw Error("the text is UTF-16", name + ", byte 0", "save it as UTF-8 or ASCII");
+  if (const char* encoding = wideEncodingOf(text))
+    throw Error("the text is UTF-16", name + ", byte 0",
+                std::string("save it as UTF-8: iconv -f ") + encoding + " -t UTF-8 FILE > COPY");
   while (text.ends_with('\0')) text.remove_suffix(1);
   return text;
 }

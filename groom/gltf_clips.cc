@@ -30,9 +30,13 @@ class ClipReader {
     if (!list->is_array()) document_.fail("this is not an array", "animations");
     for (size_t a = 0; a < list->size(); ++a) {
       const std::string part = fmt::format("animations[{}]", a);
+      is_told_ = false;
       try {
         SkeletonClip clip = readClip(document_.entry("animations", a, "animations"), part);
-        if (!clip.isStill()) into_.clips.push_back(std::move(clip));
+        if (!clip.isStill())
+          into_.clips.push_back(std::move(clip));
+        else if (!is_told_)
+          leaveOut("animations that move nothing of the scene", part);
       } catch (const Error& error) {  // other clips, and the body, are of use without it
         report_.leaveOut(fmt::format("animations that cannot be read, as {}", error.what()), part);
       }
@@ -41,6 +45,11 @@ class ClipReader {
   }
 
  private:
+  void leaveOut(const std::string& what, const std::string& part) {
+    report_.leaveOut(what, part);
+    is_told_ = true;
+  }
+
   SkeletonClip readClip(const json& animation, const std::string& part) {
     SkeletonClip clip;
     const auto name = animation.find("name");
@@ -58,7 +67,7 @@ class ClipReader {
         if (weighed.insert(*node).second)
           readWeights(animation, description, *node, part, where, clip);
         else
-          report_.leaveOut("second channels of the weights of one node", where);
+          leaveOut("second channels of the weights of one node", where);
         continue;
       }
       const auto channel = readChannel(description, where);
@@ -72,7 +81,7 @@ class ClipReader {
         ClipSampler read = readSampler(animation, sampler, turns, part);
         if (read.times.empty()) {
           samplers.erase(known);
-          report_.leaveOut("channels without keys", where);
+          leaveOut("channels without keys", where);
           continue;
         }
         clip.samplers.push_back(std::move(read));
@@ -96,15 +105,18 @@ class ClipReader {
   void readWeights(const json& animation, const json& channel, uint64_t node, const std::string& clip_part,
                    const std::string& where, SkeletonClip& clip) {
     const auto mesh = movable_.meshes.find(node);
-    if (mesh == movable_.meshes.end()) return;  // of another scene, or hidden
+    if (mesh == movable_.meshes.end()) {  // of another scene, hidden, or damaged
+      if (!document_.entry("nodes", node, where).contains("mesh"))
+        leaveOut("weights of morph targets of nodes without a mesh", where);
+      return;
+    }
     try {
       const auto sampler = document_.unsignedMember(channel, "sampler", where);
       if (!sampler) document_.fail("the channel has no sampler", where);
       addWeights(readWeightSampler(animation, *sampler, mesh->second.weights.size(), clip_part), node,
                  mesh->second, clip);
     } catch (const Error& error) {
-      report_.leaveOut(fmt::format("weights of morph targets that cannot be read, as {}", error.what()),
-                       where);
+      leaveOut(fmt::format("weights of morph targets that cannot be read, as {}", error.what()), where);
     }
   }
 
@@ -170,7 +182,7 @@ class ClipReader {
 
   /// Empty where it moves what no skeleton has.
   std::optional<std::tuple<uint32_t, ClipPath, uint64_t>> readChannel(const json& channel,
-                                                                      const std::string& part) const {
+                                                                      const std::string& part) {
     const auto target = channel.is_object() ? channel.find("target") : channel.end();
     if (!channel.is_object() || target == channel.end() || !target->is_object())
       document_.fail("the channel has no target", part);
@@ -179,7 +191,7 @@ class ClipReader {
     const auto node = document_.unsignedMember(*target, "node", part);
     const auto path = target->find("path");
     if (path == target->end() || !path->is_string()) document_.fail("the channel's target has no path", part);
-    if (*path == "pointer") report_.leaveOut("channels of KHR_animation_pointer", part);
+    if (*path == "pointer") leaveOut("channels of KHR_animation_pointer", part);
     if (!node || *path == "pointer" || *path == "weights") return std::nullopt;
     if (document_.entry("nodes", *node, part).contains("matrix"))
       document_.fail("a node with a matrix cannot be animated", part,
@@ -277,6 +289,7 @@ class ClipReader {
   SkinnedMesh& into_;
   GltfPlayed played_;
   uint64_t values_spent_ = 0;
+  bool is_told_ = false;  ///< something of the animation that is read is left out
 };
 
 }  // namespace

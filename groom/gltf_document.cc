@@ -8,7 +8,10 @@
 #include <map>
 
 #include "groom/byte_reader.h"
+#include "groom/file_bytes.h"
 #include "groom/gltf_extensions.h"
+#include "groom/gltf_report.h"
+#include "groom/text_number.h"
 
 namespace strandcast {
 namespace {
@@ -84,6 +87,19 @@ std::optional<size_t> tooDeep(std::string_view text) {
   return std::nullopt;
 }
 
+/// Major and minor of a version such as "2.0". They may have any number of digits.
+std::optional<std::pair<double, double>> versionOf(std::string_view text) {
+  const size_t point = text.find('.');
+  const auto part = [](std::string_view digits) -> std::optional<double> {
+    if (digits.empty() || digits.find_first_not_of("0123456789") != std::string_view::npos) return {};
+    return numberOrInfinite(digits);
+  };
+  const auto major = part(text.substr(0, point));
+  const auto minor = part(point == std::string_view::npos ? "" : text.substr(point + 1));
+  if (!major || !minor) return {};
+  return std::pair(*major, *minor);
+}
+
 }  // namespace
 
 GltfDocument::GltfDocument(std::span<const std::byte> bytes, const std::string& name,
@@ -95,7 +111,7 @@ GltfDocument::GltfDocument(std::span<const std::byte> bytes, const std::string& 
   if (bytes.size() >= 4 && reader.at<uint32_t>(0) == kGlbMagic)
     binary = splitBinary(bytes);
   else
-    parseJson(bytes, 0);
+    parseJson(std::as_bytes(std::span(textOfFile(bytes, name))), 0);
   checkRequiredExtensions(*this);
   loadBuffers(binary, read_beside);
 }
@@ -139,6 +155,20 @@ void GltfDocument::parseJson(std::span<const std::byte> text, uint64_t file_offs
       !(*asset)["version"].is_string() ||
       !(*asset)["version"].get_ref<const std::string&>().starts_with("2."))
     fail("this is not glTF 2.0", "asset.version", "export it as glTF 2.0");
+  checkVersion(*asset);
+}
+
+void GltfDocument::checkVersion(const json& asset) {
+  if (const auto& version = asset["version"].get_ref<const std::string&>(); version != "2.0")
+    doubts_.push_back(fmt::format("asset.version is {}: it is read as glTF 2.0", printable(version)));
+  const auto least = asset.find("minVersion");
+  if (least == asset.end()) return;
+  const std::string text = least->is_string() ? least->get<std::string>() : "";
+  const auto version = versionOf(text);
+  if (!version) doubts_.push_back(fmt::format("asset.minVersion is not a version: '{}'", printable(text)));
+  if (version && *version > std::pair(2.0, 0.0))
+    fail(fmt::format("the file requires glTF {}, 2.0 is read", printable(text)), "asset.minVersion",
+         "export it as glTF 2.0");
 }
 
 void GltfDocument::loadBuffers(std::span<const std::byte> binary, const ReadBeside& read_beside) {

@@ -34,6 +34,8 @@ class GltfDocument {
 
   const nlohmann::json& root() const { return root_; }
   const GltfLimits& limits() const { return limits_; }
+  /// What is to be said of the asset as a whole, a sentence each.
+  const std::vector<std::string>& doubts() const { return doubts_; }
 
   /// Entry `index` of a top-level array ("nodes", "meshes", ...). Throws Error when there is none.
   const nlohmann::json& entry(const char* array, uint64_t index, const std::string& asked_by) const;
@@ -81,6 +83,7 @@ class GltfDocument {
   void replaceSparse(const nlohmann::json& sparse, uint64_t count, uint64_t element_bytes,
                      const std::string& part, std::vector<std::byte>& into) const;
   void parseJson(std::span<const std::byte> text, uint64_t file_offset);
+  void checkVersion(const nlohmann::json& asset);
   std::span<const std::byte> splitBinary(std::span<const std::byte> bytes);
   void loadBuffers(std::span<const std::byte> binary, const ReadBeside& read_beside);
   std::vector<std::byte> externalBuffer(const std::string& uri, const std::string& part,
@@ -89,6 +92,7 @@ class GltfDocument {
   std::string name_;
   GltfLimits limits_;
   nlohmann::json root_;
+  std::vector<std::string> doubts_;
   std::vector<std::vector<std::byte>> owned_;        ///< decoded or external buffers
   std::vector<std::span<const std::byte>> buffers_;  ///< per buffer; may point into the caller's bytes
 };

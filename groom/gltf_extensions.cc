@@ -96,7 +96,8 @@ void checkRequiredExtensions(const GltfDocument& document) {
   }
 }
 
-void tellUnreadExtensions(const GltfDocument& document, GltfReport& report) {
+void tellOfAsset(const GltfDocument& document, GltfReport& report) {
+  for (const std::string& doubt : document.doubts()) report.warn(doubt);
   for (const std::string& name : namesIn(document, "extensionsUsed")) {
     const Extension meaning = meaningOf(name);
     if (meaning == Extension::kIsChanging) report.leaveOut(fmt::format("the extension {}", name));

@@ -10,9 +10,10 @@ inline constexpr const char* kUncompressed = "export it without mesh compression
 /// surface. Those of materials, textures, lights and metadata do not matter to a body.
 void checkRequiredExtensions(const GltfDocument& document);
 
-/// Says which extensions the file uses, without requiring them, that are not read and change the surface or
-/// are not known. Compressed meshes are not among them: what they leave for others to read is read.
-void tellUnreadExtensions(const GltfDocument& document, GltfReport& report);
+/// Passes on what is in doubt about the asset, and says which extensions the file uses, without requiring
+/// them, that are not read and change the surface or are not known. Compressed meshes are not among them:
+/// what they leave for others to read is read.
+void tellOfAsset(const GltfDocument& document, GltfReport& report);
 
 /// An extension of a node, primitive or other object; null where it has none of this name.
 const nlohmann::json* extensionOf(const nlohmann::json& object, const char* name);

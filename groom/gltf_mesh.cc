@@ -51,7 +51,7 @@ ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
                       const ReadBeside& read_beside, const GltfLimits& limits) {
   const GltfDocument document(bytes, name, read_beside, limits);
   GltfReport report, of_nodes;
-  tellUnreadExtensions(document, of_nodes);
+  tellOfAsset(document, of_nodes);
   const std::vector<GltfNode> nodes = sceneNodes(document, of_nodes);
   const bool skinned = std::any_of(nodes.begin(), nodes.end(), [&](const GltfNode& visit) {
     const json& node = document.entry("nodes", visit.index, "a scene or node");

@@ -47,17 +47,43 @@ void refuseDraco(const GltfDocument& document, const json& primitive, const std:
                   kUncompressed);
 }
 
+/// The count that the accessor of an object's POSITION states; none where that is damaged, which is told
+/// where it is read.
+std::optional<uint64_t> statedCount(const GltfDocument& document, const json& object) {
+  const auto accessor = object.is_object() ? object.find("POSITION") : object.end();
+  if (!object.is_object() || accessor == object.end() || !accessor->is_number_unsigned()) return {};
+  const auto list = document.root().find("accessors");
+  const auto index = accessor->get<uint64_t>();
+  if (list == document.root().end() || !list->is_array() || index >= list->size()) return {};
+  const json& description = (*list)[index];
+  const auto count = description.is_object() ? description.find("count") : description.end();
+  if (!description.is_object() || count == description.end() || !count->is_number_unsigned()) return {};
+  return count->get<uint64_t>();
+}
+
 }  // namespace
 
 size_t GltfMorphs::targetsOf(uint64_t mesh, const std::string& part) {
   const auto [known, is_new] = targets_.try_emplace(mesh, 0);
   if (!is_new) return known->second;
-  for (const json& primitive : primitivesOf(document_, mesh, part)) {
-    if (!primitive.is_object()) continue;
-    const auto list = primitive.find("targets");
-    if (list != primitive.end() && list->is_array()) known->second = std::max(known->second, list->size());
+  const json& primitives = primitivesOf(document_, mesh, part);
+  for (size_t p = 0; p < primitives.size(); ++p) {
+    if (!primitives[p].is_object()) continue;
+    const auto list = primitives[p].find("targets");
+    if (list == primitives[p].end() || !list->is_array()) continue;
+    known->second = std::max(known->second, list->size());
+    tellOfCounts(primitives[p], *list, fmt::format("meshes[{}].primitives[{}]", mesh, p));
   }
   return known->second;
+}
+
+/// Once for each mesh, whether its targets are used or not.
+void GltfMorphs::tellOfCounts(const json& primitive, const json& targets, const std::string& part) {
+  const auto attributes = primitive.find("attributes");
+  const auto vertices = attributes == primitive.end() ? std::nullopt : statedCount(document_, *attributes);
+  for (size_t t = 0; vertices && t < targets.size(); ++t)
+    if (statedCount(document_, targets[t]).value_or(*vertices) != *vertices)
+      report_.leaveOut("morph targets of another number of vertices", fmt::format("{}.targets[{}]", part, t));
 }
 
 GltfMorph GltfMorphs::of(const json& node, uint64_t mesh, const std::string& part) {
@@ -166,12 +192,9 @@ std::vector<GltfPrimitives::Target> GltfPrimitives::targetsOf(const json& primit
       continue;
     }
     const auto accessor = document_.unsignedMember(target, "POSITION", where);
-    if (!accessor) continue;  // of normals or colours alone
-    if (document_.accessorCount(*accessor) != vertices) {
-      report_.leaveOut("morph targets of another number of vertices", where);
-      continue;
-    }
-    out.push_back({t, *accessor});
+    if (!accessor) continue;                             // of normals or colours alone
+    if (document_.accessorCount(*accessor) == vertices)  // others are told of by GltfMorphs
+      out.push_back({t, *accessor});
   }
   return out;
 }
@@ -204,6 +227,9 @@ void GltfPrimitives::addTriangles(const json& primitive, uint64_t mode, uint32_t
   const auto accessor = document_.unsignedMember(primitive, "indices", part);
   const uint64_t count = accessor ? document_.accessorCount(*accessor, "SCALAR") : vertices;
   const uint64_t triangles = mode == kTriangles ? count / 3 : (count < 3 ? 0 : count - 2);
+  if (const uint64_t rest = mode == kTriangles ? count % 3 : (count < 3 ? count : 0); rest > 0)
+    report_.leaveOut(
+        fmt::format("{} left over after the last whole triangle", accessor ? "indices" : "vertices"), part);
   spend(triangles_spent_, triangles + 1, document_.limits().triangles, "triangles", part);
   const std::vector<uint32_t> indices = accessor ? document_.indices(*accessor) : std::vector<uint32_t>();
   for (uint64_t t = 0; t < triangles; ++t) {

@@ -24,11 +24,13 @@ struct GltfMorph {
 class GltfMorphs {
  public:
   GltfMorphs(const GltfDocument& document, GltfReport& report) : document_(document), report_(report) {}
-  /// With the weights at rest of the node, or else of the mesh, or else 0. Throws Error.
+  /// With the weights at rest of the node, or else of the mesh, or else 0. Tells of targets that have another
+  /// number of vertices than their primitive. Throws Error.
   GltfMorph of(const nlohmann::json& node, uint64_t mesh, const std::string& part);
 
  private:
   size_t targetsOf(uint64_t mesh, const std::string& part);
+  void tellOfCounts(const nlohmann::json& primitive, const nlohmann::json& targets, const std::string& part);
 
   const GltfDocument& document_;
   GltfReport& report_;

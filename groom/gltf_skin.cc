@@ -50,7 +50,7 @@ class SkinReader {
 
   /// Without clips, unless `with_clips`.
   SkinnedMesh read(bool with_clips) {
-    tellUnreadExtensions(document_, report_);
+    tellOfAsset(document_, report_);
     const std::vector<GltfNode> nodes = sceneNodes(document_, report_);
     for (const GltfNode& visit : nodes) addNode(visit);
     rest_ = out_.skeleton.place(out_.skeleton.rest());
@@ -64,9 +64,12 @@ class SkinReader {
       if (visit.is_visible) addMeshOf(visit);
     tellOfWeights();
     out_.mesh = primitives_.take();
-    if (skins_.empty() && played_.empty())
-      document_.fail("no mesh of the scene has a skin or morph targets that are animated", "skins",
-                     "export the body with its armature, or leave it rigid");
+    if (skins_.empty() && played_.empty()) {
+      const std::string without = report_.leftOutLine();
+      document_.fail("no mesh of the scene has a skin or morph targets that are animated" +
+                         (without.empty() ? "" : ", read " + without),
+                     "skins", "export the body with its armature, or leave it rigid");
+    }
     out_.bindTargets();
     out_.stored = std::move(out_.mesh.positions);
     out_.mesh.positions = out_.blended(rest_);

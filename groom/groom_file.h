@@ -85,11 +85,12 @@ std::vector<std::string> leftOutOf(const std::filesystem::path& file, const Stra
 /// not positive, some files say their unit and others do not, a vertex lies 10 km away, or no strand is left.
 Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options);
 
-/// Metres per unit that files of unknown unit may have: 1, 0.1, 0.01, 0.001, and the 0.0025 of HAIR and
-/// TressFX files.
+/// Metres per unit that files of unknown unit may have: 1, 0.1, 0.01, 0.001, the 0.0025 of HAIR and TressFX
+/// files, inches and feet.
 std::span<const float> usualUnits();
 /// The usual unit guessed from a groom's bounding box in file units: whichever makes the longest side most
-/// nearly a head of hair (0.1 to 1 m, best 0.3). 1 for an empty box.
+/// nearly a head of hair (0.1 to 1 m, best 0.3), but neither inches nor feet: sizes alone do not tell them
+/// from centimetres and metres. 1 for an empty box.
 float guessUnit(const Box& bounds);
 
 }  // namespace strandcast

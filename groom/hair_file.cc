@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "groom/byte_reader.h"
@@ -82,25 +83,27 @@ void readPoints(const ByteReader& reader, const HairHeader& header, StrandSet& s
   reader.copy<std::array<float, 3>>(header.points_at, header.points, strands.positions.data(), "points");
 }
 
+bool isThickness(float value) { return value >= 0 && std::isfinite(value); }
+
 /// Where a thickness is not one, the header's default stands for it, or 0 where that is none either.
 void readThickness(const ByteReader& reader, const HairHeader& header, StrandSet& strands,
                    FileReport& report) {
   if (!(header.arrays & kThickness)) return;
-  const auto isSound = [](float thickness) { return thickness >= 0 && std::isfinite(thickness); };
   const auto standard = reader.at<float>(kDefaultThicknessAt);
   strands.radii.resize(header.points);
   size_t mended = 0;
   for (size_t i = 0; i < strands.radii.size(); ++i) {
     auto thickness = reader.at<float>(header.thickness_at + uint64_t{4} * i);
-    if (!isSound(thickness)) {
-      thickness = isSound(standard) ? standard : 0;
+    if (!isThickness(thickness)) {
+      thickness = isThickness(standard) ? standard : 0;
       ++mended;
     }
     strands.radii[i] = thickness / 2;
   }
   if (mended > 0)
-    report.warnings.push_back(fmt::format(
-        "{} of the thicknesses are negative or not finite: the file's default stands for them", mended));
+    report.warnings.push_back(fmt::format("{} of the thicknesses are negative or not finite: {} for them",
+                                          mended,
+                                          isThickness(standard) ? "the file's default stands" : "0 stands"));
 }
 
 /// Defaults stand for arrays that the file has not.
@@ -110,7 +113,10 @@ FileReport reportOn(const ByteReader& reader, const HairHeader& header) {
   const auto differs = [&](uint64_t at, float from) { return reader.at<float>(at) != from; };
   if (has(kTransparency)) out.leaveOut("transparency");
   if (has(kColours)) out.leaveOut("colours");
-  if (!has(kThickness) && differs(kDefaultThicknessAt, kDefaultThickness)) out.leaveOut("default thickness");
+  if (const auto thickness = reader.at<float>(kDefaultThicknessAt); !isThickness(thickness))
+    out.leaveOut(fmt::format("the default thickness, which is {:g}", thickness));
+  else if (!has(kThickness) && thickness != kDefaultThickness)
+    out.leaveOut("default thickness");
   if (!has(kTransparency) && differs(24, kDefaultTransparency)) out.leaveOut("default transparency");
   if (!has(kColours) &&
       (differs(28, kDefaultColour) || differs(32, kDefaultColour) || differs(36, kDefaultColour)))

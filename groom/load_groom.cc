@@ -113,10 +113,11 @@ void convertUnits(Groom& groom, const GroomReadOptions& options, float said, con
     unit = guessUnit(bounds);
     groom.report.is_unit_guessed = true;
     const float size = bounds.sizes().maxCoeff();
+    const std::string likelier = likelierUnits(size, unit);
     groom.report.warnings.push_back(fmt::format(
-        "{}: the unit is guessed: {} m, which makes the groom {:.3g} m large ({:.4g} units); give "
+        "{}: the unit is guessed: {} m, which makes the groom {:.3g} m large ({:.4g} units{}); give "
         "--unit-meters to be sure",
-        name, unit, size * unit, size));
+        name, unit, size * unit, size, likelier.empty() ? "" : "; " + likelier));
   }
   groom.report.unit_meters = unit;
   scaleToMeters(groom.strands.positions, unit, name);
@@ -143,16 +144,17 @@ float medianEdge(const StrandSet& strands) {
 
 /// Of a size or a place that no hair has, which a wrong unit gives.
 void warnOfUnit(Groom& groom, const std::string& name) {
-  constexpr float kSmallestGroom = 1e-3f, kLargestGroom = 20;  // m
-  constexpr float kMostRounding = 0.05f;                       // of an edge
+  constexpr float kMostRounding = 0.05f;  // of an edge
   Box bounds;
   for (const Vec3& point : groom.strands.positions) bounds.extend(Eigen::Vector3f(point));
   const float size = bounds.sizes().maxCoeff();
   const float unit = groom.report.unit_meters;
-  if (size < kSmallestGroom || size > kLargestGroom)
+  if (isUnlikelySize(size)) {
+    const std::string likelier = likelierUnits(size / unit, unit);
     groom.report.warnings.push_back(
-        fmt::format("{}: with a unit of {:g} m the groom is {:.3g} m large: give its unit (--unit-meters)",
-                    name, unit, size));
+        fmt::format("{}: with a unit of {:g} m the groom is {:.3g} m large: give its unit (--unit-meters){}",
+                    name, unit, size, likelier.empty() ? "" : ": " + likelier));
+  }
   const float farthest = std::max(bounds.min().cwiseAbs().maxCoeff(), bounds.max().cwiseAbs().maxCoeff());
   const float rounding = farthest * std::numeric_limits<float>::epsilon(), edge = medianEdge(groom.strands);
   if (rounding > kMostRounding * edge)

@@ -32,6 +32,12 @@ void warnOfGltfUnits(const GroomReadOptions& given, FileReport& report) {
     report.warnings.push_back(fmt::format("in glTF Y is up, {} is taken as given", nameOf(given.up)));
 }
 
+void warnOfMeshSize(const TriangleMesh& mesh, float unit_meters, FileReport& report) {
+  if (const float size = mesh.bounds().sizes().maxCoeff(); isUnlikelySize(size))
+    report.warnings.push_back(
+        fmt::format("with a unit of {:g} m it is {:.3g} m large: give its unit", unit_meters, size));
+}
+
 ReadBeside besideFile(const std::filesystem::path& file, const std::filesystem::path& beneath) {
   return [=](const std::filesystem::path& relative) {
     const std::filesystem::path named = file.parent_path() / relative;
@@ -61,6 +67,7 @@ ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& opt
         unit * size));
   }
   scaleToMeters(mesh.positions, unit, file.string());
+  warnOfMeshSize(mesh, unit, read.report);
   computeNormals(mesh);
   return read;
 }

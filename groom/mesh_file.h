@@ -29,12 +29,16 @@ GroomReadOptions meshUnits(const std::filesystem::path& file, const GroomReadOpt
 /// Tells `report` where what is given for a glTF file is not what its format says: metres, Y up.
 void warnOfGltfUnits(const GroomReadOptions& given, FileReport& report);
 
+/// Tells `report` where a mesh in metres, of a file in this unit, is below 1 mm or above 20 m large.
+void warnOfMeshSize(const TriangleMesh& mesh, float unit_meters, FileReport& report);
+
 /// Reads a triangle mesh from .obj or glTF 2.0 (.gltf, .glb) by extension, in metres, Y up, with normals.
 /// Throws Error (file, line, byte offset or part, remedy) on bad input. Without `unit_meters` a glTF file is
 /// in metres, as its specification says, and the unit of an .obj file is guessed as a groom's is: pass
-/// GroomReport::unit_meters to give an .obj body the scale of its hair (meshUnits). The buffers that a .gltf
-/// names are read from its own folder and nowhere else. With `beneath`, `file` is relative to that folder: it
-/// and its buffers are read beneath it and nowhere else, whatever links there are (readBeneath).
+/// GroomReport::unit_meters to give an .obj body the scale of its hair (meshUnits). Warns of a size that no
+/// body has. The buffers that a .gltf names are read from its own folder and nowhere else. With `beneath`,
+/// `file` is relative to that folder: it and its buffers are read beneath it and nowhere else, whatever links
+/// there are (readBeneath).
 ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& options,
                   const std::vector<std::string>& skip_groups = kSkippedGroups,
                   const std::filesystem::path& beneath = {});

@@ -50,12 +50,8 @@ std::string_view withoutComment(std::string_view line) {
 
 /// Whether a word stands for a number that is not finite or beyond a double: nan, -inf, 1.#IND, 1e999.
 bool isUnbounded(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0;
-  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
-  const bool is_whole = end == word.data() + word.size();
-  if (is_whole && failure == std::errc()) return !std::isfinite(value);
-  return is_whole ? failure == std::errc::result_out_of_range : word.find(".#") != std::string_view::npos;
+  const std::optional<double> number = numberOrInfinite(word);
+  return number ? !std::isfinite(*number) : word.find(".#") != std::string_view::npos;
 }
 
 /// Of the format's version 3, and those before it that programs still write; in lower case.

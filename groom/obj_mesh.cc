@@ -110,7 +110,7 @@ struct ObjMeshReader {
                   fmt::format(" of groups whose names begin with {}", fmt::join(skip_groups, " or ")));
     leaveOutCount(report, polylines, "polyline", " (l)");
     leaveOutCount(report, points, "statement", " of points (p)");
-    leaveOutCount(report, free_forms, "free-form shape", " (curv, surf)");
+    leaveOutCount(report, free_forms, "free-form shape", " (curv, curv2, surf)");
     leaveOutCount(report, lines.unknown(), "statement", " that the format does not have");
   }
 
@@ -141,8 +141,13 @@ ReadMesh readObjMesh(std::span<const std::byte> bytes, const std::string& name,
   reader.read();
   reader.triangulate();
   if (reader.mesh().triangles.empty())
-    reader.lines.fail("the file has no faces (f) outside the groups that are skipped", 1,
-                      "export the body as a mesh");
+    reader.lines.fail(
+        reader.free_forms > 0
+            ? "the file has no faces (f) but free-form shapes (curv, curv2, surf), which are not read"
+            : "the file has no faces (f) outside the groups that are skipped",
+        1,
+        reader.free_forms > 0 ? "convert the surfaces to polygons and export these"
+                              : "export the body as a mesh");
   reader.reportRest();
   reader.dropUnusedVertices();
   reader.mesh().name = name;

@@ -67,6 +67,15 @@ void takeEdgeFaces(ObjPolylines& found, FileReport& report) {
   found.line_of = std::move(found.edge_of);
 }
 
+[[noreturn]] void refuseWithoutPolylines(const ObjLines& lines, const ObjPolylines& found) {
+  if (found.free_forms > 0)
+    lines.fail("the file has no polylines (l) but free-form shapes (curv, curv2, surf), which are not read",
+               1, "convert the curves to polylines and export these");
+  lines.fail(
+      "the file has no polylines (l)", 1,
+      found.faces > 0 ? "export the hair as polylines, not as a mesh" : "export the hair as polylines");
+}
+
 StrandSet strandsOf(const ObjPolylines& found, const Polylines& joined) {
   StrandSet strands;
   strands.positions.reserve(joined.corners.size());
@@ -87,8 +96,7 @@ RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& nam
   groom.native_up = UpAxis::kY;
   ObjPolylines found = readPolylines(lines);
   takeEdgeFaces(found, groom.report);
-  if (found.lines.size() == 0)
-    lines.fail("the file has no polylines (l)", 1, "export the hair as curves or polylines, not as a mesh");
+  if (found.lines.size() == 0) refuseWithoutPolylines(lines, found);
   if (found.lines.corners.size() > std::numeric_limits<uint32_t>::max())
     lines.fail("the file has more than 4294967295 strand vertices", found.line_of.back(), "split the file");
   for (size_t l = 0; l < found.lines.size(); ++l)
@@ -97,13 +105,13 @@ RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& nam
   const Polylines joined = joinedPolylines(found.lines, found.vertices.size(), groom.report);
   if (joined.size() == 0)
     lines.fail("every polyline (l) goes from a vertex to itself", found.line_of.front(),
-               "export the hair as curves or polylines");
+               "export the hair as polylines");
   groom.strands = strandsOf(found, joined);
   leaveOutNotFinite(groom.strands, groom.report, lines.where(found.line_of.front()));
   leaveOutCount(groom.report, found.empty, "polyline", " without vertices");
   leaveOutCount(groom.report, found.faces, "face", " (f)");
   leaveOutCount(groom.report, found.points, "statement", " of points (p)");
-  leaveOutCount(groom.report, found.free_forms, "free-form shape", " (curv, surf)");
+  leaveOutCount(groom.report, found.free_forms, "free-form shape", " (curv, curv2, surf)");
   leaveOutCount(groom.report, lines.unknown(), "statement", " that the format does not have");
   if (found.has_colours) groom.report.leaveOut("vertex colours");
   return groom;

@@ -33,6 +33,16 @@ Runs runsOf(const Polylines& read) {
   return runs;
 }
 
+bool isRing(std::span<const uint32_t> run) { return run.size() > 3 && run.front() == run.back(); }
+
+/// Turns a ring so that it begins at its lowest vertex and goes on to the lower of that one's neighbours.
+void openAtLowest(std::span<uint32_t> ring) {
+  const std::span<uint32_t> once = ring.first(ring.size() - 1);
+  std::rotate(once.begin(), std::min_element(once.begin(), once.end()), once.end());
+  if (once[1] > once.back()) std::reverse(once.begin() + 1, once.end());
+  ring.back() = ring.front();
+}
+
 /// Whether the runs of edges look as written strand after strand, from the root on: no tip is in another run,
 /// and no run of a single edge touches another. Roots may be shared.
 bool isInOrder(const Runs& runs, size_t vertices) {
@@ -43,8 +53,7 @@ bool isInOrder(const Runs& runs, size_t vertices) {
   for (size_t r = 0; r < runs.lines.size(); ++r) {
     if (!runs.is_of_edges[r]) continue;
     const std::span<const uint32_t> run = runs.lines.at(r);
-    const bool is_ring = run.front() == run.back() && run.size() > 3;
-    if (!is_ring && (uses[run.back()] > 1 || (run.size() == 2 && uses[run.front()] > 1))) return false;
+    if (!isRing(run) && (uses[run.back()] > 1 || (run.size() == 2 && uses[run.front()] > 1))) return false;
   }
   return true;
 }
@@ -79,10 +88,7 @@ class EdgeGraph {
     std::vector<uint32_t> strand = walk(middle, edge);
     is_ring = strand.back() == middle && degree(middle) == 2;
     if (is_ring) {
-      strand.pop_back();
-      std::rotate(strand.begin(), std::min_element(strand.begin(), strand.end()), strand.end());
-      if (strand[1] > strand.back()) std::reverse(strand.begin() + 1, strand.end());
-      strand.push_back(strand.front());
+      openAtLowest(strand);
       return strand;
     }
     std::reverse(strand.begin(), strand.end());
@@ -168,11 +174,57 @@ void reportForks(size_t forks, size_t rings, FileReport& report) {
                     rings == 1 ? "1 ring of edges is" : fmt::format("{} rings of edges are", rings)));
 }
 
+/// Whether a run goes through a vertex again, other than from end to end. `last_run`: per vertex.
+bool crossesItself(std::span<const uint32_t> run, uint32_t number, std::vector<uint32_t>& last_run) {
+  bool crosses = false;
+  const size_t count = run.size() - (isRing(run) ? 1 : 0);
+  for (size_t i = 0; i < count; ++i) {
+    if (i > 0 && run[i] == run[i - 1]) continue;
+    crosses |= last_run[run[i]] == number;
+    last_run[run[i]] = number;
+  }
+  return crosses;
+}
+
+/// Runs that are strands as they are written, but that rings of edges are opened where they always are.
+Polylines writtenStrands(Runs runs, size_t vertices, FileReport& report) {
+  std::vector<uint32_t> last_run(vertices, std::numeric_limits<uint32_t>::max());
+  size_t rings = 0, crossing = 0;
+  for (size_t r = 0; r < runs.lines.size(); ++r) {
+    if (!runs.is_of_edges[r]) continue;
+    const std::span<uint32_t> run =
+        std::span(runs.lines.corners).subspan(runs.lines.offsets[r], runs.lines.at(r).size());
+    if (crossesItself(run, static_cast<uint32_t>(r), last_run)) {
+      ++crossing;
+    } else if (isRing(run)) {
+      openAtLowest(run);
+      ++rings;
+    }
+  }
+  reportForks(0, rings, report);
+  if (crossing > 0)
+    report.warnings.push_back(fmt::format(
+        "{} through a vertex again, and stay{} as written",
+        crossing == 1 ? "1 strand of edges goes" : fmt::format("{} strands of edges go", crossing), crossing == 1 ? "s" : ""));
+  return std::move(runs.lines);
+}
+
+void reportClosed(const Runs& runs, FileReport& report) {
+  size_t closed = 0;
+  for (size_t r = 0; r < runs.lines.size(); ++r)
+    closed += !runs.is_of_edges[r] && isRing(runs.lines.at(r)) ? 1 : 0;
+  if (closed > 0)
+    report.warnings.push_back(
+        closed == 1 ? "1 polyline is closed: its root and its tip are one vertex"
+                    : fmt::format("{} polylines are closed: root and tip of each are one vertex", closed));
+}
+
 }  // namespace
 
 Polylines joinedPolylines(const Polylines& read, size_t vertices, FileReport& report) {
   Runs runs = runsOf(read);
-  if (isInOrder(runs, vertices)) return std::move(runs.lines);
+  reportClosed(runs, report);
+  if (isInOrder(runs, vertices)) return writtenStrands(std::move(runs), vertices, report);
   EdgeGraph graph(runs, vertices, report);
   Polylines out;
   size_t rings = 0;

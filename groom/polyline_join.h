@@ -26,10 +26,12 @@ struct Polylines {
 /// file has polylines of three and more corners, or edges that are written strand after strand from the root
 /// on. Other edges, which are polylines of two corners, are joined where two of them meet, whatever their
 /// order and direction. Their strands then start at the end of the lower vertex index. They end where more
-/// than two edges meet; a ring is opened at its lowest index. Strands are in the order of their first edge.
+/// than two edges meet. Strands are in the order of their first edge. A ring of edges is opened at its lowest
+/// index in any case.
 ///
-/// `vertices`: how many there are; every corner is below. `report` is told of forks, rings, and edges that
-/// are left out because they are written twice or have one vertex twice. Takes time and memory in proportion
+/// `vertices`: how many there are; every corner is below. `report` is told of forks, rings, closed
+/// polylines, strands that go through a vertex again, and edges that are left out because they are written
+/// twice or have one vertex twice. Takes time and memory in proportion
 /// to corners and vertices.
 Polylines joinedPolylines(const Polylines& read, size_t vertices, FileReport& report);
 

@@ -92,6 +92,7 @@ SkinnedMesh loadSkinnedMesh(const std::filesystem::path& file, const GroomReadOp
     skin.skeleton.root.linear().col(c) = unit * axes[static_cast<size_t>(c)].cast<double>();
   skin.mesh.positions = skin.blended(skin.skeleton.place(skin.skeleton.rest()));
   scaleToMeters(skin.mesh.positions, 1, file.string());  // checks their size
+  warnOfMeshSize(skin.mesh, static_cast<float>(unit), skin.report);
   computeNormals(skin.mesh);
   return skin;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "groom/byte_reader.h"
@@ -53,7 +54,11 @@ TfxHeader readTfxHeader(const ByteReader& reader) {
   header.vertices_per_strand = reader.at<uint32_t>(8);
   // Thickness, colours and vertex UVs have no use here, but an offset outside the file still means damage.
   if (header.version == 3) {
-    header.both_ends_immovable = reader.at<uint32_t>(16) != 0;
+    const auto both_ends = reader.at<uint32_t>(16);
+    header.both_ends_immovable = both_ends != 0;
+    if (both_ends > 1)
+      header.report.warnings.push_back(
+          fmt::format("its flag of both ends immovable is {}: it is taken as set", both_ends));
     header.positions = offsetField(reader, 144, kHeaderBytes3);
     uint32_t others = 0;
     for (uint64_t field : {148, 156, 160, 164}) others |= offsetField(reader, field, kHeaderBytes3);
@@ -87,7 +92,10 @@ void readPositions3(const ByteReader& reader, const TfxHeader& header, StrandSet
                                     "positions");
 }
 
-void readPositions4(const ByteReader& reader, const TfxHeader& header, StrandSet& strands) {
+/// The w of a position is an inverse mass. Exporters write 0 (pinned) and 1 (free).
+void readPositions4(const ByteReader& reader, const TfxHeader& header, StrandSet& strands,
+                    FileReport& report) {
+  size_t others = 0, mended = 0;
   strands.positions.resize(header.vertices());
   strands.pinned.resize(header.vertices());
   for (size_t i = 0; i < strands.vertices(); ++i) {
@@ -95,7 +103,14 @@ void readPositions4(const ByteReader& reader, const TfxHeader& header, StrandSet
     const auto vertex = reader.at<std::array<float, 4>>(offset, "positions");
     strands.positions[i] = Vec3(vertex[0], vertex[1], vertex[2]);
     strands.pinned[i] = vertex[3] == 0 ? 1 : 0;
+    const bool is_mass = vertex[3] >= 0 && std::isfinite(vertex[3]);
+    mended += is_mass ? 0 : 1;
+    others += is_mass && vertex[3] != 0 && vertex[3] != 1 ? 1 : 0;
   }
+  if (others > 0) report.leaveOut("inverse masses (w) other than 0 and 1");
+  if (mended > 0)
+    report.warnings.push_back(fmt::format(
+        "{} of the inverse masses (w) are negative or not finite: their vertices are taken as free", mended));
 }
 
 /// Version 3 stores no masses. Its loader pins the first two vertices of every strand, and the last two when
@@ -144,13 +159,13 @@ RawGroom readTfx(std::span<const std::byte> bytes, const std::string& name) {
   strands.offsets.resize(size_t{header.strands} + 1);
   for (size_t s = 0; s < strands.offsets.size(); ++s)
     strands.offsets[s] = static_cast<uint32_t>(s * header.vertices_per_strand);
+  groom.report = header.report;
   if (header.version == 3) {
     readPositions3(reader, header, strands);
     pinByConvention(header, strands);
   } else {
-    readPositions4(reader, header, strands);
+    readPositions4(reader, header, strands, groom.report);
   }
-  groom.report = header.report;
   readStrandUvs(reader, header, strands, groom.report);
   leaveOutNotFinite(strands, groom.report, reader.where(header.positions));
   return groom;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -28,21 +27,10 @@ char closingOf(char c) { return c == '(' ? ')' : c == '[' ? ']' : c == '{' ? '}'
 bool isUsdaSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 bool closes(char c) { return c == ')' || c == ']' || c == '}'; }
 
-/// A number as numberOf() has it, infinite where a double cannot hold it.
-std::optional<double> numberOrInfinite(std::string_view text) {
-  if (const std::optional<double> number = numberOf(text)) return number;
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc::result_out_of_range || end != text.data() + text.size()) return std::nullopt;
-  return text.starts_with('-') ? -std::numeric_limits<double>::infinity()
-                               : std::numeric_limits<double>::infinity();
-}
-
 }  // namespace
 
 UsdaText::UsdaText(std::span<const std::byte> bytes, std::string name)
-    : name_(std::move(name)), all_(textOfFile(bytes)) {
+    : name_(std::move(name)), all_(textOfFile(bytes, name_)) {
   if (all_.starts_with(kUsdcMagic) || all_.starts_with(kZipMagic))
     fail("this is USD in its binary form", "save it as text: usdcat FILE -o FILE.usda");
   checkVersion();

@@ -434,5 +434,85 @@ TEST(GltfBuffers, OfOneFileMayBeTwo) {
   expectPoints(meshOf(samples::fromText(text)), tetrahedron());
 }
 
+TEST(GltfAssets, AMinimumVersionAbove2IsRefusedByName) {
+  const auto with = [](const std::string& asset) {
+    GltfBuilder builder;
+    const Bytes plain = tetrahedronOf(builder, builder.points(tetrahedron()));
+    std::string text(reinterpret_cast<const char*>(plain.data()), plain.size());
+    const std::string version = R"("version":"2.0")";
+    return samples::fromText(text.replace(text.find(version), version.size(), asset));
+  };
+  for (const char* least : {"2.1", "2.10", "3.0", "10.0", "99999999999999999999.0"})
+    expectRefusal(with(fmt::format(R"("version":"2.9","minVersion":"{}")", least)),
+                  {std::string("requires glTF ") + least, "asset.minVersion", "as glTF 2.0"});
+  for (const char* fine : {R"("version":"2.0","minVersion":"2.0")", R"("version":"2.0","minVersion":"1.9")",
+                           R"("version":"2.0","minVersion":"2.00")"})
+    EXPECT_TRUE(readGltfMesh(with(fine), "body.gltf").report.warnings.empty()) << fine;
+  const auto doubts = [&](const std::string& asset) {
+    return readGltfMesh(with(asset), "body.gltf").report.warnings;
+  };
+  EXPECT_TRUE(says(doubts(R"("version":"2.1")"), "asset.version is 2.1: it is read as glTF 2.0"));
+  for (const char* none : {R"("two")", R"("2")", R"("2.")", R"("-2.1")", "3", "{}"})
+    EXPECT_TRUE(says(doubts(fmt::format(R"("version":"2.0","minVersion":{})", none)),
+                     "asset.minVersion is not a version"))
+        << none;
+}
+
+TEST(GltfAssets, TextInUtf16IsRefusedAsSuch) {
+  GltfBuilder builder;
+  Bytes wide{std::byte{0xff}, std::byte{0xfe}};
+  for (const std::byte c : tetrahedronOf(builder, builder.points(tetrahedron())))
+    wide.insert(wide.end(), {c, std::byte{0}});
+  expectRefusal(wide, {"UTF-16", "body.gltf", "iconv -f UTF-16 -t UTF-8"});
+  wide.erase(wide.begin(), wide.begin() + 2);
+  expectRefusal(wide, {"UTF-16", "iconv -f UTF-16LE -t UTF-8"});
+}
+
+TEST(GltfPrimitives, CornersThatMakeNoWholeTriangleAreToldOf) {
+  GltfBuilder builder;
+  const size_t position = builder.points(tetrahedron());
+  std::vector<uint16_t> triangles = tetrahedronTriangles();
+  triangles.push_back(0);
+  const size_t one_more = builder.indices(triangles), two = builder.indices({0, 1});
+  const std::string whole = fmt::format(R"({{"attributes":{{"POSITION":{}}},"indices":{}}})", position,
+                                        builder.indices(tetrahedronTriangles()));
+  const auto told = [&](const std::string& primitive) {
+    const ReadMesh read =
+        readGltfMesh(builder.gltf(fmt::format(R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{},{}]}}])",
+                                              whole, primitive)),
+                     "body.gltf");
+    EXPECT_EQ(read.report.left_out.size(), 1u);
+    return read.report.left_out.empty() ? "" : read.report.left_out[0];
+  };
+  const std::string attributes = fmt::format(R"({{"attributes":{{"POSITION":{}}})", position);
+  const std::string indices = "indices left over after the last whole triangle (meshes[0].primitives[1])";
+  EXPECT_EQ(told(attributes + fmt::format(R"(,"indices":{}}})", one_more)), indices);
+  EXPECT_EQ(told(attributes + fmt::format(R"(,"indices":{}}})", two)), indices);
+  EXPECT_EQ(told(attributes + fmt::format(R"(,"indices":{},"mode":5}})", two)), indices);
+  EXPECT_EQ(told(attributes + "}"),
+            "vertices left over after the last whole triangle (meshes[0].primitives[1])");
+}
+
+TEST(GltfMorphTargets, OfAnotherCountAreToldOfOnceWhetherUsedOrNot) {
+  Shapes shapes;
+  const size_t three = shapes.builder.points({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}),
+               five = shapes.builder.points(std::vector<Vec3>(5, Vec3::Zero()));
+  const std::string targets =
+      fmt::format(R"({{"POSITION":{}}},{{"POSITION":{}}},{{"POSITION":{}}})", shapes.up, three, five);
+  for (const char* weights :
+       {"", R"(,"weights":[1,0,0])", R"(,"weights":[0,1,0])", R"(,"weights":[1,1,1])"}) {
+    const ReadMesh read =
+        readGltfMesh(shapes.builder.gltf(fmt::format(
+                         R"("nodes":[{{"mesh":0}},{{"mesh":0}}],"meshes":[{{"primitives":[{}]{}}}])",
+                         shapes.primitive(targets), weights)),
+                     "body.gltf");
+    EXPECT_EQ(
+        read.report.left_out,
+        (std::vector<std::string>{"morph targets of another number of vertices (2: "
+                                  "meshes[0].primitives[0].targets[1], meshes[0].primitives[0].targets[2])"}))
+        << weights;
+  }
+}
+
 }  // namespace
 }  // namespace strandcast

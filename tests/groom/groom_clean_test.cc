@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <random>
 
 #include "core/strand_model.h"
+#include "groom/axes_and_units.h"
 #include "groom/clean.h"
 #include "groom/file_bytes.h"
 #include "groom/groom_file.h"
@@ -332,6 +334,43 @@ TEST(GuessUnit, MakesAHeadOfHairHeadSized) {
   EXPECT_EQ(guessUnit(box(300)), 0.001f);
   EXPECT_EQ(guessUnit(Box()), 1.0f);
   EXPECT_EQ(guessUnit(box(0)), 1.0f);
+}
+
+TEST(GuessUnit, InchesAndFeetAreNamedWhereTheyMakeAHeadOfHair) {
+  EXPECT_EQ(likelierUnits(12, 0.01f), "0.0254 m (inches) would make it 0.3 m large");
+  EXPECT_EQ(likelierUnits(0.9f, 1), "0.3048 m (feet) would make it 0.27 m large");
+  EXPECT_EQ(likelierUnits(12, 1000),
+            "0.0254 m (inches) would make it 0.3 m large, 0.01 m (centimetres) would make it 0.12 m large");
+  EXPECT_EQ(likelierUnits(1, 100),
+            "0.3048 m (feet) would make it 0.3 m large, 0.1 m would make it 0.1 m large, "
+            "1 m would make it 1 m large");
+  EXPECT_EQ(likelierUnits(30, 0.01f), "");
+  EXPECT_EQ(likelierUnits(0.3f, 1), "");
+  for (const float none : {0.0f, 1e9f, 1e-9f}) EXPECT_EQ(likelierUnits(none, 1), "") << none;
+}
+
+TEST(LoadGroom, AnUnlikelyUnitIsToldOfWithLikelierOnes) {
+  const ScratchFolder folder;
+  const auto warningsOf = [&](float size, float unit) {
+    std::ofstream(folder / "wig.obj") << "v 0 0 0\nv 0 " << size / 2 << " 0\nv 0 " << size << " 0\nl 1 2 3\n";
+    return loadGroom({folder / "wig.obj"}, {unit, UpAxis::kAuto}).report.warnings;
+  };
+  const std::string name = (folder / "wig.obj").string();
+  EXPECT_EQ(
+      warningsOf(25, 1),
+      std::vector<std::string>{
+          name + ": with a unit of 1 m the groom is 25 m large: give its unit (--unit-meters): 0.01 m "
+                 "(centimetres) would make it 0.25 m large, 0.0254 m (inches) would make it 0.63 m large"});
+  EXPECT_EQ(warningsOf(0.8f, 1e-3f),
+            std::vector<std::string>{
+                name + ": with a unit of 0.001 m the groom is 0.0008 m large: give its unit (--unit-meters): "
+                       "0.3048 m (feet) would make it 0.24 m large, 1 m would make it 0.8 m large"});
+  EXPECT_EQ(
+      warningsOf(12, 0),
+      std::vector<std::string>{
+          name + ": the unit is guessed: 0.01 m, which makes the groom 0.12 m large (12 units; 0.0254 m "
+                 "(inches) would make it 0.3 m large); give --unit-meters to be sure"});
+  EXPECT_TRUE(warningsOf(25, 0.01f).empty());
 }
 
 TEST(LoadGroom, ConvertsUnitAndAxesAndSaysWhenItGuessed) {

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <limits>
 
@@ -238,6 +239,56 @@ TEST(Hair, AThicknessThatIsNoneIsTheDefault) {
     ASSERT_EQ(groom.report.warnings.size(), 1u);
     overwrite(bytes, 20, bad);
     EXPECT_EQ(readHair(bytes, "wig.hair").strands.radii[1], 0);
+  }
+}
+
+TEST(Hair, ADefaultThicknessThatIsNoneIsLeftOutAndTold) {
+  for (const auto& [bad, text] :
+       {std::pair{kNan, "nan"}, {kInfinity, "inf"}, {-kInfinity, "-inf"}, {-2.5f, "-2.5"}})
+    for (Bytes bytes : {samples::hair(), samples::hairDefaultSegments()}) {
+      overwrite(bytes, 20, bad);
+      const RawGroom groom = readHair(bytes, "wig.hair");
+      const std::vector<std::string>& told = groom.report.left_out;
+      const std::string line = std::string("the default thickness, which is ") + text;
+      EXPECT_NE(std::find(told.begin(), told.end(), line), told.end()) << line;
+      EXPECT_EQ(std::find(told.begin(), told.end(), "default thickness"), told.end());
+      EXPECT_TRUE(groom.report.warnings.empty()) << "no vertex needs it";
+    }
+  Bytes bytes = samples::hair();
+  overwrite(bytes, 128 + 6 + 120 + 4, kNan);
+  EXPECT_EQ(readHair(bytes, "wig.hair").report.warnings,
+            std::vector<std::string>{
+                "1 of the thicknesses are negative or not finite: the file's default stands for them"});
+  overwrite(bytes, 20, kNan);
+  EXPECT_EQ(readHair(bytes, "wig.hair").report.warnings,
+            std::vector<std::string>{"1 of the thicknesses are negative or not finite: 0 stands for them"});
+}
+
+TEST(Tfx, MassesAndFlagsThatAreNotReadAsTheyAreAreTold) {
+  Bytes bytes = samples::tfx4();
+  EXPECT_TRUE(readTfx(bytes, "wig.tfx").report.warnings.empty());
+  const auto mass = [](size_t vertex) { return 160 + vertex * 16 + 12; };
+  overwrite(bytes, mass(2), 0.5f);
+  overwrite(bytes, mass(3), 2.0f);
+  RawGroom groom = readTfx(bytes, "wig.tfx");
+  EXPECT_EQ(groom.report.left_out, std::vector<std::string>{"inverse masses (w) other than 0 and 1"});
+  EXPECT_TRUE(groom.report.warnings.empty());
+  overwrite(bytes, mass(2), kNan);
+  overwrite(bytes, mass(3), -1.0f);
+  overwrite(bytes, mass(6), kInfinity);
+  groom = readTfx(bytes, "wig.tfx");
+  EXPECT_TRUE(groom.report.left_out.empty());
+  EXPECT_EQ(groom.report.warnings,
+            std::vector<std::string>{
+                "3 of the inverse masses (w) are negative or not finite: their vertices are taken as free"});
+  EXPECT_EQ(pinsOf(groom.strands, 0), (std::vector<int>{1, 1, 0, 0}));
+  for (const uint32_t flag : {2u, 7u, 0xFFFFFFFFu}) {
+    bytes = samples::tfx3();
+    overwrite(bytes, 16, flag);
+    groom = readTfx(bytes, "wig.tfx");
+    EXPECT_EQ(pinsOf(groom.strands, 0), (std::vector<int>{1, 1, 1, 1}));
+    EXPECT_EQ(groom.report.warnings, std::vector<std::string>{"its flag of both ends immovable is " +
+                                                              std::to_string(flag) + ": it is taken as set"});
   }
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "groom/groom_file.h"
 #include "groom/mesh_file.h"
@@ -75,9 +76,14 @@ TEST(ObjText, LinesAreCountedWhateverEndsThem) {
 TEST(ObjText, WideTextIsRefusedAsSuch) {
   std::string wide = "\xff\xfe";
   for (const char c : kBody) wide += {c, '\0'};
-  for (const std::string& text : {wide, wide.substr(2), std::string("\xfe\xff\0v", 4)}) {
-    expectError([&] { meshOf(text); }, {"body.obj", "UTF-16", "UTF-8"});
-    expectError([&] { groomOf(text); }, {"wig.obj", "UTF-16", "UTF-8"});
+  const std::pair<std::string, const char*> kTexts[] = {
+      {wide, "iconv -f UTF-16 -t UTF-8"},
+      {wide.substr(2), "iconv -f UTF-16LE -t UTF-8"},
+      {wide.substr(3, 100), "iconv -f UTF-16BE -t UTF-8"},
+      {std::string("\xfe\xff\0v", 4), "iconv -f UTF-16 -t UTF-8"}};
+  for (const auto& [text, remedy] : kTexts) {
+    expectError([&] { meshOf(text); }, {"body.obj", "UTF-16", remedy});
+    expectError([&] { groomOf(text); }, {"wig.obj", "UTF-16", remedy});
   }
 }
 
@@ -110,10 +116,10 @@ TEST(ObjMesh, OddElementsAreLeftOutAndCounted) {
                              " 1\nf 1 2 3 4\nf 1 2 5\nf 1 2\nf 3 3 4\np 1\nl 1 2\ncurv 0 1 1 2\n"),
                     "body.obj");
     EXPECT_EQ(read.mesh.triangles.size(), 2u) << bad;
-    EXPECT_EQ(read.report.left_out,
-              (std::vector<std::string>{"1 face with a position that is not finite",
-                                        "2 faces of fewer than three different corners", "1 polyline (l)",
-                                        "1 statement of points (p)", "1 free-form shape (curv, surf)"}))
+    EXPECT_EQ(read.report.left_out, (std::vector<std::string>{"1 face with a position that is not finite",
+                                                              "2 faces of fewer than three different corners",
+                                                              "1 polyline (l)", "1 statement of points (p)",
+                                                              "1 free-form shape (curv, curv2, surf)"}))
         << bad;
   }
   const ReadMesh skipped = readObjMesh(samples::objMesh(), "body.obj", {"helper-", "joint-"});
@@ -223,6 +229,45 @@ TEST(ObjText, KeywordsAreReadInAnyCaseAndUnknownOnesAreCounted) {
   const RawGroom groom = groomOf("V 0 0 0\nV 0 1 0\nL 1 2\nfoo 1\nbar\nusemtl skin\n");
   EXPECT_EQ(groom.strands.vertices(), 2u);
   EXPECT_EQ(groom.report.left_out, (std::vector<std::string>{"2 statements that the format does not have"}));
+}
+
+TEST(ObjEdges, ARingIsToldOfAndOpenedAlikeInAnyOrder) {
+  for (const Strands& edges :
+       {Strands{{1, 2}, {2, 3}, {3, 4}, {4, 1}}, Strands{{3, 4}, {4, 1}, {1, 2}, {2, 3}},
+        Strands{{2, 1}, {1, 4}, {4, 3}, {3, 2}}, Strands{{3, 4}, {1, 2}, {4, 1}, {2, 3}},
+        Strands{{1, 4}, {3, 2}, {4, 3}, {1, 2}}}) {
+    FileReport report;
+    EXPECT_EQ(joined(edges, &report), (Strands{{1, 2, 3, 4, 1}}));
+    EXPECT_EQ(report.warnings,
+              (std::vector<std::string>{"1 ring of edges is opened at the lowest vertex index"}));
+  }
+  FileReport report;
+  EXPECT_EQ(joined({{7, 8}, {8, 9}, {2, 3}, {3, 1}, {1, 2}, {5, 4}, {4, 6}, {6, 5}}, &report),
+            (Strands{{7, 8, 9}, {1, 2, 3, 1}, {4, 5, 6, 4}}))
+      << "strands beside them are as they are written";
+  EXPECT_TRUE(mentions(report.warnings, "2 rings of edges are opened"));
+}
+
+TEST(ObjEdges, ClosedPolylinesAndStrandsThatCrossThemselvesAreToldOf) {
+  FileReport report;
+  EXPECT_EQ(joined({{3, 1, 2, 3}, {4, 5, 6}}, &report), (Strands{{3, 1, 2, 3}, {4, 5, 6}}));
+  EXPECT_TRUE(mentions(report.warnings, "1 polyline is closed"));
+  EXPECT_EQ(joined({{1, 2}, {2, 3}, {3, 1}, {1, 4}}, &report), (Strands{{1, 2, 3, 1, 4}}));
+  EXPECT_TRUE(mentions(report.warnings, "1 strand of edges goes through a vertex again"));
+  EXPECT_EQ(joined({{1, 2}, {2, 2}, {2, 3}}, &report), (Strands{{1, 2, 2, 3}}));
+  EXPECT_TRUE(report.warnings.empty());
+}
+
+TEST(ObjStrands, FreeFormCurvesAloneGetAdviceThatFits) {
+  const std::string vertices = "v 0 0 0\nv 0 1 0\nv 0 2 0\n";
+  for (const char* shape : {"cstype bspline\ndeg 2\ncurv 0 1 1 2 3\nparm u 0 0 0 1 1 1\nend\n",
+                            "vp 0 0\nvp 1 1\ncurv2 1 2\n", "surf 0 1 0 1 1 2 3\n"}) {
+    expectError([&] { groomOf(vertices + shape); },
+                {"free-form shapes (curv, curv2, surf), which are not read", "to polylines"});
+    expectError([&] { meshOf(vertices + shape); }, {"free-form shapes", "to polygons"});
+  }
+  expectError([&] { groomOf(vertices + "f 1 2 3\n"); }, {"no polylines (l)", "not as a mesh"});
+  expectError([&] { groomOf(vertices + "p 1 2 3\n"); }, {"no polylines (l)", "export the hair as polylines"});
 }
 
 }  // namespace

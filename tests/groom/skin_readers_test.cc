@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -404,6 +405,30 @@ TEST(LoadSkin, UnitsAndAxesMoveTheWholeSkeleton) {
     EXPECT_LT((0.1f * Vec3(a[v].x(), a[v].z(), -a[v].y()) - b[v]).norm(), 1e-6f);
   expectError([&] { loadSkinnedMesh(folder / "arm.obj", {}); }, {"arm.obj", "no skins"});
   expectError([&] { loadSkinnedMesh(folder / "arm.glb", {1e9f, UpAxis::kAuto}); }, {"arm.glb", "10 km"});
+}
+
+TEST(SkinReader, ARefusedMorphClipSaysWhy) {
+  samples::ArmOptions options = samples::smallArm();
+  options.bulge = 0.01f;
+  options.skinned = false;
+  const auto refused = [&](const std::string& from, const std::string& to, const std::string& why) {
+    const auto bytes = samples::armWith(options, from, to);
+    expectError([&] { readGltfSkin(bytes, "face.gltf"); },
+                {"no mesh of the scene has a skin or morph targets that are animated, read without", why,
+                 "face.gltf"});
+  };
+  refused(R"("output":8)", R"("output":1)", "do not fit");
+  refused(R"("output":8)", R"("output":99)", "there is no accessors[99]");
+  refused(R"("interpolation":"LINEAR"}]}],)", R"("interpolation":"CURVED"}]}],)",
+          "the interpolation is not STEP, LINEAR or CUBICSPLINE");
+  refused(R"("node":2,"path":"weights")", R"("node":1,"path":"weights")",
+          "weights of morph targets of nodes without a mesh (animations[1].channels[0])");
+  options.skinned = true;
+  const auto still = samples::armWith(
+      options, R"("channels":[{"sampler":0,"target":{"node":2,"path":"weights"}}])", R"("channels":[])");
+  const std::vector<std::string> told = readGltfSkin(still, "face.gltf").report.left_out;
+  EXPECT_NE(std::find(told.begin(), told.end(), "animations that move nothing of the scene (animations[1])"),
+            told.end());
 }
 
 }  // namespace

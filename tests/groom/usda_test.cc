@@ -209,5 +209,22 @@ TEST(Usda, NamesInReportsStayOnOneLineAndShort) {
             "without 1 invisible prim (/a\\n\\xff" + std::string(77, 'x') + "...)");
 }
 
+TEST(Usda, TextInUtf16IsRefusedWithHowToConvertIt) {
+  for (const bool big : {false, true}) {
+    samples::Bytes wide = samples::fromText(big ? "\xfe\xff" : "\xff\xfe");
+    for (const std::byte c : samples::usda())
+      wide.insert(wide.end(), {big ? std::byte{0} : c, big ? c : std::byte{0}});
+    expectError([&] { readUsda(wide, "wig.usda"); }, {"UTF-16", "wig.usda", "iconv -f UTF-16 -t UTF-8"});
+    wide.erase(wide.begin(), wide.begin() + 2);
+    expectError([&] { readUsda(wide, "wig.usda"); },
+                {"UTF-16", big ? "iconv -f UTF-16BE -t UTF-8" : "iconv -f UTF-16LE -t UTF-8"});
+  }
+  samples::Bytes filled = samples::usda();
+  filled.resize(filled.size() + 7);
+  EXPECT_EQ(readUsda(filled, "wig.usda").strands.positions,
+            readUsda(samples::usda(), "wig.usda").strands.positions)
+      << "zero bytes at the end";
+}
+
 }  // namespace
 }  // namespace strandcast
