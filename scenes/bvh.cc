@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <string_view>
 
@@ -33,6 +34,7 @@ class BvhHierarchy {
     if (without_offset_ > 0)
       clip_.report.warnings.push_back(fmt::format("{} joint{} no OFFSET: 0 0 0 stands for it",
                                                   without_offset_, without_offset_ == 1 ? " has" : "s have"));
+    tellOfNamesakes();
   }
 
  private:
@@ -47,8 +49,23 @@ class BvhHierarchy {
 
   void joint(int parent, int depth) {
     const auto index = static_cast<int>(clip_.joints.size());
-    addJoint(parent, depth, std::string(text_.nextName()));
+    const std::string name(text_.nextName());
+    addJoint(parent, depth, name);
+    ++named_[name];
     body(index, depth);
+  }
+
+  void tellOfNamesakes() {
+    constexpr size_t kMost = 3;  // names in the line
+    std::vector<std::string> shared;
+    for (const auto& [name, joints] : named_)
+      if (joints > 1) shared.push_back(fmt::format("{} ({})", BvhText::shown(name), joints));
+    if (shared.empty()) return;
+    const bool are_more = shared.size() > kMost;
+    if (are_more) shared.resize(kMost);
+    clip_.report.warnings.push_back(
+        fmt::format("joints have one name, and the first of each in the file is taken: {}{}",
+                    fmt::join(shared, ", "), are_more ? ", ..." : ""));
   }
 
   void endSite(int parent, int depth) {
@@ -90,7 +107,7 @@ class BvhHierarchy {
     constexpr size_t kMostChannels = std::size(kNames);
     const double count = text_.number();
     if (count != std::floor(count) || count < 0 || count > static_cast<double>(kMostChannels))
-      text_.fail("the number of channels must be 0 to " + std::to_string(kMostChannels));
+      text_.fail(fmt::format("the number of channels must be 0 to {}, not {:g}", kMostChannels, count));
     BvhJoint& owner = clip_.joints[static_cast<size_t>(index)];
     owner.first_channel = clip_.channels;
     for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
@@ -113,6 +130,7 @@ class BvhHierarchy {
   BvhText& text_;
   BvhClip& clip_;
   size_t without_offset_ = 0;
+  std::map<std::string, size_t> named_;  ///< joints, but for End Sites
 };
 
 std::string lowered(std::string text) {

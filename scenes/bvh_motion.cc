@@ -10,9 +10,13 @@
 namespace strandcast {
 namespace {
 
-/// What stands before the frames.
+/// A number before the frames, and the word that says it, which may be none; empty where there is no word.
+struct BvhStated {
+  std::string word;
+  std::optional<double> value;
+};
 struct BvhMotionHead {
-  std::optional<double> frames, frame_time;
+  BvhStated frames, frame_time;
 };
 
 /// Passes the lines of "Frames: 5" and "Frame Time: 0.1", in whatever order, case and with or without colons.
@@ -24,16 +28,20 @@ BvhMotionHead readBvhMotionHead(BvhText& text) {
     if (!line) return head;
     std::string plain(*line);
     std::replace(plain.begin(), plain.end(), ':', ' ');
-    BvhText::Row row(plain, text);
+    BvhText::Row row(plain);
+    const auto stated = [&] {
+      const std::string_view word = row.next();
+      return BvhStated{BvhText::shortened(word), text.numberIn(word)};
+    };
     bool is_head = false;
     for (std::string_view word = row.next(); !word.empty(); word = row.next()) {
       const bool is_time = BvhText::is(word, "frametime") || BvhText::is(word, "frame_time");
       if (!is_time && !BvhText::is(word, "frames") && !BvhText::is(word, "frame")) break;
       is_head = true;
       if (BvhText::is(word, "frames"))
-        head.frames = row.number();
+        head.frames = stated();
       else if (is_time || BvhText::is(row.next(), "time"))
-        head.frame_time = row.number();
+        head.frame_time = stated();
     }
     if (is_head) continue;
     text.goTo(before);
@@ -52,7 +60,7 @@ BvhLines countBvhLines(BvhText& text, size_t channels) {
   BvhLines found;
   const BvhText::Place before = text.place();
   while (const std::optional<std::string_view> line = text.nextLine()) {
-    BvhText::Row row(*line, text);
+    BvhText::Row row(*line);
     size_t values = 0;
     while (!row.next().empty()) ++values;
     ++(values == channels ? found.whole : found.others);
@@ -64,23 +72,36 @@ BvhLines countBvhLines(BvhText& text, size_t channels) {
   return found;
 }
 
-/// One frame a line. Returns the lines left out and the number of the first.
-std::pair<size_t, size_t> readBvhFrameLines(BvhText& text, BvhClip& clip) {
-  size_t damaged = 0, first = 0;
+/// Lines that are no frames.
+struct BvhOddLines {
+  size_t count = 0, first = 0;  ///< of them, and the number of the first
+  std::string fault;            ///< of the first: its first word that is no number, or how many words it has
+};
+
+/// One frame a line.
+BvhOddLines readBvhFrameLines(BvhText& text, BvhClip& clip) {
+  BvhOddLines odd;
   while (const std::optional<std::string_view> line = text.nextLine()) {
     const size_t begin = clip.values.size();
-    BvhText::Row row(*line, text);
-    bool is_whole = true;
-    for (size_t c = 0; c < clip.channels && is_whole; ++c) {
-      const std::optional<double> value = row.number();
-      is_whole = value.has_value();
-      if (is_whole) clip.values.push_back(static_cast<float>(*value));
+    BvhText::Row row(*line);
+    size_t words = 0;
+    std::string_view wrong;
+    for (std::string_view word = row.next(); !word.empty(); word = row.next(), ++words) {
+      const std::optional<double> value =
+          words < clip.channels && wrong.empty() ? text.numberIn(word) : std::nullopt;
+      if (value)
+        clip.values.push_back(static_cast<float>(*value));
+      else if (words < clip.channels && wrong.empty())
+        wrong = word;
     }
-    if (is_whole && row.next().empty()) continue;
+    if (words == clip.channels && wrong.empty()) continue;
     clip.values.resize(begin);
-    if (damaged++ == 0) first = text.line();
+    if (odd.count++ > 0) continue;
+    odd.first = text.line();
+    odd.fault =
+        wrong.empty() ? fmt::format("{} value{}", words, words == 1 ? "" : "s") : BvhText::shown(wrong);
   }
-  return {damaged, first};
+  return odd;
 }
 
 /// Frames over several lines.
@@ -90,16 +111,16 @@ void readBvhFrameStream(BvhText& text, BvhClip& clip, size_t values) {
   while (clip.values.size() < whole) clip.values.push_back(static_cast<float>(text.number()));
 }
 
-void takeBvhFrameTime(const std::optional<double>& stated, BvhClip& clip) {
+void takeBvhFrameTime(const BvhStated& stated, BvhClip& clip) {
   constexpr double kUsual = 1.0 / 30, kLeast = 1e-5, kMost = 100, kDoubtful = 1;  // s
   std::vector<std::string>& warnings = clip.report.warnings;
   clip.frame_time = kUsual;
-  if (!stated)
+  if (stated.word.empty())
     warnings.emplace_back("the motion has no frame time: 1/30 s is taken");
-  else if (!(*stated >= kLeast && *stated <= kMost))
-    warnings.push_back(fmt::format("the frame time is {:g} s: 1/30 s is taken", *stated));
+  else if (!(stated.value && *stated.value >= kLeast && *stated.value <= kMost))
+    warnings.push_back(fmt::format("the frame time is '{}': 1/30 s is taken", stated.word));
   else
-    clip.frame_time = *stated;
+    clip.frame_time = *stated.value;
   if (clip.frame_time > kDoubtful)
     warnings.push_back(fmt::format("a frame lasts {:g} s: is its time in milliseconds?", clip.frame_time));
 }
@@ -113,9 +134,10 @@ void readBvhMotion(BvhText& text, BvhClip& clip) {
   const BvhLines lines = countBvhLines(text, clip.channels);
   if (lines.values == 0) text.fail("the file ends before its first frame");
   const bool is_stream =
-      lines.whole == 0 && ((head.frames && static_cast<double>(lines.values) ==
-                                               *head.frames * static_cast<double>(clip.channels)) ||
-                           (lines.most < clip.channels && lines.values >= clip.channels));
+      lines.whole == 0 &&
+      ((head.frames.value &&
+        static_cast<double>(lines.values) == *head.frames.value * static_cast<double>(clip.channels)) ||
+       (lines.most < clip.channels && lines.values >= clip.channels));
   if (!is_stream && lines.others > lines.whole + 2)
     text.fail(fmt::format("the lines of the motion have {} to {} values, the joints have {} channels",
                           lines.least, lines.most, clip.channels),
@@ -125,23 +147,26 @@ void readBvhMotion(BvhText& text, BvhClip& clip) {
     readBvhFrameStream(text, clip, lines.values);
   } else {
     clip.values.reserve(lines.whole * clip.channels);
-    const auto [damaged, first] = readBvhFrameLines(text, clip);
+    const BvhOddLines odd = readBvhFrameLines(text, clip);
+    const bool is_one = odd.count == 1;
     if (clip.values.empty())
-      text.failAt(first, fmt::format("no line of the motion has {} numbers, one a channel", clip.channels),
+      text.failAt(odd.first,
+                  fmt::format("no line of the motion has {} numbers, one a channel: the first has {}",
+                              clip.channels, odd.fault),
                   "check CHANNELS, or export the clip again");
-    if (damaged > 0)
-      warnings.push_back(fmt::format("{} line{} of the motion {} left out, as {} not {} numbers: line {}{}",
-                                     damaged, damaged == 1 ? "" : "s", damaged == 1 ? "is" : "are",
-                                     damaged == 1 ? "it has" : "they have", clip.channels, first,
-                                     damaged == 1 ? "" : " is the first"));
+    if (odd.count > 0)
+      warnings.push_back(
+          fmt::format("{} line{} of the motion {} left out, as {} not {} numbers: line {} ({}){}", odd.count,
+                      is_one ? "" : "s", is_one ? "is" : "are", is_one ? "it has" : "they have",
+                      clip.channels, odd.first, odd.fault, is_one ? "" : " is the first"));
   }
   clip.frames = clip.values.size() / clip.channels;
-  if (!head.frames)
+  if (head.frames.word.empty())
     warnings.push_back(
         fmt::format("the motion does not say how many frames it has: all {} are played", clip.frames));
-  else if (*head.frames != static_cast<double>(clip.frames))
-    warnings.push_back(fmt::format("Frames says {:g}, the motion has {} whole frame{}: {} played",
-                                   *head.frames, clip.frames, clip.frames == 1 ? "" : "s",
+  else if (head.frames.value != static_cast<double>(clip.frames))
+    warnings.push_back(fmt::format("Frames says {}, the motion has {} whole frame{}: {} played",
+                                   head.frames.word, clip.frames, clip.frames == 1 ? "" : "s",
                                    clip.frames == 1 ? "it is" : "these are"));
   if (text.hasDecimalCommas()) warnings.emplace_back("commas in numbers are read as decimal points");
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "scenes/bvh_text.h"
 #include "scenes/bvh_unit.h"
 #include "scenes/skin_parts.h"
 
@@ -44,8 +45,8 @@ BvhOnSkeleton onSkeleton(const BvhClip& bvh, const Skeleton& skeleton, float uni
   out.joints = match.joints;
   if (out.joints == 0)
     throw Error("no joint of the clip has the name of one of the body's", name,
-                "rename them: the clip has '" + bvh.joints.front().name + "', the body '" +
-                    skeleton.joints.front().name + "'");
+                "rename them: the clip has " + BvhText::shown(bvh.joints.front().name) + ", the body " +
+                    BvhText::shown(skeleton.joints.front().name));
   BvhUnit unit = unitOf(bvh, &match, unit_meters);
   out.unit_meters = unit.meters;
   out.notes = std::move(unit.notes);

@@ -84,7 +84,7 @@ void BvhText::expect(std::string_view keyword) {
 double BvhText::number() {
   const std::string_view word = next();
   if (const std::optional<double> value = numberIn(word)) return *value;
-  fail((numberOf(word) ? "number is out of range: " : "expected a number, found ") + shown(word));
+  fail((numberOrInfinite(word) ? "number is out of range: " : "expected a number, found ") + shown(word));
 }
 
 std::optional<double> BvhText::numberIn(std::string_view word) {
@@ -120,12 +120,11 @@ std::string_view BvhText::Row::next() {
   return word;
 }
 
-std::optional<double> BvhText::Row::number() { return text_.numberIn(next()); }
-
-std::string BvhText::shown(std::string_view word) {
-  std::string out = "'";
-  for (const char c : word.substr(0, 32)) out += c >= ' ' && c <= '~' ? c : '?';
-  return out + "'";
+std::string BvhText::shortened(std::string_view word) {
+  constexpr size_t kMost = 32;
+  std::string out;
+  for (const char c : word.substr(0, kMost)) out += c >= ' ' && c <= '~' ? c : '?';
+  return out + (word.size() > kMost ? "..." : "");
 }
 
 bool BvhText::is(std::string_view word, std::string_view keyword) {

@@ -48,18 +48,19 @@ class BvhText {
   /// The numbers and words of one line.
   class Row {
    public:
-    Row(std::string_view line, BvhText& text) : line_(line), text_(text) {}
+    explicit Row(std::string_view line) : line_(line) {}
     std::string_view next();  ///< empty at the end
-    /// As BvhText::number(), but without a value where the word is not such a number.
-    std::optional<double> number();
 
    private:
     std::string_view line_;
-    BvhText& text_;
   };
+  /// As number(), but without a value where the word is not such a number.
+  std::optional<double> numberIn(std::string_view word);
 
-  /// A word as errors quote it: up to 32 printable characters.
-  static std::string shown(std::string_view word);
+  /// A word as messages have it: up to 32 printable characters, "..." where there are more.
+  static std::string shortened(std::string_view word);
+  /// The same in quotes.
+  static std::string shown(std::string_view word) { return "'" + shortened(word) + "'"; }
   /// Whether a word is `keyword`, which is in lower case, in any case.
   static bool is(std::string_view word, std::string_view keyword);
 
@@ -67,7 +68,6 @@ class BvhText {
 
  private:
   void skipBlanks();
-  std::optional<double> numberIn(std::string_view word);
 
   std::string_view text_;
   const std::string& name_;

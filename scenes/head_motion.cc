@@ -1,5 +1,7 @@
 #include "scenes/head_motion.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -9,6 +11,7 @@
 
 #include "core/error.h"
 #include "groom/file_bytes.h"
+#include "groom/gltf_report.h"
 #include "scenes/bvh.h"
 #include "scenes/bvh_unit.h"
 #include "scenes/ease.h"
@@ -130,6 +133,9 @@ HeadMotion bvhMotion(const std::filesystem::path& file, const Vec3& pivot, const
   std::vector<std::string> told, doubts;
   tell(file, report, told, doubts);
   for (const std::string& note : unit.notes) told.push_back(file.string() + ": " + note);
+  const Vec3 way = clip.pose(head, clip.frames - 1).position - clip.pose(head, 0).position;
+  if (const auto travel = static_cast<double>(way.norm() * unit.meters); travel > kTravelWorthSaying)
+    told.push_back(travelText(file.string(), clip.joints[head].name, travel));
   if (notes != nullptr) notes->insert(notes->end(), told.begin(), told.end());
   if (warnings != nullptr) warnings->insert(warnings->end(), doubts.begin(), doubts.end());
   const auto track =
@@ -141,6 +147,12 @@ HeadMotion bvhMotion(const std::filesystem::path& file, const Vec3& pivot, const
               shift);  // time itself starts from rest
     return about(pivot, rotation, shift);
   };
+}
+
+std::string travelText(const std::string& clip, const std::string& joint, double meters) {
+  return fmt::format(
+      "{}: '{}' travels {:.3g} m from the first frame to the last, which is taken out to play it in place",
+      clip, printable(joint), meters);
 }
 
 HeadMotion endingAt(HeadMotion motion, double end, const Vec3& pivot) {

@@ -24,12 +24,16 @@ struct ClipMotionOptions {
 };
 
 /// The head of a BVH clip, relative to its first frame, looped: travel is taken out and the end returns to
-/// the start. Z-up clips are turned to Y up. What there is to say of file and unit is added to `notes` and
-/// `warnings`, a line each, where they are not null. Throws Error on a file that cannot be read and on an
-/// unknown joint.
+/// the start. Z-up clips are turned to Y up. What there is to say of file, unit and travel is added to
+/// `notes` and `warnings`, a line each, where they are not null. Throws Error on a file that cannot be read
+/// and on an unknown joint.
 HeadMotion bvhMotion(const std::filesystem::path& file, const Vec3& pivot,
                      const ClipMotionOptions& options = {}, std::vector<std::string>* notes = nullptr,
                      std::vector<std::string>* warnings = nullptr);
+
+constexpr double kTravelWorthSaying = 1e-3;  ///< m
+/// "... travels 1.2 m from its first frame to its last (joint 'hips'): this is taken out": of a clip.
+std::string travelText(const std::string& clip, const std::string& joint, double meters);
 
 /// `motion` about `pivot` until `end` seconds, brought back to the rest pose within the last half second of
 /// them with no jump in velocity; still from then on.

@@ -305,7 +305,8 @@ double meanDistance(const StrandSet& strands, const ClosestPoint& scalp, float s
 /// Where the groom's unit is a guess by its size and the body's is known, the usual unit with which roots lie
 /// nearest to the body is a better one.
 void fitUnitToBody(const SceneOptions& options, const ClosestPoint& scalp, Scene& scene) {
-  constexpr double kClearlyNearer = 0.5, kOnBody = 0.05;  // of the distance before, of the body's diagonal
+  constexpr double kClearlyNearer = 0.5;              // of the distance before
+  constexpr double kOnBody = 0.05, kRounding = 1e-4;  // of the body's diagonal
   const float by_size = scene.groom.report.unit_meters;
   const auto distanceWith = [&](float unit) {
     return meanDistance(scene.groom.strands, scalp, unit / by_size);
@@ -319,7 +320,8 @@ void fitUnitToBody(const SceneOptions& options, const ClosestPoint& scalp, Scene
       nearest = distance;
     }
   const auto size = static_cast<double>(scene.body.bounds().diagonal().norm());
-  if (!(nearest < kClearlyNearer * before && nearest < kOnBody * size)) return;
+  if (!(nearest < kClearlyNearer * before && before - nearest > kRounding * size && nearest < kOnBody * size))
+    return;
   GroomReadOptions units = options.units;
   units.unit_meters = best;
   scene.groom = loadGroom(options.groom, units);

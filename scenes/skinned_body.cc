@@ -8,8 +8,10 @@
 #include "core/error.h"
 #include "core/nearest_name.h"
 #include "groom/file_bytes.h"
+#include "groom/gltf_report.h"
 #include "scenes/bvh_skeleton.h"
 #include "scenes/ease.h"
+#include "scenes/head_motion.h"
 
 namespace strandcast {
 namespace {
@@ -23,6 +25,19 @@ Placement placementOf(const Pose& pose) {
   out.translate(pose.position.cast<double>());
   out.rotate(pose.rotation.cast<double>());
   return out;
+}
+
+/// The first few of names out of a file, each once.
+std::string someOf(const std::vector<std::string>& names) {
+  constexpr size_t kMost = 8;
+  std::vector<std::string> shown;
+  for (const std::string& name : names)
+    if (const std::string plain = printable(name);
+        std::find(shown.begin(), shown.end(), plain) == shown.end())
+      shown.push_back(plain);
+  const bool are_more = shown.size() > kMost;
+  if (are_more) shown.resize(kMost);
+  return fmt::format("{}{}", fmt::join(shown, ", "), are_more ? ", ..." : "");
 }
 
 /// Which of these names was meant, or which there are.
@@ -45,15 +60,17 @@ size_t rootedJoint(const SkinnedMesh& skin, const std::string& name) {
   if (!name.empty()) return jointNamed(skin.skeleton, name, skin.mesh.name);
   Skeleton carrying;
   std::vector<uint32_t> joints;
+  std::vector<std::string> names;
   for (const SkinBinding& binding : skin.bindings) {
     joints.push_back(binding.joint);
+    names.push_back(skin.skeleton.joints[binding.joint].name);
     carrying.joints.push_back({skin.skeleton.joints[binding.joint].name, -1, {}});
   }
   const int found = carrying.find("");
   if (found >= 0) return joints[static_cast<size_t>(found)];
   if (joints.size() == 1) return joints.front();
   throw Error("no joint of the body has 'head' in its name", skin.mesh.name,
-              "name the one that hair grows on (--body-joint)");
+              fmt::format("name the one that hair grows on (--body-joint): {}", someOf(names)));
 }
 
 SkeletonClip clipNamed(SkinnedMesh& skin, const SkinnedMotion& motion, std::vector<std::string>& notes) {
@@ -112,6 +129,25 @@ SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion)
   first_ = last_ = rest_locals_;
   clip_.pose(0, first_);
   clip_.pose(clip_.duration, last_);
+  tellOfTravel();
+}
+
+/// Of the joint that comes farthest.
+void SkinnedBody::tellOfTravel() {
+  const std::vector<Placement> placed = skin_.skeleton.place(first_);
+  size_t farthest = 0;
+  double most = 0;
+  for (size_t j = 0; j < first_.size(); ++j) {
+    const int parent = skin_.skeleton.joints[j].parent;
+    const Placement& above = parent < 0 ? skin_.skeleton.root : placed[static_cast<size_t>(parent)];
+    const double travel =
+        (above.linear() * (last_[j].translation - first_[j].translation).cast<double>()).norm();
+    if (!(travel > most)) continue;
+    most = travel;
+    farthest = j;
+  }
+  if (most > kTravelWorthSaying)
+    notes_.push_back(travelText("the clip " + clip_.name, nameOf(farthest), most));
 }
 
 /// Of the clips and of the targets only those that are played stay.
@@ -123,10 +159,8 @@ void SkinnedBody::choose(const SkinnedMotion& motion) {
   clip_.weigh(0, first_weights_);
   if (skin_.targets.empty()) return;
   std::vector<std::string> names;
-  for (const MorphTarget& target : skin_.targets)
-    if (names.size() < 8) names.push_back(target.name);
-  notes_.push_back(fmt::format("the clip plays {} morph targets ({}{})", skin_.targets.size(),
-                               fmt::join(names, ", "), skin_.targets.size() > names.size() ? ", ..." : ""));
+  for (const MorphTarget& target : skin_.targets) names.push_back(target.name);
+  notes_.push_back(fmt::format("the clip plays {} morph targets ({})", skin_.targets.size(), someOf(names)));
 }
 
 Vec3 SkinnedBody::pivot() const { return Vec3(rest_[joint_].translation().cast<float>()); }

@@ -100,6 +100,7 @@ class SkinnedBody {
   std::vector<JointTransform> played(double seconds) const;
   std::vector<float> weightsAt(double seconds) const;
   void choose(const SkinnedMotion& motion);
+  void tellOfTravel();
   std::vector<bool> rigidJoints() const;
 
   SkinnedMesh skin_;

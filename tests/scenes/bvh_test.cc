@@ -91,6 +91,20 @@ TEST(Bvh, ErrorsNameTheFileTheLineAndWhatIsWrong) {
   EXPECT_NE(errorOf("hello").find("expected HIERARCHY"), std::string::npos);
   EXPECT_NE(errorOf(replaced("OFFSET 0 1 0", "OFFSET 0 nan 0")).find("out of range: 'nan': clip.bvh, line 4"),
             std::string::npos);
+  const std::string digits(100000, '9'), exponent = "1e" + digits;
+  for (const auto& [number, shown] : {std::pair<std::string, std::string>{"inf", "inf"},
+                                      {"-Infinity", "-Infinity"},
+                                      {"1e999", "1e999"},
+                                      {"2e9", "2e9"},
+                                      {digits, digits.substr(0, 32) + "..."},
+                                      {exponent, exponent.substr(0, 32) + "..."}})
+    EXPECT_EQ(
+        errorOf(replaced("OFFSET 0 1 0", "OFFSET 0 " + number + " 0")),
+        "number is out of range: '" + shown + "': clip.bvh, line 4; check that the BVH file is complete");
+  EXPECT_EQ(parse(replaced("OFFSET 0 1 0", "OFFSET 0 1e-" + digits + " 0")).joints[0].offset, Vec3(0, 0, 0));
+  EXPECT_EQ(errorOf(replaced("OFFSET 0 1 0", "OFFSET 0 " + std::string(100000, 'x') + " 0")),
+            "expected a number, found '" + std::string(32, 'x') +
+                "...': clip.bvh, line 4; check that the BVH file is complete");
   EXPECT_NE(errorOf(replaced("OFFSET 0 1 0", "OFFSET 0 x1 0")).find("expected a number, found 'x1'"),
             std::string::npos);
   EXPECT_NE(errorOf(replaced("CHANNELS 6", "CHANNELS 7000")).find("number of channels must be"),
@@ -108,24 +122,35 @@ bool warns(const BvhClip& clip, const std::string& of) {
 }
 
 TEST(Bvh, TheWholeLinesArePlayedWhateverFramesSays) {
-  for (const char* said : {"4", "6", "90000000", "0", "-5", "5.5"}) {
+  for (const char* said : {"4", "6", "90000000", "0", "-5", "5.5", "4294967295", "4294967301",
+                           "18446744073709551621", "1e400", "nan", "inf", "five"}) {
     const BvhClip clip = parse(replaced("Frames: 5", std::string("Frames: ") + said));
     EXPECT_EQ(clip.values, parse(kSampleClip).values) << said;
-    EXPECT_TRUE(warns(clip, std::string("Frames says ") + (said[0] == '9' ? "9e+07" : said) +
-                                ", the motion has 5 whole frames"))
-        << said;
+    EXPECT_TRUE(warns(clip, std::string("Frames says ") + said + ", the motion has 5 whole frames")) << said;
   }
+  const BvhClip vast = parse(replaced("Frames: 5", "Frames: " + std::string(100000, '7')));
+  EXPECT_TRUE(warns(vast, "Frames says " + std::string(32, '7') + "..., the motion has 5"));
   EXPECT_TRUE(parse(kSampleClip).report.warnings.empty());
   EXPECT_TRUE(warns(parse(replaced("Frames: 5\n", "")), "does not say how many frames"));
 }
 
 TEST(Bvh, ALineThatIsNotWholeIsLeftOutAndCounted) {
   const std::string last = "0 1 4 0 0 0 0 0 0\n";
-  for (const char* odd : {"0 1 4 0 0", "0 1 4 0 0 0 0 0 nan\n", "0 1 4 0 0 0 0 0 1e400\n",
-                          "0 1 4 0 0 0 0 0 x\n", "0 1 4 0 0 0 0 0 0 0\n", "end of the motion\n"}) {
+  const std::string longest = "0 1 4 0 0 0 0 0 " + std::string(100000, '8') + '\n';
+  for (const auto& [odd, fault] : {std::pair<std::string, std::string>{"0 1 4 0 0", "5 values"},
+                                   {"0", "1 value"},
+                                   {"0 1 4 0 0 0 0 0 nan\n", "'nan'"},
+                                   {"-inf 1 4 0 0 0 0 0 nan\n", "'-inf'"},
+                                   {"0 1 4 0 0 0 0 0 1e400\n", "'1e400'"},
+                                   {"0 1 4 0 0 0 0 0 x\n", "'x'"},
+                                   {"0 1 4 0 0 0 0 0 0 0\n", "10 values"},
+                                   {"end of the motion\n", "'end'"},
+                                   {longest, "'" + std::string(32, '8') + "...'"}}) {
     const BvhClip clip = parse(replaced(last, odd));
     EXPECT_EQ(clip.frames, 4u) << odd;
-    EXPECT_TRUE(warns(clip, "1 line of the motion is left out, as it has not 9 numbers: line 23")) << odd;
+    EXPECT_TRUE(
+        warns(clip, "1 line of the motion is left out, as it has not 9 numbers: line 23 (" + fault + ")"))
+        << odd;
     EXPECT_TRUE(warns(clip, "Frames says 5, the motion has 4 whole frames")) << odd;
   }
   const BvhClip middle = parse(replaced("0 1 1 0 0 0 30 0 0\n", "0 1 1 0 0\n"));
@@ -150,14 +175,15 @@ TEST(Bvh, FramesBrokenOverLinesAreRead) {
 }
 
 TEST(Bvh, AFrameTimeThatIsNotUsableIsTheUsualOne) {
-  for (const char* time :
-       {"Frame Time: 0\n", "Frame Time: -1\n", "Frame Time: 1e300\n", "Frame Time:\n", ""}) {
+  for (const char* time : {"Frame Time: 0\n", "Frame Time: -1\n", "Frame Time: 1e300\n",
+                           "Frame Time: 1e400\n", "Frame Time: nan\n", "Frame Time:\n", ""}) {
     const BvhClip clip = parse(replaced("Frame Time: 0.1\n", time));
     EXPECT_DOUBLE_EQ(clip.frame_time, 1.0 / 30) << time;
     EXPECT_EQ(clip.values.size(), 45u) << time;
     EXPECT_TRUE(warns(clip, "1/30 s is taken")) << time;
   }
   EXPECT_TRUE(warns(parse(replaced("0.1\n", "33.3333\n")), "milliseconds"));
+  EXPECT_TRUE(warns(parse(replaced("Frame Time: 0.1", "Frame Time: inf")), "the frame time is 'inf'"));
 }
 
 TEST(Bvh, KeywordsLineEndsAndBlanksAreTakenAsProgramsWriteThem) {
@@ -223,6 +249,24 @@ TEST(Bvh, JointsMayLackOffsetsOrChannelsAndHaveScales) {
   EXPECT_EQ(roots.joints[2].name, "c d");
   EXPECT_EQ(roots.joints[2].parent, -1);
   EXPECT_EQ(roots.pose(2, 0).position, Vec3(5, 0, 0));
+}
+
+TEST(Bvh, JointsOfOneNameAreToldOf) {
+  const auto clip = [](const std::vector<std::string>& names) {
+    std::string text = "HIERARCHY\n", frame;
+    for (const std::string& name : names) {
+      text += "ROOT " + name + "\n{\nOFFSET 0 1 0\nCHANNELS 1 Xposition\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n";
+      frame += "5 ";
+    }
+    return parse(text + "MOTION\nFrames: 1\nFrame Time: 0.1\n" + frame + "\n");
+  };
+  const std::string told = "joints have one name, and the first of each in the file is taken: ";
+  const BvhClip arms = clip({"hip", "arm", "Arm", "arm", "arm"});
+  EXPECT_TRUE(warns(arms, told + "'arm' (3)"));
+  EXPECT_EQ(arms.find("arm"), 2) << "after the end of the hip";
+  EXPECT_TRUE(warns(clip({"a", "a", "b", "b", "c", "c", "d", "d"}), told + "'a' (2), 'b' (2), 'c' (2), ..."));
+  EXPECT_TRUE(warns(clip({"My head", "My head"}), told + "'My head' (2)"));
+  EXPECT_TRUE(clip({"hip", "Hip", "hip_"}).report.warnings.empty()) << "End Sites share theirs";
 }
 
 TEST(Bvh, PositionChannelsAreTheSkeletonWhereOffsetsAreZero) {

@@ -113,7 +113,11 @@ TEST(HeadMotion, TheUnitOfAClipIsToldOfAndFoundByTheBodyWhereItMatches) {
     return bvhMotion(file.path, kPivot, options, &notes, &warnings)(0.45 + 0.4).apply(kPivot).x();
   };
   const float metres = sideWith({1, ""});
-  EXPECT_TRUE(notes.empty() && warnings.empty());
+  EXPECT_TRUE(warnings.empty());
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0], file.path.string() +
+                          ": 'MyHead' travels 4 m from the first frame to the last, which is "
+                          "taken out to play it in place");
   EXPECT_NEAR(sideWith({}), metres, 1e-6f);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("its unit is guessed: 1 m, which makes its skeleton 2.5 m large (2.5 units)"),
@@ -125,11 +129,31 @@ TEST(HeadMotion, TheUnitOfAClipIsToldOfAndFoundByTheBodyWhereItMatches) {
       {"Hips", -1, {Vec3(0, 1, 0)}}, {"spine", 0, {Vec3(0, 0.3f, 0)}}, {"MyHead", 1, {Vec3(0, 0.2f, 0)}}};
   EXPECT_NEAR(sideWith({0, "", &body}), 0.25f * metres, 1e-4f) << "half a metre from hips to head is 2 units";
   EXPECT_TRUE(warnings.empty());
-  ASSERT_EQ(notes.size(), 1u);
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_NE(notes[1].find("'MyHead' travels 1 m"), std::string::npos) << notes[1];
   EXPECT_NE(notes[0].find("its unit is guessed: 0.25 m, the ratio of 1 bone"), std::string::npos) << notes[0];
   sideWith({1, "", &body});
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("4 times as long as the body's"), std::string::npos) << warnings[0];
+}
+
+TEST(HeadMotion, TravelIsToldOfWhereThereIsSome) {
+  std::vector<std::string> notes;
+  std::string back = kSampleClip, turned = kSampleClip;
+  back.replace(back.rfind("0 1 4"), 5, "0 1 0");
+  const ScratchFile loop("back.bvh", back);
+  bvhMotion(loop.path, kPivot, {1, ""}, &notes);
+  EXPECT_TRUE(notes.empty());
+  turned.replace(turned.rfind("0 1 4 0 0 0"), 11, "0 1 0 90 0 0");
+  const ScratchFile fallen("turned.bvh", turned);
+  bvhMotion(fallen.path, kPivot, {0.5f, ""}, &notes);
+  ASSERT_EQ(notes.size(), 1u) << "the root turns, and its head goes two units to the side and two down";
+  EXPECT_NE(notes[0].find("'MyHead' travels 1.41 m"), std::string::npos) << notes[0];
+  notes.clear();
+  const ScratchFile walk("walk.bvh", kSampleClip);
+  bvhMotion(walk.path, kPivot, {0.1f, "Hips"}, &notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("'Hips' travels 0.4 m"), std::string::npos) << notes[0];
 }
 
 TEST(HeadMotion, AnEndingReturnsSmoothlyAndStays) {

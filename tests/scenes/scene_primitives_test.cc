@@ -1,5 +1,6 @@
 #include "scenes/scene_primitives.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -269,6 +270,25 @@ TEST_F(ScenePrimitives, AStandingMeshThatTouchesTheBodyIsWarnedOf) {
   EXPECT_TRUE(warned());
   options_.primitives[0].shape.a.y() = -0.2f;
   EXPECT_FALSE(warned()) << "it is away from it";
+}
+
+TEST_F(ScenePrimitives, AMeshOfAnUnlikelySizeIsToldOfAsItsUnit) {
+  const std::filesystem::path box = write("box.obj", shapes::box(Vec3(0.1f, 0.02f, 0.05f)));
+  for (const auto& [unit, size] :
+       {std::pair{1000.0f, "200 m"}, {101.0f, "20.2 m"}, {1.0f, ""}, {0.004f, "0.0008 m"}}) {
+    ScenePrimitive stone = of(PrimitiveKind::kConvex, box, Vec3(0, 0.5f, 0));
+    stone.units.unit_meters = unit;
+    options_.primitives = {stone};
+    std::vector<std::string> expected;
+    if (*size != 0)
+      expected.push_back(box.string() +
+                         fmt::format(": with a unit of {:g} m it is {} large: give its unit", unit, size));
+    EXPECT_EQ(makeScene(options_).warnings, expected);
+    stone.file = "box.obj";  // as those that commands name
+    stone.beneath = folder_.path();
+    for (std::string& line : expected) line.replace(0, box.string().size(), "box.obj");
+    EXPECT_EQ(primitiveBodies({stone}, {}, {}, {}).warnings, expected);
+  }
 }
 
 }  // namespace

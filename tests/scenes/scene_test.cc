@@ -1,5 +1,6 @@
 #include "scenes/scene.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,6 +15,7 @@
 #include "groom/mesh_file.h"
 #include "simd/simd_backend.h"
 #include "tests/collision/shapes.h"
+#include "tests/groom/gltf_builder.h"
 #include "tests/groom/sample_files.h"
 #include "tests/groom/scratch_folder.h"
 #include "tests/real_data.h"
@@ -308,24 +310,45 @@ TEST_F(BallScene, AGltfBodyIsInMetresWhateverTheUnitOfItsHair) {
 }
 
 TEST_F(BallScene, AGuessedUnitFitsTheRootsToABodyInMetres) {
-  writeFileBytes(folder_ / "quad.glb", samples::glb());
-  const TriangleMesh quad = loadMesh(folder_ / "quad.glb", {}).mesh;
-  options_.body = folder_ / "quad.glb";
+  samples::GltfBuilder builder;  // of a body to which roots lie near in one unit only
+  std::vector<Vec3> corners = samples::tetrahedron();
+  for (Vec3& corner : corners) corner += Vec3(1, 1, 1);
+  const size_t position = builder.points(corners), indices = builder.indices(samples::tetrahedronTriangles());
+  options_.body = folder_ / "body.gltf";
+  writeFileBytes(options_.body, builder.body(fmt::format(R"("attributes":{{"POSITION":{}}},"indices":{})",
+                                                         position, indices)));
   options_.body_cell = 0.05f;
   options_.units.unit_meters = 0;
-  for (const float unit : {1.0f, 0.1f, 0.01f, 0.0025f, 0.001f}) {
+  for (const float unit : {1.0f, 0.1f, 0.01f, 0.0025f, 0.001f, 0.0254f, 0.3048f}) {
     std::ofstream hair(options_.groom[0]);
-    for (const Vec3& root : quad.positions)
+    for (const Vec3& root : corners)
       for (int i = 0; i < 3; ++i)
         hair << "v " << root.x() / unit << ' ' << root.y() / unit << ' '
              << (root.z() + 0.1f * static_cast<float>(i)) / unit << '\n';
-    for (size_t s = 0; s < quad.positions.size(); ++s)
+    for (size_t s = 0; s < corners.size(); ++s)
       hair << "l " << 3 * s + 1 << ' ' << 3 * s + 2 << ' ' << 3 * s + 3 << '\n';
     hair.close();
     const Scene scene = makeScene(options_);
     EXPECT_FLOAT_EQ(scene.groom.report.unit_meters, unit) << "hair of 2 m and more looks like a smaller unit";
     EXPECT_TRUE(isIn(scene.warnings, "the unit is guessed")) << unit;
     EXPECT_FALSE(isIn(scene.warnings, "and one place?")) << unit;
+  }
+}
+
+TEST_F(BallScene, AGuessedUnitStaysWhereRootsLieOnTheBodyInAnother) {
+  writeFileBytes(folder_ / "quad.glb", samples::glb());  // flat, through the origin
+  const TriangleMesh quad = loadMesh(folder_ / "quad.glb", {}).mesh;
+  options_.body = folder_ / "quad.glb";
+  options_.body_cell = 0.05f;
+  options_.units.unit_meters = 0;
+  for (const auto& [unit, by_size] : {std::pair{1.0f, 0.1f}, {0.1f, 0.01f}, {0.01f, 0.001f}}) {
+    std::ofstream hair(options_.groom[0]);
+    for (const Vec3& root : quad.positions)
+      hair << "v " << root.x() / unit << ' ' << root.y() / unit << ' ' << root.z() / unit << "\nv "
+           << root.x() / unit << ' ' << root.y() / unit << ' ' << (root.z() + 0.2f) / unit << '\n';
+    for (size_t s = 0; s < quad.positions.size(); ++s) hair << "l " << 2 * s + 1 << ' ' << 2 * s + 2 << '\n';
+    hair.close();
+    EXPECT_FLOAT_EQ(makeScene(options_).groom.report.unit_meters, by_size) << "roundings are no evidence";
   }
 }
 

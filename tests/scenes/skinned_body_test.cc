@@ -1,6 +1,7 @@
 // Skinned bodies in scenes: clips of their own, BVH clips, the head's motion, and hair that lies on them.
 #include "scenes/skinned_body.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "collision/mesh_query.h"
 #include "groom/file_bytes.h"
 #include "tests/groom/expect_error.h"
+#include "tests/groom/sample_files.h"
 #include "tests/groom/scratch_folder.h"
 #include "tests/groom/skinned_arm.h"
 #include "tests/scenes/furry_arm.h"
@@ -72,7 +74,12 @@ TEST(SkinnedBody, ABvhClipMovesTheJointsOfItsNames) {
   const ScratchFolder folder;
   std::ofstream(folder / "Bend.BVH") << bendingBvh("upper", "lower");
   const SkinnedBody bvh = arm({(folder / "Bend.BVH").string(), "lower"}), own = arm({"bend", "lower"});
-  ASSERT_EQ(bvh.notes().size(), 2u);
+  ASSERT_EQ(bvh.notes().size(), 3u);
+  EXPECT_EQ(bvh.notes()[2],
+            "the clip " + (folder / "Bend.BVH").string() +
+                ": 'upper' travels 0.15 m from the first frame to the last, which is taken out to "
+                "play it in place");
+  EXPECT_TRUE(own.notes().empty()) << "its clip comes back";
   EXPECT_NE(bvh.notes()[0].find("its unit is guessed: 0.0025 m, the ratio of 1 bone"), std::string::npos)
       << bvh.notes()[0];
   EXPECT_NE(bvh.notes()[1].find("2 of 3 joints"), std::string::npos) << bvh.notes()[1];
@@ -464,6 +471,46 @@ TEST(SkinnedScene, WhatCannotBeSkinnedIsRefused) {
   options.body = folder / "arm.glb";
   options.body_contact = BodyContact::kSpheres;
   expectError([&] { makeScene(options); }, {"arm.glb", "spheres"});
+}
+
+TEST(SkinnedBody, OfSeveralMorphingNodesTheJointsToChooseFromAreNamed) {
+  const auto bytes = samples::armWith(swellingArm(false), R"("name":"figure"})",
+                                      R"("name":"figure","children":[3]},{"mesh":0,"name":"beard"})");
+  const SkinnedMesh two = readGltfSkin(bytes, "face.gltf");
+  expectError(
+      [&] {
+        SkinnedBody(two, {"swell", ""});
+      },
+      {"'head' in its name", "--body-joint", "figure, beard"});
+  expectError([&] { SkinnedBody(two, {"swell", "bread"}); }, {"'bread'", "beard"});
+  EXPECT_EQ(SkinnedBody(two, {"swell", "beard"}).joint(), "beard");
+}
+
+TEST(SkinnedBody, TheTravelOfAClipOfItsOwnIsToldOfInMetres) {
+  // The neck goes through the skin's first three vertices.
+  const auto bytes = samples::armGltf(samples::smallArm());
+  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const auto insert = [&](const std::string& before, const std::string& more) {
+    text.insert(text.find(before), more);
+  };
+  insert(R"(],"bufferViews":[)", R"(,{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"})");
+  insert(R"(],"samplers":[)", R"(,{"sampler":1,"target":{"node":0,"path":"translation"}})");
+  insert(R"(]}],"accessors":[)", R"(,{"input":5,"output":7})");
+  SkinnedMesh skin = readGltfSkin(samples::fromText(text), "walker.gltf");
+  const float travel = (skin.stored[2] - skin.stored[0]).norm();
+  for (const float unit : {1.0f, 10.0f, 0.01f}) {
+    skin.skeleton.root.linear() = static_cast<double>(unit) * Eigen::Matrix3d::Identity();
+    const std::vector<std::string> notes = SkinnedBody(skin, {"bend", "head"}).notes();
+    if (unit < 1) {
+      EXPECT_TRUE(notes.empty()) << "0.3 mm";
+      continue;
+    }
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_EQ(notes[0],
+              fmt::format("the clip bend: 'neck' travels {:.3g} m from the first frame to the last, which is "
+                          "taken out to play it in place",
+                          unit * travel));
+  }
 }
 
 }  // namespace
