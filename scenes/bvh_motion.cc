@@ -72,9 +72,9 @@ BvhLines countBvhLines(BvhText& text, size_t channels) {
   return found;
 }
 
-/// Lines that are no frames.
+/// Lines that are no frames, or frames over several lines that have not all their numbers.
 struct BvhOddLines {
-  size_t count = 0, first = 0;  ///< of them, and the number of the first
+  size_t count = 0, first = 0;  ///< of them, and the line of the first
   std::string fault;            ///< of the first: its first word that is no number, or how many words it has
 };
 
@@ -104,11 +104,26 @@ BvhOddLines readBvhFrameLines(BvhText& text, BvhClip& clip) {
   return odd;
 }
 
-/// Frames over several lines.
-void readBvhFrameStream(BvhText& text, BvhClip& clip, size_t values) {
-  const size_t whole = values / clip.channels * clip.channels;
-  clip.values.reserve(whole);
-  while (clip.values.size() < whole) clip.values.push_back(static_cast<float>(text.number()));
+/// Frames over several lines: those with a word that is no number are left out.
+BvhOddLines readBvhFrameStream(BvhText& text, BvhClip& clip, size_t values) {
+  BvhOddLines odd;
+  clip.values.reserve(values / clip.channels * clip.channels);
+  for (size_t frame = 0; frame < values / clip.channels; ++frame) {
+    const size_t begin = clip.values.size();
+    bool is_whole = true;
+    for (size_t c = 0; c < clip.channels; ++c) {
+      const std::string_view word = text.next();
+      const std::optional<double> value = text.numberIn(word);
+      clip.values.push_back(static_cast<float>(value.value_or(0)));
+      if (is_whole && !value && odd.count++ == 0) {
+        odd.first = text.line();
+        odd.fault = BvhText::shown(word);
+      }
+      is_whole = is_whole && value.has_value();
+    }
+    if (!is_whole) clip.values.resize(begin);
+  }
+  return odd;
 }
 
 void takeBvhFrameTime(const BvhStated& stated, BvhClip& clip) {
@@ -143,22 +158,21 @@ void readBvhMotion(BvhText& text, BvhClip& clip) {
                           lines.least, lines.most, clip.channels),
               "check CHANNELS, or export the clip again");
   std::vector<std::string>& warnings = clip.report.warnings;
-  if (is_stream) {
-    readBvhFrameStream(text, clip, lines.values);
-  } else {
-    clip.values.reserve(lines.whole * clip.channels);
-    const BvhOddLines odd = readBvhFrameLines(text, clip);
+  if (!is_stream) clip.values.reserve(lines.whole * clip.channels);
+  const BvhOddLines odd =
+      is_stream ? readBvhFrameStream(text, clip, lines.values) : readBvhFrameLines(text, clip);
+  const char* what = is_stream ? "frame" : "line";
+  if (clip.values.empty())
+    text.failAt(odd.first,
+                fmt::format("no {} of the motion has {} numbers, one a channel: the first has {}", what,
+                            clip.channels, odd.fault),
+                "check CHANNELS, or export the clip again");
+  if (odd.count > 0) {
     const bool is_one = odd.count == 1;
-    if (clip.values.empty())
-      text.failAt(odd.first,
-                  fmt::format("no line of the motion has {} numbers, one a channel: the first has {}",
-                              clip.channels, odd.fault),
-                  "check CHANNELS, or export the clip again");
-    if (odd.count > 0)
-      warnings.push_back(
-          fmt::format("{} line{} of the motion {} left out, as {} not {} numbers: line {} ({}){}", odd.count,
-                      is_one ? "" : "s", is_one ? "is" : "are", is_one ? "it has" : "they have",
-                      clip.channels, odd.first, odd.fault, is_one ? "" : " is the first"));
+    warnings.push_back(fmt::format("{} {}{} of the motion {} left out, as {} not {} numbers: line {} ({}){}",
+                                   odd.count, what, is_one ? "" : "s", is_one ? "is" : "are",
+                                   is_one ? "it has" : "they have", clip.channels, odd.first, odd.fault,
+                                   is_one ? "" : " is the first"));
   }
   clip.frames = clip.values.size() / clip.channels;
   if (head.frames.word.empty())

@@ -8,6 +8,7 @@ namespace strandcast {
 /// value a channel. `clip` has its joints and channels; its report is told of what is mended or left out.
 /// - The lines there are count, not what Frames says.
 /// - A line with another number of values, or with a word that is not a number, is left out.
+/// - Of frames over several lines, one with a word that is not a number is left out.
 /// - Frames that are broken over several lines are read where their values are Frames times channels, or
 /// where
 ///   every line is shorter than a frame.

@@ -169,6 +169,22 @@ TEST(Bvh, FramesBrokenOverLinesAreRead) {
   for (size_t at = motion, values = 0; at < broken.size(); ++at)
     if (broken[at] == ' ' && ++values % 3 == 0) broken[at] = '\n';
   EXPECT_EQ(parse(broken).values, parse(kSampleClip).values);
+  for (const char* odd : {"nan", "-inf", "1e400", "x"}) {
+    std::string damaged = broken;
+    damaged.replace(damaged.rfind("60"), 2, odd);
+    const BvhClip clip = parse(damaged);
+    EXPECT_EQ(clip.frames, 4u) << odd;
+    EXPECT_EQ(clip.pose(0, 2).position.z(), 3) << "the next is not shifted";
+    EXPECT_TRUE(warns(
+        clip,
+        std::string("1 frame of the motion is left out, as it has not 9 numbers: line 28 ('") + odd + "')"))
+        << odd;
+  }
+  EXPECT_NE(
+      errorOf(broken.substr(0, motion) + "nan 1 0\n0 0 0\n0 0 0\n")
+          .find(
+              "no frame of the motion has 9 numbers, one a channel: the first has 'nan': clip.bvh, line 19"),
+      std::string::npos);
   std::string joined = kSampleClip;
   std::replace(joined.begin() + static_cast<std::ptrdiff_t>(motion), joined.end(), '\n', ' ');
   EXPECT_EQ(parse(joined).values, parse(kSampleClip).values);
