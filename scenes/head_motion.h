@@ -31,7 +31,7 @@ HeadMotion bvhMotion(const std::filesystem::path& file, const Vec3& pivot,
                      const ClipMotionOptions& options = {}, std::vector<std::string>* notes = nullptr,
                      std::vector<std::string>* warnings = nullptr);
 
-constexpr double kTravelWorthSaying = 1e-3;  ///< m
+constexpr double kTravelWorthSaying = 1e-2;  ///< m
 /// "... travels 1.2 m from its first frame to its last (joint 'hips'): this is taken out": of a clip.
 std::string travelText(const std::string& clip, const std::string& joint, double meters);
 
