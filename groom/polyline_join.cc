@@ -205,7 +205,8 @@ Polylines writtenStrands(Runs runs, size_t vertices, FileReport& report) {
   if (crossing > 0)
     report.warnings.push_back(fmt::format(
         "{} through a vertex again, and stay{} as written",
-        crossing == 1 ? "1 strand of edges goes" : fmt::format("{} strands of edges go", crossing), crossing == 1 ? "s" : ""));
+        crossing == 1 ? "1 strand of edges goes" : fmt::format("{} strands of edges go", crossing),
+        crossing == 1 ? "s" : ""));
   return std::move(runs.lines);
 }
 

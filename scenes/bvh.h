@@ -39,8 +39,8 @@ struct BvhClip {
   std::vector<float> values;     ///< frames x channels
   FileReport report;
 
-  /// Index of the first joint called `name`; with an empty name the first whose name contains "head" in any case;
-  /// -1 if none.
+  /// Index of the first joint called `name`; with an empty name the first whose name contains "head" in any
+  /// case; -1 if none.
   int find(const std::string& name) const;
   /// Placement of a joint in the clip's frame at a frame. Position channels stand in place of the joint's
   /// offset.
