@@ -37,6 +37,9 @@ class DdsClaim {
   uint64_t turn() const;
   /// Whose turn it is, as far as is known.
   SharedTurn sharedTurn() const;
+  /// Whether this daemon, which claims nothing yet, is to leave it so as long as the one casts whose turn it
+  /// is: that one claims with the same strength, and DDS would choose between the two by their GUIDs.
+  bool yields() const;
   /// The session whose claim was heard last; 0 where none was.
   uint64_t holder() const { return holder_; }
   /// Whether the program that this writer of any topic is of claims the groom too.
@@ -55,6 +58,7 @@ class DdsClaim {
   const uint32_t strength_;
   const DdsNeighbours& neighbours_;
   std::atomic<uint64_t> holder_{0};
+  std::atomic<bool> holder_is_equal_{false};  // in strength
   std::atomic<uint64_t> turns_{0};
   std::atomic<Clock::time_point> heard_{Clock::time_point()};  // the newest claim
   mutable std::atomic<bool> has_heard_others_{false};

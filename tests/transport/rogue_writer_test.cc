@@ -127,6 +127,41 @@ TEST(Neighbours, ARoleIsReadAsItWasSaid) {
     EXPECT_FALSE(read(none)) << none;
 }
 
+TEST(Neighbours, ADaemonOnSharedMemoryWaitsForOneThatIsThereAndIsNotHeard) {
+  const int domain = testDomain(18);
+  DdsOptions options{domain, 1, 11, {Codec::kFloat32}, 1};
+  options.profile = DdsProfile::kLocal;
+  const auto publisher = makeDdsPublisher(options);
+  const auto becomes = [&](bool waits) {
+    return trueWithin(std::chrono::seconds(5),
+                      [&] { return (publisher->listenTime() > kRivalListenTime) == waits; });
+  };
+  EXPECT_TRUE(becomes(false));
+  const DdsParticipant reader(DdsNetwork(domain), 1, DdsRole{false, 1, false});
+  const DdsParticipant of_another_groom(DdsNetwork(domain), 2, DdsRole{true, 2, true});
+  DdsParticipant silent(DdsNetwork(domain), 1, DdsRole{true, 1, true});
+  EXPECT_TRUE(becomes(true));
+  EXPECT_FALSE(publisher->isDeaf()) << "its writers may yet be found";
+  silent.createWriter(kClaimTopic, new ClaimType, nullptr, 7);
+  EXPECT_TRUE(becomes(false));
+}
+
+TEST(Neighbours, TheStrengthOfAClaimIsKnown) {
+  const int domain = testDomain(19);
+  DdsNeighbours neighbours;
+  const DdsParticipant own(DdsNetwork(domain), 1, DdsRole{true, 1, true}, &neighbours);
+  DdsParticipant other(DdsNetwork(domain), 1, DdsRole{true, 1, true});
+  other.createWriter(kStatusTopic, new StatusType, nullptr);
+  other.createWriter(kClaimTopic, new ClaimType, nullptr, 4000000000u);
+  const auto strength = [&]() -> std::optional<uint32_t> {
+    for (const auto& [prefix, since] : neighbours.claimants(1))
+      if (const auto known = neighbours.strengthOf(prefix)) return known;
+    return std::nullopt;
+  };
+  EXPECT_TRUE(trueWithin(std::chrono::seconds(5), [&] { return strength() == 4000000000u; }));
+  EXPECT_FALSE(neighbours.hasUnheardDaemon(1, std::chrono::milliseconds(0)));
+}
+
 TEST(Neighbours, ADaemonListensForLongOnlyWhereARivalMayBe) {
   const int domain = testDomain(9);
   const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
