@@ -258,6 +258,10 @@ void Daemon::followShow() {
     // Not by the first news, which may have waited with the hair while this daemon was busy.
     constexpr int kEnoughNews = 3;
     const bool is_there = std::fabs(behind_) < 3 / settings_.rate && ++news_ >= kEnoughNews;
+    if (part_ == Part::kTakesPart && !missing_.empty()) {  // one that has it all is to take over first
+      part_ = Part::kCatchesUp;
+      publisher_.leaveTurn();
+    }
     const bool is_ready = part_ == Part::kCatchesUp && is_there && !maker_.isBusy() && missing_.empty();
     if (is_ready && publisher_.yields()) {
       if (!std::exchange(said_equal_, true))

@@ -30,8 +30,9 @@ class DdsClaim {
   /// Whether so long has passed between two claims of this daemon that others have taken its turn. From then
   /// on it claims nothing, until claimAgain() or joinAgain().
   bool hasStoodStill() const;
-  void claimAgain();  ///< as before
-  void joinAgain();   ///< as after join(): not before claim()
+  void claimAgain();    ///< as before
+  void forgetClaims();  ///< of its own, and claims no more, until claim()
+  void joinAgain();     ///< as after join(): not before claim()
 
   /// How often it has become this daemon's turn, where it is; else 0.
   uint64_t turn() const;
@@ -49,7 +50,6 @@ class DdsClaim {
   using Clock = std::chrono::steady_clock;
   void write();
   bool isLate() const;
-  void forgetClaims();  ///< of its own, and stops them
   /// Whether every claimant that is there has had the time to be heard.
   bool hasHeardOthers() const;
 

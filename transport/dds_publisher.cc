@@ -123,6 +123,10 @@ class DdsPublisher final : public Publisher {
 
   bool yields() const override { return claim_ && claim_->yields(); }
 
+  void leaveTurn() override {
+    if (claim_) claim_->forgetClaims();
+  }
+
   bool isDeaf() const override { return hasUnheard(kUnheardTime); }
 
   bool lapsed() override {

@@ -97,6 +97,9 @@ class Publisher {
   /// Of a daemon that shares its groom and has published no frame: whether the one that casts claims it with
   /// the same strength. It came first, and this one is to publish none as long as that one casts.
   virtual bool yields() const { return false; }
+  /// Of a daemon that shares its groom, while another one casts: it claims nothing from now on, until it
+  /// publishes again.
+  virtual void leaveTurn() {}
   /// Whether a daemon of this groom has been there for longer than its writers take to be found, and nothing
   /// comes from it, as through shared memory where it runs as another user (DDS, profile `local`).
   virtual bool isDeaf() const { return false; }

@@ -72,6 +72,7 @@ class StageChannel final : public Publisher {
     return stage_.casts == this ? SharedTurn::kOwn : SharedTurn::kAnothers;
   }
   bool yields() const override { return is_equal && sharedTurn() == SharedTurn::kAnothers; }
+  void leaveTurn() override { claims = false; }
   size_t sharers() const override { return stage_.channels.size() - 1; }
   bool wantsHair() const override { return joined; }
   void publishShow(const Show& told_show) override {
@@ -385,9 +386,20 @@ TEST_F(SharedMeshes, OfAnotherMeshAreLackedByName) {
     const std::string told = make(name, file, kind);
     EXPECT_NE(told.find("another mesh than that of the daemon that casts"), std::string::npos) << told;
     EXPECT_NE(told.find(std::string("collider ") + name + " of the show"), std::string::npos) << told;
+    tell();
+    second_->cast(1);
+    EXPECT_FALSE(second_->channel.claims) << "others that have it take over";
   }
+  for (const char* const name : {"a", "b", "c", "c d"})
+    EXPECT_EQ(order(CommandKind::kRemoveCollider, {}, name), "");
+  second_->cast(1);  // to where the other one is by now
+  tell();
+  second_->cast(1);
+  EXPECT_TRUE(second_->channel.claims) << "it lacks nothing now";
+  EXPECT_NE(make("a", "stone.obj", PrimitiveKind::kConvex), "made");
   stage_.casts = nullptr;
   second_->cast(2);
+  EXPECT_TRUE(second_->channel.claims) << "there is no other one";
   EXPECT_EQ(second_->channel.newest.colliders.size(), before) << "rather none than another body";
 }
 
