@@ -6,8 +6,12 @@
 
 namespace strandcast {
 
-std::vector<BackendInfo> knownBackends() {
-  return {gpuBackendInfo(), simdBackendInfo(), referenceBackendInfo()};
+std::vector<BackendInfo> knownBackends(const std::string& wanted) {
+  std::vector<BackendInfo> of_processor = {simdBackendInfo(), referenceBackendInfo()};
+  for (const BackendInfo& info : of_processor)
+    if (info.name == wanted) return of_processor;
+  of_processor.insert(of_processor.begin(), gpuBackendInfo());
+  return of_processor;
 }
 
 AirMaker airOf(const std::string& backend, int threads) {

@@ -65,6 +65,16 @@ GroomClaim::GroomClaim(const Settings& settings, uint64_t session) : settings_(s
 }
 
 void GroomClaim::check() {
+  if (publisher_->isDeaf())
+    throw Error(
+        fmt::format(
+            "another daemon of groom {} is there, and nothing comes from it through shared memory, as "
+            "where it runs as another user",
+            settings_.groom_id),
+        networkName(settings_),
+        "start both as one user, or this one with --profile reliable-lan; or stop that one, or choose "
+        "another "
+        "--groom-id");
   const std::optional<Rival> rival = publisher_->rival();
   const auto now = std::chrono::steady_clock::now();
   if (!rival) {

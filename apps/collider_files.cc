@@ -179,10 +179,12 @@ void ColliderMaker::work() {
 }
 
 ColliderMaker::Made ColliderMaker::made(const Job& job) const {
-  Made out{job.command, job.collider.name, job.where, {}, {}};
+  Made out{job.command, job.collider.name, job.where, {}, 0, {}};
   try {
     if (stopping_ || *job.dropped) throw BakeStopped();
-    out.body = bodyOf(job);
+    PrimitiveBody made_body = bodyOf(job);
+    out.body = std::move(made_body.body);
+    out.mesh_hash = made_body.mesh_hash;
   } catch (const BakeStopped&) {
     out.refusal = *job.dropped ? droppedText(job.where) : notMadeText(job.where, "the daemon ends");
   } catch (const Error& error) {
@@ -193,7 +195,7 @@ ColliderMaker::Made ColliderMaker::made(const Job& job) const {
   return out;
 }
 
-RigidBody ColliderMaker::bodyOf(const Job& job) const {
+PrimitiveBody ColliderMaker::bodyOf(const Job& job) const {
   const ColliderFile& collider = job.collider;
   ScenePrimitive primitive;
   primitive.shape.kind = collider.kind;
@@ -215,14 +217,14 @@ RigidBody ColliderMaker::bodyOf(const Job& job) const {
       limits);
   for (const std::string& warning : made.warnings) spdlog::warn("collider {}: {}", collider.name, warning);
   for (const std::string& note : made.notes) spdlog::info("collider {}: {}", collider.name, note);
-  RigidBody body = std::move(made.bodies.front().body);
+  PrimitiveBody out = std::move(made.bodies.front());
   if (collider.follows_head) {
-    body.primitives.front().a = collider.pose.position;
-    body.primitives.front().rotation = collider.pose.rotation;
+    out.body.primitives.front().a = collider.pose.position;
+    out.body.primitives.front().rotation = collider.pose.rotation;
   } else {
-    body.pose = collider.pose;
+    out.body.pose = collider.pose;
   }
-  return body;
+  return out;
 }
 
 }  // namespace strandcast

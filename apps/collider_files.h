@@ -50,7 +50,8 @@ class ColliderMaker {
     std::string name;
     std::string where;  ///< that begin() was told
     RigidBody body;
-    std::string refusal;  ///< why there is no body; or empty
+    uint64_t mesh_hash = 0;  ///< PrimitiveBody::mesh_hash
+    std::string refusal;     ///< why there is no body; or empty
   };
 
   /// Opens files beneath `folder`, and the buffers there that these name, and no others; none where it is
@@ -85,7 +86,7 @@ class ColliderMaker {
   };
   void work();
   Made made(const Job& job) const;
-  RigidBody bodyOf(const Job& job) const;
+  PrimitiveBody bodyOf(const Job& job) const;
 
   const std::filesystem::path folder_;
   const MeshBodyOptions options_;

@@ -274,13 +274,17 @@ void Daemon::takeMadeBodies() {
   while (std::optional<ColliderMaker::Made> made = maker_.take()) {
     if (made->refusal.empty()) {
       made->refusal = refusalOf([&] {
+        if (of_show_.contains(made->command)) checkMesh(*made);
         checkColliderShape(made->body.primitives.front(), made->where);
         addNamed(made->name, std::move(made->body), made->where);
         tellParameters();
       });
     }
     auto command = being_made_.extract(made->command);
-    if (made->refusal.empty() && !command.empty()) made_by_[made->name] = std::move(command.mapped());
+    if (made->refusal.empty() && !command.empty()) {
+      made_by_[made->name] = std::move(command.mapped());
+      mesh_hashes_[made->name] = made->mesh_hash;
+    }
     if (const auto of_show = of_show_.extract(made->command); !of_show.empty())
       noteMade(of_show.mapped(), made->refusal);
     else
@@ -324,6 +328,7 @@ void Daemon::removeCollider(const Command& command, const std::string& where) {
   simulation_.removeBody(id);
   named_.erase(command.name);
   made_by_.erase(command.name);
+  mesh_hashes_.erase(command.name);
   ways_.erase(id);
   announceColliders();
 }
@@ -359,6 +364,7 @@ void Daemon::obey(const Command& command) {
 
 void Daemon::answer(uint64_t command, const std::string& refusal) {
   if (follows_) return;  // the one that casts answers
+  status_.simulation_time = simulation_.time();
   status_.last_command = command;
   status_.last_command_error = refusal;
   constexpr size_t kAnswersKept = 64;
@@ -376,6 +382,7 @@ bool Daemon::takeSteps(const std::atomic<bool>& stop) {
     if (stop) return false;
     advance();
     if (--steps_.front().left > 0) continue;
+    measure();  // who asks for steps asks what came of them
     answer(steps_.front().command, {});
     steps_.pop_front();
   } while (!steps_.empty() && (takes_another_ ? takes_another_(simulation_) : Clock::now() < end));
@@ -455,10 +462,11 @@ void Daemon::tellParameters() {
     tell(status_.parameters, kToldCollider, body_name_, {0, static_cast<double>(named_parts_)});
   for (const auto& [name, id] : named_)
     tell(status_.parameters, kToldCollider, name, {static_cast<double>(id)});
+  for (const std::string& name : told_void_)
+    if (!whyVoid(simulation_.parameters(), name).empty()) tell(status_.parameters, kToldVoid, name, {1});
 }
 
-void Daemon::publishStatus() {
-  tellParameters();
+void Daemon::measure() {
   lookAt(simulation_.model().strands());
   const Measurement measured = std::exchange(looked_, {});
   looked_at_ = 0;
@@ -469,6 +477,11 @@ void Daemon::publishStatus() {
   status_.max_stretch = std::max(status_.max_stretch, measured.max_stretch);
   status_.max_penetration = std::max(status_.max_penetration, measured.max_penetration);
   status_.non_finite = measured.non_finite;
+}
+
+void Daemon::publishStatus() {
+  tellParameters();
+  measure();
   status_.readers = publisher_.matchedReaders();
   status_.encoding = publisher_.encoding();
   publisher_.publishStatus(status_);

@@ -103,6 +103,8 @@ class Daemon {
   void publishFrame();
   /// Measures so many strands more of those that status tells of.
   void lookAt(size_t strands);
+  /// The rest of them: what status tells of hair, time and steps is that of now.
+  void measure();
   void publishStatus();
 
   // Of daemons that share a groom, in daemon_show.cc.
@@ -124,6 +126,10 @@ class Daemon {
   void takeCollider(const ShowEntry& entry);
   /// A collider of the show was made of its file, or was not and why.
   void noteMade(const ShowEntry& entry, const std::string& refusal);
+  /// Throws Error where the show tells of another mesh than the one that this collider was made of here.
+  void checkMesh(const ColliderMaker::Made& made) const;
+  /// Whether the mesh of a collider that a command had made is the one of the show, as far as that tells it.
+  bool hasMeshOf(const Show& show, const std::string& collider) const;
   void keepTime(double time);
   /// What came to this daemon while another one cast, and was not carried out.
   void takeOver();
@@ -141,17 +147,20 @@ class Daemon {
   std::vector<ShowEntry> fingerprint_;  ///< of scene and settings: of who shares the groom they are the same
   std::vector<Command> held_;           ///< that came while another one cast
   std::deque<std::pair<uint64_t, std::string>> answered_;  ///< the newest commands, and why they were refused
-  std::map<std::string, Command> made_by_;    ///< the command that added a collider, by the collider's name
-  std::map<uint64_t, Command> being_made_;    ///< commands whose colliders are made of files, by id
-  std::map<uint64_t, ShowEntry> of_show_;     ///< what the show has of being_made_, by the same ids
-  std::map<std::string, ShowEntry> missing_;  ///< colliders of the show that could not be made here
-  std::array<double, 8> pulled_{};            ///< of the newest pull
+  std::map<std::string, Command> made_by_;  ///< the command that added a collider, by the collider's name
+  std::map<uint64_t, Command> being_made_;  ///< commands whose colliders are made of files, by id
+  std::map<uint64_t, ShowEntry> of_show_;   ///< what the show has of being_made_, by the same ids
+  /// Colliders of the show that could not be made here, and the hash of the mesh that it tells of; 0 = none.
+  std::map<std::string, uint64_t> missing_;
+  std::map<std::string, uint64_t> mesh_hashes_;   ///< of made_by_ that are made of files
+  std::map<std::string, uint64_t> shown_hashes_;  ///< the same as the newest show tells them; 0 = it does not
+  std::array<double, 8> pulled_{};                ///< of the newest pull
   uint32_t resets_ = 0;
   std::optional<uint64_t> show_session_;  ///< whose show it went on with last
   std::chrono::steady_clock::time_point show_due_{}, waits_since_ = std::chrono::steady_clock::now();
   int news_ = 0;       ///< of the show that came in time, since the hair did
   double behind_ = 0;  ///< s of simulation, the show at its newest news
-  bool said_wait_ = false, warned_wait_ = false;
+  bool said_wait_ = false, warned_wait_ = false, said_equal_ = false;
   bool has_own_hair_ = false;  ///< it has cast, and stood still: a show without hair will do
 
   Settings settings_;

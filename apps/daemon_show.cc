@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "apps/command_limits.h"
 #include "apps/command_values.h"
@@ -139,6 +140,8 @@ void Daemon::addColliderEntries(std::vector<ShowEntry>& entries) const {
       addPose(entry.values, simulation_.bodyPose(id));
     }
     entries.push_back(std::move(entry));
+    if (const auto mesh = mesh_hashes_.find(name); mesh != mesh_hashes_.end())
+      entries.push_back(meshEntry(name, mesh->second));
     const auto way = ways_.find(id);
     if (way == ways_.end()) continue;
     ShowEntry moves{ShowKind::kColliderWay, name, {way->second.start, way->second.seconds}};
@@ -255,8 +258,18 @@ void Daemon::followShow() {
     // Not by the first news, which may have waited with the hair while this daemon was busy.
     constexpr int kEnoughNews = 3;
     const bool is_there = std::fabs(behind_) < 3 / settings_.rate && ++news_ >= kEnoughNews;
-    if (part_ == Part::kCatchesUp && is_there && !maker_.isBusy() && missing_.empty())
+    if (part_ == Part::kTakesPart && !missing_.empty()) {  // one that has it all is to take over first
+      part_ = Part::kCatchesUp;
+      publisher_.leaveTurn();
+    }
+    const bool is_ready = part_ == Part::kCatchesUp && is_there && !maker_.isBusy() && missing_.empty();
+    if (is_ready && publisher_.yields()) {
+      if (!std::exchange(said_equal_, true))
+        spdlog::info("the daemon that casts groom {} has an equal claim: this one casts when that one ends",
+                     settings_.groom_id);
+    } else if (is_ready) {
       part_ = Part::kTakesPart;
+    }
   }
 }
 
@@ -264,7 +277,7 @@ void Daemon::takeOver() {
   follows_ = false;
   part_ = Part::kTakesPart;
   spdlog::info("takes over groom {} at {:.1f} s", settings_.groom_id, simulation_.time());
-  for (const auto& [name, entry] : missing_) spdlog::warn("the show goes on without collider {}", name);
+  for (const auto& [name, mesh] : missing_) spdlog::warn("the show goes on without collider {}", name);
   // Who sent these may not have heard the answer.
   const size_t repeated = std::min(answered_.size(), kAnswersRepeated);
   for (auto answer = answered_.end() - static_cast<ptrdiff_t>(repeated); answer != answered_.end();
@@ -383,7 +396,8 @@ void Daemon::takeColliders(const Show& show) {
     const auto made = made_by_.find(known->first);
     const bool stays =
         entry != show.entries.end() &&
-        (made == made_by_.end() ? entry->kind == ShowKind::kSceneCollider : makes(made->second, *entry));
+        (made == made_by_.end() ? entry->kind == ShowKind::kSceneCollider
+                                : makes(made->second, *entry) && hasMeshOf(show, known->first));
     if (stays) {
       ++known;
       continue;
@@ -391,11 +405,19 @@ void Daemon::takeColliders(const Show& show) {
     simulation_.removeBody(known->second);
     ways_.erase(known->second);
     if (made != made_by_.end()) made_by_.erase(made);
+    mesh_hashes_.erase(known->first);
     known = named_.erase(known);
     changed = true;
   }
-  for (auto missing = missing_.begin(); missing != missing_.end();)
-    missing = entryFor(missing->first) == show.entries.end() ? missing_.erase(missing) : std::next(missing);
+  for (auto missing = missing_.begin(); missing != missing_.end();) {
+    const bool is_same = entryFor(missing->first) != show.entries.end() &&
+                         meshHashIn(show.entries, missing->first) == missing->second;
+    missing = is_same ? std::next(missing) : missing_.erase(missing);
+  }
+  shown_hashes_.clear();
+  for (const ShowEntry& entry : show.entries)
+    if (entry.kind == ShowKind::kColliderFile)
+      shown_hashes_[nameOf(entry)] = meshHashIn(show.entries, nameOf(entry));
   const size_t before = simulation_.bodies();
   for (const ShowEntry& entry : show.entries)
     if (isCollider(entry)) takeCollider(entry);
@@ -448,9 +470,25 @@ void Daemon::takeCollider(const ShowEntry& entry) {
   noteMade(entry, refusal);
 }
 
+void Daemon::checkMesh(const ColliderMaker::Made& made) const {
+  const auto shown = shown_hashes_.find(made.name);
+  if (shown == shown_hashes_.end() || shown->second == 0 || shown->second == made.mesh_hash) return;
+  throw Error(
+      "the file here has another mesh than that of the daemon that casts", made.where,
+      "copy that daemon's file into this one's --collider-folder, then remove the collider and add it "
+      "again");
+}
+
+bool Daemon::hasMeshOf(const Show& show, const std::string& collider) const {
+  const auto own = mesh_hashes_.find(collider);
+  const uint64_t shown = meshHashIn(show.entries, collider);
+  return own == mesh_hashes_.end() || shown == 0 || own->second == shown;
+}
+
 void Daemon::noteMade(const ShowEntry& entry, const std::string& refusal) {
   if (refusal.empty()) return;
-  missing_[nameOf(entry)] = entry;
+  const auto shown = shown_hashes_.find(nameOf(entry));
+  missing_[nameOf(entry)] = shown == shown_hashes_.end() ? 0 : shown->second;
   spdlog::warn("this daemon lacks a collider of the show, and takes over only where no other one can: {}",
                refusal);
 }

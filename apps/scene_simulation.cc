@@ -119,7 +119,7 @@ Simulation makeSimulation(const Scene& scene, const Settings& settings) {
   const Parameters parameters = sceneParameters(scene, settings);
   warnOfBonesThatStay(scene.pins);
   std::unique_ptr<Backend> backend =
-      createBackend(knownBackends(), settings.backend, settings.threads, settings.solver);
+      createBackend(knownBackends(settings.backend), settings.backend, settings.threads, settings.solver);
   std::unique_ptr<Surroundings> surroundings;
   if (backend->takesAccelerations())
     surroundings = airOf(backend->name(), settings.threads).surroundings(withoutNames(settings.wind_sources));

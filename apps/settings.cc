@@ -385,11 +385,12 @@ void SettingsOptions::noteGiven(Settings& out) const {
   const struct {
     const char* option;
     std::vector<const char*> replaced;
-  } replacing[] = {{"--scene",
-                    {"groom.files", "groom.unit_meters", "groom.up", "body.file", "body.contact", "body.cell",
-                     "body.fitted_spheres", "body.clip", "body.joint", "body.roots", "body.unit_meters", "body.up"}},
-                   {"--groom", {"scene", "groom.length"}},
-                   {"--transport", {"transport.peers", "transport.discovery_server", "transport.lcm_url"}}};
+  } replacing[] = {
+      {"--scene",
+       {"groom.files", "groom.unit_meters", "groom.up", "body.file", "body.contact", "body.cell",
+        "body.fitted_spheres", "body.clip", "body.joint", "body.roots", "body.unit_meters", "body.up"}},
+      {"--groom", {"scene", "groom.length"}},
+      {"--transport", {"transport.peers", "transport.discovery_server", "transport.lcm_url"}}};
   for (const auto& [option, replaced] : replacing)
     for (const char* key : replaced) {
       const auto of_file = out.given.find(key);
@@ -484,6 +485,8 @@ Settings SettingsOptions::over(Settings out) const {
     out.given["parameters." + assignment.first] = "--set " + text;
     out.parameters.push_back(assignment);
   }
+  out.scene.hair_radius_is_set = std::any_of(out.parameters.begin(), out.parameters.end(),
+                                             [](const auto& set) { return set.first == "hair_radius"; });
   return out;
 }
 

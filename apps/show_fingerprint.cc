@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "core/content_hash.h"
 #include "core/convex_body.h"
 #include "core/distance_field.h"
+#include "transport/chunks.h"
 
 namespace strandcast {
 namespace {
@@ -31,7 +33,7 @@ void addMaterial(ContentHash& hash, const Material& m) {
     addCurve(hash, *curve);
 }
 
-/// A field by its grid: its samples follow from the body and the grid.
+/// A field by its grid: its samples follow from its mesh and the grid.
 void addShape(ContentHash& hash, const ContactPrimitive& shape) {
   hash.add(shape.kind);
   for (const Vec3* const v : {&shape.a, &shape.b, &shape.extent}) hash.add(v->data(), sizeof(Vec3));
@@ -46,11 +48,32 @@ void addShape(ContentHash& hash, const ContactPrimitive& shape) {
   hash.add(grid.bricks);
 }
 
-ShowEntry entryOf(const char* what, double count, const ContentHash& hash) {
-  const uint64_t value = hash.value();
+ShowEntry entryOf(const std::string& what, double count, uint64_t hash) {
   return {ShowKind::kFingerprint,
           what,
-          {count, static_cast<double>(value >> 32), static_cast<double>(value & 0xffffffff)}};
+          {count, static_cast<double>(hash >> 32), static_cast<double>(hash & 0xffffffff)}};
+}
+
+constexpr std::string_view kSceneMesh = "mesh of collider ", kAddedMesh = "mesh of added collider ";
+constexpr const char* kUnnamedMeshes = "meshes of colliders without a name";
+
+/// By the hash of the name where that leaves no room.
+std::string named(std::string_view what, const std::string& name) {
+  if (what.size() + name.size() <= kMaxTextBytes) return std::string(what) + name;
+  ContentHash hash;
+  hash.add(name.data(), name.size());
+  return fmt::format("{}{:016x}", what, hash.value());
+}
+
+bool isMesh(const ShowEntry& entry) {
+  return entry.name.starts_with(kSceneMesh) || entry.name == kUnnamedMeshes;
+}
+
+const ShowEntry* fingerprintNamed(const std::vector<ShowEntry>& entries, const std::string& name) {
+  const auto found = std::find_if(entries.begin(), entries.end(), [&](const ShowEntry& entry) {
+    return entry.kind == ShowKind::kFingerprint && entry.name == name;
+  });
+  return found == entries.end() ? nullptr : &*found;
 }
 
 }  // namespace
@@ -81,25 +104,39 @@ std::vector<ShowEntry> fingerprintOf(const Scene& scene, const Settings& setting
   const std::string clip =
       settings.scene.motion + "\n" + (settings.scene.skinned ? settings.scene.skinned->clip : "");
   motion.add(clip.data(), clip.size());
-  return {entryOf("strands", static_cast<double>(strands.strands()), rest),
-          entryOf("solver", 1, solver),
-          entryOf("materials", static_cast<double>(scene.materials.size()), materials),
-          entryOf("pins", static_cast<double>(scene.pins.size()), pins),
-          entryOf("body", static_cast<double>(scene.body.positions.size()), body),
-          entryOf("colliders", static_cast<double>(scene.bodies.size()), colliders),
-          entryOf("motion", 1, motion),
-          entryOf("frames a second", settings.rate, {})};
+  std::vector<ShowEntry> entries = {
+      entryOf("strands", static_cast<double>(strands.strands()), rest.value()),
+      entryOf("solver", 1, solver.value()),
+      entryOf("materials", static_cast<double>(scene.materials.size()), materials.value()),
+      entryOf("pins", static_cast<double>(scene.pins.size()), pins.value()),
+      entryOf("body", static_cast<double>(scene.body.positions.size()), body.value()),
+      entryOf("colliders", static_cast<double>(scene.bodies.size()), colliders.value()),
+      entryOf("motion", 1, motion.value()),
+      entryOf("frames a second", settings.rate, ContentHash().value())};
+  for (const auto& [name, hash] : scene.mesh_hashes)
+    entries.push_back(entryOf(name.empty() ? kUnnamedMeshes : named(kSceneMesh, name), 1, hash));
+  return entries;
+}
+
+ShowEntry meshEntry(const std::string& collider, uint64_t mesh_hash) {
+  return entryOf(named(kAddedMesh, collider), 1, mesh_hash);
+}
+
+uint64_t meshHashIn(const std::vector<ShowEntry>& show, const std::string& collider) {
+  constexpr double kHalf = 4294967296.0;  // 2^32
+  const ShowEntry* const entry = fingerprintNamed(show, named(kAddedMesh, collider));
+  if (entry == nullptr || entry->values.size() != 3) return 0;
+  const auto isHalf = [](double v) { return v >= 0 && v < kHalf; };
+  if (!isHalf(entry->values[1]) || !isHalf(entry->values[2])) return 0;
+  return static_cast<uint64_t>(entry->values[1]) << 32 | static_cast<uint64_t>(entry->values[2]);
 }
 
 std::string differenceOf(const std::vector<ShowEntry>& own, const std::vector<ShowEntry>& other) {
   std::string text;
   for (const ShowEntry& mine : own) {
-    const auto theirs = std::find_if(other.begin(), other.end(), [&](const ShowEntry& entry) {
-      return entry.kind == ShowKind::kFingerprint && entry.name == mine.name;
-    });
-    if (theirs != other.end() && theirs->values == mine.values) continue;
-    const bool counts =
-        theirs != other.end() && !theirs->values.empty() && theirs->values[0] != mine.values[0];
+    const ShowEntry* const theirs = fingerprintNamed(other, mine.name);
+    if (theirs == nullptr ? isMesh(mine) : theirs->values == mine.values) continue;
+    const bool counts = theirs != nullptr && !theirs->values.empty() && theirs->values[0] != mine.values[0];
     text += text.empty() ? "" : ", ";
     text += counts ? fmt::format("{} ({:g} here, {:g} there)", mine.name, mine.values[0], theirs->values[0])
                    : mine.name;

@@ -81,9 +81,11 @@ int main(int argc, char** argv) {
       app.add_option("--claim", claim,
                      "share the groom with other daemons that claim it (DDS), of the same scene and options: "
                      "the one with "
-                     "the largest number casts, the others keep to its show in silence, and within half a "
+                     "the largest number casts, of equal ones the one that came first, the others keep to "
+                     "its show in silence, and within half a "
                      "second of its end the "
-                     "next goes on with it. One that joins has the show before it may take over")
+                     "next goes on with it (a second of one with an equal number). One that joins has the "
+                     "show before it may take over")
           ->transform(wholeRange(0, 4294967295.0));
   app.add_flag("--json", json, "print the closing summary as one JSON object");
   app.add_flag("--quiet", quiet, "log warnings only");

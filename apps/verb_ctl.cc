@@ -21,8 +21,10 @@
 #include "apps/interrupt.h"
 #include "apps/number_range.h"
 #include "apps/verbs.h"
+#include "apps/void_settings.h"
 #include "apps/wind_control.h"
 #include "core/error.h"
+#include "core/nearest_name.h"
 #include "transport/collider_chunks.h"
 #include "transport/parameter_table.h"
 
@@ -70,6 +72,18 @@ bool waitUntil(double seconds, const std::function<bool()>& ready) {
   return true;
 }
 
+/// What to warn of where the daemon tells that the parameter which a command has set does nothing.
+std::string voidOf(const Command& command, const std::optional<Status>& status) {
+  if (command.kind != CommandKind::kSetParameter || !status) return {};
+  for (const auto& [name, values] : toldOf(status->parameters, kToldVoid)) {
+    if (name != command.name) continue;
+    const std::string need = needOf(name);
+    return fmt::format("parameter '{}' is set, and does nothing as the others are{}", name,
+                       need.empty() ? "" : ": " + need);
+  }
+  return {};
+}
+
 int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
                 const std::vector<double>& values) {
   const std::unique_ptr<Subscriber> subscriber = steer(o.network);
@@ -93,8 +107,23 @@ int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
               "and --timeout to wait for longer"
             : "see `strandcast ctl list`");
   if (!refusal->empty()) throw Error("the daemon refused", *refusal, "");
-  if (o.json) fmt::print("{}\n", jsonText({{"command", command.id}, {"accepted", true}}));
+  nlohmann::json answer = {{"command", command.id}, {"accepted", true}};
+  if (const std::string doubt = voidOf(command, subscriber->status()); !doubt.empty()) {
+    spdlog::warn("{}", doubt);
+    answer["warning"] = doubt;
+  }
+  if (o.json) fmt::print("{}\n", jsonText(answer));
   return 0;
+}
+
+/// Of a parameter that this program knows the count of values is checked here; the daemon may know others.
+int setParameter(const CtlOptions& o) {
+  for (const ParameterInfo& info : parameterList())
+    if (info.name == o.name && o.values.size() != static_cast<size_t>(info.components))
+      throw Error(fmt::format("parameter '{}' takes {} value{}, not {}", info.name, info.components,
+                              info.components == 1 ? "" : "s", o.values.size()),
+                  "strandcast ctl set", fmt::format("{}: {}", info.help, info.range));
+  return sendCommand(o, CommandKind::kSetParameter, o.name, o.values);
 }
 
 double bytesPerVertex(const Status& s) {
@@ -219,27 +248,40 @@ constexpr ShapeForm kShapes[] = {
     {PrimitiveKind::kEllipsoid, "ellipsoid", 6, "X Y Z, half axes X Y Z"},
     {PrimitiveKind::kBox, "box", 6, "X Y Z, half edges X Y Z"}};
 
+const char* fileKindName(PrimitiveKind kind) { return kind == PrimitiveKind::kConvex ? "convex" : "mesh"; }
+
+/// Throws Error where there is none of that name.
+const ShapeForm& shapeNamed(std::string kind) {
+  std::replace(kind.begin(), kind.end(), '-', '_');
+  std::vector<std::string> names;
+  for (const ShapeForm& known : kShapes) {
+    if (kind == known.name) return known;
+    names.emplace_back(known.name);
+  }
+  for (const PrimitiveKind file : {PrimitiveKind::kField, PrimitiveKind::kConvex})
+    names.emplace_back(fileKindName(file));
+  const std::string near = didYouMean(kind, names);
+  throw Error("there is no shape '" + kind + "'", "strandcast ctl collider add",
+              fmt::format("{}choose one of {}", near.empty() ? "" : near + " ", fmt::join(names, ", ")));
+}
+
 /// The values of kAddCollider: the shape is at the origin of the collider, and the collider where it is asked
 /// to be; with the head, the shape itself is there.
-std::vector<double> colliderValues(std::string kind, const std::vector<double>& v, bool follows_head,
+std::vector<double> colliderValues(const ShapeForm& form, const std::vector<double>& v, bool follows_head,
                                    double friction) {
-  std::replace(kind.begin(), kind.end(), '-', '_');
-  const ShapeForm* form = nullptr;
-  for (const ShapeForm& known : kShapes)
-    if (kind == known.name) form = &known;
-  if (form == nullptr || v.size() != form->numbers)
-    throw Error(form == nullptr ? "there is no shape '" + kind + "'" : "a " + kind + " takes other numbers",
-                "strandcast ctl collider add", form == nullptr ? "see --help" : form->help);
+  if (v.size() != form.numbers)
+    throw Error(fmt::format("a {} takes {} numbers, not {}", form.name, form.numbers, v.size()),
+                "strandcast ctl collider add", form.help);
   const auto vec = [&](size_t i) {
     return Vec3(static_cast<float>(v[i]), static_cast<float>(v[i + 1]), static_cast<float>(v[i + 2]));
   };
   ContactPrimitive shape;
-  shape.kind = form->kind;
+  shape.kind = form.kind;
   shape.friction = static_cast<float>(friction);
   const Vec3 at = vec(0), own = follows_head ? at : Vec3(Vec3::Zero());
   shape.a = own;
   const auto number = [&](size_t i) { return static_cast<float>(v[i]); };
-  switch (form->kind) {
+  switch (form.kind) {
     case PrimitiveKind::kSphere:
       shape.radius = number(3);
       break;
@@ -256,14 +298,12 @@ std::vector<double> colliderValues(std::string kind, const std::vector<double>& 
       shape.extent = vec(3);
   }
   checkPrimitive(shape, "strandcast ctl collider add");
-  std::vector<double> values = {static_cast<double>(form->kind), follows_head ? 1.0 : 0.0};
+  std::vector<double> values = {static_cast<double>(form.kind), follows_head ? 1.0 : 0.0};
   for (int c = 0; c < 3; ++c) values.push_back(static_cast<double>(follows_head ? 0.0f : at[c]));
   for (const double component : {0.0, 0.0, 0.0, 1.0}) values.push_back(component);
   shapeNumbers(shape, [&](float n) { values.push_back(static_cast<double>(n)); });
   return values;
 }
-
-const char* fileKindName(PrimitiveKind kind) { return kind == PrimitiveKind::kConvex ? "convex" : "mesh"; }
 
 std::string kindName(PrimitiveKind kind) {
   for (const ShapeForm& form : kShapes)
@@ -373,8 +413,9 @@ int addCollider(const CtlOptions& o) {
   if (!o.at.empty() || o.unit_meters > 0 || o.cell > 0)
     throw Error("--at, --unit-meters and --cell are of a mesh or a convex body",
                 "strandcast ctl collider add", "a shape's numbers say where it is and how large, in metres");
+  const ShapeForm& form = shapeNamed(o.shape);
   return sendCommand(o, CommandKind::kAddCollider, o.name,
-                     colliderValues(o.shape, numbersOf(o.words), o.follows_head, o.friction));
+                     colliderValues(form, numbersOf(o.words), o.follows_head, o.friction));
 }
 
 void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std::shared_ptr<Verb>& run) {
@@ -591,8 +632,8 @@ Verb addCtl(CLI::App& app) {
       ->expected(3)
       ->required()
       ->check(finiteNumber());
-  CLI::App* set = verb("set", "set a parameter (names: strandcastd --help)",
-                       [o] { return sendCommand(*o, CommandKind::kSetParameter, o->name, o->values); });
+  CLI::App* set =
+      verb("set", "set a parameter (names: strandcastd --help)", [o] { return setParameter(*o); });
   set->add_option("NAME", o->name, "parameter")->required();
   set->add_option("VALUE", o->values, "its components")
       ->expected(1, 3)
@@ -628,7 +669,12 @@ Verb addCtl(CLI::App& app) {
       ->required()
       ->transform(wholeRange(1, kMostSteps));
   verb("pull", "a hand in the hair for a second; without numbers it lets go",
-       [o] { return sendCommand(*o, CommandKind::kPull, "", o->values); })
+       [o] {
+         if (!o->values.empty() && o->values.size() != 8)
+           throw Error(fmt::format("a pull takes 8 numbers, not {}", o->values.size()), "strandcast ctl pull",
+                       "X Y Z RADIUS TOX TOY TOZ RATE, or none to let go");
+         return sendCommand(*o, CommandKind::kPull, "", o->values);
+       })
       ->add_option("X Y Z RADIUS TOX TOY TOZ RATE", o->values,
                    "where it closes, m, about what, m, where it pulls to, m, and how hard, 1/s")
       ->expected(0, 8)

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "apps/backends.h"
 #include "apps/cast_size.h"
@@ -72,6 +74,13 @@ int printBackends(bool json) {
 
 nlohmann::json toJson(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
 
+/// The least and the largest of a groom, m; nothing where it has none.
+std::optional<std::pair<double, double>> widthsOf(const StrandSet& strands) {
+  if (strands.radii.empty()) return std::nullopt;
+  const auto [least, most] = std::minmax_element(strands.radii.begin(), strands.radii.end());
+  return std::pair{2 * static_cast<double>(*least), 2 * static_cast<double>(*most)};
+}
+
 int printGroom(const InfoOptions& options) {
   const std::filesystem::path file(options.file);
   const RawGroom raw = readRawGroom(file);
@@ -85,6 +94,7 @@ int printGroom(const InfoOptions& options) {
   turnYUp(meters.positions, read.up == UpAxis::kAuto ? raw.native_up : read.up);
   scaleToMeters(meters.positions, unit, options.file);
   const GroomSummary s = summarize(meters);
+  const std::optional<std::pair<double, double>> widths = widthsOf(groom.strands);
   const std::optional<uint64_t> cast = bytesPerFrame(groom.strands);
   if (options.json) {
     fmt::print("{}\n", jsonText({{"file", options.file},
@@ -100,6 +110,8 @@ int printGroom(const InfoOptions& options) {
                                  {"length_median", s.median_length},
                                  {"length_max", s.max_length},
                                  {"degenerate_strands", s.degenerate_strands},
+                                 {"width_min", widths ? nlohmann::json(widths->first) : nlohmann::json()},
+                                 {"width_max", widths ? nlohmann::json(widths->second) : nlohmann::json()},
                                  {"bytes_per_frame", cast ? nlohmann::json(*cast) : nlohmann::json()},
                                  {"left_out", groom.report.left_out},
                                  {"warnings", groom.report.warnings}}));
@@ -122,6 +134,10 @@ int printGroom(const InfoOptions& options) {
                       high.x(), high.y(), high.z()));
   out.add("lengths", "strand length",
           fmt::format("{:.4f} to {:.4f} m, median {:.4f} m", s.min_length, s.max_length, s.median_length));
+  if (widths)
+    out.add("widths", "widths",
+            fmt::format("{:.4g} to {:.4g} mm; not simulated: the radius of [[material]] is",
+                        1e3 * widths->first, 1e3 * widths->second));
   out.addCount("degenerate", "degenerate strands", s.degenerate_strands);
   if (cast)
     out.add("bytes_per_frame", "cast, at rest",

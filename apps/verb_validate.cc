@@ -94,7 +94,7 @@ int validate(const ValidateOptions& o) {
   const SolverKind solver = solverKind(o.solver);
   std::string name, device;
   auto backend = [&] {
-    std::unique_ptr<Backend> made = createBackend(knownBackends(), o.backend, o.threads, solver);
+    std::unique_ptr<Backend> made = createBackend(knownBackends(o.backend), o.backend, o.threads, solver);
     name = made->name();
     device = made->device();
     return made;

@@ -223,6 +223,12 @@ void refuseVoidNetwork(const Settings& settings) {
   check(kNetworkRules, settings, told);
 }
 
+std::string needOf(const std::string& name) {
+  for (const VoidParameter& rule : kParameterRules)
+    if (rule.name == name) return rule.needs;
+  return {};
+}
+
 std::string whyVoid(const Parameters& parameters, const std::string& name) {
   for (const VoidParameter& rule : kParameterRules)
     if (rule.name == name && rule.is_void(parameters)) return rule.needs;

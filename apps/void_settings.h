@@ -17,7 +17,9 @@ std::vector<std::string> checkVoidSettings(const Settings& settings, bool any_so
 /// The same rules of the network alone: for programs with the options of addNetworkOptions() and no others.
 void refuseVoidNetwork(const Settings& settings);
 
-/// Why a parameter does nothing beside the others, "it needs wind_grid=1", or empty.
+/// What a parameter needs that others may make void, "it needs wind_grid=1"; empty of one that none does.
+std::string needOf(const std::string& name);
+/// The same where it does nothing beside the others, or empty.
 std::string whyVoid(const Parameters& parameters, const std::string& name);
 
 }  // namespace strandcast

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <set>
 
 #include "core/error.h"
 #include "groom/axes_and_units.h"
@@ -225,6 +226,7 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
   Groom groom;
   GroomMerger merger(groom, files.size() > 1);
   float said = 0;
+  std::set<std::filesystem::path> places;
   for (size_t f = 0; f < files.size(); ++f) {
     RawGroom raw = readRawGroom(files[f]);
     turnYUp(raw.strands.positions, options.up == UpAxis::kAuto ? raw.native_up : options.up);
@@ -245,6 +247,11 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
                                                   nameOf(options.up)));
     if (!options.keep_pins) freeSecondVertices(raw.strands);
     merger.add(raw, f, files[f].string());
+    std::error_code unknown;
+    const std::filesystem::path place = std::filesystem::weakly_canonical(files[f], unknown);
+    if (!unknown && !places.insert(place).second)
+      groom.report.warnings.push_back(
+          fmt::format("{} is given more than once: its strands are there as often", files[f].string()));
     if (f > 0) groom.name += '+';
     groom.name += files[f].stem().string();
   }

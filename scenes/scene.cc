@@ -12,6 +12,7 @@
 #include "collision/field_bake.h"
 #include "collision/mesh_query.h"
 #include "collision/primitive_fit.h"
+#include "core/content_hash.h"
 #include "core/error.h"
 #include "groom/clean.h"
 #include "groom/mesh_file.h"
@@ -76,8 +77,9 @@ void makeMaterials(const SceneOptions& options, Scene& scene) {
   const float thickest = std::min(thickestRadius(scene.materials), kThickestHair);
   if (!(thickest > scene.parameters.hair_radius)) return;
   scene.parameters.hair_radius = thickest;
+  if (options.hair_radius_is_set) return;
   scene.notes.push_back(
-      fmt::format("hair_radius is {:.3g} mm, as the thickest material, unless it is set: so far off bodies "
+      fmt::format("hair_radius is {:.3g} mm, as the thickest material: so far off bodies "
                   "the axis of all hair is kept; --hair-width is what it is drawn with",
                   1e3 * static_cast<double>(thickest)));
 }
@@ -559,6 +561,12 @@ void addPrimitives(const SceneOptions& options, const Progress& progress, Scene&
     if (!made_body.joint.empty()) scene.skinned->hang(id, made_body.joint);
     if (!made_body.name.empty()) scene.named_bodies[made_body.name] = id;
     scene.bodies.push_back(std::move(made_body.body));
+    if (made_body.mesh_hash == 0) continue;
+    uint64_t& known = scene.mesh_hashes[made_body.name];
+    ContentHash both;
+    both.add(known);
+    both.add(made_body.mesh_hash);
+    known = both.value();
   }
   for (std::string& line : made.notes) scene.notes.push_back(std::move(line));
   for (std::string& line : made.warnings) scene.warnings.push_back(std::move(line));

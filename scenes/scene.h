@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -48,6 +49,7 @@ struct SceneOptions {
   int body_primitives = 24;                           ///< spheres at most, fitted into a body mesh
   float body_friction = ContactPrimitive().friction;  ///< Coulomb coefficient, of the body and its parts
   std::vector<MaterialRule> materials;                ///< what the hair of its parts is made of
+  bool hair_radius_is_set = false;                    ///< by the user: materials do not say it
   std::vector<PinRule> pins;                          ///< what of its parts moves with bones
   BakeAnnouncement bake_begins;                       ///< may be empty; its line names the body
   /// Told what there is to warn of before bodies are baked, which may take minutes; such lines are then not
@@ -70,8 +72,10 @@ struct Scene {
   size_t named_parts = 0;
   std::string body_name;
   std::map<std::string, BodyId> named_bodies;  ///< others with a name; indices into bodies
-  Vec3 head_pivot = Vec3::Zero();              ///< m, joint of head and neck, for head motions
-  HeadMotion motion;  ///< of a skinned body with a clip: relative to where the clip has the head
+  /// PrimitiveBody::mesh_hash of those that are made of meshes; of all without a name in one.
+  std::map<std::string, uint64_t> mesh_hashes;
+  Vec3 head_pivot = Vec3::Zero();  ///< m, joint of head and neck, for head motions
+  HeadMotion motion;               ///< of a skinned body with a clip: relative to where the clip has the head
   std::shared_ptr<SkinnedBody> skinned;  ///< null unless the body is skinned: moveTo() moves it
   Parameters parameters;
   MeshBodyOptions mesh_bodies;        ///< of bodies that are to be added to it

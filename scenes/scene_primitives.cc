@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/content_hash.h"
 #include "core/error.h"
 #include "groom/mesh_file.h"
 
@@ -39,12 +40,15 @@ Pose takePlace(ContactPrimitive& shape) {
 /// The mesh where it stands while the head, or the joint, is at rest. Fields of colliders that do not follow
 /// the head are neither moved nor turned in them (docs/wire.md), so the mesh is, before anything is made of
 /// it.
+/// `hash` gets the mesh before that.
 TriangleMesh placedMesh(const ScenePrimitive& primitive, const GroomReadOptions& obj_units,
-                        PrimitiveBodies& made) {
+                        PrimitiveBodies& made, ContentHash& hash) {
   ReadMesh from = loadMesh(primitive.file, meshUnits(primitive.file, primitive.units, obj_units),
                            kSkippedGroups, primitive.beneath);
   tell(primitive.file, from.report, made.notes, made.warnings);
   TriangleMesh mesh = std::move(from.mesh);
+  hash.add(mesh.positions.data(), mesh.positions.size() * sizeof(mesh.positions[0]));
+  hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
   for (Vec3& p : mesh.positions) p = Vec3(primitive.shape.rotation * p + primitive.shape.a);
   return mesh;
 }
@@ -119,13 +123,14 @@ PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, c
     const bool is_apart = stands && !primitive.name.empty();
     const Pose pose = is_apart ? takePlace(primitive.shape) : Pose{};
     ContactPrimitive shape = primitive.shape;
+    ContentHash hash;
     if (shape.kind == PrimitiveKind::kConvex) {
-      shape = convexShape(primitive, placedMesh(primitive, options.obj_units, made), made);
+      shape = convexShape(primitive, placedMesh(primitive, options.obj_units, made, hash), made);
     } else if (shape.kind == PrimitiveKind::kField) {
       FieldOptions own = options.field;
       if (primitive.cell > 0) own.cell = primitive.cell;
       SceneField baked = fieldOf(
-          placedMesh(primitive, options.obj_units, made), own, FieldCache(options.cache),
+          placedMesh(primitive, options.obj_units, made, hash), own, FieldCache(options.cache),
           [&](const std::string& what, double part) {
             const double done = static_cast<double>(i) + part;
             return !progress ||
@@ -143,9 +148,12 @@ PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, c
         warnOfTouching(body, *shape.field, name, made.warnings);
     }
     checkPrimitive(shape, primitive.where);
-    RigidBody& of = bodyFor(primitive, made.bodies).body;
-    of.primitives.push_back(std::move(shape));
-    of.pose = pose;
+    PrimitiveBody& of = bodyFor(primitive, made.bodies);
+    of.body.primitives.push_back(std::move(shape));
+    of.body.pose = pose;
+    if (primitive.file.empty()) continue;
+    hash.add(of.mesh_hash);  // of the files before it
+    of.mesh_hash = hash.value();
   }
   std::erase_if(made.bodies, [](const PrimitiveBody& none) { return none.body.primitives.empty(); });
   return made;

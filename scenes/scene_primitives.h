@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -43,6 +44,8 @@ struct PrimitiveBody {
   RigidBody body;
   std::string joint;  ///< that it goes with; its pose is from where that is at rest
   std::string name;   ///< of the one that it is made of
+  /// Hash of the meshes that its shapes are made of, in metres and as their files have them; 0 = of none.
+  uint64_t mesh_hash = 0;
 };
 
 /// What is made of the primitives of a scene.

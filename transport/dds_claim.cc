@@ -19,9 +19,10 @@ DdsClaim::DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength, const
       strength_(strength),
       neighbours_(neighbours),
       listener_(
-          [this](v6::Claim& claim, const auto&) {
+          [this](v6::Claim& claim, const auto& writer) {
             if (claim.groom_id() != groom_id_) return;
             heard_ = Clock::now();
+            holder_is_equal_ = neighbours_.strengthOf(prefixOf(writer)) == strength_;
             if (holder_.exchange(claim.session()) == claim.session()) return;
             if (claim.session() == session_) ++turns_;
           },
@@ -60,6 +61,10 @@ SharedTurn DdsClaim::sharedTurn() const {
   if (holder == session_) return SharedTurn::kOwn;
   const bool is_alive = holder != 0 && Clock::now() - heard_.load() < kClaimSilence;
   return is_alive ? SharedTurn::kAnothers : SharedTurn::kNobodys;
+}
+
+bool DdsClaim::yields() const {
+  return !thread_.joinable() && holder_is_equal_ && sharedTurn() == SharedTurn::kAnothers;
 }
 
 bool DdsClaim::isClaimants(const StatusBoard::WriterId& writer) const {

@@ -30,13 +30,17 @@ class DdsClaim {
   /// Whether so long has passed between two claims of this daemon that others have taken its turn. From then
   /// on it claims nothing, until claimAgain() or joinAgain().
   bool hasStoodStill() const;
-  void claimAgain();  ///< as before
-  void joinAgain();   ///< as after join(): not before claim()
+  void claimAgain();    ///< as before
+  void forgetClaims();  ///< of its own, and claims no more, until claim()
+  void joinAgain();     ///< as after join(): not before claim()
 
   /// How often it has become this daemon's turn, where it is; else 0.
   uint64_t turn() const;
   /// Whose turn it is, as far as is known.
   SharedTurn sharedTurn() const;
+  /// Whether this daemon, which claims nothing yet, is to leave it so as long as the one casts whose turn it
+  /// is: that one claims with the same strength, and DDS would choose between the two by their GUIDs.
+  bool yields() const;
   /// The session whose claim was heard last; 0 where none was.
   uint64_t holder() const { return holder_; }
   /// Whether the program that this writer of any topic is of claims the groom too.
@@ -46,7 +50,6 @@ class DdsClaim {
   using Clock = std::chrono::steady_clock;
   void write();
   bool isLate() const;
-  void forgetClaims();  ///< of its own, and stops them
   /// Whether every claimant that is there has had the time to be heard.
   bool hasHeardOthers() const;
 
@@ -55,6 +58,7 @@ class DdsClaim {
   const uint32_t strength_;
   const DdsNeighbours& neighbours_;
   std::atomic<uint64_t> holder_{0};
+  std::atomic<bool> holder_is_equal_{false};  // in strength
   std::atomic<uint64_t> turns_{0};
   std::atomic<Clock::time_point> heard_{Clock::time_point()};  // the newest claim
   mutable std::atomic<bool> has_heard_others_{false};

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "transport/dds_participant.h"
+
 namespace strandcast {
 namespace {
 
@@ -59,6 +61,20 @@ void DdsNeighbours::on_participant_discovery(eprosima::fastdds::dds::DomainParti
     known_[prefix].role = roleOf(info.info.m_userData.data_vec());
 }
 
+void DdsNeighbours::on_publisher_discovery(eprosima::fastdds::dds::DomainParticipant*,
+                                           eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) {
+  using Discovery = eprosima::fastrtps::rtps::WriterDiscoveryInfo;
+  if (info.status == Discovery::REMOVED_WRITER) return;
+  Prefix prefix;
+  std::copy_n(info.info.guid().guidPrefix.value, prefix.size(), prefix.begin());
+  const bool claims = info.info.topicName() == kClaimTopic.name;
+  const std::lock_guard lock(mutex_);
+  const auto known = known_.find(prefix);
+  if (known == known_.end()) return;
+  known->second.is_heard = true;
+  if (claims) known->second.strength = info.info.m_qos.m_ownershipStrength.value;
+}
+
 size_t DdsNeighbours::possibleRivals(uint32_t groom_id, bool own_claims) const {
   const std::lock_guard lock(mutex_);
   return static_cast<size_t>(std::count_if(known_.begin(), known_.end(), [&](const auto& known) {
@@ -88,6 +104,22 @@ std::optional<DdsRole> DdsNeighbours::roleOfWriter(const StatusBoard::WriterId& 
   const std::lock_guard lock(mutex_);
   const auto known = known_.find(prefixOf(writer));
   return known == known_.end() ? std::nullopt : known->second.role;
+}
+
+bool DdsNeighbours::hasUnheardDaemon(uint32_t groom_id, std::chrono::milliseconds time) const {
+  const auto now = std::chrono::steady_clock::now();
+  const std::lock_guard lock(mutex_);
+  return std::any_of(known_.begin(), known_.end(), [&](const auto& known) {
+    const Neighbour& neighbour = known.second;
+    return neighbour.role && neighbour.role->is_daemon && neighbour.role->groom_id == groom_id &&
+           !neighbour.is_heard && now - neighbour.since >= time;
+  });
+}
+
+std::optional<uint32_t> DdsNeighbours::strengthOf(const Prefix& prefix) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = known_.find(prefix);
+  return known == known_.end() ? std::nullopt : known->second.strength;
 }
 
 DdsNeighbours::Times DdsNeighbours::claimants(uint32_t groom_id) const {

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <chrono>
 #include <cstdint>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <map>
@@ -31,6 +33,9 @@ class DdsNeighbours final : public eprosima::fastdds::dds::DomainParticipantList
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant* participant,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
 
+  void on_publisher_discovery(eprosima::fastdds::dds::DomainParticipant* participant,
+                              eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
+
   /// Those that may cast this groom: its daemons, without those that claim it where `own_claims`, and those
   /// that say no role.
   size_t possibleRivals(uint32_t groom_id, bool own_claims) const;
@@ -46,11 +51,18 @@ class DdsNeighbours final : public eprosima::fastdds::dds::DomainParticipantList
   using Prefix = std::array<uint8_t, 12>;
   using Times = std::map<Prefix, std::chrono::steady_clock::time_point>;
   Times claimants(uint32_t groom_id) const;
+  /// Whether a daemon of this groom has been known for longer than `time`, none of whose writers is: what it
+  /// sends does not get here.
+  bool hasUnheardDaemon(uint32_t groom_id, std::chrono::milliseconds time) const;
+  /// Of the writer of claims that this participant has; nothing where none was found.
+  std::optional<uint32_t> strengthOf(const Prefix& prefix) const;
 
  private:
   struct Neighbour {
     std::optional<DdsRole> role;
     std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();
+    bool is_heard = false;             ///< a writer of it was found
+    std::optional<uint32_t> strength;  ///< of its claims
   };
   mutable std::mutex mutex_;
   std::map<Prefix, Neighbour> known_;

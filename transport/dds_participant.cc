@@ -11,6 +11,7 @@
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <spdlog/spdlog.h>
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -22,6 +23,7 @@
 #include "core/error.h"
 #include "transport/chunks.h"
 #include "transport/security/key_folder.h"
+#include "transport/shared_memory_users.h"
 
 namespace strandcast {
 
@@ -286,6 +288,11 @@ DdsNetwork::DdsNetwork(const DdsOptions& options)
   if (is_secure && !discovery_server.empty()) {
     throw Error("a discovery server has no keys", "--profile secure with --discovery-server",
                 "give the addresses of the other machines by --peers");
+  }
+  if (uses_shared_memory && options.frames && anotherUserSharesMemory(domain, geteuid())) {
+    spdlog::info("a program of another user is on the shared memory of DDS domain {}: going over UDP",
+                 domain);
+    uses_shared_memory = false;
   }
 }
 

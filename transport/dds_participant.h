@@ -42,7 +42,8 @@ struct DdsNetwork {
   std::filesystem::path keys = {};      // folder, or empty: not secured
 
   explicit DdsNetwork(int of_domain) : domain(of_domain) {}
-  /// Throws Error where options do not go together.
+  /// Without shared memory beside programs of other users, which it says. Throws Error where options do not
+  /// go together.
   explicit DdsNetwork(const DdsOptions& options);
 };
 

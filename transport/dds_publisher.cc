@@ -26,6 +26,8 @@ constexpr std::chrono::milliseconds kSettles{1500};
 constexpr int kHairChunksPerFrame = 8;
 /// Who shares a groom is found by its claims and by its statuses, in either order, within so long.
 constexpr std::chrono::milliseconds kClaimsLate{2000};
+/// The writers of a participant are found within a second; one that was killed is known for its lease of 3 s.
+constexpr std::chrono::milliseconds kUnheardTime{3500};
 
 class DdsPublisher final : public Publisher {
  public:
@@ -119,6 +121,14 @@ class DdsPublisher final : public Publisher {
 
   SharedTurn sharedTurn() const override { return claim_ ? claim_->sharedTurn() : SharedTurn::kUnshared; }
 
+  bool yields() const override { return claim_ && claim_->yields(); }
+
+  void leaveTurn() override {
+    if (claim_) claim_->forgetClaims();
+  }
+
+  bool isDeaf() const override { return hasUnheard(kUnheardTime); }
+
   bool lapsed() override {
     if (!claim_ || !claim_->hasStoodStill()) return false;
     if (sharers() == 0) {
@@ -181,6 +191,7 @@ class DdsPublisher final : public Publisher {
     return neighbours_.possibleRivals(options_.groom_id, options_.claim.has_value());
   }
   std::chrono::milliseconds listenTime() const override {
+    if (hasUnheard(std::chrono::milliseconds(0))) return kUnheardTime + kQuietListenTime;
     // Clients of a discovery server find each other through its own, slower exchange.
     if (possibleRivals() == 0 && options_.discovery_server.empty()) return kQuietListenTime;
     return (options_.keys.empty() ? kRivalListenTime : kSecureRivalListenTime) *
@@ -188,6 +199,11 @@ class DdsPublisher final : public Publisher {
   }
 
  private:
+  /// UDP gets anywhere, but for what is lost and repaired.
+  bool hasUnheard(std::chrono::milliseconds time) const {
+    return options_.profile == DdsProfile::kLocal && neighbours_.hasUnheardDaemon(options_.groom_id, time);
+  }
+
   void write(ShowChunk& chunk) {
     v6::ShowChunk sample;
     toWire(chunk, sample);

@@ -45,8 +45,11 @@ class DdsSubscriber final : public ReceivingSubscriber {
         status_listener_([this](v6::Status& wire, const auto& writer) { receive(wire, writer); },
                          {.left = [this](const auto& writer) { statuses_.remove(writer); },
                           .disposed = [this](const auto& writer) { statuses_.remove(writer); }}) {
-    join(DdsNetwork(options));
-    if (options.profile == DdsProfile::kLocal) watchdog_ = std::thread([this] { watch(); });
+    DdsNetwork network(options);
+    // Statuses and commands are small, and by UDP they get to daemons of other users at once.
+    if (!options.frames) network.uses_shared_memory = false;
+    join(network);
+    if (network.uses_shared_memory) watchdog_ = std::thread([this] { watch(); });
   }
 
   ~DdsSubscriber() override {

@@ -23,7 +23,7 @@ ParameterTable parameterTable(const Parameters& parameters);
 
 /// Behind the parameters a table tells of what else commands steer, each by "KIND:NAME": docs/wire.md,
 /// "Status".
-inline constexpr const char *kToldSource = "fan", *kToldCollider = "collider";
+inline constexpr const char *kToldSource = "fan", *kToldCollider = "collider", *kToldVoid = "void";
 /// How a name of any bytes but control characters stands among others with a space between two: with spaces
 /// and % written as %20 and %25.
 std::string withoutSpaces(const std::string& name);

@@ -91,9 +91,18 @@ class Publisher {
   /// and its first frame is its claim: it has the show by then, or there is none.
   virtual SharedTurn sharedTurn() const { return SharedTurn::kUnshared; }
   /// Of a daemon that shares its groom: true, once, where it stood still for so long (a suspended machine, a
-  /// debugger, a GPU that hangs) that another has taken its turn. From then on it is silent; it joins anew and
-  /// has to take the show before it publishes again.
+  /// debugger, a GPU that hangs) that another has taken its turn. From then on it is silent; it joins anew
+  /// and has to take the show before it publishes again.
   virtual bool lapsed() { return false; }
+  /// Of a daemon that shares its groom and has published no frame: whether the one that casts claims it with
+  /// the same strength. It came first, and this one is to publish none as long as that one casts.
+  virtual bool yields() const { return false; }
+  /// Of a daemon that shares its groom, while another one casts: it claims nothing from now on, until it
+  /// publishes again.
+  virtual void leaveTurn() {}
+  /// Whether a daemon of this groom has been there for longer than its writers take to be found, and nothing
+  /// comes from it, as through shared memory where it runs as another user (DDS, profile `local`).
+  virtual bool isDeaf() const { return false; }
   /// How many others share the groom.
   virtual size_t sharers() const { return 0; }
   /// Whether others have joined since the last show with hair.

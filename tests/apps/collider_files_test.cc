@@ -7,6 +7,7 @@
 #include "apps/channel.h"
 #include "apps/resimulation.h"
 #include "tests/apps/daemon_fixture.h"
+#include "tests/apps/mesh_files.h"
 #include "tests/collision/shapes.h"
 #include "tests/error_of.h"
 #include "tests/groom/sample_files.h"
@@ -18,12 +19,6 @@
 
 namespace strandcast {
 namespace {
-
-void writeObj(const std::filesystem::path& file, const TriangleMesh& mesh) {
-  std::ofstream out(file);
-  for (const Vec3& p : mesh.positions) out << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
-  for (const auto& t : mesh.triangles) out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
-}
 
 // What else is refused: tests/groom/folder_files_test.cc.
 TEST(FilesWithin, AreThoseOfTheFolderAlone) {

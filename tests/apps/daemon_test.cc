@@ -5,11 +5,14 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
 
+#include "apps/backends.h"
+#include "tests/error_of.h"
 #include "transport/command_queue.h"
 #include "transport/parameter_table.h"
 
@@ -70,6 +73,50 @@ TEST_F(DaemonTest, TakesManyStepsByAndBy) {
   EXPECT_NE(answerTo(step(3)).find("998 steps are still to be taken"), std::string::npos);
   EXPECT_EQ(order(CommandKind::kPause, {0}), "");
   EXPECT_NE(answerTo(many).find("997 steps were not taken"), std::string::npos);
+}
+
+TEST_F(DaemonTest, TheAnswerToStepsTellsOfTheStateBehindThem) {
+  EXPECT_EQ(order(CommandKind::kPause, {1}), "");
+  daemon_->setStepping([](const Simulation&) { return true; });
+  EXPECT_EQ(order(CommandKind::kSetParameter, {100, 0, 0}, "wind"), "");
+  for (const double steps : {1.0, 2.0, 30.0}) {
+    EXPECT_EQ(order(CommandKind::kStep, {steps}), "");
+    EXPECT_EQ(subscriber_->status()->simulation_time, seconds()) << steps;
+  }
+  EXPECT_GT(subscriber_->status()->max_stretch, 0) << "measured there";
+}
+
+TEST_F(DaemonTest, TheAnswerTellsWhichParametersThatWereSetDoNothing) {
+  const auto told = [&] {
+    std::string names;
+    for (const auto& [name, values] : toldOf(subscriber_->status()->parameters, kToldVoid))
+      names += name + ' ';
+    return names;
+  };
+  EXPECT_EQ(told(), "");
+  EXPECT_EQ(order(CommandKind::kSetParameter, {0.5}, "gust"), "");
+  EXPECT_EQ(told(), "gust ");
+  EXPECT_EQ(order(CommandKind::kSetParameter, {5}, "iterations"), "");
+  EXPECT_EQ(order(CommandKind::kSetParameter, {1}, "mac_cormack"), "");
+  EXPECT_EQ(told(), "gust iterations mac_cormack ");
+  EXPECT_EQ(order(CommandKind::kSetParameter, {3, 0, 0}, "wind"), "");
+  EXPECT_EQ(told(), "iterations mac_cormack ") << "there is a wind now";
+  EXPECT_EQ(toldOf(subscriber_->status()->parameters, "").size(), parameterList().size());
+}
+
+TEST(Backends, OfTheProcessorAskForNoGpu) {
+  const char* const before = std::getenv("STRANDCAST_GPU");
+  const std::string kept = before != nullptr ? before : "";
+  for (const char* const bad : {"x", "15", "-1"}) {
+    setenv("STRANDCAST_GPU", bad, 1);
+    for (const char* const backend : {"simd", "reference"}) {
+      EXPECT_EQ(errorOf([&] { knownBackends(backend); }), "") << bad << backend;
+      EXPECT_EQ(knownBackends(backend).size(), 2u);
+    }
+  }
+  unsetenv("STRANDCAST_GPU");
+  if (before != nullptr) setenv("STRANDCAST_GPU", kept.c_str(), 1);
+  EXPECT_EQ(knownBackends("none").size(), 3u) << "those to choose among";
 }
 
 TEST_F(DaemonTest, AMotionBeginsWhereTheHeadIs) {

@@ -352,6 +352,15 @@ TEST_F(Programs, InfoTellsCountsAsJson) {
   EXPECT_EQ(info["vertices_min"], 3);
   EXPECT_EQ(info["vertices_max"], 3);
   EXPECT_EQ(info["degenerate_strands"], 1);
+  EXPECT_TRUE(info["width_min"].is_null()) << "such files have none";
+  strands.radii.assign(9, 4e-5f);
+  strands.radii[1] = 1e-5f;
+  writeGroom(folder_ / "g.hair", strands);
+  const std::string widths = program_ + " info " + (folder_ / "g.hair").string() + " --unit-meters 1";
+  const nlohmann::json thick = nlohmann::json::parse(run(widths + " --json").out);
+  EXPECT_FLOAT_EQ(thick["width_min"].get<float>(), 2e-5f);
+  EXPECT_FLOAT_EQ(thick["width_max"].get<float>(), 8e-5f);
+  EXPECT_NE(run(widths).out.find("0.02 to 0.08 mm; not simulated"), std::string::npos);
   EXPECT_FLOAT_EQ(info["bounds_max"][0].get<float>(), 2);
   EXPECT_FLOAT_EQ(info["length_max"].get<float>(), 0.2f);
   EXPECT_TRUE(nlohmann::json::parse(run(program_ + " info --backends --json").out)["backends"].is_array());

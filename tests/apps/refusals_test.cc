@@ -83,6 +83,22 @@ TEST_F(Refusals, ACollidersSizeAndFrictionAreToMakeSense) {
   EXPECT_NE(slippery.err.find("'-1' is not a number from 0 to 10"), std::string::npos) << slippery.err;
 }
 
+TEST_F(Refusals, CommandsAreCheckedBeforeADaemonIsLookedFor) {
+  for (const auto& [words, told] :
+       {std::pair{"pull 1 2 3", "a pull takes 8 numbers, not 3"},
+        {"pull 1 2 3 4 5 6 7", "a pull takes 8 numbers, not 7"},
+        {"set wind 1", "parameter 'wind' takes 3 values, not 1"},
+        {"set air_drag 1 2 3", "parameter 'air_drag' takes 1 value, not 3"},
+        {"collider add b spere 0 0 0 1", "did you mean 'sphere'? choose one of sphere, capsule, plane,"},
+        {"collider add b tapered-capsul 0 0 0 1", "did you mean 'tapered_capsule'?"},
+        {"collider add b kone 0 0 0 1", "there is no shape 'kone'"},
+        {"collider add b box 0 0 0 1", "a box takes 6 numbers, not 4"}}) {
+    const Outcome r = tryFor(10, program_ + " ctl " + words);
+    EXPECT_EQ(r.exit_code, 2) << words << "\n" << r.err;
+    EXPECT_NE(r.err.find(told), std::string::npos) << words << "\n" << r.err;
+  }
+}
+
 TEST_F(Refusals, AColliderFolderIsToBeThere) {
   const Outcome nameless = tryFor(10, daemon_ + " --collider-folder '' --duration 0.1");
   EXPECT_EQ(nameless.exit_code, 2);

@@ -1,17 +1,26 @@
 // How daemons that share a groom hand the show on: two daemons in this process on a channel that hands shows
 // over as bytes.
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <deque>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "apps/daemon.h"
 #include "apps/show_fingerprint.h"
+#include "tests/apps/mesh_files.h"
+#include "tests/collision/shapes.h"
+#include "tests/groom/scratch_folder.h"
 #include "transport/parameter_table.h"
 #include "transport/show.h"
 
@@ -35,6 +44,8 @@ class StageChannel final : public Publisher {
   std::vector<Status> told;      ///< on its own turn
   bool joined = false;           ///< somebody has, and lacks the hair
   bool claims = false;           ///< has published a frame
+  bool is_equal = false;         ///< in strength to whoever casts
+  bool tells_meshes = true;      ///< else as daemons of before
   std::deque<std::vector<uint8_t>> shows;
   uint64_t show_session = 0;
 
@@ -60,9 +71,14 @@ class StageChannel final : public Publisher {
     if (stage_.casts == nullptr) return SharedTurn::kNobodys;
     return stage_.casts == this ? SharedTurn::kOwn : SharedTurn::kAnothers;
   }
+  bool yields() const override { return is_equal && sharedTurn() == SharedTurn::kAnothers; }
+  void leaveTurn() override { claims = false; }
   size_t sharers() const override { return stage_.channels.size() - 1; }
   bool wantsHair() const override { return joined; }
-  void publishShow(const Show& show) override {
+  void publishShow(const Show& told_show) override {
+    Show show = told_show;
+    if (!tells_meshes)
+      std::erase_if(show.entries, [](const ShowEntry& entry) { return entry.name.starts_with("mesh of "); });
     if (show.hasHair()) joined = false;
     for (StageChannel* const other : stage_.channels)
       if (other != this) other->shows.push_back(showBytes(show));
@@ -108,8 +124,9 @@ struct Sharer {
 
 class SharedShow : public ::testing::Test {
  protected:
-  void SetUp() override {
-    first_ = std::make_unique<Sharer>(stage_, fewStrands());
+  void SetUp() override { begin(fewStrands()); }
+  void begin(const Settings& settings) {
+    first_ = std::make_unique<Sharer>(stage_, settings);
     first_->cast(1);
     stage_.casts = &first_->channel;
   }
@@ -128,8 +145,8 @@ class SharedShow : public ::testing::Test {
         "");
   }
   /// Another one joins, and has come to where the first one is.
-  std::unique_ptr<Sharer> join() {
-    auto second = std::make_unique<Sharer>(stage_, fewStrands());
+  std::unique_ptr<Sharer> join(const Settings& settings = fewStrands()) {
+    auto second = std::make_unique<Sharer>(stage_, settings);
     first_->channel.joined = true;
     first_->cast(1);
     second->cast(1);
@@ -280,6 +297,136 @@ TEST_F(SharedShow, WithoutTheShowItWaits) {
   stage_.casts = nullptr;  // and nobody has another one
   second.cast(1);
   EXPECT_TRUE(second.channel.claims);
+}
+
+TEST_F(SharedShow, OfAnEqualClaimStandsByUntilTheOtherOneIsGone) {
+  addBall("ball", 0.1);
+  Sharer second(stage_, fewStrands());
+  second.channel.is_equal = true;
+  first_->channel.joined = true;
+  first_->cast(1);
+  for (int news = 0; news < 20; ++news) {
+    tell();
+    second.cast(1);
+  }
+  EXPECT_FALSE(second.channel.claims) << "it has the show, and leaves the turn to who has it";
+  EXPECT_EQ(second.channel.newest.colliders.size(), 0u);
+  stage_.casts = nullptr;
+  second.cast(1);
+  EXPECT_TRUE(second.channel.claims);
+  EXPECT_EQ(second.channel.newest.colliders.size(), 2u) << "the scene's shoulders, and the ball";
+}
+
+/// Daemons with folders of their own, whose colliders are made of files.
+class SharedMeshes : public SharedShow {
+ protected:
+  void SetUp() override {
+    writeObj(here_ / "stone.obj", shapes::sphere(0.04f, 2));
+    writeObj(here_ / "cube.obj", shapes::box(Vec3(0.05f, 0.02f, 0.03f)));
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+        "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_, true)));
+    begin(of(here_));
+    second_ = join(of(there_));
+  }
+  void TearDown() override { spdlog::set_default_logger(before_); }
+  static Settings of(const ScratchFolder& folder) {
+    Settings settings = fewStrands();
+    settings.scene.body_contact = BodyContact::kSpheres;
+    settings.collider_folder = folder.path();
+    return settings;
+  }
+  /// The one that casts makes a collider of its file, and the other one of the file that it has by that name:
+  /// what that one logs of it, or "made".
+  std::string make(const std::string& name, const std::string& file, PrimitiveKind kind) {
+    ColliderFile collider;
+    collider.name = name;
+    collider.file = file;
+    collider.kind = kind;
+    if (kind == PrimitiveKind::kField) collider.cell = 0.01f;
+    const Command command = colliderFileCommand(collider);
+    const size_t before = second_->channel.newest.colliders.size();
+    log_.str("");
+    order(CommandKind::kAddColliderFile, command.values, command.name);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (std::chrono::steady_clock::now() < end) {
+      tell();
+      second_->cast(1);
+      if (second_->channel.newest.colliders.size() > before) return "made";
+      if (log_.str().find("lacks a collider") != std::string::npos) return log_.str();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return "nothing";
+  }
+
+  const ScratchFolder here_, there_;
+  std::ostringstream log_;
+  const std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
+  std::unique_ptr<Sharer> second_;
+};
+
+TEST_F(SharedMeshes, OfOneMeshAreMadeHoweverItIsWritten) {
+  writeObj(there_ / "stone.obj", shapes::sphere(0.04f, 2));
+  std::ofstream(there_ / "stone.obj", std::ios::app) << "# of another hand\n";
+  writeObj(there_ / "cube.obj", shapes::box(Vec3(0.05f, 0.02f, 0.03f)));
+  EXPECT_EQ(make("a", "stone.obj", PrimitiveKind::kConvex), "made");
+  EXPECT_EQ(make("b", "stone.obj", PrimitiveKind::kField), "made");
+  EXPECT_EQ(make("c d %", "cube.obj", PrimitiveKind::kConvex), "made");
+}
+
+TEST_F(SharedMeshes, OfAnotherMeshAreLackedByName) {
+  TriangleMesh dented = shapes::sphere(0.04f, 2);
+  dented.positions[5] *= 0.999f;  // its grid is the same
+  writeObj(there_ / "stone.obj", dented);
+  writeObj(there_ / "cube.obj", shapes::box(Vec3(0.05f, 0.03f, 0.03f)));
+  const size_t before = second_->channel.newest.colliders.size();
+  for (const auto& [name, file, kind] : {std::tuple{"a", "stone.obj", PrimitiveKind::kField},
+                                         {"b", "stone.obj", PrimitiveKind::kConvex},
+                                         {"c", "cube.obj", PrimitiveKind::kConvex},
+                                         {"c d", "cube.obj", PrimitiveKind::kField}}) {
+    const std::string told = make(name, file, kind);
+    EXPECT_NE(told.find("another mesh than that of the daemon that casts"), std::string::npos) << told;
+    EXPECT_NE(told.find(std::string("collider ") + name + " of the show"), std::string::npos) << told;
+    tell();
+    second_->cast(1);
+    EXPECT_FALSE(second_->channel.claims) << "others that have it take over";
+  }
+  for (const char* const name : {"a", "b", "c", "c d"})
+    EXPECT_EQ(order(CommandKind::kRemoveCollider, {}, name), "");
+  second_->cast(1);  // to where the other one is by now
+  tell();
+  second_->cast(1);
+  EXPECT_TRUE(second_->channel.claims) << "it lacks nothing now";
+  EXPECT_NE(make("a", "stone.obj", PrimitiveKind::kConvex), "made");
+  stage_.casts = nullptr;
+  second_->cast(2);
+  EXPECT_TRUE(second_->channel.claims) << "there is no other one";
+  EXPECT_EQ(second_->channel.newest.colliders.size(), before) << "rather none than another body";
+}
+
+TEST_F(SharedMeshes, OfADaemonThatTellsNoneAreTaken) {
+  first_->channel.tells_meshes = false;
+  writeObj(there_ / "stone.obj", shapes::sphere(0.05f, 2));
+  EXPECT_EQ(make("a", "stone.obj", PrimitiveKind::kConvex), "made");
+}
+
+TEST(ShowFingerprints, NameTheSceneColliderWhoseMeshDiffers) {
+  const auto of = [](const std::map<std::string, uint64_t>& meshes) {
+    Scene scene;
+    scene.mesh_hashes = meshes;
+    return fingerprintOf(scene, {});
+  };
+  const std::string long_name(250, 'x');
+  const auto own = of({{"chair", 5}, {"", 6}, {long_name, 7}});
+  for (const ShowEntry& entry : own) EXPECT_LE(entry.name.size(), 255u);
+  EXPECT_EQ(differenceOf(own, own), "");
+  EXPECT_EQ(differenceOf(own, of({{"chair", 1}, {"", 6}, {long_name, 7}})), "mesh of collider chair");
+  EXPECT_EQ(differenceOf(own, of({{"chair", 5}, {"", 1}, {long_name, 7}})),
+            "meshes of colliders without a name");
+  EXPECT_NE(differenceOf(own, of({{"chair", 5}, {"", 6}, {long_name, 8}})), "");
+  EXPECT_EQ(differenceOf(own, of({})), "") << "of a daemon that tells none";
+  EXPECT_EQ(meshHashIn({meshEntry("a b", ~uint64_t{0})}, "a b"), ~uint64_t{0});
+  EXPECT_EQ(meshHashIn({meshEntry("a b", 3)}, "a"), 0u);
+  EXPECT_EQ(meshHashIn({{ShowKind::kFingerprint, "mesh of added collider a", {1, -1, 1e300}}}, "a"), 0u);
 }
 
 TEST_F(SharedShow, AStandbyOfAnotherSceneIsRefusedAndToldWhatDiffers) {

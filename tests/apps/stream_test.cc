@@ -1,4 +1,6 @@
 // What programs that draw or record a stream rely on.
+#include <csignal>
+
 #include "apps/answer_wait.h"
 #include "apps/channel.h"
 #include "apps/frame_capture.h"
@@ -22,6 +24,21 @@ std::shared_ptr<const Description> described(uint64_t session, uint32_t revision
   made.session = session;
   made.revision = revision;
   return std::make_shared<Description>(made);
+}
+
+TEST(Interrupts, OfEitherKindEndProgramsAlike) {
+  struct sigaction before_int {
+  }, before_term{};
+  sigaction(SIGINT, nullptr, &before_int);
+  sigaction(SIGTERM, nullptr, &before_term);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    catchInterrupts();
+    raise(signal);
+    EXPECT_TRUE(g_interrupted) << signal;
+    g_interrupted = false;
+  }
+  sigaction(SIGINT, &before_int, nullptr);
+  sigaction(SIGTERM, &before_term, nullptr);
 }
 
 TEST(StreamScene, FitsFramesOfItsDaemonAloneAndOnlyWhole) {

@@ -147,6 +147,8 @@ TEST(VoidParameters, AreExplained) {
   parameters.solver = SolverKind::kGaussSeidel;
   EXPECT_EQ(whyVoid(parameters, "damping_time"), "it is of --solver rod");
   EXPECT_EQ(whyVoid(parameters, "iterations"), "");
+  EXPECT_EQ(needOf("mac_cormack"), "it needs wind_grid=1") << "whatever the others are";
+  EXPECT_EQ(needOf("gravity"), "");
 }
 
 }  // namespace

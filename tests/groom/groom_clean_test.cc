@@ -373,6 +373,23 @@ TEST(LoadGroom, AnUnlikelyUnitIsToldOfWithLikelierOnes) {
   EXPECT_TRUE(warningsOf(25, 0.01f).empty());
 }
 
+TEST(LoadGroom, WarnsOfAFileThatIsGivenMoreThanOnce) {
+  const ScratchFolder folder;
+  for (const char* const name : {"a.hair", "b.hair"}) writeFileBytes(folder / name, samples::hair());
+  std::filesystem::create_symlink("a.hair", folder / "link.hair");
+  const auto warned = [&](const std::vector<std::filesystem::path>& files) {
+    size_t lines = 0;
+    for (const std::string& line : loadGroom(files, {1, UpAxis::kZ}).report.warnings)
+      lines += line.find("given more than once") != std::string::npos;
+    return lines;
+  };
+  const auto a = folder / "a.hair", b = folder / "b.hair";
+  EXPECT_EQ(warned({a, b}), 0u) << "alike, but two files";
+  EXPECT_EQ(warned({a, a}), 1u);
+  EXPECT_EQ(warned({a, b, folder.path() / "." / "a.hair"}), 1u);
+  EXPECT_EQ(warned({a, folder / "link.hair", b, b}), 2u);
+}
+
 TEST(LoadGroom, ConvertsUnitAndAxesAndSaysWhenItGuessed) {
   const ScratchFolder folder;
   writeFileBytes(folder / "a.hair", samples::hair());

@@ -238,6 +238,27 @@ TEST_F(ScenePrimitives, AMeshThatIsNotConvexIsRefusedAsAConvexBodyAndTakenAsAMes
   EXPECT_NE(error().find("none.obj"), std::string::npos);
 }
 
+TEST_F(ScenePrimitives, MeshesAreToldApartByNameWhereverTheyStand) {
+  const auto hashes = [&](const Vec3& size, const Vec3& at, const std::string& name) {
+    ScenePrimitive box = of(PrimitiveKind::kConvex, write("box.obj", shapes::box(size)), at);
+    box.name = name;
+    options_.primitives = {box};
+    return makeScene(options_).mesh_hashes;
+  };
+  const Vec3 size(0.1f, 0.02f, 0.1f), at(0, -0.3f, 0);
+  const auto first = hashes(size, at, "box");
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first.count("box"), 1u);
+  EXPECT_EQ(hashes(size, 2 * at, "box"), first) << "its place is the scene's";
+  EXPECT_NE(hashes(1.001f * size, at, "box"), first);
+  const auto unnamed = hashes(size, at, "");
+  EXPECT_EQ(unnamed.count(""), 1u);
+  options_.primitives.push_back(options_.primitives[0]);
+  EXPECT_NE(makeScene(options_).mesh_hashes, unnamed) << "two are not one";
+  options_.primitives.clear();
+  EXPECT_TRUE(makeScene(options_).mesh_hashes.empty());
+}
+
 TEST_F(ScenePrimitives, HairLiesOnThem) {
   const std::filesystem::path slab = write("slab.obj", shapes::box(Vec3(0.2f, 0.01f, 0.2f)));
   const float tip = tipAfter(makeScene(options_), 0).y();

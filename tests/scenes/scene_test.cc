@@ -247,6 +247,8 @@ TEST_F(BallScene, BodiesKeepThickHairOffByItsRadius) {
   const Scene thick = makeScene(options_);
   EXPECT_FLOAT_EQ(thick.parameters.hair_radius, 2e-3f) << "at its thickest";
   EXPECT_TRUE(noted(thick, "hair_radius is 2 mm"));
+  options_.hair_radius_is_set = true;
+  EXPECT_FALSE(noted(makeScene(options_), "hair_radius is")) << "the user says what it is";
   const FieldGrid &thin_grid = fine.bodies[0].primitives[0].field->grid,
                   &grid = thick.bodies[0].primitives[0].field->grid;
   EXPECT_EQ(grid.cell, thin_grid.cell) << "the body is no coarser";

@@ -287,6 +287,30 @@ TEST_F(Dds, AStatusGoesWithTheTurnOfWhoSharesAGroom) {
   EXPECT_TRUE(isTheOne(*late, 22)) << "nor does who comes later hear of it";
 }
 
+TEST_F(Dds, AClaimantYieldsToOneOfItsStrengthThatCasts) {
+  const int domain = testDomain(17);
+  const GroomDescription groom = uniformGroom(10, 4);
+  auto first = claimant(domain, groom, 11, 5);
+  uint64_t number = 0;
+  const auto becomesFirsts = [&](const Publisher& publisher) {
+    return becomesTrue([&] {
+      first->publish(sampleFrame(groom, ++number));
+      return publisher.sharedTurn() == SharedTurn::kAnothers;
+    });
+  };
+  const auto equal = claimant(domain, groom, 22, 5), weaker = claimant(domain, groom, 33, 4),
+             stronger = claimant(domain, groom, 44, 6);
+  for (const Publisher* const other : {equal.get(), weaker.get(), stronger.get()})
+    ASSERT_TRUE(becomesFirsts(*other));
+  EXPECT_TRUE(equal->yields());
+  EXPECT_FALSE(weaker->yields()) << "it stands by in any case";
+  EXPECT_FALSE(stronger->yields());
+  EXPECT_FALSE(first->yields()) << "to itself";
+  first.reset();
+  EXPECT_TRUE(becomesTrue([&] { return equal->sharedTurn() == SharedTurn::kNobodys; }));
+  EXPECT_FALSE(equal->yields());
+}
+
 TEST_F(Dds, AStrongerClaimantSilencesNobodyBeforeItHasFrames) {
   const int domain = testDomain(16);
   const GroomDescription groom = uniformGroom(10, 4);

@@ -1,7 +1,13 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <random>
 #include <thread>
 
@@ -9,6 +15,7 @@
 #include "sample_messages.h"
 #include "transport/dds.h"
 #include "transport/dds_participant.h"
+#include "transport/shared_memory_users.h"
 #include "transport/wire_type_support.h"
 #include "true_within.h"
 
@@ -125,6 +132,64 @@ TEST(Neighbours, ARoleIsReadAsItWasSaid) {
        {"", "strandcast", "strandcast;", "strandcast;daemon;", "strandcast;daemon;x", "strandcast;daemon;7x",
         "strandcast;daemon;4294967296", "strandcast;king;7", "strandcast;reader;7;claim", "other;daemon;7"})
     EXPECT_FALSE(read(none)) << none;
+}
+
+TEST(Neighbours, ADaemonOnSharedMemoryWaitsForOneThatIsThereAndIsNotHeard) {
+  const int domain = testDomain(18);
+  DdsOptions options{domain, 1, 11, {Codec::kFloat32}, 1};
+  options.profile = DdsProfile::kLocal;
+  const auto publisher = makeDdsPublisher(options);
+  const auto becomes = [&](bool waits) {
+    return trueWithin(std::chrono::seconds(5),
+                      [&] { return (publisher->listenTime() > kRivalListenTime) == waits; });
+  };
+  EXPECT_TRUE(becomes(false));
+  const DdsParticipant reader(DdsNetwork(domain), 1, DdsRole{false, 1, false});
+  const DdsParticipant of_another_groom(DdsNetwork(domain), 2, DdsRole{true, 2, true});
+  DdsParticipant silent(DdsNetwork(domain), 1, DdsRole{true, 1, true});
+  EXPECT_TRUE(becomes(true));
+  EXPECT_FALSE(publisher->isDeaf()) << "its writers may yet be found";
+  silent.createWriter(kClaimTopic, new ClaimType, nullptr, 7);
+  EXPECT_TRUE(becomes(false));
+}
+
+TEST(SharedMemoryUsers, AreThoseThatHoldAPortOfTheDomain) {
+  std::string name = (std::filesystem::temp_directory_path() / "strandcast-shm-XXXXXX").string();
+  ASSERT_NE(mkdtemp(name.data()), nullptr);
+  const std::filesystem::path folder = name;
+  const uid_t own = geteuid(), other = own + 1;
+  const auto isShared = [&](int domain, uid_t by) { return anotherUserSharesMemory(domain, by, folder); };
+  EXPECT_FALSE(anotherUserSharesMemory(3, other, folder / "absent"));
+  for (const char* const file : {"fastrtps_port8160", "sem.fastrtps_port8161_mutex", "fastrtps_0123abcd"})
+    std::ofstream(folder / file) << 'x';
+  EXPECT_FALSE(isShared(3, other)) << "nobody holds it";
+  const std::string lock = (folder / "fastrtps_port8160_el").string();
+  const int held = open(lock.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
+  EXPECT_FALSE(isShared(3, other)) << "left behind by a program that was killed";
+  ASSERT_EQ(flock(held, LOCK_EX), 0);
+  EXPECT_TRUE(isShared(3, other));
+  EXPECT_FALSE(isShared(3, own)) << "its own";
+  EXPECT_FALSE(isShared(2, other)) << "of another domain";
+  EXPECT_FALSE(isShared(4, other));
+  close(held);
+  EXPECT_FALSE(isShared(3, other));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Neighbours, TheStrengthOfAClaimIsKnown) {
+  const int domain = testDomain(19);
+  DdsNeighbours neighbours;
+  const DdsParticipant own(DdsNetwork(domain), 1, DdsRole{true, 1, true}, &neighbours);
+  DdsParticipant other(DdsNetwork(domain), 1, DdsRole{true, 1, true});
+  other.createWriter(kStatusTopic, new StatusType, nullptr);
+  other.createWriter(kClaimTopic, new ClaimType, nullptr, 4000000000u);
+  const auto strength = [&]() -> std::optional<uint32_t> {
+    for (const auto& [prefix, since] : neighbours.claimants(1))
+      if (const auto known = neighbours.strengthOf(prefix)) return known;
+    return std::nullopt;
+  };
+  EXPECT_TRUE(trueWithin(std::chrono::seconds(5), [&] { return strength() == 4000000000u; }));
+  EXPECT_FALSE(neighbours.hasUnheardDaemon(1, std::chrono::milliseconds(0)));
 }
 
 TEST(Neighbours, ADaemonListensForLongOnlyWhereARivalMayBe) {
