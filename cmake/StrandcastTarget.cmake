@@ -72,13 +72,21 @@ function(strandcast_library name)
   endif()
 endfunction()
 
-# strandcast_test(NAME SOURCES ... LINK ... [TIMEOUT s] [LABELS ...]): a GoogleTest program, found by ctest under its name. With a
-# sanitizer it has three times as long.
-# The label "threads" marks what the thread sanitizer is run on; the target thread_tests builds all of those. The target
-# quick_tests builds, for the other sanitizers, all that are not labelled slow, gl (needs OpenGL), measures (benchmarks and
-# validation), programs or sources (reads the project's files alone).
+include(GoogleTest)
+
+# strandcast_test(NAME SOURCES ... LINK ... [TIMEOUT s] [LABELS ...] [ENVIRONMENT A=b ...] [ON_NETWORK] [COMPILES_SHADERS cost]
+# [RUN_SERIAL] [FILTER pattern] [WHOLE]): a GoogleTest program. Each of its test cases is one entry of ctest, NAME.SUITE.CASE, found when ctest starts.
+# FILTER: only these cases, as of --gtest_filter.
+# WHOLE: one entry, NAME, for all cases, which share a set-up that takes longer than they do.
+# TIMEOUT: of one entry, 120 s by default; three times that with a sanitizer.
+# LABELS: "threads" marks what the thread sanitizer is run on; the target thread_tests builds all of those. The target quick_tests
+# builds, for the other sanitizers, all that are not labelled slow, gl (needs OpenGL), measures (benchmarks and validation),
+# programs or sources (reads the project's files alone). Every entry also has the label NAME.
+# ON_NETWORK: such entries run one at a time, before the others, because they mostly wait.
+# COMPILES_SHADERS: such entries run one at a time, the highest cost first: llvmpipe compiles programs of the rod for minutes, and
+# the next entry finds them in Mesa's cache on disk.
 function(strandcast_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "ON_NETWORK;RUN_SERIAL;WHOLE" "TIMEOUT;COMPILES_SHADERS;FILTER" "SOURCES;LINK;LABELS;ENVIRONMENT" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -91,8 +99,39 @@ function(strandcast_test name)
   target_compile_definitions(${name} PRIVATE
     STRANDCAST_SOURCE_DIR="${PROJECT_SOURCE_DIR}" STRANDCAST_BINARY_DIR="${PROJECT_BINARY_DIR}")
   target_precompile_headers(${name} REUSE_FROM test_headers)
-  add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
-  set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+
+  set(labels ${name} ${ARG_LABELS})
+  set(properties TIMEOUT ${ARG_TIMEOUT})
+  if(ARG_ON_NETWORK)
+    list(APPEND properties RESOURCE_LOCK network COST 1000)
+  elseif(ARG_COMPILES_SHADERS AND STRANDCAST_GL)
+    list(APPEND properties RESOURCE_LOCK shaders COST ${ARG_COMPILES_SHADERS})
+  endif()
+  if(ARG_RUN_SERIAL)
+    list(APPEND properties RUN_SERIAL ON)
+  endif()
+  if(ARG_WHOLE)
+    add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+    set_tests_properties(${name} PROPERTIES ${properties} LABELS "${labels}" ENVIRONMENT "${ARG_ENVIRONMENT}")
+  else()
+    gtest_discover_tests(${name}
+      TEST_PREFIX ${name}.
+      TEST_FILTER "${ARG_FILTER}"
+      TEST_LIST cases
+      WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}
+      DISCOVERY_MODE PRE_TEST
+      DISCOVERY_TIMEOUT 60)
+    # Given to gtest_discover_tests(), properties that are lists would fall apart.
+    set(more ${CMAKE_CURRENT_BINARY_DIR}/${name}_properties.cmake)
+    list(JOIN properties " " properties)
+    file(CONFIGURE OUTPUT ${more} CONTENT "if(cases)
+  set_tests_properties(\${cases} PROPERTIES ${properties} LABELS \"${labels}\" ENVIRONMENT \"${ARG_ENVIRONMENT}\")
+endif()
+unset(cases)
+" @ONLY)
+    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${more})
+  endif()
+
   foreach(group thread_tests quick_tests)
     if(NOT TARGET ${group})
       add_custom_target(${group})
@@ -104,18 +143,6 @@ function(strandcast_test name)
   if(NOT "${ARG_LABELS}" MATCHES "slow|gl|measures|programs|sources")
     add_dependencies(quick_tests ${name})
   endif()
-endfunction()
-
-# strandcast_on_network(TEST ...): these use the network, so they run one at a time. First, beside what computes: they mostly
-# wait.
-function(strandcast_on_network)
-  set_tests_properties(${ARGN} PROPERTIES RESOURCE_LOCK network COST 1000)
-endfunction()
-
-# strandcast_compiles_shaders(TEST COST): llvmpipe compiles programs of the rod for minutes in it. One such test at a time, of the
-# highest cost first: the next finds what they have in common in Mesa's cache on disk.
-function(strandcast_compiles_shaders test cost)
-  set_tests_properties(${test} PROPERTIES RESOURCE_LOCK shaders COST ${cost})
 endfunction()
 
 # strandcast_fuzzer(NAME SOURCES ... LINK ...): a libFuzzer program with the fuzz preset. tests/ runs the same entry
